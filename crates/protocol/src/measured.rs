@@ -1,0 +1,221 @@
+//! What a motor reports: any value that the wire can carry, with its unit in the type.
+
+use core::fmt;
+
+/// Raw full scale of current and fine position.
+const FULL_SCALE: f32 = 32767.0;
+/// Amps at raw full scale.
+const FULL_SCALE_AMPS: f32 = 8.0;
+/// Degrees at full scale of either position.
+const FULL_SCALE_DEGREES: f32 = 360.0;
+/// Full scale of the one-byte position of a feedback query.
+const COARSE_FULL_SCALE: f32 = 255.0;
+
+/// Speed in revolutions a minute; positive makes the reported angle fall.
+///
+/// Resolution 1 rpm. What may be *commanded* is a [`SpeedTarget`](crate::SpeedTarget).
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Rpm(i16);
+
+impl Rpm {
+    /// A reported speed.
+    #[must_use]
+    pub const fn new(rpm: i16) -> Self {
+        Self(rpm)
+    }
+
+    /// Revolutions a minute, signed.
+    #[must_use]
+    pub const fn rpm(self) -> i16 {
+        self.0
+    }
+
+    /// Revolutions a minute without direction.
+    #[must_use]
+    pub const fn magnitude(self) -> u16 {
+        self.0.unsigned_abs()
+    }
+
+    /// Degrees a second that the *reported angle* moves: it falls at positive speed.
+    #[must_use]
+    pub fn degrees_per_second(self) -> f32 {
+        f32::from(self.0) * -6.0
+    }
+}
+
+/// Torque current as the wire carries it: amps = raw x 8 / 32767.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Current(i16);
+
+impl Current {
+    /// From the raw number.
+    #[must_use]
+    pub const fn from_raw(raw: i16) -> Self {
+        Self(raw)
+    }
+
+    /// The nearest raw number to this many amps; beyond full scale, full scale. Not a number is 0 A.
+    #[must_use]
+    pub fn from_amps(amps: f32) -> Self {
+        Self(nearest_i16(amps * FULL_SCALE / FULL_SCALE_AMPS))
+    }
+
+    /// The raw number.
+    #[must_use]
+    pub const fn raw(self) -> i16 {
+        self.0
+    }
+
+    /// Amps, signed.
+    #[must_use]
+    pub fn amps(self) -> f32 {
+        f32::from(self.0) * FULL_SCALE_AMPS / FULL_SCALE
+    }
+}
+
+/// The fine angle of a drive reply: degrees = raw x 360 / 32767.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Position(u16);
+
+impl Position {
+    /// From the raw number; a motor reports 0-32767.
+    #[must_use]
+    pub const fn from_raw(raw: u16) -> Self {
+        Self(raw)
+    }
+
+    /// The raw number.
+    #[must_use]
+    pub const fn raw(self) -> u16 {
+        self.0
+    }
+
+    /// Degrees, 0-360 for every raw number that a motor reports.
+    #[must_use]
+    pub fn degrees(self) -> f32 {
+        f32::from(self.0) * FULL_SCALE_DEGREES / FULL_SCALE
+    }
+}
+
+/// The one-byte angle of a query reply: degrees = raw x 360 / 255, steps of 1.4 degrees.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CoarsePosition(u8);
+
+impl CoarsePosition {
+    /// From the raw number.
+    #[must_use]
+    pub const fn from_raw(raw: u8) -> Self {
+        Self(raw)
+    }
+
+    /// The raw number.
+    #[must_use]
+    pub const fn raw(self) -> u8 {
+        self.0
+    }
+
+    /// Degrees, 0-360.
+    #[must_use]
+    pub fn degrees(self) -> f32 {
+        f32::from(self.0) * FULL_SCALE_DEGREES / COARSE_FULL_SCALE
+    }
+}
+
+/// Winding temperature in degrees Celsius, 0-255.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Celsius(u8);
+
+impl Celsius {
+    /// Degrees Celsius.
+    #[must_use]
+    pub const fn new(degrees: u8) -> Self {
+        Self(degrees)
+    }
+
+    /// Degrees Celsius.
+    #[must_use]
+    pub const fn degrees(self) -> u8 {
+        self.0
+    }
+}
+
+/// Rounds half away from zero and saturates; `core` has no `round`.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, which is what is meant"
+)]
+pub(crate) fn nearest_i16(value: f32) -> i16 {
+    (if value < 0.0 {
+        value - 0.5
+    } else {
+        value + 0.5
+    }) as i16
+}
+
+/// A signed number with the sign always shown and a real minus, as the page shows all of them.
+struct Signed<T>(T);
+
+impl fmt::Display for Signed<i16> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.0 < 0 { '\u{2212}' } else { '+' };
+        write!(f, "{sign}{}", self.0.unsigned_abs())
+    }
+}
+
+impl fmt::Display for Signed<f32> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.0 < 0.0 { '\u{2212}' } else { '+' };
+        write!(f, "{sign}{:.*}", f.precision().unwrap_or(2), self.0.abs())
+    }
+}
+
+/// `+100 rpm`
+impl fmt::Display for Rpm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} rpm", Signed(self.0))
+    }
+}
+
+/// `+0.175 A`
+impl fmt::Display for Current {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.3} A", Signed(self.amps()))
+    }
+}
+
+/// `66.96°`
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.2}°", self.degrees())
+    }
+}
+
+/// `347.3°`
+impl fmt::Display for CoarsePosition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.1}°", self.degrees())
+    }
+}
+
+/// `32 °C`
+impl fmt::Display for Celsius {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} °C", self.0)
+    }
+}
+
+macro_rules! debug_as_display {
+    ($($type:ty),*) => {$(
+        impl fmt::Debug for $type {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                fmt::Display::fmt(self, f)
+            }
+        }
+    )*};
+}
+debug_as_display!(Rpm, Current, Position, CoarsePosition, Celsius);

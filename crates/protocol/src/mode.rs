@@ -1,0 +1,71 @@
+//! The three loops that the firmware can close.
+
+use core::fmt;
+
+/// The active loop, which decides how a drive frame's value is read.
+///
+/// A motor powers up in the velocity loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Mode {
+    /// Torque: the value is a raw current. Byte 1 is 1.
+    Current,
+    /// Speed: the value is in rpm. Byte 1 is 2.
+    Velocity,
+    /// Angle: the value is a raw position. Byte 1 is 3.
+    Position,
+}
+
+/// A mode byte other than 1, 2 and 3.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnknownMode(pub u8);
+
+impl Mode {
+    /// All three, in the order of their bytes.
+    pub const ALL: [Self; 3] = [Self::Current, Self::Velocity, Self::Position];
+
+    /// The byte that stands for this mode in replies and mode switches.
+    #[must_use]
+    pub const fn byte(self) -> u8 {
+        match self {
+            Self::Current => 1,
+            Self::Velocity => 2,
+            Self::Position => 3,
+        }
+    }
+
+    /// The mode that this byte stands for.
+    ///
+    /// # Errors
+    /// Gives back a byte that stands for none.
+    pub const fn from_byte(byte: u8) -> Result<Self, UnknownMode> {
+        match byte {
+            1 => Ok(Self::Current),
+            2 => Ok(Self::Velocity),
+            3 => Ok(Self::Position),
+            other => Err(UnknownMode(other)),
+        }
+    }
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Current => "current loop",
+            Self::Velocity => "velocity loop",
+            Self::Position => "position loop",
+        })
+    }
+}
+
+impl fmt::Display for UnknownMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "mode byte {:02X} is none of 01 current, 02 velocity, 03 position",
+            self.0
+        )
+    }
+}
+
+impl core::error::Error for UnknownMode {}

@@ -1,0 +1,154 @@
+//! Frames from a motor.
+
+use core::fmt;
+
+use crate::{
+    Celsius, CoarsePosition, Current, Faults, Frame, Mode, MotorId, MotorIdError, Position, Rpm,
+    UnknownMode,
+};
+
+/// What bytes 6 and 7 of a reply mean. Only what was asked tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Layout {
+    /// Of a drive frame or the ID query: the fine position.
+    Drive,
+    /// Of a feedback query: temperature and the coarse position.
+    Query,
+}
+
+/// What a motor reports in one frame.
+///
+/// | byte | content |
+/// |---|---|
+/// | 0 | ID |
+/// | 1 | mode |
+/// | 2-3 | torque current, i16 big-endian |
+/// | 4-5 | velocity in rpm, i16 big-endian |
+/// | 6-7 | [`Detail`], by [`Layout`] |
+/// | 8 | [`Faults`] |
+/// | 9 | CRC |
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Reply {
+    /// Who reports.
+    pub id: MotorId,
+    /// The loop that the motor closes.
+    pub mode: Mode,
+    /// Torque current.
+    pub current: Current,
+    /// Speed of the wheel.
+    pub speed: Rpm,
+    /// Bytes 6 and 7.
+    pub detail: Detail,
+    /// What is wrong.
+    pub faults: Faults,
+}
+
+/// Bytes 6 and 7 of a reply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Detail {
+    /// In [`Layout::Drive`].
+    Drive {
+        /// Big-endian in bytes 6 and 7.
+        position: Position,
+    },
+    /// In [`Layout::Query`].
+    Query {
+        /// Byte 6.
+        temperature: Celsius,
+        /// Byte 7.
+        position: CoarsePosition,
+    },
+    /// It is not known what was asked, so the bytes are kept and given no meaning.
+    Undetermined([u8; 2]),
+}
+
+/// Why ten bytes are no reply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReplyError {
+    /// Byte 9 is not the CRC of the rest.
+    BadCrc {
+        /// The CRC that bytes 0-8 ask for.
+        expected: u8,
+        /// Byte 9.
+        found: u8,
+    },
+    /// Byte 0 is no motor's address.
+    BadId(MotorIdError),
+    /// Byte 1 stands for no mode. A request that was echoed fails here.
+    BadMode(UnknownMode),
+}
+
+impl Reply {
+    /// Reads ten bytes by what was asked; with `None`, bytes 6 and 7 stay undetermined.
+    ///
+    /// # Errors
+    /// A wrong CRC, an address that no motor has, or an unknown mode, checked in this order.
+    pub fn decode(frame: &Frame, asked: Option<Layout>) -> Result<Self, ReplyError> {
+        let &[id, mode, i_hi, i_lo, v_hi, v_lo, d0, d1, faults, found] = frame.bytes();
+        let expected = frame.crc_expected();
+        if found != expected {
+            return Err(ReplyError::BadCrc { expected, found });
+        }
+        Ok(Self {
+            id: MotorId::new(id).map_err(ReplyError::BadId)?,
+            mode: Mode::from_byte(mode).map_err(ReplyError::BadMode)?,
+            current: Current::from_raw(i16::from_be_bytes([i_hi, i_lo])),
+            speed: Rpm::new(i16::from_be_bytes([v_hi, v_lo])),
+            detail: match asked {
+                Some(Layout::Drive) => Detail::Drive {
+                    position: Position::from_raw(u16::from_be_bytes([d0, d1])),
+                },
+                Some(Layout::Query) => Detail::Query {
+                    temperature: Celsius::new(d0),
+                    position: CoarsePosition::from_raw(d1),
+                },
+                None => Detail::Undetermined([d0, d1]),
+            },
+            faults: Faults::from_byte(faults),
+        })
+    }
+
+    /// The ten bytes that a motor sends for this reply.
+    #[must_use]
+    pub fn frame(&self) -> Frame {
+        let [i_hi, i_lo] = self.current.raw().to_be_bytes();
+        let [v_hi, v_lo] = self.speed.rpm().to_be_bytes();
+        let [d0, d1] = match self.detail {
+            Detail::Drive { position } => position.raw().to_be_bytes(),
+            Detail::Query {
+                temperature,
+                position,
+            } => [temperature.degrees(), position.raw()],
+            Detail::Undetermined(bytes) => bytes,
+        };
+        let (id, mode) = (self.id.get(), self.mode.byte());
+        Frame::with_crc([id, mode, i_hi, i_lo, v_hi, v_lo, d0, d1, self.faults.byte()])
+    }
+
+    /// This reply without a meaning for bytes 6 and 7.
+    #[must_use]
+    pub fn undetermined(self) -> Self {
+        let &[.., d0, d1, _, _] = self.frame().bytes();
+        Self {
+            detail: Detail::Undetermined([d0, d1]),
+            ..self
+        }
+    }
+}
+
+impl fmt::Display for ReplyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BadCrc { expected, found } => {
+                write!(f, "CRC is {found:02X}, should be {expected:02X}")
+            }
+            Self::BadId(error) => error.fmt(f),
+            Self::BadMode(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for ReplyError {}

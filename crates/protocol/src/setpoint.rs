@@ -1,0 +1,126 @@
+//! What a motor is to do, and the drive frame that says so.
+
+use core::fmt;
+
+use crate::{Acceleration, CurrentTarget, Mode, PositionTarget, SpeedTarget};
+
+/// What a motor is to do, in the loop that it belongs to.
+///
+/// **Zero is not "stop"**: it is 0 rpm in the velocity loop, coasting in the current loop and a move
+/// to 0 degrees in the position loop. So a setpoint always knows its loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Setpoint {
+    /// Hold a speed.
+    Velocity {
+        /// The speed.
+        speed: SpeedTarget,
+        /// How gently to reach it.
+        acceleration: Acceleration,
+    },
+    /// Brake in the velocity loop, with 0 rpm. It holds only as long as frames keep coming.
+    Brake,
+    /// Hold a torque current.
+    Current(CurrentTarget),
+    /// Go to an angle and hold it.
+    Position(PositionTarget),
+}
+
+impl Setpoint {
+    /// A speed at the motor's own acceleration.
+    #[must_use]
+    pub const fn velocity(speed: SpeedTarget) -> Self {
+        Self::Velocity {
+            speed,
+            acceleration: Acceleration::DEFAULT,
+        }
+    }
+
+    /// The loop in which this setpoint means what it says.
+    #[must_use]
+    pub const fn mode(self) -> Mode {
+        match self {
+            Self::Velocity { .. } | Self::Brake => Mode::Velocity,
+            Self::Current(_) => Mode::Current,
+            Self::Position(_) => Mode::Position,
+        }
+    }
+}
+
+/// `+100 rpm`, `brake`, `+0.488 A`, `90.00°`
+impl fmt::Display for Setpoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Velocity { speed, .. } => speed.fmt(f),
+            Self::Brake => f.write_str("brake"),
+            Self::Current(target) => target.fmt(f),
+            Self::Position(target) => target.fmt(f),
+        }
+    }
+}
+
+/// The variable part of a drive frame, before any loop gives it a meaning.
+///
+/// | byte | content |
+/// |---|---|
+/// | 2-3 | value, big-endian: rpm (i16), raw current (i16) or raw position (u16), by the active loop |
+/// | 6 | [`Acceleration`], velocity loop only |
+/// | 7 | 0xFF brakes, any other value does nothing; velocity loop only |
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Drive {
+    /// Bytes 2 and 3.
+    pub value: [u8; 2],
+    /// Byte 6.
+    pub acceleration: Acceleration,
+    /// Byte 7.
+    pub brake: u8,
+}
+
+impl Drive {
+    /// Byte 7 of a frame that brakes.
+    pub const BRAKE: u8 = 0xFF;
+
+    /// The value as a signed number: rpm or raw current.
+    #[must_use]
+    pub const fn signed(self) -> i16 {
+        i16::from_be_bytes(self.value)
+    }
+
+    /// The value as an unsigned number: raw position.
+    #[must_use]
+    pub const fn unsigned(self) -> u16 {
+        u16::from_be_bytes(self.value)
+    }
+
+    /// Whether the frame asks for the brake.
+    #[must_use]
+    pub const fn brakes(self) -> bool {
+        self.brake == Self::BRAKE
+    }
+}
+
+impl From<Setpoint> for Drive {
+    fn from(setpoint: Setpoint) -> Self {
+        let plain = |value| Self {
+            value,
+            acceleration: Acceleration::DEFAULT,
+            brake: 0,
+        };
+        match setpoint {
+            Setpoint::Velocity {
+                speed,
+                acceleration,
+            } => Self {
+                acceleration,
+                ..plain(speed.rpm().to_be_bytes())
+            },
+            Setpoint::Brake => Self {
+                brake: Self::BRAKE,
+                ..plain([0, 0])
+            },
+            Setpoint::Current(target) => plain(target.raw().to_be_bytes()),
+            Setpoint::Position(target) => plain(target.raw().to_be_bytes()),
+        }
+    }
+}

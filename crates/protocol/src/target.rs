@@ -1,0 +1,267 @@
+//! What may be asked of a motor: values that are in range because their type says so.
+
+use core::fmt;
+
+use crate::measured::{Current, Position, Rpm, nearest_i16};
+
+/// A value outside its range. The text names the range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutOfRange {
+    /// What was asked.
+    pub value: i32,
+    /// Least allowed value.
+    pub min: i32,
+    /// Greatest allowed value.
+    pub max: i32,
+    /// What is measured, with its unit.
+    pub quantity: &'static str,
+}
+
+impl fmt::Display for OutOfRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            value,
+            min,
+            max,
+            quantity,
+        } = self;
+        write!(f, "{quantity} goes from {min} to {max}; {value} is outside")
+    }
+}
+
+impl core::error::Error for OutOfRange {}
+
+const fn checked(
+    value: i32,
+    min: i32,
+    max: i32,
+    quantity: &'static str,
+) -> Result<i32, OutOfRange> {
+    if value < min || value > max {
+        Err(OutOfRange {
+            value,
+            min,
+            max,
+            quantity,
+        })
+    } else {
+        Ok(value)
+    }
+}
+
+/// A commanded speed, -330 to 330 rpm (the range of the velocity loop in the maker's manual).
+///
+/// The motor itself does not reach 330: at 18 V it runs at about 200 rpm without load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
+pub struct SpeedTarget(i16);
+
+impl SpeedTarget {
+    /// Least target in rpm.
+    pub const MIN: i32 = -330;
+    /// Greatest target in rpm.
+    pub const MAX: i32 = 330;
+    /// 0 rpm: hold still. Not the same as stopping.
+    pub const ZERO: Self = Self(0);
+
+    /// A target in rpm.
+    ///
+    /// # Errors
+    /// Outside -330..=330.
+    pub const fn new(rpm: i32) -> Result<Self, OutOfRange> {
+        match checked(rpm, Self::MIN, Self::MAX, "speed in rpm") {
+            Ok(rpm) => Ok(Self::clamped(rpm)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The nearest target to this many rpm.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the value was clamped to a range inside i16"
+    )]
+    pub const fn clamped(rpm: i32) -> Self {
+        Self(if rpm < Self::MIN {
+            Self::MIN as i16
+        } else if rpm > Self::MAX {
+            Self::MAX as i16
+        } else {
+            rpm as i16
+        })
+    }
+
+    /// Revolutions a minute.
+    #[must_use]
+    pub const fn rpm(self) -> i16 {
+        self.0
+    }
+}
+
+/// A commanded torque current, raw -32767 to 32767 = -8 A to 8 A.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
+pub struct CurrentTarget(i16);
+
+impl CurrentTarget {
+    /// Least raw target.
+    pub const MIN: i32 = -32767;
+    /// Greatest raw target.
+    pub const MAX: i32 = 32767;
+    /// 0 A: the wheel coasts.
+    pub const ZERO: Self = Self(0);
+
+    /// A raw target.
+    ///
+    /// # Errors
+    /// Outside -32767..=32767.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the value was checked to be inside i16"
+    )]
+    pub const fn new(raw: i32) -> Result<Self, OutOfRange> {
+        match checked(raw, Self::MIN, Self::MAX, "raw current") {
+            Ok(raw) => Ok(Self(raw as i16)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The nearest target to this many amps; not a number is 0 A.
+    #[must_use]
+    pub fn from_amps(amps: f32) -> Self {
+        Self(Current::from_amps(amps).raw().max(-i16::MAX))
+    }
+
+    /// The raw number.
+    #[must_use]
+    pub const fn raw(self) -> i16 {
+        self.0
+    }
+
+    /// Amps.
+    #[must_use]
+    pub fn amps(self) -> f32 {
+        Current::from_raw(self.0).amps()
+    }
+}
+
+/// A commanded angle, raw 0 to 32767 = 0 to 360 degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
+pub struct PositionTarget(u16);
+
+impl PositionTarget {
+    /// Least raw target.
+    pub const MIN: i32 = 0;
+    /// Greatest raw target.
+    pub const MAX: i32 = 32767;
+
+    /// A raw target.
+    ///
+    /// # Errors
+    /// Outside 0..=32767.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the value was checked to be inside 0..=32767"
+    )]
+    pub const fn new(raw: i32) -> Result<Self, OutOfRange> {
+        match checked(raw, Self::MIN, Self::MAX, "raw position") {
+            Ok(raw) => Ok(Self(raw as u16)),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The nearest target to an angle of 0 to 360 degrees; outside it, the nearer end.
+    #[must_use]
+    pub fn from_degrees(degrees: f32) -> Self {
+        Self(nearest_i16(degrees * 32767.0 / 360.0).max(0).unsigned_abs())
+    }
+
+    /// The raw number.
+    #[must_use]
+    pub const fn raw(self) -> u16 {
+        self.0
+    }
+
+    /// Degrees.
+    #[must_use]
+    pub fn degrees(self) -> f32 {
+        Position::from_raw(self.0).degrees()
+    }
+}
+
+/// A reported position above full scale is held at full scale.
+impl From<Position> for PositionTarget {
+    fn from(position: Position) -> Self {
+        Self(position.raw().min(i16::MAX.unsigned_abs()))
+    }
+}
+
+macro_rules! through_i32 {
+    ($($type:ty),*) => {$(
+        impl TryFrom<i32> for $type {
+            type Error = OutOfRange;
+
+            fn try_from(value: i32) -> Result<Self, Self::Error> {
+                Self::new(value)
+            }
+        }
+
+        impl From<$type> for i32 {
+            fn from(target: $type) -> Self {
+                target.0.into()
+            }
+        }
+    )*};
+}
+through_i32!(SpeedTarget, CurrentTarget, PositionTarget);
+
+/// Byte 6 of a drive frame in the velocity loop: a time per rpm, so *larger is gentler*.
+///
+/// About 3.6 ms per rpm per unit plus 60 ms (measured on real units). 0 means the default, which is
+/// 1, the fastest. 3-5 is soft; at 20 the wheel reaches 41 rpm in 3 s. It does nothing on the way
+/// down. Range 0-255.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Acceleration(u8);
+
+impl Acceleration {
+    /// The motor's own default, which is its fastest.
+    pub const DEFAULT: Self = Self(0);
+    /// The default, said aloud.
+    pub const FASTEST: Self = Self(1);
+
+    /// From the byte.
+    #[must_use]
+    pub const fn new(byte: u8) -> Self {
+        Self(byte)
+    }
+
+    /// The byte.
+    #[must_use]
+    pub const fn byte(self) -> u8 {
+        self.0
+    }
+}
+
+impl fmt::Display for SpeedTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Rpm::new(self.0).fmt(f)
+    }
+}
+
+impl fmt::Display for CurrentTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Current::from_raw(self.0).fmt(f)
+    }
+}
+
+impl fmt::Display for PositionTarget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Position::from_raw(self.0).fmt(f)
+    }
+}
