@@ -1,0 +1,92 @@
+//! What a world starts as.
+
+use std::time::Duration;
+
+use motorlink_protocol::MotorId;
+
+use crate::WireFaults;
+
+/// A motor as it stands on the shelf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotorConfig {
+    /// The address in its flash. Default 1, as new motors have.
+    pub id: MotorId,
+    /// The reported angle at the start, 0-360 degrees. Default 0.
+    pub angle_deg: f32,
+    /// The air round it, which is also where the winding starts, in degrees Celsius. Default 28: the
+    /// captures show 30 to 32 in motors that had been on for a while.
+    pub ambient_c: f32,
+    /// Supply voltage. Default 18, the rated one.
+    pub supply_v: f32,
+    /// A load that opposes motion, in N.m. Default 0.
+    pub load_nm: f32,
+    /// How long a drive frame is obeyed. Default 100 ms: the maker only says that it does not latch
+    /// and asks for 50 Hz or more, so five missed frames are taken as too many.
+    pub latch: Duration,
+    /// Mode switch frames for the same mode before it is taken. Default 1; hosts are told to send
+    /// five, so any number up to 5 is plausible. Drive frames in between do not matter.
+    pub mode_switch_frames: u8,
+    /// Set-ID frames in a row before the ID is taken. Default 5 (DDSM115); M0601 units are reported
+    /// to take more.
+    pub set_id_frames: u8,
+}
+
+impl MotorConfig {
+    /// A motor with this address and everything else by default.
+    #[must_use]
+    pub fn new(id: MotorId) -> Self {
+        Self {
+            id,
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for MotorConfig {
+    fn default() -> Self {
+        Self {
+            id: MotorId::FIRST,
+            angle_deg: 0.0,
+            ambient_c: 28.0,
+            supply_v: 18.0,
+            load_nm: 0.0,
+            latch: Duration::from_millis(100),
+            mode_switch_frames: 1,
+            set_id_frames: 5,
+        }
+    }
+}
+
+/// Motors, wire and chance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldConfig {
+    /// The same seed gives the same bytes at the same times.
+    pub seed: u64,
+    /// The motors on the wire. Default: one with ID 1.
+    pub motors: Vec<MotorConfig>,
+    /// From the last byte of a request to the first of its reply. Default 600 us.
+    pub turnaround: Duration,
+    /// What is wrong with the wire. Default: nothing.
+    pub faults: WireFaults,
+}
+
+impl WorldConfig {
+    /// Default motors with these addresses on a good wire.
+    pub fn with_ids(ids: impl IntoIterator<Item = MotorId>) -> Self {
+        Self {
+            motors: ids.into_iter().map(MotorConfig::new).collect(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for WorldConfig {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            motors: vec![MotorConfig::default()],
+            turnaround: Duration::from_micros(600),
+            faults: WireFaults::default(),
+        }
+    }
+}

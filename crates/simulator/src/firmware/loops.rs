@@ -1,0 +1,133 @@
+//! The three loops and the brake: from a drive frame's value to the power stage.
+
+use std::f64::consts::TAU;
+
+use motorlink_protocol::{Current, Drive, PositionTarget, SpeedTarget};
+
+use crate::physics::{Bridge, CURRENT_LIMIT_A, STEP_S, rad_s, rpm};
+
+use super::{
+    Sense,
+    speed_loop::SpeedLoop,
+    speed_profile::{SpeedProfile, towards},
+};
+
+/// Position loop: rad/s per radian of error. Half a turn takes 0.8 s to within a degree.
+const POSITION_GAIN_PER_S: f64 = 8.0;
+/// Position loop: its greatest speed (120 rpm).
+const POSITION_SPEED_MAX_RAD_S: f64 = 12.6;
+/// Position loop: its greatest change of speed, 0.3 N.m in the wheel's inertia.
+const POSITION_ACCEL_RAD_S2: f64 = 300.0;
+/// Position loop: an error above this means that motion is wanted (3 degrees).
+const POSITION_MOVES_RAD: f64 = 0.052;
+/// Velocity loop: a target above this means that motion is wanted.
+const VELOCITY_MOVES_RPM: f64 = 0.5;
+/// Current loop: a current above this moves a free wheel for sure (bearing friction takes 0.002 A).
+const CURRENT_MOVES_A: f64 = 0.1;
+
+/// The active loop with what it remembers.
+#[derive(Clone, Debug)]
+pub(crate) enum Loops {
+    /// Nothing is driven.
+    Idle,
+    /// Shorted windings.
+    Brake,
+    /// Velocity.
+    Velocity {
+        profile: SpeedProfile,
+        speed: SpeedLoop,
+        target_rpm: f64,
+    },
+    /// Torque current.
+    Current { amps: f64 },
+    /// Angle.
+    Position {
+        wanted_rad_s: f64,
+        speed: SpeedLoop,
+        error_rad: f64,
+    },
+}
+
+impl Loops {
+    /// Whether the command asks the wheel to turn, so that a standing wheel is a blocked one.
+    pub(crate) fn want_motion(&self) -> bool {
+        match self {
+            Self::Idle | Self::Brake => false,
+            Self::Velocity { target_rpm, .. } => target_rpm.abs() > VELOCITY_MOVES_RPM,
+            Self::Current { amps } => amps.abs() > CURRENT_MOVES_A,
+            Self::Position { error_rad, .. } => error_rad.abs() > POSITION_MOVES_RAD,
+        }
+    }
+
+    pub(crate) fn brake(&mut self) -> Bridge {
+        *self = Self::Brake;
+        Bridge::Short
+    }
+
+    /// Zero is no torque at all: the wheel coasts.
+    pub(crate) fn current(&mut self, drive: Drive) -> Bridge {
+        let amps = f64::from(Current::from_raw(drive.signed()).amps());
+        let amps = amps.clamp(-CURRENT_LIMIT_A, CURRENT_LIMIT_A);
+        *self = Self::Current { amps };
+        if amps == 0.0 {
+            Bridge::Open
+        } else {
+            Bridge::Drive { amps }
+        }
+    }
+
+    pub(crate) fn velocity(&mut self, drive: Drive, sense: &Sense) -> Bridge {
+        let actual_rpm = rpm(sense.speed_rad_s);
+        let wanted_rpm = f64::from(SpeedTarget::clamped(drive.signed().into()).rpm());
+        if !matches!(self, Self::Velocity { .. }) {
+            *self = Self::Velocity {
+                profile: SpeedProfile::from(actual_rpm),
+                speed: SpeedLoop::default(),
+                target_rpm: wanted_rpm,
+            };
+        }
+        let Self::Velocity {
+            profile,
+            speed,
+            target_rpm,
+        } = self
+        else {
+            return Bridge::Open;
+        };
+        *target_rpm = wanted_rpm;
+        let now_rpm = profile.step(wanted_rpm, drive.acceleration, actual_rpm);
+        Bridge::Drive {
+            amps: speed.step(rad_s(now_rpm), sense),
+        }
+    }
+
+    /// The shortest way to the angle, then hold it.
+    pub(crate) fn position(&mut self, drive: Drive, sense: &Sense) -> Bridge {
+        if !matches!(self, Self::Position { .. }) {
+            *self = Self::Position {
+                wanted_rad_s: sense.speed_rad_s,
+                speed: SpeedLoop::default(),
+                error_rad: 0.0,
+            };
+        }
+        let Self::Position {
+            wanted_rad_s,
+            speed,
+            error_rad,
+        } = self
+        else {
+            return Bridge::Open;
+        };
+        let full_scale = f64::from(PositionTarget::MAX);
+        let target_turn = f64::from(drive.unsigned()).min(full_scale) / full_scale;
+        // The reported angle falls at positive speed, so the wheel has to go to minus the angle.
+        let behind = (-target_turn - sense.turns + 0.5).rem_euclid(1.0) - 0.5;
+        *error_rad = behind * TAU;
+        let goal_rad_s = (*error_rad * POSITION_GAIN_PER_S)
+            .clamp(-POSITION_SPEED_MAX_RAD_S, POSITION_SPEED_MAX_RAD_S);
+        *wanted_rad_s = towards(*wanted_rad_s, goal_rad_s, POSITION_ACCEL_RAD_S2 * STEP_S);
+        Bridge::Drive {
+            amps: speed.step(*wanted_rad_s, sense),
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What the motor's controller does with the frames that it hears.
+
+mod frame_rate;
+mod loops;
+mod mode_row;
+mod protection;
+mod set_id;
+mod speed_loop;
+mod speed_profile;
+
+use motorlink_protocol::{Drive, Faults, Instant, Layout, Mode, MotorId, Request, RequestError};
+
+use crate::{MotorConfig, physics::Bridge};
+use frame_rate::FrameRate;
+use loops::Loops;
+use mode_row::ModeRow;
+use protection::Protections;
+use set_id::SetIdRow;
+
+/// The position loop is refused at or above this (maker's manual).
+const POSITION_MODE_BELOW_RPM: f64 = 10.0;
+
+/// What the controller can measure.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sense {
+    pub(crate) speed_rad_s: f64,
+    pub(crate) turns: f64,
+    pub(crate) phase_a: f64,
+    pub(crate) bus_a: f64,
+    pub(crate) winding_c: f64,
+    /// Torque current that voltage and limit allow now.
+    pub(crate) range_a: (f64, f64),
+    pub(crate) encoder_broken: bool,
+}
+
+/// A drive frame that is still obeyed.
+#[derive(Clone, Copy, Debug)]
+struct Command {
+    drive: Drive,
+    heard: Instant,
+}
+
+/// A controller with power: what is lost without it. The ID in flash is given at the start.
+#[derive(Clone, Debug)]
+pub(crate) struct Firmware {
+    id: MotorId,
+    mode: Mode,
+    command: Option<Command>,
+    drive_heard: Option<Instant>,
+    loops: Loops,
+    mode_row: ModeRow,
+    set_id: SetIdRow,
+    frame_rate: FrameRate,
+    protections: Protections,
+    latch: core::time::Duration,
+}
+
+impl Firmware {
+    /// Power-up: the velocity loop, the ID last stored, every budget full.
+    pub(crate) fn power_up(id: MotorId, config: &MotorConfig) -> Self {
+        Self {
+            id,
+            mode: Mode::Velocity,
+            command: None,
+            drive_heard: None,
+            loops: Loops::Idle,
+            mode_row: ModeRow::new(config.mode_switch_frames),
+            set_id: SetIdRow::new(config.set_id_frames),
+            frame_rate: FrameRate::default(),
+            protections: Protections::default(),
+            latch: config.latch,
+        }
+    }
+
+    pub(crate) const fn id(&self) -> MotorId {
+        self.id
+    }
+
+    pub(crate) const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    pub(crate) fn faults(&self) -> Faults {
+        self.protections.faults()
+    }
+
+    /// Whether a drive frame was heard within the latch time before `now`.
+    pub(crate) fn is_driven(&self, now: Instant) -> bool {
+        self.drive_heard
+            .is_some_and(|heard| now.since(heard) <= self.latch)
+    }
+
+    /// Whether the power stage does nothing and no timer runs, so that time may be skipped.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.command.is_none() && matches!(self.loops, Loops::Idle) && self.protections.are_idle()
+    }
+
+    /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
+    pub(crate) fn hear(
+        &mut self,
+        heard: Result<Request, RequestError>,
+        now: Instant,
+        speed_rpm: f64,
+    ) -> Option<Layout> {
+        if let Ok(Request::SetId { id }) = heard {
+            // All motors hear it; the rate limit does not apply to what nobody answers in time.
+            self.id = self.set_id.hear(id).map_or(self.id, MotorId::from);
+            return None;
+        }
+        // Five in a row means that any other frame on the wire starts the count anew.
+        self.set_id.interrupt();
+        let request = heard.ok()?;
+        if request.addressee().is_some_and(|id| id != self.id) || !self.frame_rate.admits(now) {
+            return None;
+        }
+        match request {
+            Request::Drive { drive, .. } => self.drive(drive, now),
+            Request::SwitchMode { mode, .. } => self.switch_mode(mode, speed_rpm),
+            Request::Query { .. } | Request::IdQuery | Request::SetId { .. } | Request::Raw(_) => {}
+        }
+        request.answered_in()
+    }
+
+    /// While a protection is active a drive frame is answered but not obeyed (maker's manual).
+    fn drive(&mut self, drive: Drive, now: Instant) {
+        self.drive_heard = Some(now);
+        if self.protections.faults().is_none() {
+            self.command = Some(Command { drive, heard: now });
+        }
+    }
+
+    fn switch_mode(&mut self, mode: Mode, speed_rpm: f64) {
+        if !self.mode_row.hear(mode) || mode == self.mode {
+            return;
+        }
+        if mode == Mode::Position && speed_rpm.abs() >= POSITION_MODE_BELOW_RPM {
+            return;
+        }
+        self.mode = mode;
+        // The old value means something else in the new loop: nothing is driven until the next frame.
+        self.command = None;
+        self.loops = Loops::Idle;
+    }
+
+    /// One step: what the power stage is to do until the next.
+    pub(crate) fn step(&mut self, now: Instant, sense: &Sense) -> Bridge {
+        let wants_motion = self.command.is_some() && self.loops.want_motion();
+        self.protections.update(now, sense, wants_motion);
+        let expired = |command: &Command| now.since(command.heard) > self.latch;
+        if !self.protections.faults().is_none() || self.command.as_ref().is_some_and(expired) {
+            self.command = None;
+        }
+        let Some(Command { drive, .. }) = self.command else {
+            self.loops = Loops::Idle;
+            return Bridge::Open;
+        };
+        match self.mode {
+            Mode::Velocity if drive.brakes() => self.loops.brake(),
+            Mode::Velocity => self.loops.velocity(drive, sense),
+            Mode::Current => self.loops.current(drive),
+            Mode::Position => self.loops.position(drive, sense),
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! How many mode switch frames it takes.
+
+use motorlink_protocol::Mode;
+
+/// Counts frames for one mode. Frames for another mode start anew, other frames do not matter: hosts
+/// drive on while they switch.
+#[derive(Clone, Debug)]
+pub(crate) struct ModeRow {
+    needed: u8,
+    row: Option<(Mode, u8)>,
+}
+
+impl ModeRow {
+    pub(crate) const fn new(needed: u8) -> Self {
+        Self { needed, row: None }
+    }
+
+    /// Whether this frame completes the row. The next one starts another.
+    pub(crate) fn hear(&mut self, mode: Mode) -> bool {
+        let heard = match self.row {
+            Some((same, heard)) if same == mode => heard.saturating_add(1),
+            _ => 1,
+        };
+        let complete = heard >= self.needed;
+        self.row = (!complete).then_some((mode, heard));
+        complete
+    }
+}

@@ -1,0 +1,47 @@
+//! When a set-ID frame takes effect.
+
+use motorlink_protocol::AssignableId;
+
+/// Five in a row for the same ID, once per power cycle.
+#[derive(Clone, Debug)]
+pub(crate) enum SetIdRow {
+    /// This many have come in a row.
+    Open {
+        /// Frames that it takes.
+        needed: u8,
+        /// The ID and how often.
+        row: Option<(AssignableId, u8)>,
+    },
+    /// Done in this power cycle.
+    Spent,
+}
+
+impl SetIdRow {
+    pub(crate) const fn new(needed: u8) -> Self {
+        Self::Open { needed, row: None }
+    }
+
+    /// The ID to store, if this frame completes the row.
+    pub(crate) fn hear(&mut self, id: AssignableId) -> Option<AssignableId> {
+        let Self::Open { needed, row } = self else {
+            return None;
+        };
+        let heard = match *row {
+            Some((same, heard)) if same == id => heard.saturating_add(1),
+            _ => 1,
+        };
+        if heard >= *needed {
+            *self = Self::Spent;
+            return Some(id);
+        }
+        *row = Some((id, heard));
+        None
+    }
+
+    /// Another frame came in between.
+    pub(crate) const fn interrupt(&mut self) {
+        if let Self::Open { row, .. } = self {
+            *row = None;
+        }
+    }
+}

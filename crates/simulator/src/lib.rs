@@ -1,0 +1,47 @@
+//! Virtual hub motors on a virtual half-duplex wire.
+//!
+//! A [`World`] holds motors of the M0601/DDSM115 design, the two wires that they share with a host,
+//! and the faults that real adapters and cables add. It has no clock, no thread and no port: time is
+//! an argument, and one seed gives one course of events to the byte, however often it is looked at.
+//! The same crate runs in the page as the virtual bus and natively behind a pty.
+//!
+//! | folder | what it is |
+//! |---|---|
+//! | `firmware/` | what the motor's controller does with a frame: loops, rules, protections |
+//! | `physics/` | the wheel, the windings, their heat, the encoder |
+//! | `wire/` | bytes on the air with their times and collisions, and the faults round them |
+//!
+//! It is made to hold the published figures of the motor (see `tests/`), not to predict a design.
+//!
+//! # Example
+//!
+//! ```
+//! use motorlink_protocol::{Instant, Layout, MotorId, Reply, Request, Setpoint, SpeedTarget};
+//! use motorlink_simulator::{World, WorldConfig};
+//!
+//! let mut world = World::new(WorldConfig::default());
+//! let drive = Request::drive(MotorId::FIRST, Setpoint::velocity(SpeedTarget::new(100)?));
+//! world.transmit(Instant::ZERO, drive.frame().bytes());
+//!
+//! // 868 us for the request, 600 us turnaround, 868 us for the reply.
+//! let chunk = world.receive(Instant::from_micros(2336)).ok_or("silence")?;
+//! let frame = motorlink_protocol::Frame::new(chunk.bytes.as_slice().try_into()?);
+//! assert_eq!(Reply::decode(&frame, Some(Layout::Drive))?.id, MotorId::FIRST);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod config;
+mod convert;
+mod firmware;
+mod motor;
+mod physics;
+mod random;
+mod traffic;
+mod wire;
+mod world;
+
+pub use config::{MotorConfig, WorldConfig};
+pub use motor::VirtualMotor;
+pub use traffic::{Speaker, Traffic};
+pub use wire::{Chunk, Echo, Split, WireFaults};
+pub use world::World;

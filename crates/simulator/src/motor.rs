@@ -1,0 +1,358 @@
+//! One motor: firmware on physics, and what a test may do to it by hand.
+
+use motorlink_protocol::{
+    Celsius, Current, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Reply, Request,
+    RequestError, Rpm,
+};
+
+use crate::{
+    MotorConfig,
+    convert::{narrow, nearest_i16, nearest_u8},
+    firmware::{Firmware, Sense},
+    physics::{
+        Bridge, DRY_FRICTION_NM, Encoder, Flow, Heat, Leak, Push, STEP, STEP_S, VISCOUS_NM_S,
+        Wheel, Winding, rpm,
+    },
+    random::Random,
+};
+
+/// Noise of the reported current while the wheel turns, to either side. Captures at +100 rpm have raw
+/// 0 to 1475 round a mean of 995: 0.24 A to one side and 0.12 A to the other.
+const NOISE_TURNING_A: f64 = 0.21;
+/// Reported current of a motor at rest: raw 6 to 10 in captures.
+const REST_A: f64 = 0.002;
+/// Its noise, to either side.
+const NOISE_REST_A: f64 = 0.0005;
+
+/// Whether 18 V are there. Without them only the flash remembers.
+#[derive(Clone, Debug)]
+enum Power {
+    On(Box<Firmware>),
+    Off { stored: MotorId },
+}
+
+/// A motor of the world. Its getters tell the truth, not what a reply rounds it to.
+///
+/// What one does to it by hand takes effect at its present: advance the world first.
+#[derive(Clone, Debug)]
+pub struct VirtualMotor {
+    config: MotorConfig,
+    power: Power,
+    wheel: Wheel,
+    heat: Heat,
+    flow: Flow,
+    load_nm: f64,
+    push_nm: f64,
+    leak: Leak,
+    encoder_broken: bool,
+    muted: bool,
+    noise: Random,
+    /// The last step that was taken.
+    now: Instant,
+}
+
+impl VirtualMotor {
+    pub(crate) fn new(config: MotorConfig, noise: Random, now: Instant) -> Self {
+        Self {
+            power: Power::On(Box::new(Firmware::power_up(config.id, &config))),
+            wheel: Wheel::at(-f64::from(config.angle_deg) / 360.0),
+            heat: Heat::at(f64::from(config.ambient_c)),
+            flow: Flow::default(),
+            load_nm: f64::from(config.load_nm),
+            push_nm: 0.0,
+            leak: Leak::default(),
+            encoder_broken: false,
+            muted: false,
+            noise,
+            now: on_grid(now),
+            config,
+        }
+    }
+
+    /// Its address now; without power, the one in its flash.
+    #[must_use]
+    pub fn id(&self) -> MotorId {
+        match &self.power {
+            Power::On(firmware) => firmware.id(),
+            Power::Off { stored } => *stored,
+        }
+    }
+
+    /// The loop that it closes; without power, the one that it will wake up in.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.firmware().map_or(Mode::Velocity, Firmware::mode)
+    }
+
+    /// What is wrong with it; nothing is reported without power.
+    #[must_use]
+    pub fn faults(&self) -> Faults {
+        self.firmware().map_or(Faults::NONE, Firmware::faults)
+    }
+
+    /// Whether a drive frame was heard within the latch time, obeyed or not.
+    #[must_use]
+    pub fn is_driven(&self) -> bool {
+        self.firmware()
+            .is_some_and(|firmware| firmware.is_driven(self.now))
+    }
+
+    /// Whether it has its supply.
+    #[must_use]
+    pub const fn is_powered(&self) -> bool {
+        matches!(self.power, Power::On(_))
+    }
+
+    /// True speed in rpm, not rounded; exactly 0 at standstill.
+    #[must_use]
+    pub fn speed_rpm(&self) -> f32 {
+        narrow(rpm(self.wheel.speed_rad_s()))
+    }
+
+    /// The angle as it is reported: in encoder counts of 0.088 degrees, falling at positive speed.
+    #[must_use]
+    pub fn angle_deg(&self) -> f32 {
+        narrow(Encoder::read(self.wheel.turns()).degrees())
+    }
+
+    /// Turns in the direction of positive speed, from a reported angle of 0.
+    #[must_use]
+    pub fn turns(&self) -> f32 {
+        narrow(self.wheel.turns())
+    }
+
+    /// Torque current in amps as it is reported, without noise.
+    #[must_use]
+    pub const fn current_a(&self) -> f32 {
+        narrow(self.flow.reported_a)
+    }
+
+    /// Torque of the windings in N.m.
+    #[must_use]
+    pub const fn torque_nm(&self) -> f32 {
+        narrow(self.flow.torque_nm())
+    }
+
+    /// Winding temperature in degrees Celsius.
+    #[must_use]
+    pub const fn temperature_c(&self) -> f32 {
+        narrow(self.heat.winding_c())
+    }
+
+    /// A load that opposes motion, like a hand on the tyre, in N.m.
+    pub fn set_load_nm(&mut self, load_nm: f32) {
+        self.load_nm = f64::from(load_nm).max(0.0);
+    }
+
+    /// A torque from outside that does not ask for the direction of motion, like a weight on a rope;
+    /// positive pushes towards positive speed, in N.m.
+    pub fn set_push_nm(&mut self, push_nm: f32) {
+        self.push_nm = f64::from(push_nm);
+    }
+
+    /// Holds the wheel so that it cannot turn, or lets go.
+    pub const fn block(&mut self, blocked: bool) {
+        self.wheel.block(blocked);
+    }
+
+    /// Takes the supply away or gives it back. Off and on again is a power cycle: the velocity loop,
+    /// the stored ID, no protection active, and one set-ID more.
+    pub fn power(&mut self, on: bool) {
+        match (&self.power, on) {
+            (Power::On(firmware), false) => {
+                self.power = Power::Off {
+                    stored: firmware.id(),
+                };
+            }
+            (Power::Off { stored }, true) => {
+                let firmware = Firmware::power_up(*stored, &self.config);
+                self.power = Power::On(Box::new(firmware));
+            }
+            _ => {}
+        }
+    }
+
+    /// Cuts its answers off, as a broken sender would; it still hears and obeys.
+    pub const fn mute(&mut self, muted: bool) {
+        self.muted = muted;
+    }
+
+    /// Brings the winding to a temperature now; from there it goes its way.
+    pub fn set_temperature_c(&mut self, celsius: f32) {
+        self.heat.set_winding_c(f64::from(celsius));
+    }
+
+    /// The temperature of the air round it, towards which the winding goes in minutes.
+    pub fn set_ambient_c(&mut self, celsius: f32) {
+        self.heat.set_ambient_c(f64::from(celsius));
+    }
+
+    /// A defect that draws so much more while the power stage works: in a phase and from the supply.
+    /// The healthy motor limits itself to 2.7 A and would never trip an overcurrent protection.
+    pub fn set_leak_a(&mut self, phase_a: f32, bus_a: f32) {
+        self.leak = Leak {
+            phase_a: f64::from(phase_a),
+            bus_a: f64::from(bus_a),
+        };
+    }
+
+    /// Breaks or mends the encoder. It shows in the fault byte; the angle stays right.
+    pub const fn break_encoder(&mut self, broken: bool) {
+        self.encoder_broken = broken;
+    }
+
+    /// The world's first moment, before which nothing happened.
+    pub(crate) fn start_at(&mut self, now: Instant) {
+        self.now = on_grid(now);
+    }
+
+    const fn firmware(&self) -> Option<&Firmware> {
+        match &self.power {
+            Power::On(firmware) => Some(firmware),
+            Power::Off { .. } => None,
+        }
+    }
+
+    /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
+    pub(crate) fn hear(
+        &mut self,
+        heard: Result<Request, RequestError>,
+        now: Instant,
+    ) -> Option<Layout> {
+        self.advance(now);
+        let speed_rpm = rpm(self.wheel.speed_rad_s());
+        match &mut self.power {
+            Power::On(firmware) => firmware.hear(heard, now, speed_rpm),
+            Power::Off { .. } => None,
+        }
+    }
+
+    /// What it says now, unless it has no power or no voice.
+    pub(crate) fn report(&mut self, layout: Layout) -> Option<Frame> {
+        if self.muted || !self.is_powered() {
+            return None;
+        }
+        let encoder = Encoder::read(self.wheel.turns());
+        let detail = match layout {
+            Layout::Drive => Detail::Drive {
+                position: encoder.fine(),
+            },
+            Layout::Query => Detail::Query {
+                temperature: Celsius::new(nearest_u8(self.heat.winding_c())),
+                position: encoder.coarse(),
+            },
+        };
+        let reply = Reply {
+            id: self.id(),
+            mode: self.mode(),
+            current: Current::from_amps(narrow(self.measured_a())),
+            speed: Rpm::new(nearest_i16(rpm(self.wheel.speed_rad_s()))),
+            detail,
+            faults: self.faults(),
+        };
+        Some(reply.frame())
+    }
+
+    /// The reported current with its noise, which a motor at rest hardly has.
+    fn measured_a(&mut self) -> f64 {
+        let either_side = self.noise.unit() + self.noise.unit() - 1.0;
+        let turning = !self.wheel.stands() && self.flow != Flow::default();
+        let (rest_a, noise_a) = if turning {
+            (0.0, NOISE_TURNING_A)
+        } else {
+            (REST_A, NOISE_REST_A)
+        };
+        self.flow.reported_a + rest_a + either_side * noise_a
+    }
+
+    /// Steps up to `to`.
+    pub(crate) fn advance(&mut self, to: Instant) {
+        while self.now + STEP <= to {
+            if self.is_at_rest() {
+                self.skip(to);
+            } else {
+                self.now = self.now + STEP;
+                self.step();
+            }
+            if is_heat_step(self.now) {
+                self.heat.settle();
+                self.sense_protections();
+            }
+        }
+    }
+
+    fn step(&mut self) {
+        let sense = self.sense();
+        let bridge = match &mut self.power {
+            Power::On(firmware) => firmware.step(self.now, &sense),
+            Power::Off { .. } => Bridge::Open,
+        };
+        let speed_rad_s = self.wheel.speed_rad_s();
+        self.flow = self.winding().flow(bridge, speed_rad_s, self.leak);
+        self.heat.add_j(self.flow.loss_w() * STEP_S);
+        self.wheel.step(Push {
+            torque_nm: self.flow.torque_nm() + self.push_nm,
+            dry_nm: DRY_FRICTION_NM + self.load_nm,
+            viscous_nm_s: VISCOUS_NM_S,
+        });
+    }
+
+    /// Nothing turns, flows or is timed: only heat goes on.
+    fn is_at_rest(&self) -> bool {
+        self.wheel.stands()
+            && self.push_nm == 0.0
+            && self.flow == Flow::default()
+            && !self.encoder_broken
+            && self.firmware().is_none_or(Firmware::is_idle)
+    }
+
+    /// To the next heat step, or as far as there are whole steps.
+    fn skip(&mut self, to: Instant) {
+        let heat_us = micros(Heat::STEP);
+        let next_heat = Instant::from_micros((self.now.as_micros() / heat_us + 1) * heat_us);
+        self.now = on_grid(to).min(next_heat);
+    }
+
+    /// At rest the firmware does not step, but it still watches the temperature.
+    fn sense_protections(&mut self) {
+        if self.is_at_rest() {
+            let sense = self.sense();
+            if let Power::On(firmware) = &mut self.power {
+                firmware.step(self.now, &sense);
+            }
+        }
+    }
+
+    fn sense(&self) -> Sense {
+        let speed_rad_s = self.wheel.speed_rad_s();
+        Sense {
+            speed_rad_s,
+            turns: self.wheel.turns(),
+            phase_a: self.flow.phase_a,
+            bus_a: self.flow.bus_a,
+            winding_c: self.heat.winding_c(),
+            range_a: self.winding().range_a(speed_rad_s),
+            encoder_broken: self.encoder_broken,
+        }
+    }
+
+    fn winding(&self) -> Winding {
+        Winding::on(f64::from(self.config.supply_v))
+    }
+}
+
+fn micros(duration: std::time::Duration) -> u64 {
+    u64::try_from(duration.as_micros())
+        .unwrap_or(u64::MAX)
+        .max(1)
+}
+
+/// The last step at or before this moment.
+fn on_grid(now: Instant) -> Instant {
+    let step_us = micros(STEP);
+    Instant::from_micros(now.as_micros() / step_us * step_us)
+}
+
+fn is_heat_step(now: Instant) -> bool {
+    now.as_micros().is_multiple_of(micros(Heat::STEP))
+}

@@ -1,0 +1,162 @@
+//! The host's end of the wire: applies the faults, and keeps what has arrived until it is fetched.
+
+use std::{collections::VecDeque, time::Duration};
+
+use motorlink_protocol::{FRAME_LEN, Frame, Instant};
+
+use crate::random::Random;
+
+use super::{Echo, WireFaults, host_ear::Run};
+
+/// Chunks kept for a host that does not read; the oldest are lost first, as in a serial driver.
+const CHUNKS_MAX: usize = 1024;
+/// Bytes at which a holding adapter delivers before its timer (a full USB packet of FTDI's chips).
+const PACKET_MAX: usize = 62;
+
+/// Bytes that reach the host at one moment, as one read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chunk {
+    /// When.
+    pub at: Instant,
+    /// What.
+    pub bytes: Vec<u8>,
+}
+
+/// Faults and what is on its way to the host.
+#[derive(Clone, Debug)]
+pub(crate) struct Adapter {
+    faults: WireFaults,
+    chance: Random,
+    /// In order of time.
+    arriving: VecDeque<Chunk>,
+}
+
+impl Adapter {
+    pub(crate) const fn new(faults: WireFaults, chance: Random) -> Self {
+        Self {
+            faults,
+            chance,
+            arriving: VecDeque::new(),
+        }
+    }
+
+    pub(crate) fn set_faults(&mut self, faults: WireFaults) {
+        self.faults = faults;
+    }
+
+    pub(crate) const fn echo(&self) -> Echo {
+        self.faults.echo
+    }
+
+    /// A request on its way to the motors.
+    pub(crate) fn request(&mut self, frame: Frame) -> Option<Frame> {
+        if self.chance.chance(self.faults.lose_request) {
+            return None;
+        }
+        let mut bytes = *frame.bytes();
+        if self.chance.chance(self.faults.corrupt_request) {
+            self.flip(&mut bytes);
+        }
+        Some(Frame::new(bytes))
+    }
+
+    /// A run of bytes on its way to the host.
+    pub(crate) fn deliver(&mut self, run: Run) {
+        let Run {
+            echo: mut bytes,
+            mut reply,
+            end,
+        } = run;
+        if !reply.is_empty() {
+            if self.chance.chance(self.faults.lose_reply) {
+                reply.clear();
+            }
+            if self.chance.chance(self.faults.corrupt_reply) {
+                self.flip(&mut reply);
+            }
+            self.add_strays(&mut reply);
+        }
+        bytes.append(&mut reply);
+        self.split(end, &bytes);
+    }
+
+    /// What has arrived by now, one chunk at a time.
+    pub(crate) fn receive(&mut self, now: Instant) -> Option<Chunk> {
+        if self.arriving.front()?.at > now {
+            return None;
+        }
+        self.arriving.pop_front()
+    }
+
+    pub(crate) fn next_arrival(&self) -> Option<Instant> {
+        self.arriving.front().map(|chunk| chunk.at)
+    }
+
+    /// One bit of one byte.
+    fn flip(&mut self, bytes: &mut [u8]) {
+        let place = self.chance.below(bytes.len());
+        let bit = self.chance.byte() % 8;
+        if let Some(byte) = bytes.get_mut(place) {
+            *byte ^= 1 << bit;
+        }
+    }
+
+    fn add_strays(&mut self, reply: &mut Vec<u8>) {
+        if !self.chance.chance(self.faults.stray) {
+            return;
+        }
+        let count = 1 + self.chance.below(3);
+        let place = if self.chance.chance(0.5) {
+            0
+        } else {
+            reply.len()
+        };
+        for _ in 0..count {
+            reply.insert(place, self.chance.byte());
+        }
+    }
+
+    fn split(&mut self, end: Instant, bytes: &[u8]) {
+        let Some(split) = self.faults.split else {
+            return self.arrive(end, bytes);
+        };
+        let mut rest = bytes;
+        let mut at = end;
+        for _ in 1..split.pieces_max.min(FRAME_LEN) {
+            if rest.len() < 2 {
+                break;
+            }
+            let (piece, after) = rest.split_at(1 + self.chance.below(rest.len() - 1));
+            self.arrive(at, piece);
+            rest = after;
+            at = at + split.gap_max.mul_f64(self.chance.unit());
+        }
+        self.arrive(at, rest);
+    }
+
+    /// Queues a piece, behind what came before and held as long as the adapter holds.
+    fn arrive(&mut self, at: Instant, bytes: &[u8]) {
+        if bytes.is_empty() {
+            return;
+        }
+        if self.faults.hold > Duration::ZERO {
+            // The timer runs from the first byte held; what comes meanwhile goes with it.
+            let room = |chunk: &&mut Chunk| chunk.at > at && chunk.bytes.len() < PACKET_MAX;
+            if let Some(held) = self.arriving.back_mut().filter(room) {
+                held.bytes.extend_from_slice(bytes);
+                if held.bytes.len() >= PACKET_MAX {
+                    held.at = at;
+                }
+                return;
+            }
+        }
+        let after = self.arriving.back().map_or(Instant::ZERO, |chunk| chunk.at);
+        if self.arriving.len() >= CHUNKS_MAX {
+            self.arriving.pop_front();
+        }
+        self.arriving.push_back(Chunk {
+            at: (at + self.faults.hold).max(after),
+            bytes: bytes.to_vec(),
+        });
+    }
+}

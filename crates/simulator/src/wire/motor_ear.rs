@@ -1,0 +1,53 @@
+//! How motors find frames in the host's bytes.
+
+use motorlink_protocol::{FRAME_LEN, Frame, Instant};
+
+use super::{FRAME_GAP, Passed};
+
+/// Ten bytes of the host.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HostFrame {
+    /// Start of the first byte.
+    pub(crate) start: Instant,
+    /// As the host sent it.
+    pub(crate) sent: Frame,
+    /// As the motors hear it.
+    pub(crate) heard: Frame,
+}
+
+/// Every ten bytes are a frame; silence starts anew.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MotorEar {
+    sent: [u8; FRAME_LEN],
+    heard: [u8; FRAME_LEN],
+    filled: usize,
+    start: Instant,
+    last_end: Instant,
+}
+
+impl MotorEar {
+    /// A byte of the host passed. Gives the frame that it completes.
+    pub(crate) fn hear(&mut self, byte: Passed) -> Option<HostFrame> {
+        if byte.start.since(self.last_end) > FRAME_GAP {
+            self.filled = 0;
+        }
+        self.last_end = byte.end;
+        if self.filled == 0 {
+            self.start = byte.start;
+        }
+        let places = (
+            self.sent.get_mut(self.filled),
+            self.heard.get_mut(self.filled),
+        );
+        if let (Some(sent), Some(heard)) = places {
+            *sent = byte.sent;
+            *heard = byte.heard;
+        }
+        self.filled = (self.filled + 1) % FRAME_LEN;
+        (self.filled == 0).then(|| HostFrame {
+            start: self.start,
+            sent: Frame::new(self.sent),
+            heard: Frame::new(self.heard),
+        })
+    }
+}

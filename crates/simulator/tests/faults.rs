@@ -1,0 +1,232 @@
+//! What adapters and cables do to bytes, one fault at a time.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a broken expectation is a failed test"
+)]
+
+mod bench;
+
+use std::time::Duration;
+
+use bench::{Bench, ONE, ms, speed, us};
+use motorlink_protocol::{Frame, Layout, Reply, Request};
+use motorlink_simulator::{Chunk, Echo, Split, WireFaults, WorldConfig};
+
+const QUERY: Request = Request::Query { id: ONE };
+
+fn with(faults: WireFaults) -> Bench {
+    Bench::new(WorldConfig {
+        faults,
+        ..WorldConfig::default()
+    })
+}
+
+/// All chunks of one exchange, with their times since its start.
+fn chunks(bench: &mut Bench) -> Vec<(Duration, Vec<u8>)> {
+    let start = bench.now;
+    bench.world.transmit(start, QUERY.frame().bytes());
+    bench.now = bench.now + ms(40);
+    std::iter::from_fn(|| bench.world.receive(start + ms(40)))
+        .map(|Chunk { at, bytes }| (at.since(start), bytes))
+        .collect()
+}
+
+fn is_reply(bytes: &[u8]) -> bool {
+    <[u8; 10]>::try_from(bytes)
+        .is_ok_and(|bytes| Reply::decode(&Frame::new(bytes), Some(Layout::Query)).is_ok())
+}
+
+#[test]
+fn an_echo_comes_whole_in_front_of_the_reply() {
+    let mut bench = with(WireFaults {
+        echo: Echo::Whole,
+        ..WireFaults::default()
+    });
+    let heard = chunks(&mut bench);
+    assert_eq!(heard.len(), 2);
+    assert_eq!(heard[0], (us(868), QUERY.frame().bytes().to_vec()));
+    assert!(is_reply(&heard[1].1));
+}
+
+/// motor.md: a cut echo in front of a reply shifts the frame.
+#[test]
+fn a_cut_echo_shifts_the_reply() {
+    let mut bench = with(WireFaults {
+        echo: Echo::Cut(3),
+        ..WireFaults::default()
+    });
+    let heard = bench.send(QUERY.frame());
+    assert_eq!(heard.len(), 13);
+    assert_eq!(heard[..3], QUERY.frame().bytes()[..3]);
+    assert!(!is_reply(&heard[..10]));
+    assert!(is_reply(&heard[3..]));
+    // Every frame again, not only the first.
+    assert_eq!(bench.send(QUERY.frame()).len(), 13);
+}
+
+#[test]
+fn lost_replies_are_lost_to_the_host_alone() {
+    let mut bench = with(WireFaults {
+        lose_reply: 0.25,
+        ..WireFaults::default()
+    });
+    let heard = (0..400)
+        .filter(|_| !bench.send(QUERY.frame()).is_empty())
+        .count();
+    assert!((270..330).contains(&heard), "{heard} of 400");
+    assert_eq!(
+        bench.world.drain_traffic().count(),
+        800,
+        "all were on the wire"
+    );
+}
+
+#[test]
+fn lost_requests_do_not_drive() {
+    let mut bench = with(WireFaults {
+        lose_request: 1.0,
+        ..WireFaults::default()
+    });
+    bench.drive_for(speed(100), ms(500));
+    assert!(!bench.motor().is_driven());
+    assert_eq!(bench.motor().speed_rpm().to_bits(), 0);
+}
+
+#[test]
+fn a_corrupt_reply_has_one_bit_wrong() {
+    let mut good = with(WireFaults::default());
+    let mut bad = with(WireFaults {
+        corrupt_reply: 1.0,
+        ..WireFaults::default()
+    });
+    for _ in 0..100 {
+        let (good, bad) = (good.send(QUERY.frame()), bad.send(QUERY.frame()));
+        let wrong: u32 = good
+            .iter()
+            .zip(&bad)
+            .map(|(good, bad)| (good ^ bad).count_ones())
+            .sum();
+        assert_eq!((wrong, bad.len()), (1, 10));
+        assert!(!is_reply(&bad), "a CRC finds every single bit");
+    }
+}
+
+#[test]
+fn a_corrupt_request_is_not_answered() {
+    let mut bench = with(WireFaults {
+        corrupt_request: 1.0,
+        ..WireFaults::default()
+    });
+    for _ in 0..100 {
+        assert_eq!(bench.send(QUERY.frame()), []);
+    }
+}
+
+#[test]
+fn stray_bytes_come_before_or_after_a_reply() {
+    let mut bench = with(WireFaults {
+        stray: 1.0,
+        ..WireFaults::default()
+    });
+    let (mut before, mut after) = (0, 0);
+    for _ in 0..100 {
+        let heard = bench.send(QUERY.frame());
+        assert!((11..=13).contains(&heard.len()), "{heard:?}");
+        before += usize::from(is_reply(&heard[heard.len() - 10..]));
+        after += usize::from(is_reply(&heard[..10]));
+    }
+    assert!(before > 25 && after > 25, "{before} {after}");
+}
+
+#[test]
+fn a_split_reply_comes_in_pieces_that_make_the_whole() {
+    let mut bench = with(WireFaults {
+        split: Some(Split::default()),
+        ..WireFaults::default()
+    });
+    let mut pieces_seen = [0; 4];
+    for _ in 0..100 {
+        let heard = chunks(&mut bench);
+        pieces_seen[heard.len()] += 1;
+        assert_eq!(heard[0].0, us(2336));
+        assert!(heard.is_sorted_by_key(|(at, _)| *at));
+        assert!(heard.last().unwrap().0 <= us(2336 + 2000));
+        assert!(is_reply(&heard.concat_bytes()));
+    }
+    assert_eq!(pieces_seen[0] + pieces_seen[1], 0);
+    assert!(pieces_seen[2] > 5 && pieces_seen[3] > 50, "{pieces_seen:?}");
+}
+
+trait ConcatBytes {
+    fn concat_bytes(&self) -> Vec<u8>;
+}
+
+impl ConcatBytes for Vec<(Duration, Vec<u8>)> {
+    fn concat_bytes(&self) -> Vec<u8> {
+        self.iter().flat_map(|(_, bytes)| bytes.clone()).collect()
+    }
+}
+
+/// motor.md: FTDI chips hold received bytes for up to 16 ms.
+#[test]
+fn a_held_reply_comes_late() {
+    let mut bench = with(WireFaults {
+        hold: ms(16),
+        ..WireFaults::default()
+    });
+    let heard = chunks(&mut bench);
+    assert_eq!(heard.len(), 1);
+    assert_eq!(heard[0].0, us(2336) + ms(16));
+    assert!(is_reply(&heard[0].1));
+}
+
+#[test]
+fn a_holding_adapter_delivers_echo_and_reply_together() {
+    let mut bench = with(WireFaults {
+        echo: Echo::Whole,
+        hold: ms(16),
+        ..WireFaults::default()
+    });
+    let heard = chunks(&mut bench);
+    assert_eq!(heard.len(), 1);
+    assert_eq!(
+        heard[0].0,
+        us(868) + ms(16),
+        "the timer runs from the first byte"
+    );
+    assert_eq!(heard[0].1.len(), 20);
+}
+
+#[test]
+fn a_holding_adapter_delivers_a_full_packet_at_once() {
+    let mut bench = with(WireFaults {
+        echo: Echo::Whole,
+        hold: ms(16),
+        ..WireFaults::default()
+    });
+    let start = bench.now;
+    for millis in [0, 4, 8, 12] {
+        bench
+            .world
+            .transmit(start + ms(millis), QUERY.frame().bytes());
+    }
+    let chunk = bench.world.receive(start + ms(40)).expect("a packet");
+    assert!(chunk.bytes.len() >= 62, "{}", chunk.bytes.len());
+    assert!(chunk.at < start + ms(16));
+}
+
+#[test]
+fn faults_can_be_changed_while_it_runs() {
+    let mut bench = with(WireFaults::default());
+    assert!(bench.ask(QUERY).is_some());
+    bench.world.set_faults(WireFaults {
+        lose_reply: 1.0,
+        ..WireFaults::default()
+    });
+    assert!(bench.ask(QUERY).is_none());
+    bench.world.set_faults(WireFaults::default());
+    assert!(bench.ask(QUERY).is_some());
+}

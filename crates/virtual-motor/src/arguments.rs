@@ -1,0 +1,184 @@
+//! The command line, read once into a world and where to show it.
+
+use std::{ops::RangeInclusive, path::PathBuf, time::Duration};
+
+use clap::{Parser, error::ErrorKind};
+use motorlink_protocol::MotorId;
+use motorlink_simulator::{Echo, MotorConfig, Split, WireFaults, WorldConfig};
+
+use crate::failure::Failure;
+
+/// Longest turnaround and latency taken: beyond a second no host waits.
+const DELAY_MAX: u64 = 1_000_000;
+
+/// Virtual M0601/DDSM115 hub motors on a pseudo-terminal.
+///
+/// Prints `ready <path>` when a serial program may open that path (115200 8N1). Commands on standard
+/// input, one a line, each answered by `ok ..` or `error: ..`: `block 1 on|off`, `load 1 <N.m>`,
+/// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`.
+#[derive(Debug, Parser)]
+#[command(name = "virtual-motor", version)]
+struct Flags {
+    /// IDs of the motors, 1-254, with commas between
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "1",
+        value_name = "ID,ID.."
+    )]
+    ids: Vec<MotorId>,
+    /// Make a symbolic link to the terminal here; removed at the end
+    #[arg(long, value_name = "PATH")]
+    link: Option<PathBuf>,
+    /// From the end of a request to the start of its reply, in microseconds
+    #[arg(long, default_value_t = 600, value_name = "US",
+        value_parser = clap::value_parser!(u64).range(..=DELAY_MAX))]
+    turnaround_us: u64,
+    /// Load that opposes motion, in N.m
+    #[arg(long, default_value = "0", value_name = "N.M", value_parser = load_nm)]
+    load_nm: f32,
+    /// Temperature of the winding at the start and of the air for good, in degrees Celsius
+    #[arg(long, value_name = "C", value_parser = celsius)]
+    temperature: Option<f32>,
+    /// The adapter hears itself: `whole`, or `cut:N` for the first N bytes of every frame
+    #[arg(long, value_parser = echo, value_name = "whole|cut:N")]
+    echo: Option<Echo>,
+    /// Probability that a frame is lost, either way, 0 to 1
+    #[arg(long, default_value = "0", value_name = "P", value_parser = probability)]
+    loss: f64,
+    /// Probability that a frame has one bit wrong, either way, 0 to 1
+    #[arg(long, default_value = "0", value_name = "P", value_parser = probability)]
+    corrupt: f64,
+    /// Deliver replies in up to three pieces, up to 1 ms apart
+    #[arg(long)]
+    split: bool,
+    /// Hold received bytes for so long after the first, as FTDI adapters do (16)
+    #[arg(long, default_value_t = 0, value_name = "MS",
+        value_parser = clap::value_parser!(u64).range(..=DELAY_MAX / 1000))]
+    latency_ms: u64,
+    /// The same seed gives the same noise and the same faults
+    #[arg(long, default_value_t = 1, value_name = "N")]
+    seed: u64,
+    /// Write every frame here: microseconds of `CLOCK_MONOTONIC`, HOST or MOTOR, ten bytes in hex,
+    /// with tabs between
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
+}
+
+/// What the command line asks for.
+pub(crate) enum Asked {
+    Motors(Box<Arguments>),
+    /// Help or version: a text to print.
+    Help(String),
+}
+
+/// A command line that makes sense.
+pub(crate) struct Arguments {
+    pub(crate) world: WorldConfig,
+    pub(crate) link: Option<PathBuf>,
+    pub(crate) log: Option<PathBuf>,
+}
+
+/// Reads the command line of this process.
+///
+/// # Errors
+/// A usage failure of one line.
+pub(crate) fn read() -> Result<Asked, Failure> {
+    match Flags::try_parse() {
+        Ok(flags) => Ok(Asked::Motors(Box::new(flags.check()?))),
+        Err(error) => match error.kind() {
+            ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
+                Ok(Asked::Help(error.to_string()))
+            }
+            _ => Err(Failure::Usage(first_line(&error.to_string()))),
+        },
+    }
+}
+
+/// The parser adds tips and a usage text below its first line.
+fn first_line(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let said = line.strip_prefix("error: ").unwrap_or(line);
+    format!("{said}; see --help")
+}
+
+impl Flags {
+    fn check(self) -> Result<Arguments, Failure> {
+        let mut seen = Vec::new();
+        for id in &self.ids {
+            if seen.contains(id) {
+                let text = format!(
+                    "--ids: {} is given twice; every motor needs its own",
+                    id.get()
+                );
+                return Err(Failure::Usage(text));
+            }
+            seen.push(*id);
+        }
+        let motor = |id: MotorId| {
+            let plain = MotorConfig::new(id);
+            MotorConfig {
+                load_nm: self.load_nm,
+                ambient_c: self.temperature.unwrap_or(plain.ambient_c),
+                ..plain
+            }
+        };
+        Ok(Arguments {
+            world: WorldConfig {
+                seed: self.seed,
+                motors: self.ids.iter().copied().map(motor).collect(),
+                turnaround: Duration::from_micros(self.turnaround_us),
+                faults: WireFaults {
+                    echo: self.echo.unwrap_or_default(),
+                    lose_request: self.loss,
+                    lose_reply: self.loss,
+                    corrupt_request: self.corrupt,
+                    corrupt_reply: self.corrupt,
+                    stray: 0.0,
+                    split: self.split.then(Split::default),
+                    hold: Duration::from_millis(self.latency_ms),
+                },
+            },
+            link: self.link,
+            log: self.log,
+        })
+    }
+}
+
+fn number<T: std::str::FromStr + PartialOrd>(
+    text: &str,
+    range: RangeInclusive<T>,
+    expected: &str,
+) -> Result<T, String> {
+    // Not a number compares false and is refused with the rest.
+    let parsed = text.parse::<T>().ok();
+    parsed
+        .filter(|value| range.contains(value))
+        .ok_or_else(|| format!("expected {expected}"))
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    number(text, 0.0..=1.0, "a probability from 0 to 1")
+}
+
+/// A load in N.m. Ten times stall torque holds any wheel.
+pub(crate) fn load_nm(text: &str) -> Result<f32, String> {
+    number(text, 0.0..=20.0, "a load from 0 to 20 N.m")
+}
+
+/// A temperature that a motor may be brought to and that its one byte can report.
+pub(crate) fn celsius(text: &str) -> Result<f32, String> {
+    number(
+        text,
+        0.0..=200.0,
+        "a temperature from 0 to 200 degrees Celsius",
+    )
+}
+
+fn echo(text: &str) -> Result<Echo, String> {
+    if text == "whole" {
+        return Ok(Echo::Whole);
+    }
+    let bytes = text.strip_prefix("cut:").unwrap_or_default();
+    number(bytes, 1..=9, "`whole` or `cut:N` with 1 to 9 bytes").map(Echo::Cut)
+}

@@ -1,0 +1,164 @@
+//! The loop: the world in real time.
+
+use std::{io::Write as _, num::NonZeroU64, os::unix::net::UnixStream};
+
+use motorlink_simulator::{World, WorldConfig};
+use rustix::{
+    event::{PollFd, PollFlags, poll},
+    io::{self, Errno},
+    stdio::stdin,
+    thread::set_current_timer_slack,
+};
+use signal_hook::{
+    consts::{SIGHUP, SIGINT, SIGTERM},
+    low_level::pipe,
+};
+
+use crate::{clock, command, failure::Failure, lines::Lines, pty::Pty, wire_log::WireLog};
+
+/// Linux lets a timer be 50 us late by default. Replies are due to a tenth of a millisecond.
+const TIMER_SLACK_NS: NonZeroU64 = NonZeroU64::MIN;
+
+/// Reads from the terminal and standard input: more than a host writes in a tenth of a second.
+const BUFFER: usize = 4096;
+
+/// Becomes readable when the program is told to end.
+#[derive(Debug)]
+pub(crate) struct Signals(UnixStream);
+
+impl Signals {
+    /// From now on the signals that ask for an end are only noted.
+    ///
+    /// # Errors
+    /// The system refuses a handler.
+    pub(crate) fn register() -> Result<Self, Failure> {
+        Self::try_register().map_err(Failure::system("cannot listen for signals"))
+    }
+
+    fn try_register() -> std::io::Result<Self> {
+        let (noted, note) = UnixStream::pair()?;
+        for signal in [SIGTERM, SIGINT, SIGHUP] {
+            pipe::register(signal, note.try_clone()?)?;
+        }
+        Ok(Self(noted))
+    }
+}
+
+/// What woke the loop.
+#[derive(Debug, Default)]
+struct Woken {
+    told_to_end: bool,
+    line_waits: bool,
+}
+
+/// The world, its terminal, and who watches.
+#[derive(Debug)]
+pub(crate) struct Server {
+    world: World,
+    pty: Pty,
+    log: Option<WireLog>,
+    signals: Signals,
+    commands: Option<Lines>,
+}
+
+impl Server {
+    pub(crate) fn new(
+        config: WorldConfig,
+        pty: Pty,
+        log: Option<WireLog>,
+        signals: Signals,
+    ) -> Self {
+        Self {
+            world: World::new(config),
+            pty,
+            log,
+            signals,
+            commands: Some(Lines::default()),
+        }
+    }
+
+    /// Until a signal ends it.
+    ///
+    /// # Errors
+    /// The terminal or the log fails.
+    pub(crate) fn run(mut self) -> Result<(), Failure> {
+        // Without it replies come some 50 us later, which is no reason not to run.
+        let _ = set_current_timer_slack(Some(TIMER_SLACK_NS));
+        let mut buffer = [0; BUFFER];
+        loop {
+            self.carry(&mut buffer)?;
+            let woken = self.sleep()?;
+            if woken.told_to_end {
+                return Ok(());
+            }
+            if woken.line_waits {
+                self.obey(&mut buffer);
+            }
+        }
+    }
+
+    /// Everything that is due between host and motors.
+    fn carry(&mut self, buffer: &mut [u8]) -> Result<(), Failure> {
+        // The clock is read after the bytes, so that they are never older than their time.
+        let written = self.pty.read(buffer)?;
+        let now = clock::now();
+        self.world.transmit(now, written);
+        while let Some(chunk) = self.world.receive(now) {
+            self.pty.write(&chunk.bytes)?;
+        }
+        let traffic = self.world.drain_traffic();
+        match &mut self.log {
+            Some(log) => log.write(traffic),
+            None => Ok(()),
+        }
+    }
+
+    /// Sleeps until the world has something, or somebody says something.
+    fn sleep(&self) -> Result<Woken, Failure> {
+        let timeout = self
+            .world
+            .next_event()
+            .map(|at| clock::until(at, clock::now()));
+        let input = stdin();
+        let mut watched = vec![
+            PollFd::new(self.pty.master(), PollFlags::IN),
+            PollFd::new(&self.signals.0, PollFlags::IN),
+        ];
+        if self.commands.is_some() {
+            watched.push(PollFd::new(&input, PollFlags::IN));
+        }
+        match poll(&mut watched, timeout.as_ref()) {
+            Ok(_) => {
+                let mut spoke = watched.iter().map(|fd| !fd.revents().is_empty());
+                let (_terminal, signal, line) = (spoke.next(), spoke.next(), spoke.next());
+                Ok(Woken {
+                    told_to_end: signal.unwrap_or(false),
+                    line_waits: line.unwrap_or(false),
+                })
+            }
+            Err(Errno::INTR) => Ok(Woken::default()),
+            Err(error) => Err(Failure::system("cannot wait for the terminal")(error)),
+        }
+    }
+
+    /// Reads standard input and answers its lines. Its end is not the end of the program.
+    fn obey(&mut self, buffer: &mut [u8]) {
+        let count = match io::read(stdin(), &mut *buffer) {
+            Err(Errno::INTR | Errno::AGAIN) => return,
+            Ok(count) => count,
+            Err(_) => 0,
+        };
+        let said = buffer.get(..count).unwrap_or_default();
+        if said.is_empty() {
+            self.commands = None;
+        }
+        let lines = self.commands.as_mut().map(|commands| commands.feed(said));
+        let mut out = std::io::stdout().lock();
+        for line in lines.unwrap_or_default() {
+            self.world.advance(clock::now());
+            // Whoever closed our output does not want the answer.
+            let _ = writeln!(out, "{}", command::obey(&line, &mut self.world));
+        }
+        let _ = out.flush();
+    }
+}
