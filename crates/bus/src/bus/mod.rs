@@ -1,0 +1,176 @@
+//! The bus itself: what goes in, what comes out, and the order in which it is handled.
+
+mod commands;
+mod listening;
+mod speaking;
+mod upkeep;
+
+use std::{collections::VecDeque, time::Duration};
+
+use motorlink_protocol::{Frame, Instant, MotorId, Request};
+
+use crate::{
+    CommandRate, Counters, Event, MotorStatus, StopReason,
+    exchange::Line,
+    motor::{Control, Motor},
+    receiver::Receiver,
+    round_trip::RoundTrip,
+    schedule::{Errand, Turn, next_turn},
+    stop::ActiveStop,
+    watchdog::{Bark, Watchdog},
+};
+
+/// What [`Bus::poll`] wants done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Write these ten bytes to the port, now.
+    Transmit(Frame),
+    /// Take note of this.
+    Event(Event),
+    /// Nothing before this moment, unless bytes or a command come: poll again then.
+    Wait(Instant),
+}
+
+/// The one owner of the wire.
+///
+/// The caller keeps to one rule: after every input it polls until [`Output::Wait`], and polls again
+/// at that moment at the latest.
+#[derive(Debug)]
+pub struct Bus {
+    motors: Vec<Motor>,
+    line: Line,
+    receiver: Receiver,
+    /// Round trips of all motors on this adapter.
+    round_trip: RoundTrip,
+    rate: CommandRate,
+    /// Set by Stop all motors; nothing drives until it is released.
+    halted: bool,
+    stop: Option<ActiveStop>,
+    id_query_wanted: bool,
+    /// What happened on the line while no single motor was asked.
+    counters: Counters,
+    watchdog: Watchdog,
+    /// Drained by every poll, so it holds what one input can cause: a few a motor.
+    events: VecDeque<Event>,
+}
+
+impl Bus {
+    /// A bus on which nothing drives, whatever was before.
+    #[must_use]
+    pub fn new(now: Instant) -> Self {
+        Self {
+            motors: Vec::new(),
+            line: Line::Free {
+                last: Request::IdQuery.frame(),
+            },
+            receiver: Receiver::new(),
+            round_trip: RoundTrip::new(),
+            rate: CommandRate::default(),
+            halted: false,
+            stop: None,
+            id_query_wanted: false,
+            counters: Counters::default(),
+            watchdog: Watchdog::new(now),
+            events: VecDeque::new(),
+        }
+    }
+
+    /// A bus that starts as Stop all motors left another: nothing drives until it is released.
+    #[must_use]
+    pub fn halted(now: Instant) -> Self {
+        Self {
+            halted: true,
+            ..Self::new(now)
+        }
+    }
+
+    /// Whether Stop all motors stands.
+    #[must_use]
+    pub const fn is_halted(&self) -> bool {
+        self.halted
+    }
+
+    /// Whether a motor is driven, switched or being stopped: the line must not be let go.
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.motors
+            .iter()
+            .any(|motor| !matches!(motor.control, Control::Idle))
+    }
+
+    /// Everything known of every motor.
+    pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
+        self.motors.iter().map(move |motor| motor.status(now))
+    }
+
+    /// What happened on the line while no single motor was asked: the ID query.
+    #[must_use]
+    pub const fn unaddressed(&self) -> Counters {
+        self.counters
+    }
+
+    /// The page has answered its ping.
+    pub fn page_answered(&mut self, now: Instant) {
+        self.watchdog.answered(now);
+    }
+
+    /// What to do next. To be called until it answers [`Output::Wait`].
+    pub fn poll(&mut self, now: Instant) -> Output {
+        match self.watchdog.wake(now) {
+            Some(Bark::Ping) => self.events.push_back(Event::PingPage),
+            Some(Bark::PageSilent) if self.is_active() => {
+                self.stop_all(now, StopReason::PageSilent);
+            }
+            Some(Bark::PageSilent) | None => {}
+        }
+        self.look_for_reply(now);
+        self.end_spent_window(now);
+        self.look_after_motors(now);
+        let turn = match self.line {
+            Line::Busy(exchange) => Turn::At(exchange.deadline()),
+            Line::Free { .. } => self.next_turn(now),
+        };
+        let next_on_the_line = match turn {
+            Turn::Now(errand) => return Output::Transmit(self.speak(now, errand)),
+            Turn::At(at) => Some(at),
+            Turn::Never => None,
+        };
+        if let Some(event) = self.events.pop_front() {
+            return Output::Event(event);
+        }
+        let timers = self.motors.iter().filter_map(Self::deadline);
+        let next = timers
+            .chain(next_on_the_line)
+            .fold(self.watchdog.deadline(), Instant::min);
+        // Whatever is due was done above; a moment that is not in the future would be a busy loop.
+        Output::Wait(next.max(now + Duration::from_micros(1)))
+    }
+
+    fn next_turn(&self, now: Instant) -> Turn {
+        if self.id_query_wanted && self.stop.is_none() {
+            return Turn::Now(Errand::IdQuery);
+        }
+        next_turn(&self.motors, now, self.round_trip.usual())
+    }
+
+    fn motor_mut(&mut self, id: MotorId) -> Option<&mut Motor> {
+        self.motors.iter_mut().find(|motor| motor.id == id)
+    }
+
+    /// The record of this motor, new if there was none. At most 254, one an address.
+    fn watch(&mut self, now: Instant, id: MotorId) -> &mut Motor {
+        let place = self
+            .motors
+            .iter()
+            .position(|motor| motor.id == id)
+            .unwrap_or_else(|| {
+                self.motors.push(Motor::new(now, id));
+                self.motors.len() - 1
+            });
+        #[allow(
+            clippy::indexing_slicing,
+            reason = "the place was found or made just above"
+        )]
+        &mut self.motors[place]
+    }
+}

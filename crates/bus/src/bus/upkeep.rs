@@ -1,0 +1,128 @@
+//! What happens because time passes.
+
+use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Setpoint, SpeedTarget};
+
+use super::Bus;
+use crate::{
+    Event, StopOutcome, StopReason,
+    mode_switch::{Progress, Switch},
+    motor::{Control, Driven, Motor},
+    safety::check_driven,
+    timing::DRIVEN_SILENCE_MAX,
+};
+
+impl Bus {
+    /// Withdraws setpoints that may not stand, ends mode switches and stops, notices silence.
+    pub(super) fn look_after_motors(&mut self, now: Instant) {
+        let mut to_stop = Vec::new();
+        for motor in &mut self.motors {
+            if !motor.silent && now >= motor.silent_at() {
+                motor.silent = true;
+                self.events.push_back(Event::MotorSilent(motor.id));
+            }
+            match motor.control {
+                Control::Driven(driven) => {
+                    let quiet = motor.quiet_while_driven(now, &driven);
+                    let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
+                    let withdrawn =
+                        check_driven(driven.goal.mode(), motor.last_mode(), faults, quiet);
+                    if let Some(reason) = withdrawn {
+                        self.events.push_back(Event::Withdrawn {
+                            id: motor.id,
+                            reason,
+                        });
+                        to_stop.push(motor.id);
+                    }
+                }
+                Control::Switching(switch) => match switch.progress(now) {
+                    Progress::Underway => {}
+                    Progress::Confirmed => {
+                        motor.control = after_switch(now, &switch);
+                        motor.may_turn |= matches!(motor.control, Control::Driven(_));
+                        self.events.push_back(Event::ModeSwitched {
+                            id: motor.id,
+                            mode: switch.to,
+                        });
+                    }
+                    Progress::Failed => {
+                        self.events.push_back(Event::ModeSwitchFailed {
+                            id: motor.id,
+                            asked: switch.to,
+                            reported: motor.fresh_mode(now),
+                        });
+                        if switch.was_driven {
+                            to_stop.push(motor.id);
+                        } else {
+                            motor.control = Control::Idle;
+                        }
+                    }
+                },
+                Control::Idle | Control::Stopping(_) => {}
+            }
+        }
+        if !to_stop.is_empty() {
+            self.begin_stop(now, StopReason::OneMotor, |motor| {
+                to_stop.contains(&motor.id)
+            });
+        }
+        self.end_stop(now);
+    }
+
+    /// Ends the stop when each of its motors stands or has spent its window. Until then all of them
+    /// stay braked: a wheel let go while another still brakes would turn the vehicle.
+    fn end_stop(&mut self, now: Instant) {
+        let under_way = |motor: &Motor| match &motor.control {
+            Control::Stopping(stop) => !stop.over(now),
+            _ => false,
+        };
+        if self.stop.is_none() || self.motors.iter().any(under_way) {
+            return;
+        }
+        let mut outcomes = Vec::new();
+        for motor in &mut self.motors {
+            if let Control::Stopping(stop) = motor.control {
+                let confirmed = stop.confirmed();
+                motor.may_turn = !confirmed;
+                motor.control = Control::Idle;
+                let speed = motor.fresh_speed(now);
+                outcomes.push(StopOutcome {
+                    id: motor.id,
+                    confirmed,
+                    speed,
+                });
+            }
+        }
+        if let Some(stop) = self.stop.take() {
+            self.events
+                .push_back(Event::StopEnded(stop.report(outcomes)));
+        }
+    }
+
+    /// When a motor has to be looked after next.
+    pub(super) fn deadline(motor: &Motor) -> Option<Instant> {
+        let silent = (!motor.silent).then(|| motor.silent_at());
+        let control = match &motor.control {
+            Control::Idle => None,
+            Control::Driven(driven) => {
+                Some(motor.quiet_since().max(driven.since) + DRIVEN_SILENCE_MAX)
+            }
+            Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
+            Control::Stopping(stop) => (!stop.confirmed()).then(|| stop.window_ends()),
+        };
+        silent.into_iter().chain(control).min()
+    }
+}
+
+/// A motor that was driven stays driven at zero, where the two loops share one; else it is left
+/// alone until an operator asks.
+fn after_switch(now: Instant, switch: &Switch) -> Control {
+    let zero = match switch.to {
+        Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
+        Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
+        Mode::Position => None,
+    };
+    let goal = switch.then.or(zero.filter(|_| switch.was_driven));
+    goal.map_or(Control::Idle, |goal| {
+        Control::Driven(Driven::begin(now, goal))
+    })
+}

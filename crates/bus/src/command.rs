@@ -1,0 +1,149 @@
+//! What an operator can ask of the bus, and why the bus may refuse.
+
+use std::fmt;
+
+use motorlink_protocol::{CurrentTarget, Faults, Mode, MotorId, Rpm, Setpoint};
+
+use crate::{CommandRate, StopReason};
+
+/// An operator's act. Motion starts by [`Command::Drive`] and by nothing
+/// else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Command {
+    /// Ask this motor for telemetry from now on.
+    Watch(MotorId),
+    /// Ask no more. Refused for a motor that is driven or being stopped.
+    Forget(MotorId),
+    /// Ask who is there. Refused while a motor is driven or being stopped.
+    IdQuery,
+    /// Send this many drive frames a second to each driven motor.
+    SetRate(CommandRate),
+    /// Close another loop. The motor starts no motion by it.
+    SwitchMode {
+        /// Which motor.
+        id: MotorId,
+        /// The loop to close.
+        mode: Mode,
+    },
+    /// Drive until told otherwise.
+    Drive {
+        /// Which motor.
+        id: MotorId,
+        /// What it is to do.
+        setpoint: Setpoint,
+        /// What the operator was asked and said yes to.
+        consent: Consent,
+    },
+    /// Change the setpoint of a motor that is driven in the same loop; never starts one. What a
+    /// slider sends while it is dragged: a drag that outlasts a stop must not undo it.
+    Adjust {
+        /// Which motor.
+        id: MotorId,
+        /// What it is to do.
+        setpoint: Setpoint,
+        /// What the operator was asked and said yes to.
+        consent: Consent,
+    },
+    /// Hold the present angle of a motor that is driven in the position loop.
+    Hold(MotorId),
+    /// Brake this motor to a standstill; it can be driven again at once.
+    Stop(MotorId),
+    /// Brake every motor that was driven, and drive none until [`Command::Release`].
+    StopAll(StopReason),
+    /// Allow driving again after [`Command::StopAll`]. Restores nothing.
+    Release,
+}
+
+/// What the operator was asked before the command was given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Consent {
+    /// Nothing.
+    #[default]
+    None,
+    /// Whether a current above 25,000 raw (6.1 A) is really meant.
+    HighCurrent,
+}
+
+/// Why a command was not carried out. Nothing has changed by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Refusal {
+    /// Stop all motors stands until it is released.
+    Halted,
+    /// The motor has not answered lately, so its loop is not known.
+    NotHeard(MotorId),
+    /// The setpoint belongs to another loop than the motor reports.
+    OtherLoop {
+        /// The loop of the setpoint.
+        asked: Mode,
+        /// The loop that the motor reports.
+        reported: Mode,
+    },
+    /// The position loop needs a speed measured within the last 500 ms.
+    SpeedUnknown(MotorId),
+    /// The position loop needs less than 10 rpm.
+    TooFast(Rpm),
+    /// The motor reports a fault and would ignore the command, then obey it when the fault clears.
+    FaultActive(Faults),
+    /// The operator has to be asked first.
+    NeedsConsent(CurrentTarget),
+    /// The motor is being stopped.
+    Stopping(MotorId),
+    /// The motor is not driven in the position loop, so there is no angle to hold.
+    NotHolding(MotorId),
+    /// The motor is not driven in that loop, so there is no setpoint to change.
+    NotDriven(MotorId),
+    /// A motor is driven, and this would disturb it.
+    Driven(MotorId),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Halted => f.write_str("All motors are stopped. Press Release to drive again."),
+            Self::NotHeard(id) => {
+                write!(
+                    f,
+                    "Motor {id} has not answered, so its loop is not known. Check its power and ID."
+                )
+            }
+            Self::OtherLoop { asked, reported } => {
+                write!(
+                    f,
+                    "The motor reports the {reported}. Switch to the {asked} first."
+                )
+            }
+            Self::SpeedUnknown(id) => write!(
+                f,
+                "The position loop needs a known speed, and motor {id} has reported none in the last 500 ms."
+            ),
+            Self::TooFast(speed) => write!(
+                f,
+                "The position loop needs less than 10 rpm; the wheel turns at {speed}. Stop it first."
+            ),
+            Self::FaultActive(faults) => write!(
+                f,
+                "The motor reports {faults} and ignores commands until that clears. Press again then."
+            ),
+            Self::NeedsConsent(current) => {
+                write!(f, "{current} is above 6.1 A: confirm that it is meant.")
+            }
+            Self::Stopping(id) => write!(
+                f,
+                "Motor {id} is being stopped. Press again when it stands."
+            ),
+            Self::NotHolding(id) => {
+                write!(
+                    f,
+                    "Motor {id} is not driven in the position loop: there is nothing to stop."
+                )
+            }
+            Self::NotDriven(id) => write!(f, "Motor {id} is not driven. Press Start."),
+            Self::Driven(id) => write!(f, "Motor {id} is driven. Stop it first."),
+        }
+    }
+}
+
+impl std::error::Error for Refusal {}

@@ -1,0 +1,65 @@
+//! What happened on the line, counted.
+
+/// Ends of exchanges and oddities of the line, since the bus began.
+///
+/// Silence, a bad CRC and a wrong ID are events of a bus, not errors; each is counted apart because
+/// each has its own cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Counters {
+    /// Requests that ask for an answer.
+    pub requests: u64,
+    /// Requests answered in their window.
+    pub replies: u64,
+    /// Windows in which nothing came but an echo.
+    pub silences: u64,
+    /// Windows in which a frame's worth of bytes came and no CRC held: flipped bits, or two talkers.
+    pub bad_crcs: u64,
+    /// Windows in which less than a frame came.
+    pub fragments: u64,
+    /// Good frames of another motor than the one asked.
+    pub wrong_ids: u64,
+    /// Good frames of a motor whose window was spent already.
+    pub late: u64,
+    /// Requests that came back whole.
+    pub echoes_whole: u64,
+    /// Requests that came back cut short.
+    pub echoes_cut: u64,
+    /// Bytes that were part of no frame and no echo.
+    pub junk_bytes: u64,
+}
+
+/// How well the line works, for one motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LinkQuality {
+    /// Drive frames a second over the last second.
+    pub command_hz: u16,
+    /// Median round trip of the last exchanges in microseconds; `None` before the first reply.
+    pub round_trip_us: Option<u32>,
+    /// Requests without a good reply among the last 100, in per mille; `None` before the first.
+    pub loss_per_mille: Option<u16>,
+}
+
+/// The last 100 exchanges, good or lost.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LossMeter {
+    /// One bit an exchange, the newest in bit 0; set where it was lost.
+    lost: u128,
+    seen: u8,
+}
+
+impl LossMeter {
+    const DEPTH: u8 = 100;
+
+    pub(crate) fn count(&mut self, lost: bool) {
+        self.lost = ((self.lost << 1) | u128::from(lost)) & ((1 << Self::DEPTH) - 1);
+        self.seen = (self.seen + 1).min(Self::DEPTH);
+    }
+
+    pub(crate) fn per_mille(&self) -> Option<u16> {
+        let lost = self.lost.count_ones() * 1000;
+        let share = lost.checked_div(u32::from(self.seen))?;
+        u16::try_from(share).ok()
+    }
+}

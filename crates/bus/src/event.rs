@@ -1,0 +1,122 @@
+//! What the bus tells.
+
+use motorlink_protocol::{Faults, Instant, Mode, MotorId, Reply, Rpm};
+
+/// Something that happened, in the order in which it happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// A motor has reported.
+    Telemetry(Sample),
+    /// The ID query has been answered, or not.
+    IdQueryEnded(IdQueryOutcome),
+    /// A reply reports the loop that was asked for.
+    ModeSwitched {
+        /// Which motor.
+        id: MotorId,
+        /// The loop it reports.
+        mode: Mode,
+    },
+    /// Five mode switches were sent and no reply reports the loop that was asked for.
+    ModeSwitchFailed {
+        /// Which motor.
+        id: MotorId,
+        /// The loop that was asked for.
+        asked: Mode,
+        /// The loop that it reports instead; `None` where it reports nothing.
+        reported: Option<Mode>,
+    },
+    /// A setpoint was withdrawn by the bus and its motor is being stopped.
+    Withdrawn {
+        /// Which motor.
+        id: MotorId,
+        /// Why.
+        reason: WithdrawReason,
+    },
+    /// A motor has not answered for two seconds.
+    MotorSilent(MotorId),
+    /// A motor that was silent answers again.
+    MotorBack(MotorId),
+    /// A stop has begun.
+    StopBegan(StopReason),
+    /// Every motor of the stop stands, or its window is spent.
+    StopEnded(StopReport),
+    /// Ask the page whether it lives; it has to answer through [`Bus::page_answered`](crate::Bus::page_answered).
+    PingPage,
+}
+
+/// One reply, when it was complete, and how long its exchange took.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sample {
+    /// When its last byte was read.
+    pub at: Instant,
+    /// What it says.
+    pub reply: Reply,
+}
+
+/// Who answered the ID query.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum IdQueryOutcome {
+    /// Nobody.
+    Nobody,
+    /// One motor, undisturbed.
+    One(MotorId),
+    /// Bytes came that are not one clean reply: several motors answered at once, or noise.
+    Garbled,
+}
+
+/// Why all motors are stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum StopReason {
+    /// The operator pressed Stop all motors.
+    Operator,
+    /// The page was hidden and is set to stop then.
+    PageHidden,
+    /// The page was closed, reloaded or frozen.
+    PageGone,
+    /// The page did not answer for a second.
+    PageSilent,
+    /// The operator disconnects.
+    Disconnect,
+    /// One motor was to be stopped, by the operator or by the bus.
+    OneMotor,
+}
+
+/// Why the bus took a setpoint back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum WithdrawReason {
+    /// It did not answer for 200 ms.
+    Silent,
+    /// It reports a fault.
+    Fault(Faults),
+    /// It reports another loop than the setpoint belongs to: it lost power, or another master spoke.
+    OtherLoop {
+        /// The loop that it reports.
+        reported: Mode,
+    },
+}
+
+/// How a stop ended, motor by motor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StopReport {
+    /// Why it began.
+    pub reason: StopReason,
+    /// Every motor that it was for.
+    pub motors: Vec<StopOutcome>,
+}
+
+/// How a stop ended for one motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StopOutcome {
+    /// Which motor.
+    pub id: MotorId,
+    /// Whether its own replies reported standstill.
+    pub confirmed: bool,
+    /// Its speed by the last reply of the last 500 ms; `None` is unknown, not zero.
+    pub speed: Option<Rpm>,
+}

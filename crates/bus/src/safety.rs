@@ -1,0 +1,292 @@
+//! The decisions that keep fingers whole: pure functions from what is known to what must be done.
+
+use std::time::Duration;
+
+use motorlink_protocol::{CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpoint};
+
+use crate::{
+    Consent, Refusal, WithdrawReason,
+    timing::{DRIVEN_SILENCE_MAX, POSITION_SWITCH_RPM},
+};
+
+/// A current above this asks first: 25,000 raw is 6.1 A.
+pub const HIGH_CURRENT_RAW: u16 = 25_000;
+
+/// How a motor is brought to a standstill, by what is known of its loop.
+///
+/// A stop is zero and brake in the velocity loop. The same frame is "coast" in the current loop and
+/// "turn to 0 degrees" in the position loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopPlan {
+    /// It is in the velocity loop: brake, and spend no time on switching.
+    Brake,
+    /// A brake frame does no harm before the switch and bites after it: send both in turn.
+    BrakeWhileSwitching,
+    /// A brake frame would turn the wheel before the switch: switch first.
+    SwitchThenBrake,
+}
+
+/// The way to stop a motor whose loop is `fresh` by a reply of the last 500 ms, or was `last` known
+/// some time ago.
+#[must_use]
+pub const fn stop_plan(fresh: Option<Mode>, last: Option<Mode>) -> StopPlan {
+    match (fresh, last) {
+        (Some(Mode::Velocity), _) => StopPlan::Brake,
+        // A motor leaves a loop by itself only through a power cycle, which ends in the velocity
+        // loop. So one that was not in the position loop is not in it now.
+        (Some(Mode::Current), _) | (None, Some(Mode::Velocity | Mode::Current)) => {
+            StopPlan::BrakeWhileSwitching
+        }
+        (Some(Mode::Position), _) | (None, Some(Mode::Position) | None) => {
+            StopPlan::SwitchThenBrake
+        }
+    }
+}
+
+/// The frame that may be sent while a driven motor changes loops, harmless in both.
+///
+/// Zero is 0 rpm and 0 A. Nothing is harmless in the position loop and another: any angle would be
+/// read as a speed or a current, and zero as "turn to 0 degrees". There the drive frames pause.
+#[must_use]
+pub(crate) fn neutral_between(from: Mode, to: Mode) -> Option<Drive> {
+    match (from, to) {
+        (Mode::Position, _) | (_, Mode::Position) => None,
+        (Mode::Velocity | Mode::Current, Mode::Velocity | Mode::Current) => {
+            Some(Setpoint::Current(CurrentTarget::ZERO).into())
+        }
+    }
+}
+
+/// Whether the position loop may be asked for: the motor silently refuses it above 10 rpm.
+///
+/// `speed` is the speed by a reply of the last 500 ms.
+///
+/// # Errors
+/// [`Refusal::SpeedUnknown`] and [`Refusal::TooFast`].
+pub const fn check_position_switch(id: MotorId, speed: Option<Rpm>) -> Result<(), Refusal> {
+    match speed {
+        None => Err(Refusal::SpeedUnknown(id)),
+        Some(speed) if speed.magnitude() >= POSITION_SWITCH_RPM => Err(Refusal::TooFast(speed)),
+        Some(_) => Ok(()),
+    }
+}
+
+/// What a person must be asked before this setpoint is sent.
+#[must_use]
+pub const fn needs_consent(setpoint: Setpoint) -> Consent {
+    match setpoint {
+        Setpoint::Current(target) if target.raw().unsigned_abs() > HIGH_CURRENT_RAW => {
+            Consent::HighCurrent
+        }
+        _ => Consent::None,
+    }
+}
+
+/// Whether a motor may be driven to a setpoint now, by what is known of it.
+pub(crate) fn check_drive(
+    id: MotorId,
+    setpoint: Setpoint,
+    consent: Consent,
+    reported: Option<Mode>,
+    faults: Option<Faults>,
+) -> Result<(), Refusal> {
+    if let Setpoint::Current(target) = setpoint
+        && needs_consent(setpoint) != Consent::None
+        && consent != Consent::HighCurrent
+    {
+        return Err(Refusal::NeedsConsent(target));
+    }
+    if let Some(faults) = faults.filter(|faults| faults.any_named()) {
+        return Err(Refusal::FaultActive(faults));
+    }
+    match reported {
+        None => Err(Refusal::NotHeard(id)),
+        Some(reported) if reported != setpoint.mode() => Err(Refusal::OtherLoop {
+            asked: setpoint.mode(),
+            reported,
+        }),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Whether a driven motor's setpoint must be taken back, by its last reply and the silence since.
+///
+/// A fault would end with the wheel starting by itself; a motor that lost power comes back in the
+/// velocity loop, where a raw current is read as a speed.
+#[must_use]
+pub(crate) fn check_driven(
+    asked: Mode,
+    reported: Option<Mode>,
+    faults: Faults,
+    silent_for: Duration,
+) -> Option<WithdrawReason> {
+    if faults.any_named() {
+        return Some(WithdrawReason::Fault(faults));
+    }
+    if let Some(reported) = reported.filter(|reported| *reported != asked) {
+        return Some(WithdrawReason::OtherLoop { reported });
+    }
+    (silent_for >= DRIVEN_SILENCE_MAX).then_some(WithdrawReason::Silent)
+}
+
+/// The setpoint of the next frame on the way to `goal`: a torque reversal passes through zero.
+#[must_use]
+pub(crate) fn step_towards(goal: Setpoint, on_the_wire: Option<Setpoint>) -> Setpoint {
+    if let (Setpoint::Current(goal), Some(Setpoint::Current(present))) = (goal, on_the_wire)
+        && i32::from(goal.raw()) * i32::from(present.raw()) < 0
+    {
+        return Setpoint::Current(CurrentTarget::ZERO);
+    }
+    goal
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_protocol::{Fault, PositionTarget, SpeedTarget};
+
+    use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+
+    fn amps(raw: i32) -> Setpoint {
+        Setpoint::Current(CurrentTarget::new(raw).unwrap())
+    }
+
+    #[test]
+    fn a_stop_brakes_at_once_only_where_that_cannot_turn_the_wheel() {
+        use Mode::{Current, Position, Velocity};
+        for (fresh, last, plan) in [
+            (Some(Velocity), Some(Velocity), StopPlan::Brake),
+            (Some(Velocity), Some(Position), StopPlan::Brake),
+            (Some(Current), Some(Current), StopPlan::BrakeWhileSwitching),
+            (Some(Position), Some(Position), StopPlan::SwitchThenBrake),
+            (None, Some(Velocity), StopPlan::BrakeWhileSwitching),
+            (None, Some(Current), StopPlan::BrakeWhileSwitching),
+            (None, Some(Position), StopPlan::SwitchThenBrake),
+            (None, None, StopPlan::SwitchThenBrake),
+        ] {
+            assert_eq!(
+                stop_plan(fresh, last),
+                plan,
+                "fresh {fresh:?}, last {last:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn nothing_is_sent_into_a_change_to_or_from_the_position_loop() {
+        for from in Mode::ALL {
+            for to in Mode::ALL {
+                let frame = neutral_between(from, to);
+                assert_eq!(
+                    frame.is_none(),
+                    from == Mode::Position || to == Mode::Position
+                );
+                assert!(
+                    frame.is_none_or(|drive| drive.signed() == 0),
+                    "{from:?} to {to:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_position_loop_needs_a_known_slow_wheel() {
+        let speed = |rpm| Some(Rpm::new(rpm));
+        assert_eq!(
+            check_position_switch(ID, None),
+            Err(Refusal::SpeedUnknown(ID))
+        );
+        for slow in [0, 9, -9] {
+            assert_eq!(check_position_switch(ID, speed(slow)), Ok(()));
+        }
+        for fast in [10, -10, 330, i16::MIN] {
+            assert_eq!(
+                check_position_switch(ID, speed(fast)),
+                Err(Refusal::TooFast(Rpm::new(fast)))
+            );
+        }
+    }
+
+    #[test]
+    fn a_drive_is_refused_for_each_reason_by_name() {
+        let velocity = Setpoint::velocity(SpeedTarget::clamped(100));
+        let stalled = Faults::NONE.with(Fault::Stall);
+        let drive = |setpoint, consent, reported, faults| {
+            check_drive(ID, setpoint, consent, reported, faults)
+        };
+        let none = Some(Faults::NONE);
+        assert_eq!(
+            drive(velocity, Consent::None, Some(Mode::Velocity), none),
+            Ok(())
+        );
+        assert_eq!(
+            drive(velocity, Consent::None, None, None),
+            Err(Refusal::NotHeard(ID))
+        );
+        assert_eq!(
+            drive(velocity, Consent::None, Some(Mode::Current), none),
+            Err(Refusal::OtherLoop {
+                asked: Mode::Velocity,
+                reported: Mode::Current
+            })
+        );
+        assert_eq!(
+            drive(velocity, Consent::None, Some(Mode::Velocity), Some(stalled)),
+            Err(Refusal::FaultActive(stalled))
+        );
+        let reserved = Some(Faults::from_byte(0b1110_0000));
+        assert_eq!(
+            drive(velocity, Consent::None, Some(Mode::Velocity), reserved),
+            Ok(())
+        );
+        for (raw, asks) in [
+            (25_000, false),
+            (25_001, true),
+            (-25_000, false),
+            (-25_001, true),
+        ] {
+            let asked = drive(amps(raw), Consent::None, Some(Mode::Current), none);
+            assert_eq!(asked.is_err(), asks, "{raw}");
+            assert_eq!(
+                drive(amps(raw), Consent::HighCurrent, Some(Mode::Current), none),
+                Ok(())
+            );
+        }
+    }
+
+    #[test]
+    fn a_setpoint_stands_only_while_its_motor_answers_in_its_loop_without_fault() {
+        let ms = Duration::from_millis;
+        let hot = Faults::NONE.with(Fault::OverTemperature);
+        let velocity = Some(Mode::Velocity);
+        assert_eq!(
+            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(199)),
+            None
+        );
+        assert_eq!(
+            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(200)),
+            Some(WithdrawReason::Silent)
+        );
+        assert_eq!(
+            check_driven(Mode::Velocity, velocity, hot, ms(0)),
+            Some(WithdrawReason::Fault(hot))
+        );
+        assert_eq!(
+            check_driven(Mode::Current, velocity, Faults::NONE, ms(0)),
+            Some(WithdrawReason::OtherLoop {
+                reported: Mode::Velocity
+            })
+        );
+    }
+
+    #[test]
+    fn a_torque_reversal_passes_through_zero() {
+        assert_eq!(step_towards(amps(-500), Some(amps(500))), amps(0));
+        assert_eq!(step_towards(amps(-500), Some(amps(0))), amps(-500));
+        assert_eq!(step_towards(amps(900), Some(amps(500))), amps(900));
+        assert_eq!(step_towards(amps(-500), None), amps(-500));
+        let angle = Setpoint::Position(PositionTarget::new(7).unwrap());
+        assert_eq!(step_towards(angle, Some(amps(-1))), angle);
+    }
+}

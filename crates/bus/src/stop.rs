@@ -1,0 +1,133 @@
+//! Bringing motors to a standstill: velocity loop, zero, brake, until their replies say so.
+
+use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
+
+use crate::{
+    StopOutcome, StopReason, StopReport,
+    safety::{StopPlan, stop_plan},
+    timing::{STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD},
+};
+
+/// A motor on its way to a standstill.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stopping {
+    plan: StopPlan,
+    began: Instant,
+    /// Frames sent to this motor since. All motors of a stop get their nth frame before any gets
+    /// its next, so that no wheel bites first.
+    pub(crate) round: u32,
+    pub(crate) next_frame: Instant,
+    switches: u8,
+    next_switch: Instant,
+    /// Replies in a row that reported standstill in the velocity loop.
+    still: u8,
+    /// Whether replies of this stop report the position loop, where zero is no stop.
+    in_position_loop: bool,
+}
+
+impl Stopping {
+    pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>) -> Self {
+        let plan = stop_plan(fresh, last);
+        // Where the brake may come first, it does, and the switch follows it.
+        let first_switch = if plan == StopPlan::SwitchThenBrake {
+            now
+        } else {
+            now + STOP_PERIOD
+        };
+        Self {
+            plan,
+            began: now,
+            round: 0,
+            next_frame: now,
+            switches: 0,
+            next_switch: first_switch,
+            still: 0,
+            in_position_loop: false,
+        }
+    }
+
+    /// What goes to the motor next.
+    pub(crate) fn next_request(&self, now: Instant, id: MotorId) -> Request {
+        if self.plan != StopPlan::Brake && now >= self.next_switch {
+            Request::SwitchMode {
+                id,
+                mode: Mode::Velocity,
+            }
+        } else if self.may_brake() {
+            Request::drive(id, Setpoint::Brake)
+        } else {
+            Request::Query { id }
+        }
+    }
+
+    /// A motor that says nothing gets the brake after five switches: it heard them or hears nothing.
+    fn may_brake(&self) -> bool {
+        self.plan != StopPlan::SwitchThenBrake
+            || (self.switches >= SWITCH_FRAMES && !self.in_position_loop)
+    }
+
+    pub(crate) fn sent(&mut self, now: Instant, request: &Request) {
+        self.round += 1;
+        self.next_frame = now + STOP_PERIOD;
+        if matches!(request, Request::SwitchMode { .. }) {
+            self.switches = self.switches.saturating_add(1);
+            self.next_switch = now + SWITCH_PERIOD;
+            // A switch is not answered; what follows it need not wait for a round.
+            self.next_frame = now;
+        }
+    }
+
+    /// A reply to a request of this stop.
+    pub(crate) fn heard(&mut self, reply: &Reply) {
+        self.plan = stop_plan(Some(reply.mode), None);
+        self.in_position_loop = reply.mode == Mode::Position;
+        let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
+        self.still = if standing {
+            self.still.saturating_add(1)
+        } else {
+            0
+        };
+    }
+
+    pub(crate) const fn began(&self) -> Instant {
+        self.began
+    }
+
+    pub(crate) fn confirmed(&self) -> bool {
+        self.still >= STANDSTILL_REPLIES
+    }
+
+    pub(crate) fn over(&self, now: Instant) -> bool {
+        self.confirmed() || now >= self.window_ends()
+    }
+
+    pub(crate) fn window_ends(&self) -> Instant {
+        self.began + STOP_WINDOW
+    }
+}
+
+/// The stop that is under way; its report is made when the last motor is done.
+#[derive(Clone, Debug)]
+pub(crate) struct ActiveStop {
+    reason: StopReason,
+}
+
+impl ActiveStop {
+    pub(crate) const fn new(reason: StopReason) -> Self {
+        Self { reason }
+    }
+
+    /// A stop of all motors takes over a stop of one.
+    pub(crate) fn join(&mut self, reason: StopReason) {
+        if reason != StopReason::OneMotor {
+            self.reason = reason;
+        }
+    }
+
+    pub(crate) const fn report(&self, motors: Vec<StopOutcome>) -> StopReport {
+        StopReport {
+            reason: self.reason,
+            motors,
+        }
+    }
+}

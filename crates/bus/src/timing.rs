@@ -1,0 +1,81 @@
+//! Every duration that the bus lives by, with where it comes from.
+
+use std::time::Duration;
+
+/// Telemetry older than this is unknown, not zero (safety rule 5).
+pub const FRESH_FOR: Duration = Duration::from_millis(500);
+
+/// A motor that has not answered for this long is reported silent.
+pub const SILENT_AFTER: Duration = Duration::from_secs(2);
+
+/// A driven motor that has not answered for this long loses its setpoint. A motor that lost power
+/// comes back in the velocity loop, where a raw current would be read as a speed. Ten drive frames
+/// at 50 Hz: with 15 % of replies lost the chance of that by bad luck is 6 in a billion.
+pub(crate) const DRIVEN_SILENCE_MAX: Duration = Duration::from_millis(200);
+
+/// The page must answer its ping within this (safety rule 3).
+pub const PAGE_SILENCE_MAX: Duration = Duration::from_secs(1);
+
+/// How often the page is pinged: four chances within [`PAGE_SILENCE_MAX`].
+pub(crate) const PING_PERIOD: Duration = Duration::from_millis(250);
+
+/// Telemetry of a motor is asked for at 10 Hz, whether or not it is driven.
+pub(crate) const QUERY_PERIOD: Duration = Duration::from_millis(100);
+
+/// A query that has waited this long goes even where it makes a drive frame late, so that
+/// temperature is known at any load.
+pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(100);
+
+/// Five mode switches, 20 ms apart: what the maker's samples send.
+pub(crate) const SWITCH_FRAMES: u8 = 5;
+/// Distance of two mode switches.
+pub(crate) const SWITCH_PERIOD: Duration = Duration::from_millis(20);
+/// After the fifth mode switch a reply must report the new loop within this: three queries.
+pub(crate) const SWITCH_CONFIRM: Duration = Duration::from_millis(300);
+
+/// The position loop is refused by the motor at this speed and above.
+pub const POSITION_SWITCH_RPM: u16 = 10;
+
+/// A round of stop frames starts this long after the last: two exchanges of a fast adapter, 200
+/// frames a second, far above the 50 Hz that the brake wants.
+pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
+
+/// How long a stop goes on for a motor that does not report standstill. From 120 rpm unloaded the
+/// brake takes 250 ms; a heavy wheel gets twelve times that.
+pub const STOP_WINDOW: Duration = Duration::from_secs(3);
+
+/// So many replies in a row, each under 1 rpm, are a standstill: one may have been measured as a
+/// reversing wheel passed zero.
+pub(crate) const STANDSTILL_REPLIES: u8 = 3;
+
+/// A stop waits for the exchange in flight, but not longer than this after it was sent: four times
+/// the round trip of a common adapter.
+pub(crate) const STOP_PATIENCE: Duration = Duration::from_millis(10);
+
+/// No reply can be complete sooner after its request: 868 us of request, 868 us of reply, less
+/// what clocks with steps of 0.1 ms may be wrong. What comes sooner answers an earlier request.
+pub(crate) const EARLIEST_REPLY: Duration = Duration::from_micros(1_500);
+
+/// First guess of a reply window: an FTDI adapter holds received bytes for up to 16 ms.
+pub(crate) const FIRST_WINDOW: Duration = Duration::from_millis(25);
+/// The shortest reply window: what a busy browser may be late with a reply that came in time.
+pub(crate) const MIN_WINDOW: Duration = Duration::from_millis(6);
+/// The longest reply window.
+pub(crate) const MAX_WINDOW: Duration = Duration::from_millis(40);
+
+/// Every motor answers the ID query at once, and all of it is waited for.
+pub(crate) const ID_QUERY_WINDOW: Duration = Duration::from_millis(60);
+
+/// A request without answer keeps the line for its airtime and this.
+pub(crate) const SETTLE: Duration = Duration::from_millis(1);
+
+/// A reply that might be the shifted image of another is held back until the line was quiet for
+/// this long: more than one byte's time on any adapter that does not hold bytes.
+pub(crate) const AMBIGUITY_QUIET: Duration = Duration::from_millis(2);
+
+/// A reply may come this long after its request at the latest; until then a reply in the other
+/// layout cannot be told from it.
+pub(crate) const LATE_REPLY_MAX: Duration = Duration::from_millis(50);
+
+/// A deadline this near is due: browser timers wake up to 0.4 ms early.
+pub(crate) const EARLY: Duration = Duration::from_micros(400);

@@ -1,0 +1,372 @@
+//! Driving: rates, queries in addition, modes, and what is refused.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use bench::{Bench, ID, amps, degrees, id, longest_gap, ms, rpm};
+use motorlink_bus::{
+    Activity, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal, StopReason,
+};
+use motorlink_protocol::{Detail, Drive, Mode, MotorId, Request, Setpoint};
+use motorlink_simulator::{MotorConfig, WorldConfig};
+
+fn with_motors(addresses: &[u8]) -> WorldConfig {
+    let motors = addresses
+        .iter()
+        .map(|address| MotorConfig::new(id(*address)))
+        .collect();
+    WorldConfig {
+        motors,
+        ..WorldConfig::default()
+    }
+}
+
+fn temperatures(bench: &Bench) -> usize {
+    let is_query = |event: &Event| matches!(event, Event::Telemetry(sample) if matches!(sample.reply.detail, Detail::Query { .. }));
+    bench
+        .events
+        .iter()
+        .filter(|(_, event)| is_query(event))
+        .count()
+}
+
+#[test]
+fn the_id_query_finds_the_one_motor() {
+    let mut bench = Bench::new(with_motors(&[7]));
+    bench.command(Command::IdQuery).unwrap();
+    bench.run(ms(100));
+    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::One(id(7)))));
+}
+
+#[test]
+fn several_motors_that_answer_the_id_query_at_once_are_called_garbled() {
+    let mut bench = Bench::new(with_motors(&[1, 2, 3]));
+    bench.command(Command::IdQuery).unwrap();
+    bench.run(ms(100));
+    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::Garbled)));
+}
+
+#[test]
+fn an_empty_line_answers_nobody() {
+    let mut bench = Bench::new(with_motors(&[]));
+    bench.command(Command::IdQuery).unwrap();
+    bench.run(ms(100));
+    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::Nobody)));
+}
+
+#[test]
+fn a_driven_motor_gets_fifty_drive_frames_a_second_and_ten_queries_in_addition() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(10_000));
+    let frames = bench.drive_times(ID);
+    assert!((499..=501).contains(&frames.len()), "{}", frames.len());
+    assert!(longest_gap(&frames) <= ms(21), "{:?}", longest_gap(&frames));
+    let fresh = temperatures(&bench);
+    assert!((98..=102).contains(&fresh), "{fresh} temperatures");
+    assert!((bench.true_rpm() - 100.0).abs() < 3.0);
+    assert_eq!(bench.status(ID).link.command_hz, 50);
+    assert_eq!(bench.status(ID).link.loss_per_mille, Some(0));
+}
+
+#[test]
+fn the_rate_is_a_setting() {
+    for hertz in [1, 20, 200] {
+        let mut bench = Bench::one_motor();
+        bench
+            .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
+            .unwrap();
+        // At 1 Hz the wheel coasts between frames; nothing is withdrawn, since queries answer.
+        bench.drive(rpm(50)).unwrap();
+        bench.run(ms(5_000));
+        let frames = bench.drive_times(ID).len();
+        let asked = usize::from(hertz) * 5;
+        assert!(
+            frames.abs_diff(asked) <= 1 + asked / 100,
+            "{frames} at {hertz} Hz"
+        );
+        assert!(temperatures(&bench) >= 40);
+    }
+}
+
+#[test]
+fn several_motors_are_driven_side_by_side() {
+    let ids: Vec<MotorId> = (1..=4).map(id).collect();
+    let mut bench = Bench::watching(with_motors(&[1, 2, 3, 4]), &ids);
+    for (place, motor) in ids.iter().enumerate() {
+        let setpoint = rpm(40 + 20 * i32::try_from(place).unwrap());
+        bench
+            .command(Command::Drive {
+                id: *motor,
+                setpoint,
+                consent: Consent::None,
+            })
+            .unwrap();
+    }
+    bench.run(ms(5_000));
+    for motor in ids {
+        let frames = bench.drive_times(motor);
+        assert!(
+            (248..=252).contains(&frames.len()),
+            "{motor:?}: {}",
+            frames.len()
+        );
+        assert!(
+            longest_gap(&frames) <= ms(30),
+            "{motor:?}: {:?}",
+            longest_gap(&frames)
+        );
+        assert!(bench.status(motor).temperature.is_some());
+    }
+}
+
+#[test]
+fn nothing_but_a_drive_command_sends_a_drive_frame() {
+    let mut bench = Bench::one_motor();
+    for command in [
+        Command::Watch(id(9)),
+        Command::IdQuery,
+        Command::SwitchMode {
+            id: ID,
+            mode: Mode::Current,
+        },
+        Command::SetRate(CommandRate::default()),
+        Command::Release,
+    ] {
+        bench.command(command).unwrap();
+        bench.run(ms(500));
+    }
+    let adjust = Command::Adjust {
+        id: ID,
+        setpoint: amps(1.0),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.command(adjust), Err(Refusal::NotDriven(ID)));
+    bench.run(ms(500));
+    assert!(bench.drive_times(ID).is_empty());
+}
+
+#[test]
+fn a_switch_is_sent_five_times_and_confirmed_by_replies() {
+    let mut bench = Bench::one_motor();
+    bench
+        .command(Command::SwitchMode {
+            id: ID,
+            mode: Mode::Current,
+        })
+        .unwrap();
+    bench.run(ms(400));
+    let switches: Vec<_> = bench
+        .sent
+        .iter()
+        .filter(|s| s.is_switch())
+        .map(|s| s.at)
+        .collect();
+    assert_eq!(switches.len(), 5);
+    for pair in switches.windows(2) {
+        let gap = pair[1].since(pair[0]);
+        assert!(gap >= ms(19) && gap <= ms(24), "{gap:?}");
+    }
+    assert!(bench.happened(|e| *e
+        == Event::ModeSwitched {
+            id: ID,
+            mode: Mode::Current
+        }));
+    assert_eq!(bench.activity(), Activity::Idle);
+}
+
+/// Zero means 0 rpm before the switch and 0 A after it; the old setpoint would mean something else.
+#[test]
+fn a_driven_motor_is_driven_on_at_zero_while_it_is_switched() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_000));
+    bench.forget_the_past();
+    bench
+        .command(Command::SwitchMode {
+            id: ID,
+            mode: Mode::Current,
+        })
+        .unwrap();
+    bench.run(ms(500));
+    let frames = bench.drive_times(ID);
+    assert!(longest_gap(&frames) <= ms(25), "{:?}", longest_gap(&frames));
+    let values = bench
+        .sent
+        .iter()
+        .filter_map(|s| s.drive_of(ID))
+        .map(Drive::signed);
+    assert!(values.into_iter().all(|value| value == 0));
+    assert!(bench.happened(|e| *e
+        == Event::ModeSwitched {
+            id: ID,
+            mode: Mode::Current
+        }));
+}
+
+#[test]
+fn the_position_loop_is_refused_to_a_turning_wheel_and_to_an_unknown_speed() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_000));
+    let to_position = |id| Command::SwitchMode {
+        id,
+        mode: Mode::Position,
+    };
+    assert!(matches!(
+        bench.command(to_position(ID)),
+        Err(Refusal::TooFast(_))
+    ));
+    assert_eq!(
+        bench.command(to_position(id(9))),
+        Err(Refusal::SpeedUnknown(id(9)))
+    );
+    bench.run(ms(100));
+    assert!(!bench.sent.iter().any(bench::Sent::is_switch));
+}
+
+/// The motor silently refuses the position loop above 10 rpm; a switch that is not confirmed is said.
+#[test]
+fn a_switch_that_the_motor_refuses_is_reported() {
+    let mut bench = Bench::one_motor();
+    bench.world.motor_mut(ID).unwrap().mute(true);
+    bench
+        .command(Command::SwitchMode {
+            id: ID,
+            mode: Mode::Position,
+        })
+        .unwrap();
+    bench.run(ms(1_000));
+    assert!(bench.happened(|e| matches!(
+        e,
+        Event::ModeSwitchFailed {
+            asked: Mode::Position,
+            ..
+        }
+    )));
+}
+
+#[test]
+fn the_position_loop_reaches_its_target_and_holds_where_it_is_told_to() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Position);
+    bench.drive(degrees(90.0)).unwrap();
+    bench.run(ms(3_000));
+    let angle = |bench: &Bench| bench.status(ID).position.unwrap().1.degrees();
+    assert!((angle(&bench) - 90.0).abs() < 2.0, "{}", angle(&bench));
+    bench.drive(degrees(200.0)).unwrap();
+    bench.run(ms(60));
+    bench.command(Command::Hold(ID)).unwrap();
+    let Activity::Driven {
+        setpoint: Setpoint::Position(held),
+    } = bench.activity()
+    else {
+        panic!("{:?}", bench.activity())
+    };
+    bench.run(ms(2_000));
+    assert!((angle(&bench) - held.degrees()).abs() < 3.0);
+}
+
+#[test]
+fn a_setpoint_of_another_loop_is_refused() {
+    let mut bench = Bench::one_motor();
+    assert_eq!(
+        bench.drive(amps(1.0)),
+        Err(Refusal::OtherLoop {
+            asked: Mode::Current,
+            reported: Mode::Velocity
+        })
+    );
+    assert_eq!(
+        bench.command(Command::Hold(ID)),
+        Err(Refusal::NotHolding(ID))
+    );
+}
+
+#[test]
+fn a_motor_that_never_answered_is_not_driven() {
+    let mut bench = Bench::one_motor();
+    let command = Command::Drive {
+        id: id(9),
+        setpoint: rpm(50),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.command(command), Err(Refusal::NotHeard(id(9))));
+}
+
+#[test]
+fn a_high_current_asks_first() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Current);
+    assert!(matches!(
+        bench.drive(amps(6.2)),
+        Err(Refusal::NeedsConsent(_))
+    ));
+    let command = Command::Drive {
+        id: ID,
+        setpoint: amps(6.2),
+        consent: Consent::HighCurrent,
+    };
+    assert_eq!(bench.command(command), Ok(()));
+}
+
+#[test]
+fn a_torque_reversal_passes_through_zero() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Current);
+    bench.drive(amps(0.2)).unwrap();
+    bench.run(ms(100));
+    bench.forget_the_past();
+    bench.drive(amps(-0.2)).unwrap();
+    bench.run(ms(100));
+    let values: Vec<i16> = bench
+        .sent
+        .iter()
+        .filter_map(|s| s.drive_of(ID))
+        .map(Drive::signed)
+        .collect();
+    assert_eq!(values[0], 0, "{values:?}");
+    assert!(values[1..].iter().all(|value| *value < 0), "{values:?}");
+}
+
+#[test]
+fn an_adjustment_moves_the_setpoint_of_a_driven_motor_only() {
+    let mut bench = Bench::one_motor();
+    let adjust = |to| Command::Adjust {
+        id: ID,
+        setpoint: rpm(to),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.command(adjust(80)), Err(Refusal::NotDriven(ID)));
+    bench.drive(rpm(50)).unwrap();
+    bench.run(ms(200));
+    bench.command(adjust(80)).unwrap();
+    assert_eq!(bench.activity(), Activity::Driven { setpoint: rpm(80) });
+    // A drag that outlasts a stop does not undo it.
+    bench.command(Command::Stop(ID)).unwrap();
+    assert!(bench.command(adjust(80)).is_err());
+    bench.run(ms(1_000));
+    assert!(bench.command(adjust(80)).is_err());
+}
+
+#[test]
+fn the_id_query_is_refused_while_a_motor_is_driven() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(50)).unwrap();
+    assert_eq!(bench.command(Command::IdQuery), Err(Refusal::Driven(ID)));
+    assert_eq!(bench.command(Command::Forget(ID)), Err(Refusal::Driven(ID)));
+    bench
+        .command(Command::StopAll(StopReason::Operator))
+        .unwrap();
+    bench.run(ms(1_000));
+    bench.forget_the_past();
+    bench.command(Command::IdQuery).unwrap();
+    bench.run(ms(10)); // behind the exchange in flight
+    assert!(bench.sent.iter().any(|s| s.request() == Request::IdQuery));
+}

@@ -1,0 +1,342 @@
+//! Stopping: velocity loop, zero, brake, next on the wire, until every reply says it stands.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use std::collections::BTreeMap;
+
+use bench::{Bench, ID, Sent, amps, degrees, id, ms, rpm};
+use motorlink_bus::{Activity, Bus, Command, Consent, Event, Refusal, StopReason, StopReport};
+use motorlink_protocol::{Drive, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_simulator::{MotorConfig, WorldConfig};
+
+const STOP: Command = Command::StopAll(StopReason::Operator);
+
+fn report(bench: &Bench) -> StopReport {
+    let reports = bench
+        .events
+        .iter()
+        .rev()
+        .find_map(|(_, event)| match event {
+            Event::StopEnded(report) => Some(report.clone()),
+            _ => None,
+        });
+    reports.expect("the stop has ended")
+}
+
+fn brake() -> Drive {
+    Setpoint::Brake.into()
+}
+
+fn spinning(target: i32) -> Bench {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(target)).unwrap();
+    bench.run(ms(2_000));
+    bench.forget_the_past();
+    bench
+}
+
+#[test]
+fn from_100_rpm_the_wheel_stands_within_300_ms_confirmed_and_braked_until_then() {
+    for target in [100, -100] {
+        let mut bench = spinning(target);
+        bench.command(STOP).unwrap();
+        let took = bench.run_until(ms(1_000), |b| {
+            b.happened(|e| matches!(e, Event::StopEnded(_)))
+        });
+        assert!(took <= ms(300), "{took:?}");
+        assert!(bench.true_rpm().abs() < 1.0, "{}", bench.true_rpm());
+        assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+        // It was in the velocity loop: no time is spent on switching, and every frame brakes.
+        let ended = bench
+            .events
+            .iter()
+            .find(|(_, e)| matches!(e, Event::StopEnded(_)))
+            .unwrap()
+            .0;
+        let of_the_stop = bench.sent.iter().filter(|sent| sent.at < ended);
+        assert!(of_the_stop.clone().count() > 20);
+        assert!(
+            of_the_stop
+                .into_iter()
+                .all(|sent| sent.drive_of(ID) == Some(brake()))
+        );
+    }
+}
+
+#[test]
+fn a_stop_is_the_next_frame_behind_the_exchange_in_flight() {
+    for offset_us in (0..20_000).step_by(500) {
+        let mut bench = spinning(100);
+        bench.run(std::time::Duration::from_micros(offset_us));
+        bench.forget_the_past();
+        bench.command(STOP).unwrap();
+        let asked = bench.now;
+        bench.run(ms(10));
+        let first = bench.sent.first().expect("a frame within 10 ms");
+        assert_eq!(first.drive_of(ID), Some(brake()));
+        assert!(
+            first.at.since(asked) <= ms(3),
+            "{:?}",
+            first.at.since(asked)
+        );
+    }
+}
+
+#[test]
+fn in_the_current_loop_the_brake_is_sent_while_it_is_switched() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Current);
+    bench.drive(amps(0.3)).unwrap();
+    bench.run(ms(1_500));
+    assert!(bench.true_rpm().abs() > 20.0, "{}", bench.true_rpm());
+    bench.forget_the_past();
+    bench.command(STOP).unwrap();
+    bench.run(ms(1_000));
+    let first = bench
+        .sent
+        .iter()
+        .position(Sent::is_switch)
+        .expect("a mode switch");
+    assert!(first <= 2);
+    assert_eq!(bench.sent[0].drive_of(ID), Some(brake()));
+    assert!(report(&bench).motors[0].confirmed);
+    assert!(bench.true_rpm().abs() < 1.0);
+}
+
+/// In the position loop a zero setpoint is no stop but a move to 0 degrees.
+#[test]
+fn in_the_position_loop_no_zero_is_sent_before_the_velocity_loop_is_reported() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Position);
+    bench.drive(degrees(90.0)).unwrap();
+    bench.run(ms(2_000));
+    bench.forget_the_past();
+    let before = bench.world.motor(ID).unwrap().angle_deg();
+    bench.command(STOP).unwrap();
+    bench.run(ms(1_000));
+    assert!(bench.sent[0].is_switch());
+    let first_brake = bench
+        .sent
+        .iter()
+        .find(|s| s.drive_of(ID).is_some())
+        .unwrap();
+    let velocity_reported = bench.events.iter().find_map(|(at, event)| match event {
+        Event::Telemetry(sample) if sample.reply.mode == Mode::Velocity => Some(*at),
+        _ => None,
+    });
+    assert!(first_brake.at >= velocity_reported.unwrap());
+    assert!(report(&bench).motors[0].confirmed);
+    let after = bench.world.motor(ID).unwrap().angle_deg();
+    assert!((after - before).abs() < 2.0, "{before} to {after}");
+}
+
+#[test]
+fn a_stop_during_a_switch_to_the_position_loop_sends_no_zero_into_it() {
+    for delay in (0..120).step_by(5) {
+        let mut bench = Bench::one_motor();
+        // Standing at an angle far from 0, so that a stray zero would show.
+        bench.switch(Mode::Position);
+        bench.drive(degrees(120.0)).unwrap();
+        bench.run(ms(2_000));
+        bench.command(Command::Stop(ID)).unwrap();
+        bench.run(ms(500));
+        let before = bench.world.motor(ID).unwrap().angle_deg();
+        bench
+            .command(Command::SwitchMode {
+                id: ID,
+                mode: Mode::Position,
+            })
+            .unwrap();
+        bench.run(ms(delay));
+        bench.command(STOP).unwrap();
+        bench.run(ms(1_000));
+        let after = bench.world.motor(ID).unwrap().angle_deg();
+        assert!(
+            (after - before).abs() < 2.0,
+            "after {delay} ms: {before} to {after}"
+        );
+        // Once the switch was over the wheel stood, idle: there was nothing to stop.
+        assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+    }
+}
+
+#[test]
+fn stopped_means_stopped_until_released_and_release_restores_nothing() {
+    let mut bench = spinning(100);
+    bench.command(STOP).unwrap();
+    bench.run(ms(1_000));
+    assert!(bench.bus.is_halted());
+    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Halted));
+    assert_eq!(
+        bench.command(Command::SwitchMode {
+            id: ID,
+            mode: Mode::Current
+        }),
+        Err(Refusal::Halted)
+    );
+    bench.command(Command::Release).unwrap();
+    bench.forget_the_past();
+    bench.run(ms(2_000));
+    assert!(bench.drive_times(ID).is_empty());
+    assert_eq!(bench.activity(), Activity::Idle);
+    assert_eq!(bench.drive(rpm(50)), Ok(()));
+}
+
+#[test]
+fn a_halt_outlives_the_port() {
+    let mut bus = Bus::halted(Instant::ZERO);
+    let drive = Command::Drive {
+        id: ID,
+        setpoint: rpm(50),
+        consent: Consent::None,
+    };
+    assert_eq!(bus.command(Instant::ZERO, drive), Err(Refusal::Halted));
+}
+
+#[test]
+fn a_stop_of_one_motor_does_not_halt_it() {
+    let mut bench = spinning(100);
+    bench.command(Command::Stop(ID)).unwrap();
+    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Stopping(ID)));
+    bench.run(ms(400));
+    assert!(bench.true_rpm().abs() < 1.0);
+    assert_eq!(bench.drive(rpm(50)), Ok(()));
+}
+
+#[test]
+fn all_motors_are_stopped_round_by_round() {
+    let ids: Vec<MotorId> = (1..=4).map(id).collect();
+    let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
+    let mut bench = Bench::watching(
+        WorldConfig {
+            motors,
+            ..WorldConfig::default()
+        },
+        &ids,
+    );
+    for motor in &ids {
+        let setpoint = rpm(100);
+        bench
+            .command(Command::Drive {
+                id: *motor,
+                setpoint,
+                consent: Consent::None,
+            })
+            .unwrap();
+    }
+    bench.run(ms(2_000));
+    bench.forget_the_past();
+    bench.command(STOP).unwrap();
+    bench.run(ms(1_000));
+    let mut frames: BTreeMap<MotorId, u32> = ids.iter().map(|id| (*id, 0)).collect();
+    let ended = bench
+        .events
+        .iter()
+        .find(|(_, e)| matches!(e, Event::StopEnded(_)))
+        .unwrap()
+        .0;
+    for sent in bench.sent.iter().filter(|sent| sent.at < ended) {
+        let Request::Drive { id, .. } = sent.request() else {
+            panic!("{sent:?}")
+        };
+        *frames.get_mut(&id).unwrap() += 1;
+        let (least, most) = (
+            frames.values().min().unwrap(),
+            frames.values().max().unwrap(),
+        );
+        assert!(most - least <= 1, "{frames:?}");
+    }
+    assert_eq!(report(&bench).motors.len(), 4);
+    assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+}
+
+#[test]
+fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
+    let ids = [id(1), id(2)];
+    let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
+    let mut bench = Bench::watching(
+        WorldConfig {
+            motors,
+            ..WorldConfig::default()
+        },
+        &ids,
+    );
+    for motor in ids {
+        let setpoint = rpm(100);
+        bench
+            .command(Command::Drive {
+                id: motor,
+                setpoint,
+                consent: Consent::None,
+            })
+            .unwrap();
+    }
+    bench.run(ms(1_500));
+    bench.world.motor_mut(id(2)).unwrap().mute(true);
+    bench.command(STOP).unwrap();
+    bench.run(ms(5_000));
+    let report = report(&bench);
+    assert_eq!(report.reason, StopReason::Operator);
+    let confirmed: Vec<_> = report.motors.iter().map(|m| (m.id, m.confirmed)).collect();
+    assert_eq!(confirmed, [(id(1), true), (id(2), false)]);
+    assert_eq!(report.motors[1].speed, None, "unknown is not zero");
+    // It hears even though it does not answer, so it was braked all the same.
+    assert!(bench.world.motor(id(2)).unwrap().speed_rpm().abs() < 1.0);
+}
+
+#[test]
+fn a_page_that_does_not_answer_for_a_second_stops_its_motors() {
+    let mut bench = spinning(100);
+    bench.page_lives = false;
+    let hung = bench.now;
+    bench.run(ms(3_000));
+    let first_brake = bench
+        .sent
+        .iter()
+        .find(|s| s.drive_of(ID) == Some(brake()))
+        .unwrap();
+    assert!(
+        first_brake.at.since(hung) <= ms(1_100),
+        "{:?}",
+        first_brake.at.since(hung)
+    );
+    assert!(bench.true_rpm().abs() < 1.0);
+    assert_eq!(report(&bench).reason, StopReason::PageSilent);
+    // The page is back: that starts nothing.
+    bench.page_lives = true;
+    bench.forget_the_past();
+    bench.run(ms(2_000));
+    assert!(bench.drive_times(ID).is_empty());
+    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Halted));
+}
+
+#[test]
+fn stop_all_brakes_a_watched_wheel_that_turns_though_we_do_not_drive_it() {
+    let mut bench = spinning(100);
+    // As after a reload: another bus, which knows of no command.
+    bench.bus = Bus::new(bench.now);
+    bench.command(Command::Watch(ID)).unwrap();
+    bench.run(ms(150));
+    assert!(bench.true_rpm() > 20.0);
+    bench.command(STOP).unwrap();
+    bench.run(ms(1_000));
+    assert!(bench.true_rpm().abs() < 1.0);
+    assert!(report(&bench).motors[0].confirmed);
+}
+
+#[test]
+fn stop_all_with_nothing_to_stop_ends_at_once_and_halts() {
+    let mut bench = Bench::one_motor();
+    bench.command(STOP).unwrap();
+    bench.run(ms(10));
+    assert_eq!(report(&bench).motors, []);
+    assert!(bench.bus.is_halted());
+    assert!(bench.sent.iter().all(Sent::is_query));
+}
