@@ -1,0 +1,253 @@
+//! What crosses between the page and its worker: two enums, and nothing else.
+//!
+//! The page sends [`ToWorker`], the worker [`ToPage`]. Both cross as one buffer of bytes
+//! (`postcard`), so that nothing is shared and the page can build on nothing inside the worker. The
+//! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
+
+use motorlink_bus::{
+    Command, IdQueryOutcome, MotorStatus, Refusal, Sample, StopReason, StopReport, WithdrawReason,
+};
+use motorlink_protocol::{Instant, Mode, MotorId};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+mod adapter;
+
+pub use adapter::{Adapter, UsbId};
+pub use motorlink_bus as bus;
+pub use motorlink_protocol as protocol;
+
+/// From the page to its worker.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ToWorker {
+    /// Open a serial port, and stay at the first of these on which the wanted motor answers.
+    ///
+    /// Two adapters of one make cannot be told apart but by who answers on them. Where the wanted
+    /// motor answers on none, the first that opens is taken.
+    ConnectSerial {
+        /// The ports to try, best first.
+        candidates: Vec<PortRef>,
+        /// The motor that the page would like to find.
+        wanted: MotorId,
+    },
+    /// Open the built-in virtual bus.
+    ConnectVirtual,
+    /// Stop what is driven, then close the port.
+    Disconnect,
+    /// Ask this motor for telemetry, and those no more that have never answered.
+    Select(MotorId),
+    /// An operator's act.
+    Command(Command),
+    /// The answer to [`ToPage::Ping`], to be sent from the handler of that message.
+    Pong,
+}
+
+/// A serial port as the page sees it. Port objects cannot be posted, but `getPorts()` lists them in
+/// one order in page and worker at one moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PortRef {
+    /// Its place in `getPorts()`.
+    pub place: u16,
+    /// What it must be, to notice that the order has changed meanwhile.
+    pub usb: Option<UsbId>,
+}
+
+/// From the worker to its page.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ToPage {
+    /// The worker runs. Said once, first.
+    Hello {
+        /// The worker's `performance.timeOrigin` in milliseconds: with it the page can read every
+        /// [`Instant`] of the worker on its own clock.
+        time_origin_ms: f64,
+    },
+    /// Are you there? Without [`ToWorker::Pong`] for a second the worker stops all motors.
+    Ping,
+    /// Everything that the page shows. Sent when something has changed, at most once a frame.
+    Update(Update),
+}
+
+/// What the worker knows, and what has happened since the last update.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Update {
+    /// When this was put together, in microseconds since the worker's time origin.
+    pub now: Instant,
+    /// The state of the port.
+    pub connection: Connection,
+    /// Whether Stop all motors stands.
+    pub halted: bool,
+    /// Every motor that is asked for telemetry.
+    pub motors: Vec<MotorStatus>,
+    /// Every reply since the last update, oldest first.
+    pub samples: Vec<Sample>,
+    /// What has happened since the last update, oldest first.
+    pub notices: Vec<Notice>,
+}
+
+/// The state of the port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Connection {
+    /// No port is open and none is wanted.
+    Disconnected,
+    /// A port is being opened.
+    Connecting,
+    /// A port is open.
+    Connected(Adapter),
+    /// The adapter was pulled out and is waited for. Nothing drives when it is back.
+    Reconnecting(Adapter),
+    /// It could not be opened.
+    Failed(ConnectError),
+}
+
+/// Why a port could not be opened or kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ConnectError {
+    /// The browser has no Web Serial in its workers.
+    NoWebSerial,
+    /// The port is not there any more, or the list of ports has changed: choose again.
+    PortGone,
+    /// The browser says "failed to open", which is one and the same for: held by another program or
+    /// tab, no permission on the device, device gone.
+    OpenFailed,
+    /// The port is open already, in this very page.
+    AlreadyOpen,
+    /// The browser gave another error.
+    Other,
+}
+
+/// Something that a person should know of.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Notice {
+    /// A command was not carried out.
+    Refused {
+        /// The command.
+        command: Command,
+        /// Why.
+        refusal: Refusal,
+    },
+    /// A command needs an open port.
+    NotConnected,
+    /// Who answered the ID query.
+    IdQueryEnded(IdQueryOutcome),
+    /// A motor reports the loop that was asked for.
+    ModeSwitched {
+        /// Which motor.
+        id: MotorId,
+        /// The loop.
+        mode: Mode,
+    },
+    /// A motor does not report the loop that was asked for.
+    ModeSwitchFailed {
+        /// Which motor.
+        id: MotorId,
+        /// The loop that was asked for.
+        asked: Mode,
+        /// The loop that it reports.
+        reported: Option<Mode>,
+    },
+    /// A setpoint was taken back and its motor is being stopped.
+    Withdrawn {
+        /// Which motor.
+        id: MotorId,
+        /// Why.
+        reason: WithdrawReason,
+    },
+    /// A motor has not answered for two seconds.
+    MotorSilent(MotorId),
+    /// A silent motor answers again.
+    MotorBack(MotorId),
+    /// A stop has begun.
+    StopBegan(StopReason),
+    /// A stop has ended.
+    StopEnded(StopReport),
+    /// The adapter was pulled out. What was driven coasts.
+    AdapterLost {
+        /// Which motors were driven then.
+        driven: Vec<MotorId>,
+    },
+    /// The adapter is back; nothing drives.
+    AdapterBack,
+    /// The browser reported a framing, parity, break or overrun error; the port lives on.
+    LineError,
+}
+
+/// The bytes of a message.
+///
+/// # Errors
+/// A message of ours always encodes; the error is that of the encoder.
+pub fn encode<T: Serialize>(message: &T) -> Result<Vec<u8>, postcard::Error> {
+    postcard::to_allocvec(message)
+}
+
+/// The message in these bytes.
+///
+/// # Errors
+/// The bytes are none: page and worker are not of one build.
+pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, postcard::Error> {
+    postcard::from_bytes(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_bus::{Consent, StopOutcome};
+    use motorlink_protocol::{CurrentTarget, Rpm, Setpoint};
+
+    use super::*;
+
+    fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(message: &T) {
+        assert_eq!(&decode::<T>(&encode(message).unwrap()).unwrap(), message);
+    }
+
+    #[test]
+    fn messages_arrive_as_they_were_sent() {
+        let id = MotorId::new(7).unwrap();
+        let setpoint = Setpoint::Current(CurrentTarget::new(-25_001).unwrap());
+        round_trip(&ToWorker::Command(Command::Drive {
+            id,
+            setpoint,
+            consent: Consent::HighCurrent,
+        }));
+        round_trip(&ToWorker::ConnectSerial {
+            candidates: vec![PortRef {
+                place: 1,
+                usb: Some(UsbId {
+                    vendor: 0x1A86,
+                    product: 0x7523,
+                }),
+            }],
+            wanted: id,
+        });
+        let outcome = StopOutcome {
+            id,
+            confirmed: false,
+            speed: Some(Rpm::new(-3)),
+        };
+        let report = StopReport {
+            reason: StopReason::PageSilent,
+            motors: vec![outcome],
+        };
+        round_trip(&ToPage::Update(Update {
+            now: Instant::from_micros(123_456_789),
+            connection: Connection::Failed(ConnectError::OpenFailed),
+            halted: true,
+            motors: vec![],
+            samples: vec![],
+            notices: vec![Notice::StopEnded(report)],
+        }));
+        round_trip(&ToPage::Hello {
+            time_origin_ms: 1.5,
+        });
+    }
+
+    /// A value outside its range cannot cross, even from a page of another build.
+    #[test]
+    fn a_setpoint_out_of_range_does_not_arrive() {
+        #[derive(Serialize)]
+        enum Loose {
+            Current(i32),
+        }
+        assert!(decode::<CurrentTarget>(&encode(&40_000_i32).unwrap()).is_err());
+        assert!(decode::<CurrentTarget>(&encode(&32_767_i32).unwrap()).is_ok());
+        assert!(decode::<MotorId>(&encode(&0_u8).unwrap()).is_err());
+        assert!(decode::<Setpoint>(&encode(&Loose::Current(1)).unwrap()).is_err());
+    }
+}

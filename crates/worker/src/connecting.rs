@@ -1,0 +1,234 @@
+//! Opening, trying and reopening ports.
+//!
+//! Two adapters of one make look alike to the browser, and their order changes after a replug. They
+//! are told apart by who answers on them: each candidate is opened in turn until the wanted motor is
+//! heard. Nothing drives meanwhile.
+
+use std::{rc::Rc, time::Duration};
+
+use gloo_timers::future::sleep;
+use motorlink_messages::{Adapter, ConnectError, Notice, PortRef};
+use motorlink_protocol::MotorId;
+use wasm_bindgen_futures::spawn_local;
+
+use crate::{
+    line::Line,
+    serial::{self, ReadEnd},
+    session::{OpenSession, Session, Stage},
+    station::{self, Shared, pump},
+};
+
+/// How long the wanted motor may take to answer before the next adapter is tried: three queries at
+/// 10 Hz, behind an ID query of 60 ms.
+const TRIAL: Duration = Duration::from_millis(400);
+/// How often it is looked whether it has answered.
+const TRIAL_STEP: Duration = Duration::from_millis(20);
+
+/// A replugged adapter is shown before the system has set its permissions: try again this often.
+const REOPEN_TRIES: u32 = 10;
+/// Between two tries.
+const REOPEN_PAUSE: Duration = Duration::from_millis(300);
+
+/// Opens the built-in virtual bus.
+pub(crate) fn open_virtual(shared: &Shared) {
+    {
+        let mut station = shared.borrow_mut();
+        let bus = station.new_bus();
+        let open = OpenSession {
+            line: Line::virtual_bus(),
+            bus,
+            stage: Stage::Settled,
+            reader: None,
+        };
+        station.begin_session(Session::Open(Box::new(open)));
+    }
+    pump(shared);
+}
+
+/// Opens the first candidate on which the wanted motor answers, or else the first that opens.
+/// With `lost`, an adapter that was pulled out is opened again.
+pub(crate) async fn open_serial(
+    shared: &Shared,
+    candidates: Vec<PortRef>,
+    wanted: MotorId,
+    lost: Option<Adapter>,
+) {
+    let mut generation = begin(shared, Session::Opening { lost });
+    let mut fallback = None;
+    let mut failure = ConnectError::PortGone;
+    let alone = candidates.len() < 2;
+    for candidate in candidates {
+        let stage = if alone {
+            Stage::Settled
+        } else {
+            Stage::OnTrial { lost }
+        };
+        match open_one(shared, generation, candidate, stage).await {
+            Err(Left) => return,
+            Ok(Err(error)) => failure = error,
+            Ok(Ok(opened)) => {
+                generation = opened;
+                if alone {
+                    return settle(shared, generation, lost);
+                }
+                match answers(shared, generation, wanted).await {
+                    Err(Left) => return,
+                    Ok(true) => return settle(shared, generation, lost),
+                    Ok(false) => {
+                        fallback.get_or_insert(candidate);
+                        generation = close_trial(shared, lost).await;
+                    }
+                }
+            }
+        }
+    }
+    if let Some(candidate) = fallback {
+        match open_one(shared, generation, candidate, Stage::Settled).await {
+            Err(Left) => return,
+            Ok(Ok(opened)) => return settle(shared, opened, lost),
+            Ok(Err(error)) => failure = error,
+        }
+    }
+    let outcome = lost.map_or(Session::Failed(failure), Session::Lost);
+    begin(shared, outcome);
+    pump(shared);
+}
+
+/// Opens the pulled-out adapter again, if that is what was plugged in. Nothing drives then.
+pub(crate) fn adapter_plugged(shared: &Shared) {
+    let Session::Lost(lost) = shared.borrow().session else {
+        return;
+    };
+    let Adapter::Serial(usb) = lost else { return };
+    let shared = Rc::clone(shared);
+    spawn_local(async move {
+        for _ in 0..REOPEN_TRIES {
+            let Ok(ports) = serial::ports().await else {
+                return;
+            };
+            let refs = (0_u16..)
+                .zip(&ports)
+                .map(|(place, port)| (place, serial::usb_of(port)));
+            let candidates: Vec<_> = refs
+                .filter(|(_, found)| *found == usb)
+                .map(|(place, usb)| PortRef { place, usb })
+                .collect();
+            // The person may have disconnected, or connected, in the meantime.
+            let still_lost = matches!(shared.borrow().session, Session::Lost(_));
+            if !still_lost {
+                return;
+            }
+            if !candidates.is_empty() {
+                let wanted = shared.borrow().selected;
+                open_serial(&shared, candidates, wanted, Some(lost)).await;
+            }
+            sleep(REOPEN_PAUSE).await;
+        }
+    });
+}
+
+/// Another session has begun meanwhile: this task is not wanted any more.
+struct Left;
+
+fn begin(shared: &Shared, session: Session) -> u32 {
+    let (_, generation) = shared.borrow_mut().begin_session(session);
+    pump(shared);
+    generation
+}
+
+/// Opens one port and starts reading it. Gives the number of its session.
+async fn open_one(
+    shared: &Shared,
+    generation: u32,
+    candidate: PortRef,
+    stage: Stage,
+) -> Result<Result<u32, ConnectError>, Left> {
+    let opened = serial::open(candidate).await;
+    if shared.borrow().generation != generation {
+        if let Ok(line) = opened {
+            serial::close(line, None).await;
+        }
+        return Err(Left);
+    }
+    let line = match opened {
+        Ok(line) => line,
+        Err(error) => return Ok(Err(error)),
+    };
+    let port = line.port();
+    let bus = shared.borrow().new_bus();
+    let open = OpenSession {
+        line: Line::Serial(line),
+        bus,
+        stage,
+        reader: None,
+    };
+    let generation = begin(shared, Session::Open(Box::new(open)));
+    spawn_local(read(Rc::clone(shared), generation, port));
+    Ok(Ok(generation))
+}
+
+/// Reads a port for as long as its session lasts.
+async fn read(shared: Shared, generation: u32, port: web_sys::SerialPort) {
+    let keep = Rc::clone(&shared);
+    let tell = Rc::clone(&shared);
+    let ended = serial::read(
+        port,
+        move |reader| {
+            let mut station = keep.borrow_mut();
+            if station.generation == generation
+                && let Session::Open(open) = &mut station.session
+            {
+                open.reader = reader;
+            }
+        },
+        move |event| station::heard(&tell, generation, event),
+    )
+    .await;
+    if ended == ReadEnd::Lost && shared.borrow().generation == generation {
+        shared.borrow_mut().adapter_lost();
+        pump(&shared);
+    }
+}
+
+/// Whether the wanted motor answers on the port that is on trial.
+async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Left> {
+    for _ in 0..TRIAL.as_millis() / TRIAL_STEP.as_millis() {
+        sleep(TRIAL_STEP).await;
+        let station = shared.borrow();
+        match &station.session {
+            Session::Open(open) if station.generation == generation => {
+                if open.heard(station.now(), wanted) {
+                    return Ok(true);
+                }
+            }
+            _ => return Err(Left),
+        }
+    }
+    Ok(false)
+}
+
+async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
+    let (left, generation) = shared.borrow_mut().begin_session(Session::Opening { lost });
+    if let Session::Open(open) = left {
+        open.close().await;
+    }
+    generation
+}
+
+/// The page may drive from now on.
+fn settle(shared: &Shared, generation: u32, lost: Option<Adapter>) {
+    {
+        let mut station = shared.borrow_mut();
+        if station.generation != generation {
+            return;
+        }
+        if let Session::Open(open) = &mut station.session {
+            open.stage = Stage::Settled;
+        }
+        if lost.is_some() {
+            station.outbox.notice(Notice::AdapterBack);
+        }
+        station.outbox.touch();
+    }
+    pump(shared);
+}

@@ -1,0 +1,52 @@
+//! The near end of the line: a serial port or the virtual bus.
+
+use motorlink_messages::Adapter;
+use motorlink_protocol::{Frame, Instant};
+use motorlink_simulator::{World, WorldConfig};
+
+use crate::serial::SerialLine;
+
+/// What the bus speaks through.
+pub(crate) enum Line {
+    /// Bytes come by themselves: see [`crate::serial::read`].
+    Serial(SerialLine),
+    /// Bytes come when they are asked for, at the moments that the world names.
+    Virtual(Box<World>),
+}
+
+impl Line {
+    /// The built-in bus: one motor with ID 1 on a faultless wire, at rest.
+    pub(crate) fn virtual_bus() -> Self {
+        Self::Virtual(Box::new(World::new(WorldConfig::default())))
+    }
+
+    pub(crate) fn adapter(&self) -> Adapter {
+        match self {
+            Self::Serial(serial) => Adapter::Serial(serial.usb()),
+            Self::Virtual(_) => Adapter::Virtual,
+        }
+    }
+
+    pub(crate) fn write(&mut self, now: Instant, frame: Frame) {
+        match self {
+            Self::Serial(serial) => serial.write(frame.bytes()),
+            Self::Virtual(world) => world.transmit(now, frame.bytes()),
+        }
+    }
+
+    /// Bytes that have come and were not pushed.
+    pub(crate) fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
+        match self {
+            Self::Serial(_) => None,
+            Self::Virtual(world) => world.receive(now).map(|chunk| chunk.bytes.clone()),
+        }
+    }
+
+    /// When [`Self::take_received`] may have something.
+    pub(crate) fn next_event(&self) -> Option<Instant> {
+        match self {
+            Self::Serial(_) => None,
+            Self::Virtual(world) => world.next_event(),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! What goes to the page: at most once a frame, and not into a page that hangs.
+
+use std::time::Duration;
+
+use motorlink_bus::{MotorStatus, PAGE_SILENCE_MAX, Sample};
+use motorlink_messages::{Connection, Notice, ToPage, Update};
+use motorlink_protocol::Instant;
+
+use crate::scope::post;
+
+/// A screen of 60 Hz shows no more.
+const FRAME: Duration = Duration::from_micros(16_600);
+
+/// Samples that wait for a page that does not answer: 8 s at 500 Hz. The oldest give way.
+const SAMPLES_MAX: usize = 4096;
+/// Notices that wait. Each is an event a person could cause or notice, so this is never reached.
+const NOTICES_MAX: usize = 256;
+
+#[derive(Debug, Default)]
+pub(crate) struct Outbox {
+    samples: Vec<Sample>,
+    notices: Vec<Notice>,
+    changed: bool,
+    last_sent: Instant,
+    /// When the page was first pinged without an answer since.
+    unanswered_since: Option<Instant>,
+}
+
+/// The present state, of which the page always gets all.
+pub(crate) struct Present {
+    pub(crate) connection: Connection,
+    pub(crate) halted: bool,
+    pub(crate) motors: Vec<MotorStatus>,
+}
+
+impl Outbox {
+    pub(crate) fn sample(&mut self, sample: Sample) {
+        bounded_push(&mut self.samples, sample, SAMPLES_MAX);
+        self.changed = true;
+    }
+
+    pub(crate) fn notice(&mut self, notice: Notice) {
+        bounded_push(&mut self.notices, notice, NOTICES_MAX);
+        self.changed = true;
+    }
+
+    pub(crate) fn touch(&mut self) {
+        self.changed = true;
+    }
+
+    pub(crate) fn ping(&mut self, now: Instant) {
+        self.unanswered_since.get_or_insert(now);
+        post(&ToPage::Ping);
+    }
+
+    pub(crate) fn page_answered(&mut self) {
+        self.unanswered_since = None;
+    }
+
+    /// When there is something to send next; `None` while nothing has changed or the page hangs.
+    pub(crate) fn due(&self, now: Instant) -> Option<Instant> {
+        let hangs = self
+            .unanswered_since
+            .is_some_and(|since| now > since + PAGE_SILENCE_MAX);
+        (self.changed && !hangs).then(|| self.last_sent + FRAME)
+    }
+
+    pub(crate) fn send(&mut self, now: Instant, present: Present) {
+        let Present {
+            connection,
+            halted,
+            motors,
+        } = present;
+        post(&ToPage::Update(Update {
+            now,
+            connection,
+            halted,
+            motors,
+            samples: std::mem::take(&mut self.samples),
+            notices: std::mem::take(&mut self.notices),
+        }));
+        self.changed = false;
+        self.last_sent = now;
+    }
+}
+
+fn bounded_push<T>(items: &mut Vec<T>, item: T, most: usize) {
+    if items.len() == most {
+        items.remove(0);
+    }
+    items.push(item);
+}

@@ -1,0 +1,70 @@
+//! The worker's global object: its clock and its messages.
+
+use js_sys::{Array, Uint8Array};
+use motorlink_messages::{ToPage, encode};
+use motorlink_protocol::Instant;
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use web_sys::{DedicatedWorkerGlobalScope, MessageEvent, Performance};
+
+/// The worker's global object.
+pub(crate) fn global() -> DedicatedWorkerGlobalScope {
+    // The type is only a view: a wrong one fails at the first call, and this is a worker.
+    js_sys::global().unchecked_into()
+}
+
+/// Reads the worker's monotonic clock.
+#[derive(Clone, Debug)]
+pub(crate) struct Clock(Option<Performance>);
+
+impl Clock {
+    pub(crate) fn new() -> Self {
+        Self(global().performance())
+    }
+
+    /// Now, in microseconds since the worker's time origin. Steps of 0.1 ms, as browsers have it.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float cast saturates, and milliseconds since the start are positive"
+    )]
+    pub(crate) fn now(&self) -> Instant {
+        let millis = self.0.as_ref().map_or(0.0, Performance::now);
+        Instant::from_micros((millis * 1000.0) as u64)
+    }
+
+    /// When the clock was zero, in milliseconds of the time that page and worker share.
+    pub(crate) fn origin_ms(&self) -> f64 {
+        self.0.as_ref().map_or(0.0, Performance::time_origin)
+    }
+}
+
+/// Posts a message to the page as one buffer that changes hands.
+pub(crate) fn post(message: &ToPage) {
+    match encode(message) {
+        Ok(bytes) => {
+            let array = Uint8Array::from(bytes.as_slice());
+            let transfer = Array::of1(&array.buffer());
+            if let Err(error) = global().post_message_with_transfer(&array, &transfer) {
+                report("a message could not be posted to the page", &error);
+            }
+        }
+        Err(error) => report("a message could not be encoded", &error.to_string().into()),
+    }
+}
+
+/// Hands every message of the page to `handle`, for as long as the worker lives.
+pub(crate) fn on_message(mut handle: impl FnMut(Vec<u8>) + 'static) {
+    let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        match event.data().dyn_into::<Uint8Array>() {
+            Ok(bytes) => handle(bytes.to_vec()),
+            Err(other) => report("the page sent something that is no buffer of bytes", &other),
+        }
+    });
+    global().set_onmessage(Some(handler.as_ref().unchecked_ref()));
+    handler.forget();
+}
+
+/// Tells the console of something that is our own fault. What a user can act on goes to the page.
+pub(crate) fn report(what: &str, error: &JsValue) {
+    web_sys::console::error_2(&format!("MotorLink worker: {what}").into(), error);
+}

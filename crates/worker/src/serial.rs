@@ -1,0 +1,195 @@
+//! Web Serial: opening, reading, writing and closing a port, and what its errors mean.
+
+use js_sys::{Reflect, Uint8Array};
+use motorlink_messages::{ConnectError, PortRef, UsbId};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{
+    DomException, Event, ReadableStream, ReadableStreamDefaultReader, Serial, SerialOptions,
+    SerialPort, WritableStreamDefaultWriter,
+};
+
+use crate::scope::{global, report};
+
+/// The only rate that the motors speak.
+const BAUD: u32 = 115_200;
+/// Bytes that the browser may hold for us; its default of 255 is three chunks of a busy adapter.
+const BUFFER_BYTES: u32 = 16_384;
+
+/// An open port.
+pub(crate) struct SerialLine {
+    port: SerialPort,
+    writer: WritableStreamDefaultWriter,
+    usb: Option<UsbId>,
+    /// Takes the rejection of a write that the read side reports as well.
+    ignore: Closure<dyn FnMut(JsValue)>,
+}
+
+/// What ended a [`read`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ReadEnd {
+    /// The port was closed by us.
+    Closed,
+    /// The adapter is gone.
+    Lost,
+}
+
+/// What [`read`] tells.
+#[derive(Debug)]
+pub(crate) enum ReadEvent {
+    /// Bytes came.
+    Bytes(Vec<u8>),
+    /// A break, framing, parity or overrun error. The port lives on.
+    LineError,
+}
+
+/// `navigator.serial`, where the browser has it in workers.
+pub(crate) fn serial() -> Option<Serial> {
+    let navigator = global().navigator();
+    let there = Reflect::has(&navigator, &"serial".into()).unwrap_or(false);
+    there.then(|| navigator.serial())
+}
+
+/// Calls `plugged` whenever an adapter that may be used is plugged in.
+pub(crate) fn on_plugged(mut plugged: impl FnMut() + 'static) {
+    let Some(serial) = serial() else { return };
+    let handler = Closure::<dyn FnMut(Event)>::new(move |_| plugged());
+    serial.set_onconnect(Some(handler.as_ref().unchecked_ref()));
+    handler.forget();
+}
+
+/// The ports that may be used, in the order in which the page sees them too.
+pub(crate) async fn ports() -> Result<Vec<SerialPort>, ConnectError> {
+    let serial = serial().ok_or(ConnectError::NoWebSerial)?;
+    let ports = JsFuture::from(serial.get_ports())
+        .await
+        .map_err(|error| other(&error))?;
+    let ports = js_sys::Array::from(ports.as_ref());
+    Ok(ports.iter().map(JsCast::unchecked_into).collect())
+}
+
+/// What a port is, as far as the browser says.
+pub(crate) fn usb_of(port: &SerialPort) -> Option<UsbId> {
+    let info = port.get_info();
+    Some(UsbId {
+        vendor: info.get_usb_vendor_id()?,
+        product: info.get_usb_product_id()?,
+    })
+}
+
+/// Opens the port that the page means.
+pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
+    let ports = ports().await?;
+    let port = ports
+        .get(usize::from(wanted.place))
+        .filter(|port| usb_of(port) == wanted.usb)
+        .ok_or(ConnectError::PortGone)?
+        .clone();
+    let options = SerialOptions::new(BAUD);
+    options.set_buffer_size(BUFFER_BYTES);
+    JsFuture::from(port.open(&options))
+        .await
+        .map_err(|error| open_error(&error))?;
+    let writer = WritableStreamDefaultWriter::new(&port.writable()).map_err(|e| other(&e))?;
+    Ok(SerialLine {
+        usb: usb_of(&port),
+        port,
+        writer,
+        ignore: Closure::new(|_| {}),
+    })
+}
+
+impl SerialLine {
+    pub(crate) const fn usb(&self) -> Option<UsbId> {
+        self.usb
+    }
+
+    /// Hands bytes to the port. Success would prove nothing: the first write after an unplug
+    /// succeeds too. What failed shows on the reading side.
+    pub(crate) fn write(&self, bytes: &[u8]) {
+        let written = self.writer.write_with_chunk(&Uint8Array::from(bytes));
+        let _ = written.catch(&self.ignore);
+    }
+
+    pub(crate) fn port(&self) -> SerialPort {
+        self.port.clone()
+    }
+}
+
+/// Reads a port until it is closed or lost.
+///
+/// `reader` is told of every reader before it is used, so that it can be cancelled.
+pub(crate) async fn read(
+    port: SerialPort,
+    mut reader_changed: impl FnMut(Option<ReadableStreamDefaultReader>),
+    mut tell: impl FnMut(ReadEvent),
+) -> ReadEnd {
+    while let Some(stream) = readable(&port) {
+        let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
+            return ReadEnd::Lost;
+        };
+        reader_changed(Some(reader.clone()));
+        let ended = read_stream(&reader, &mut tell).await;
+        reader.release_lock();
+        match ended {
+            Ok(()) => {
+                reader_changed(None);
+                return ReadEnd::Closed;
+            }
+            // After an error of the line there is a new stream; after a loss there is none.
+            Err(_) if readable(&port).is_some() => tell(ReadEvent::LineError),
+            Err(_) => {}
+        }
+    }
+    reader_changed(None);
+    ReadEnd::Lost
+}
+
+/// Reads one stream to its end (`Ok`) or its error.
+async fn read_stream(
+    reader: &ReadableStreamDefaultReader,
+    tell: &mut impl FnMut(ReadEvent),
+) -> Result<(), JsValue> {
+    loop {
+        let result = JsFuture::from(reader.read()).await?;
+        let result: web_sys::ReadableStreamReadResult = result.unchecked_into();
+        if result.get_done().unwrap_or(true) {
+            return Ok(());
+        }
+        if let Ok(bytes) = result.get_value().dyn_into::<Uint8Array>() {
+            tell(ReadEvent::Bytes(bytes.to_vec()));
+        }
+    }
+}
+
+/// Closes a port: reader cancelled, locks released, then the port itself.
+pub(crate) async fn close(line: SerialLine, reader: Option<ReadableStreamDefaultReader>) {
+    if let Some(reader) = reader {
+        let _ = JsFuture::from(reader.cancel()).await;
+    }
+    line.writer.release_lock();
+    // It fails where the adapter is gone, and then there is nothing to close.
+    let _ = JsFuture::from(line.port.close()).await;
+}
+
+/// `port.readable`, which is null once the adapter is gone or the port is closed.
+fn readable(port: &SerialPort) -> Option<ReadableStream> {
+    Reflect::get(port, &"readable".into()).ok()?.dyn_into().ok()
+}
+
+fn open_error(error: &JsValue) -> ConnectError {
+    match error
+        .dyn_ref::<DomException>()
+        .map(DomException::name)
+        .as_deref()
+    {
+        Some("NetworkError") => ConnectError::OpenFailed,
+        Some("InvalidStateError") => ConnectError::AlreadyOpen,
+        _ => other(error),
+    }
+}
+
+fn other(error: &JsValue) -> ConnectError {
+    report("a port could not be opened", error);
+    ConnectError::Other
+}

@@ -1,0 +1,87 @@
+//! The state of the port.
+
+use motorlink_bus::Bus;
+use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
+use motorlink_protocol::{Instant, MotorId};
+use web_sys::ReadableStreamDefaultReader;
+
+use crate::{line::Line, serial};
+
+/// What the worker does with a port.
+pub(crate) enum Session {
+    /// No port is open and none is wanted.
+    Closed,
+    /// The last attempt failed.
+    Failed(ConnectError),
+    /// A port is being opened.
+    Opening {
+        /// The adapter that was pulled out, where it is opened again by itself.
+        lost: Option<Adapter>,
+    },
+    /// A port is open.
+    Open(Box<OpenSession>),
+    /// The adapter was pulled out and is waited for.
+    Lost(Adapter),
+}
+
+impl Session {
+    /// The state as the page shows it.
+    pub(crate) fn connection(&self) -> Connection {
+        match self {
+            Self::Closed => Connection::Disconnected,
+            Self::Failed(error) => Connection::Failed(*error),
+            Self::Opening { lost } => opening(*lost),
+            Self::Lost(adapter) => Connection::Reconnecting(*adapter),
+            Self::Open(open) => match open.stage {
+                Stage::OnTrial { lost } => opening(lost),
+                Stage::Settled | Stage::Closing(_) => Connection::Connected(open.line.adapter()),
+            },
+        }
+    }
+}
+
+fn opening(lost: Option<Adapter>) -> Connection {
+    lost.map_or(Connection::Connecting, Connection::Reconnecting)
+}
+
+/// An open port with the bus on it.
+pub(crate) struct OpenSession {
+    pub(crate) line: Line,
+    pub(crate) bus: Bus,
+    pub(crate) stage: Stage,
+    /// What reads the port now, to be cancelled when it is closed.
+    pub(crate) reader: Option<ReadableStreamDefaultReader>,
+}
+
+/// What to do when a port is closed: open another, or nothing.
+#[derive(Debug, Default)]
+pub(crate) struct Then(pub(crate) Option<ToWorker>);
+
+/// How settled an open port is.
+pub(crate) enum Stage {
+    /// The wanted motor may be on another adapter of the same make: nothing drives, and the page
+    /// hears nothing yet.
+    OnTrial {
+        /// The adapter that was pulled out, where it is opened again by itself.
+        lost: Option<Adapter>,
+    },
+    /// The page may drive.
+    Settled,
+    /// The motors are being stopped; then the port is closed.
+    Closing(Then),
+}
+
+impl OpenSession {
+    /// Whether this motor has answered here.
+    pub(crate) fn heard(&self, now: Instant, wanted: MotorId) -> bool {
+        self.bus
+            .motors(now)
+            .any(|motor| motor.id == wanted && motor.last.is_some())
+    }
+
+    pub(crate) async fn close(self) {
+        if let Line::Serial(serial) = self.line {
+            serial::close(serial, self.reader).await;
+        }
+    }
+}

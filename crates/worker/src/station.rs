@@ -1,0 +1,342 @@
+//! The one owner of the port: what is done with messages, bytes and the passing of time.
+
+use std::{cell::RefCell, rc::Rc};
+
+use motorlink_bus::{
+    Activity, Bus, Command, CommandRate, Event, Output, Refusal, StopReason, StopReport,
+};
+use motorlink_messages::{Notice, ToPage, ToWorker, decode};
+use motorlink_protocol::{Instant, MotorId};
+
+use crate::{
+    alarm::Alarm,
+    connecting,
+    outbox::{Outbox, Present},
+    scope::{self, Clock},
+    serial::{self, ReadEvent},
+    session::{OpenSession, Session, Stage, Then},
+};
+
+/// Everything that the worker is. Each callback of the browser borrows it once, briefly.
+pub(crate) struct Station {
+    clock: Clock,
+    alarm: Alarm,
+    pub(crate) outbox: Outbox,
+    pub(crate) session: Session,
+    /// Counts sessions, so that a task of an old one does nothing to a new one.
+    pub(crate) generation: u32,
+    pub(crate) selected: MotorId,
+    rate: CommandRate,
+    /// Whether Stop all motors stands. It outlives the port.
+    halted: bool,
+}
+
+/// The handle that the browser's callbacks share.
+pub(crate) type Shared = Rc<RefCell<Station>>;
+
+/// Starts the worker.
+pub(crate) fn start() {
+    let clock = Clock::new();
+    scope::post(&ToPage::Hello {
+        time_origin_ms: clock.origin_ms(),
+    });
+    let shared: Shared = Rc::new_cyclic(|station| {
+        let station = station.clone();
+        let ring = move || {
+            if let Some(shared) = station.upgrade() {
+                pump(&shared);
+            }
+        };
+        RefCell::new(Station {
+            clock,
+            alarm: Alarm::new(ring),
+            outbox: Outbox::default(),
+            session: Session::Closed,
+            generation: 0,
+            selected: MotorId::FIRST,
+            rate: CommandRate::default(),
+            halted: false,
+        })
+    });
+    let station = Rc::clone(&shared);
+    scope::on_message(move |bytes| match decode(&bytes) {
+        Ok(message) => handle(&station, message),
+        Err(error) => {
+            scope::report(
+                "the page sent a message of another build",
+                &error.to_string().into(),
+            );
+        }
+    });
+    serial::on_plugged(move || connecting::adapter_plugged(&shared));
+}
+
+/// Carries out a message of the page. A stop is on the wire, or next on it, when this returns.
+fn handle(shared: &Shared, message: ToWorker) {
+    match message {
+        ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual => {
+            leave(shared, Then(Some(message)));
+        }
+        ToWorker::Disconnect => leave(shared, Then(None)),
+        ToWorker::Select(id) => shared.borrow_mut().select(id),
+        ToWorker::Command(command) => shared.borrow_mut().command(command),
+        ToWorker::Pong => shared.borrow_mut().page_answered(),
+    }
+    pump(shared);
+}
+
+/// Stops what is driven, closes the port, and then does what `then` asks.
+fn leave(shared: &Shared, then: Then) {
+    let (left, generation) = {
+        let mut station = shared.borrow_mut();
+        let now = station.now();
+        if let Session::Open(open) = &mut station.session
+            && open.bus.is_active()
+        {
+            open.stage = Stage::Closing(then);
+            // A stop is never refused.
+            let _: Result<(), Refusal> = open
+                .bus
+                .command(now, Command::StopAll(StopReason::Disconnect));
+            return;
+        }
+        station.begin_session(Session::Closed)
+    };
+    let shared = Rc::clone(shared);
+    wasm_bindgen_futures::spawn_local(async move {
+        if let Session::Open(open) = left {
+            open.close().await;
+        }
+        if shared.borrow().generation != generation {
+            return;
+        }
+        match then.0 {
+            Some(ToWorker::ConnectVirtual) => connecting::open_virtual(&shared),
+            Some(ToWorker::ConnectSerial { candidates, wanted }) => {
+                connecting::open_serial(&shared, candidates, wanted, None).await;
+            }
+            _ => {}
+        }
+    });
+}
+
+/// Lets everything that is due happen, and sets the alarm for what is due next.
+pub(crate) fn pump(shared: &Shared) {
+    let left = shared.borrow_mut().turn();
+    if let Some(then) = left {
+        leave(shared, then);
+        shared.borrow_mut().turn();
+    }
+}
+
+/// Takes what a port's reader tells, for as long as that port is the one in use.
+pub(crate) fn heard(shared: &Shared, generation: u32, event: ReadEvent) {
+    {
+        let mut station = shared.borrow_mut();
+        if station.generation != generation {
+            return;
+        }
+        let now = station.now();
+        match (&mut station.session, event) {
+            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, &bytes),
+            (_, ReadEvent::LineError) => station.outbox.notice(Notice::LineError),
+            (_, ReadEvent::Bytes(_)) => {}
+        }
+    }
+    pump(shared);
+}
+
+impl Station {
+    pub(crate) fn now(&self) -> Instant {
+        self.clock.now()
+    }
+
+    /// A bus on which nothing drives, and on which Stop all motors still stands if it stood.
+    pub(crate) fn new_bus(&self) -> Bus {
+        let now = self.now();
+        let mut bus = if self.halted {
+            Bus::halted(now)
+        } else {
+            Bus::new(now)
+        };
+        for command in [
+            Command::SetRate(self.rate),
+            Command::IdQuery,
+            Command::Watch(self.selected),
+        ] {
+            // None of them is refused on a bus on which nothing drives.
+            let _: Result<(), Refusal> = bus.command(now, command);
+        }
+        bus
+    }
+
+    /// Takes up another session; gives back the old one and the number of the new.
+    pub(crate) fn begin_session(&mut self, session: Session) -> (Session, u32) {
+        self.generation += 1;
+        self.outbox.touch();
+        (
+            std::mem::replace(&mut self.session, session),
+            self.generation,
+        )
+    }
+
+    /// The adapter is gone: what was driven coasts, and the adapter is waited for.
+    pub(crate) fn adapter_lost(&mut self) {
+        let now = self.now();
+        let Session::Open(open) = &self.session else {
+            return;
+        };
+        let adapter = open.line.adapter();
+        let moved = |activity| !matches!(activity, Activity::Idle);
+        let driven = open
+            .bus
+            .motors(now)
+            .filter(|m| moved(m.activity))
+            .map(|m| m.id)
+            .collect();
+        self.outbox.notice(Notice::AdapterLost { driven });
+        self.begin_session(Session::Lost(adapter));
+    }
+
+    fn select(&mut self, id: MotorId) {
+        let now = self.now();
+        self.selected = id;
+        self.outbox.touch();
+        if let Session::Open(open) = &mut self.session {
+            let never_heard: Vec<_> = open
+                .bus
+                .motors(now)
+                .filter(|motor| motor.last.is_none())
+                .map(|m| m.id)
+                .collect();
+            let forget = never_heard.into_iter().map(Command::Forget);
+            for command in forget.chain([Command::Watch(id)]) {
+                // A motor that is driven stays watched, which is what its refusal means.
+                let _: Result<(), Refusal> = open.bus.command(now, command);
+            }
+        }
+    }
+
+    fn command(&mut self, command: Command) {
+        let now = self.now();
+        match command {
+            Command::SetRate(rate) => self.rate = rate,
+            Command::StopAll(_) => self.halted = true,
+            Command::Release => self.halted = false,
+            _ => {}
+        }
+        self.outbox.touch();
+        match &mut self.session {
+            Session::Open(open) => {
+                let is_stop = matches!(command, Command::StopAll(_) | Command::Stop(_));
+                if !is_stop && !matches!(open.stage, Stage::Settled) {
+                    self.outbox.notice(Notice::NotConnected);
+                } else if let Err(refusal) = open.bus.command(now, command) {
+                    self.outbox.notice(Notice::Refused { command, refusal });
+                }
+            }
+            _ => match command {
+                // There is nothing to stop, and nothing will drive before it is released.
+                Command::StopAll(reason) => {
+                    self.outbox.notice(Notice::StopBegan(reason));
+                    let report = StopReport {
+                        reason,
+                        motors: Vec::new(),
+                    };
+                    self.outbox.notice(Notice::StopEnded(report));
+                }
+                Command::Release | Command::SetRate(_) => {}
+                _ => self.outbox.notice(Notice::NotConnected),
+            },
+        }
+    }
+
+    fn page_answered(&mut self) {
+        let now = self.now();
+        self.outbox.page_answered();
+        if let Session::Open(open) = &mut self.session {
+            open.bus.page_answered(now);
+        }
+    }
+
+    /// Lets everything that is due happen. Gives back what to do after closing, once the motors
+    /// stand and the port can be closed.
+    fn turn(&mut self) -> Option<Then> {
+        let now = self.now();
+        let mut wake = None;
+        let mut left = None;
+        if let Session::Open(open) = &mut self.session {
+            let at = loop {
+                while let Some(bytes) = open.line.take_received(now) {
+                    open.bus.receive(now, &bytes);
+                }
+                match open.bus.poll(now) {
+                    Output::Transmit(frame) => open.line.write(now, frame),
+                    Output::Event(Event::PingPage) => self.outbox.ping(now),
+                    Output::Event(event) => {
+                        self.halted |= matches!(event, Event::StopBegan(StopReason::PageSilent));
+                        if let Event::StopEnded(_) = event
+                            && let Stage::Closing(then) = &mut open.stage
+                        {
+                            left = Some(std::mem::take(then));
+                        }
+                        tell(&mut self.outbox, open, event);
+                    }
+                    Output::Wait(at) => break at,
+                }
+            };
+            wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
+        }
+        if self.outbox.due(now).is_some_and(|due| due <= now) {
+            let present = self.present(now);
+            self.outbox.send(now, present);
+        }
+        if let Some(at) = self.outbox.due(now).into_iter().chain(wake).min() {
+            self.alarm.arm(now, at);
+        }
+        left
+    }
+
+    fn present(&self, now: Instant) -> Present {
+        let motors = match &self.session {
+            Session::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => {
+                open.bus.motors(now).collect()
+            }
+            _ => Vec::new(),
+        };
+        Present {
+            connection: self.session.connection(),
+            halted: self.halted,
+            motors,
+        }
+    }
+}
+
+/// Passes on what the bus tells, unless the port is on trial: what is heard there may come from an
+/// adapter that nobody meant.
+fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
+    if let Stage::OnTrial { .. } = open.stage {
+        return;
+    }
+    let notice = match event {
+        Event::Telemetry(sample) => return outbox.sample(sample),
+        Event::PingPage => return,
+        Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
+        Event::ModeSwitched { id, mode } => Notice::ModeSwitched { id, mode },
+        Event::ModeSwitchFailed {
+            id,
+            asked,
+            reported,
+        } => Notice::ModeSwitchFailed {
+            id,
+            asked,
+            reported,
+        },
+        Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
+        Event::MotorSilent(id) => Notice::MotorSilent(id),
+        Event::MotorBack(id) => Notice::MotorBack(id),
+        Event::StopBegan(reason) => Notice::StopBegan(reason),
+        Event::StopEnded(report) => Notice::StopEnded(report),
+    };
+    outbox.notice(notice);
+}
