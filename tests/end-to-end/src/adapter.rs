@@ -1,0 +1,306 @@
+//! A USB-RS485 adapter that can be plugged and pulled, with virtual motors on its wire.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail, ensure};
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::artefacts;
+use crate::wait::{PATIENCE, wait_until};
+use crate::wire_log::WireLog;
+
+/// How long the program gets to end by itself: it has nothing to do but to remove its link.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// What is on the wire: arguments of `virtual-motor`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// The motors on the bus.
+    pub ids: Vec<u8>,
+    /// From the last bit of a request to the first of its reply.
+    pub turnaround_us: u32,
+    /// Further arguments, such as `["--echo", "whole"]` or `["--loss", "0.15", "--seed", "7"]`.
+    pub extra: Vec<String>,
+}
+
+impl Default for Line {
+    /// One motor with ID 1 that answers in 0.6 ms, the turnaround that all figures are held to.
+    fn default() -> Self {
+        Self {
+            ids: vec![1],
+            turnaround_us: 600,
+            extra: Vec::new(),
+        }
+    }
+}
+
+impl Line {
+    /// A line with these motors.
+    #[must_use]
+    pub fn with_motors(ids: &[u8]) -> Self {
+        Self {
+            ids: ids.to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// The same line with further arguments.
+    #[must_use]
+    pub fn with(mut self, extra: &[&str]) -> Self {
+        self.extra
+            .extend(extra.iter().map(|argument| (*argument).to_owned()));
+        self
+    }
+}
+
+/// What the adapter says of itself over USB.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Usb {
+    /// Vendor ID.
+    pub vendor: u16,
+    /// Product ID.
+    pub product: u16,
+    /// Product name, shown in the browser's picker.
+    pub name: String,
+    /// Whether the page may use it without asking.
+    pub permitted: bool,
+}
+
+impl Usb {
+    /// A CH340, the usual chip of such adapters.
+    pub const CH340: (u16, u16) = (0x1a86, 0x7523);
+    /// An FTDI FT232R.
+    pub const FTDI: (u16, u16) = (0x0403, 0x6001);
+    /// The chips whose permitted adapters the page may use without asking.
+    pub const PERMITTED: [(u16, u16); 2] = [Self::CH340, Self::FTDI];
+
+    /// What a permitted adapter gives as its serial number. Chromium remembers a permission by
+    /// vendor, product and serial number, and only for adapters that have one; pages never see it,
+    /// and identical adapters may well share it.
+    pub(crate) const SERIAL_PERMITTED: &str = "permitted";
+
+    /// An adapter of this chip that the page may use.
+    #[must_use]
+    pub fn of((vendor, product): (u16, u16)) -> Self {
+        Self {
+            vendor,
+            product,
+            name: "USB Serial".to_owned(),
+            permitted: true,
+        }
+    }
+
+    /// The same adapter, which the page may not use unless a person picks it.
+    #[must_use]
+    pub fn unpermitted(self) -> Self {
+        Self {
+            permitted: false,
+            ..self
+        }
+    }
+
+    /// The udev properties of this adapter, one a line.
+    fn properties(&self, node: &Path) -> String {
+        let Self {
+            vendor,
+            product,
+            name,
+            permitted,
+        } = self;
+        // udev writes a space of the name as \x20.
+        let name = name.replace(' ', r"\x20");
+        let serial = if *permitted {
+            Self::SERIAL_PERMITTED
+        } else {
+            "unknown"
+        };
+        format!(
+            "DEVNAME={}\nID_VENDOR_ID={vendor:04x}\nID_MODEL_ID={product:04x}\n\
+             ID_MODEL_ENC={name}\nID_SERIAL_SHORT={serial}\n",
+            node.display()
+        )
+    }
+}
+
+impl Default for Usb {
+    fn default() -> Self {
+        Self::of(Self::CH340)
+    }
+}
+
+/// An adapter on the bench.
+pub struct Adapter {
+    line: Line,
+    usb: Usb,
+    name: String,
+    /// Where its node, its logs and the program's complaints are.
+    dir: PathBuf,
+    /// Where the browser looks for adapters.
+    udev_dir: PathBuf,
+    motors: Option<Child>,
+    /// One log for each time that it was plugged, oldest first.
+    logs: Vec<PathBuf>,
+}
+
+impl Adapter {
+    /// An adapter that is not plugged yet.
+    pub(crate) fn new(name: String, dir: PathBuf, udev_dir: PathBuf, line: Line, usb: Usb) -> Self {
+        Self {
+            line,
+            usb,
+            name,
+            dir,
+            udev_dir,
+            motors: None,
+            logs: Vec::new(),
+        }
+    }
+
+    /// Plugs it: the motors get power, then the browser sees the adapter.
+    ///
+    /// # Errors
+    ///
+    /// When it is plugged already, or its program does not start.
+    pub fn plug(&mut self) -> Result<()> {
+        ensure!(self.motors.is_none(), "{} is plugged already", self.name);
+        let node = self.dir.join("node");
+        let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
+        self.start_motors(&node, &log)?;
+        self.logs.push(log);
+        let hidden = self.udev_dir.join(format!(".{}", self.name));
+        // The node is given by its own path, as udev would: the link is only how we learn it.
+        fs::write(&hidden, self.usb.properties(&fs::canonicalize(&node)?))?;
+        fs::rename(hidden, self.udev_dir.join(&self.name))?;
+        Ok(())
+    }
+
+    /// Pulls it out: its node goes first, then the browser is told, as with a real one.
+    ///
+    /// # Errors
+    ///
+    /// When it is not plugged.
+    pub fn unplug(&mut self) -> Result<()> {
+        ensure!(self.motors.is_some(), "{} is not plugged", self.name);
+        self.stop_motors();
+        fs::remove_file(self.udev_dir.join(&self.name))?;
+        Ok(())
+    }
+
+    /// Takes its node away while the browser still lists it: opening it fails, as it does for a port
+    /// that is held by another program or that one may not use.
+    ///
+    /// # Errors
+    ///
+    /// When it is not plugged.
+    pub fn take_node(&mut self) -> Result<()> {
+        ensure!(self.motors.is_some(), "{} is not plugged", self.name);
+        self.stop_motors();
+        Ok(())
+    }
+
+    /// Everything that has been on its wire so far, over all the times that it was plugged.
+    ///
+    /// # Errors
+    ///
+    /// When the log cannot be read or understood.
+    pub fn wire(&self) -> Result<WireLog> {
+        self.logs
+            .iter()
+            .try_fold(WireLog::default(), |log, path| log.followed_by(path))
+    }
+
+    /// The path of the pseudo-terminal that the browser opens.
+    ///
+    /// # Errors
+    ///
+    /// When it is not plugged.
+    pub fn node(&self) -> Result<PathBuf> {
+        fs::canonicalize(self.dir.join("node"))
+            .with_context(|| format!("{} has no node", self.name))
+    }
+
+    fn start_motors(&mut self, node: &Path, log: &Path) -> Result<()> {
+        let program = artefacts::virtual_motor()?;
+        let ids: Vec<String> = self.line.ids.iter().map(ToString::to_string).collect();
+        let complaints = self.dir.join("virtual-motor.stderr");
+        let mut motors = Command::new(&program)
+            .args(["--ids", &ids.join(",")])
+            .args(["--turnaround-us", &self.line.turnaround_us.to_string()])
+            .arg("--link")
+            .arg(node)
+            .arg("--log")
+            .arg(log)
+            .args(&self.line.extra)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(File::create(&complaints)?)
+            .spawn()
+            .with_context(|| format!("cannot start {}", program.display()))?;
+        let started = wait_until("virtual-motor to make its node", PATIENCE, || {
+            if let Some(status) = motors.try_wait()? {
+                let complaint = fs::read_to_string(&complaints).unwrap_or_default();
+                bail!(
+                    "{} ended, {status}: {}",
+                    program.display(),
+                    complaint.trim()
+                );
+            }
+            Ok(fs::canonicalize(node).map_err(|error| error.to_string()))
+        });
+        self.motors = Some(motors);
+        if started.is_err() {
+            self.stop_motors();
+        }
+        started.map(drop)
+    }
+
+    fn stop_motors(&mut self) {
+        let Some(mut motors) = self.motors.take() else {
+            return;
+        };
+        if let Some(pid) = i32::try_from(motors.id()).ok().and_then(Pid::from_raw) {
+            // If it is gone already, that is what is wanted.
+            let _ = kill_process(pid, Signal::TERM);
+        }
+        let ended = wait_until("virtual-motor to end", FAREWELL, || {
+            Ok(motors.try_wait()?.ok_or_else(|| "it runs on".to_owned()))
+        });
+        if ended.is_err() {
+            let _ = motors.kill();
+            let _ = motors.wait();
+        }
+        // It removes its link itself, unless it was killed.
+        let _ = fs::remove_file(self.dir.join("node"));
+    }
+}
+
+impl Drop for Adapter {
+    fn drop(&mut self) {
+        self.stop_motors();
+        let _ = fs::remove_file(self.udev_dir.join(&self.name));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn udev_learns_what_the_adapter_is() {
+        let usb = Usb {
+            name: "My Adapter".to_owned(),
+            ..Usb::of(Usb::FTDI)
+        };
+        let expected = "DEVNAME=/dev/pts/3\nID_VENDOR_ID=0403\nID_MODEL_ID=6001\n\
+                        ID_MODEL_ENC=My\\x20Adapter\nID_SERIAL_SHORT=permitted\n";
+        assert_eq!(usb.properties(Path::new("/dev/pts/3")), expected);
+        assert!(
+            usb.unpermitted()
+                .properties(Path::new("x"))
+                .ends_with("SHORT=unknown\n")
+        );
+    }
+}

@@ -1,0 +1,100 @@
+//! What has to be built before the bench can run, and where it is.
+
+use std::cmp::Reverse;
+use std::env;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+
+/// The preloaded library: `MOTORLINK_UDEV_SHIM`, else the workspace's target directory.
+///
+/// # Errors
+///
+/// When it is in neither place.
+pub fn udev_shim() -> Result<PathBuf> {
+    find(
+        "MOTORLINK_UDEV_SHIM",
+        &in_target("libudev_shim.so"),
+        "cargo build -p udev-shim",
+    )
+}
+
+/// The program at the far end of the wire: `MOTORLINK_VIRTUAL_MOTOR`, else the workspace's target
+/// directory.
+///
+/// # Errors
+///
+/// When it is in neither place.
+pub fn virtual_motor() -> Result<PathBuf> {
+    find(
+        "MOTORLINK_VIRTUAL_MOTOR",
+        &in_target("virtual-motor"),
+        "cargo build -p virtual-motor",
+    )
+}
+
+/// The built page: `MOTORLINK_DIST`, else the workspace's `dist`.
+///
+/// # Errors
+///
+/// When it is in neither place.
+pub fn dist() -> Result<PathBuf> {
+    find(
+        "MOTORLINK_DIST",
+        &[workspace().join("dist")],
+        "cargo xtask build",
+    )
+}
+
+/// The browser: `MOTORLINK_CHROMIUM`, else the first on the path that is a Chromium.
+///
+/// # Errors
+///
+/// When there is none.
+pub fn chromium() -> Result<PathBuf> {
+    let path = env::var_os("PATH").unwrap_or_default();
+    let dirs: Vec<PathBuf> = env::split_paths(&path).collect();
+    let names = [
+        "chromium",
+        "chromium-browser",
+        "google-chrome",
+        "google-chrome-stable",
+    ];
+    let candidates: Vec<PathBuf> = names
+        .iter()
+        .flat_map(|name| dirs.iter().map(move |dir| dir.join(name)))
+        .collect();
+    find(
+        "MOTORLINK_CHROMIUM",
+        &candidates,
+        "apt-get install chromium",
+    )
+}
+
+fn find(variable: &str, candidates: &[PathBuf], command: &str) -> Result<PathBuf> {
+    let named = env::var_os(variable).map(|path| vec![PathBuf::from(path)]);
+    let candidates = named.as_deref().unwrap_or(candidates);
+    let Some(found) = candidates.iter().find(|path| path.exists()) else {
+        let first = candidates
+            .first()
+            .map_or("anywhere".into(), |path| path.to_string_lossy());
+        bail!("not found: {first}. Run `{command}`, or set {variable} to where it is");
+    };
+    // The shim's path goes to the loader of a process with another working directory.
+    Ok(std::path::absolute(found)?)
+}
+
+/// Where cargo may have put a file, the newest first: what was built last is what is meant.
+fn in_target(file: &str) -> Vec<PathBuf> {
+    let target = env::var_os("CARGO_TARGET_DIR")
+        .map_or_else(|| workspace().join("target"), |dir| workspace().join(dir));
+    let mut files: Vec<PathBuf> = ["debug", "release", "bench-native"]
+        .map(|profile| target.join(profile).join(file))
+        .into();
+    files.sort_by_key(|file| Reverse(file.metadata().and_then(|found| found.modified()).ok()));
+    files
+}
+
+fn workspace() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}

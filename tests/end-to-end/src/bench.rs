@@ -1,0 +1,128 @@
+//! A world of its own for one test.
+
+use std::cell::Cell;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use tempfile::TempDir;
+
+use crate::adapter::{Adapter, Line, Usb};
+use crate::artefacts;
+use crate::cdp::Session;
+use crate::chromium::Chromium;
+use crate::page::Page;
+use crate::server::Server;
+use crate::wait::{PATIENCE, wait_until};
+
+/// A browser, a server of the page, and a desk on which adapters are plugged. Benches know nothing
+/// of each other, so tests may run at once, in one process or in several.
+pub struct Bench {
+    // Dropped in this order: the browser before what it uses.
+    chromium: Chromium,
+    server: Server,
+    dir: TempDir,
+    adapter_count: Cell<usize>,
+}
+
+impl Bench {
+    /// A bench for the built page.
+    ///
+    /// # Errors
+    ///
+    /// When something is not built or installed: the error says what to run.
+    pub fn start() -> Result<Self> {
+        Self::serving(&artefacts::dist()?)
+    }
+
+    /// A bench for the page in another directory.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Bench::start`].
+    pub fn serving(pages: &Path) -> Result<Self> {
+        let dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
+        let udev_dir = udev_dir(dir.path());
+        fs::create_dir(&udev_dir)?;
+        let server = Server::start(pages)?;
+        let profile = dir.path().join("profile");
+        let chromium = Chromium::start(&profile, &udev_dir, &server.origin())?;
+        Ok(Self {
+            chromium,
+            server,
+            dir,
+            adapter_count: Cell::new(0),
+        })
+    }
+
+    /// Plugs a new adapter, with these motors on its wire.
+    ///
+    /// # Errors
+    ///
+    /// When `virtual-motor` is not built or does not start.
+    pub fn plug(&self, line: Line, usb: Usb) -> Result<Adapter> {
+        let name = format!(
+            "adapter-{}",
+            self.adapter_count.replace(self.adapter_count.get() + 1)
+        );
+        let dir = self.dir.path().join(&name);
+        fs::create_dir(&dir).with_context(|| format!("no place for {name}"))?;
+        let mut adapter = Adapter::new(name, dir, udev_dir(self.dir.path()), line, usb);
+        adapter.plug()?;
+        Ok(adapter)
+    }
+
+    /// Opens a path of the served directory, such as `/?port=virtual`, in a tab in front.
+    ///
+    /// # Errors
+    ///
+    /// When it does not load.
+    pub fn open(&self, path: &str) -> Result<Page> {
+        Page::load(self.new_tab()?, &format!("{}{path}", self.server.origin()))
+    }
+
+    /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.
+    ///
+    /// # Errors
+    ///
+    /// When the page does not become hidden.
+    pub fn hide(&self, page: &Page) -> Result<()> {
+        self.new_tab()?;
+        page.wait_for_visibility("hidden")
+    }
+
+    /// Closes a page's tab as a person does (`pagehide` happens), and waits until it is gone.
+    ///
+    /// # Errors
+    ///
+    /// When it stays.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "a closed page must not be used again"
+    )]
+    pub fn close(&self, page: Page) -> Result<()> {
+        page.close()?;
+        wait_until("the tab to be gone", PATIENCE, || {
+            let open = self.chromium.has_tab(page.tab_id())?;
+            Ok(if open {
+                Err("it is open".to_owned())
+            } else {
+                Ok(())
+            })
+        })
+    }
+
+    /// The origin of the page, without a slash at its end.
+    #[must_use]
+    pub fn origin(&self) -> String {
+        self.server.origin()
+    }
+
+    fn new_tab(&self) -> Result<Session> {
+        self.chromium.new_tab()
+    }
+}
+
+fn udev_dir(dir: &Path) -> PathBuf {
+    dir.join("udev")
+}

@@ -1,0 +1,138 @@
+//! Chromium, headless and unmodified but for the preloaded library.
+
+use std::path::Path;
+use std::time::Duration;
+use std::{fs, io};
+
+use anyhow::{Context, Result, anyhow};
+use chromiumoxide::browser::{Browser, BrowserConfig};
+use chromiumoxide::cdp::browser_protocol::target::{CreateTargetParams, TargetId};
+use futures::StreamExt;
+use serde_json::{Map, Value, json};
+
+use crate::adapter::Usb;
+use crate::artefacts;
+use crate::cdp::{Blocking, Session};
+use crate::wait::PATIENCE;
+
+/// The flags of a quiet browser. None of those that tests usually add against throttling: how a
+/// hidden page is throttled is one of the things that this bench measures.
+const FLAGS: [&str; 13] = [
+    "disable-gpu",
+    "no-first-run",
+    "no-default-browser-check",
+    "disable-default-apps",
+    "mute-audio",
+    "password-store=basic",
+    // There may be no network, and then it would wait for one at every start.
+    "disable-background-networking",
+    "disable-component-update",
+    "disable-domain-reliability",
+    "disable-sync",
+    "disable-quic",
+    // /dev/shm is tiny in containers.
+    "disable-dev-shm-usage",
+    // Crashes of the browser are to be seen here, not collected.
+    "disable-breakpad",
+];
+
+/// How long it gets to end by itself, which takes it some 0.1 s.
+const FAREWELL: Duration = Duration::from_secs(5);
+
+/// A running browser; killed when dropped.
+pub struct Chromium {
+    // The browser must go before the thread that ends it.
+    browser: Browser,
+    blocking: Blocking,
+}
+
+impl Chromium {
+    /// Starts a browser with a fresh profile in `profile`, that finds its serial adapters in
+    /// `udev_dir` and lets `origin` use the permitted ones.
+    pub fn start(profile: &Path, udev_dir: &Path, origin: &str) -> Result<Self> {
+        permit_serial(profile, origin)?;
+        let shim = artefacts::udev_shim()?;
+        let blocking = Blocking::new()?;
+        let mut config = BrowserConfig::builder()
+            .chrome_executable(artefacts::chromium()?)
+            .new_headless_mode()
+            .disable_default_args()
+            .args(FLAGS)
+            .user_data_dir(profile)
+            .window_size(1440, 900)
+            .viewport(None)
+            .launch_timeout(PATIENCE)
+            .env("LD_PRELOAD", shim.to_string_lossy())
+            .env("MOTORLINK_UDEV_DIR", udev_dir.to_string_lossy());
+        if rustix::process::geteuid().is_root() {
+            config = config.no_sandbox();
+        }
+        let config = config.build().map_err(|error| anyhow!(error))?;
+        let (browser, mut connection) = blocking.wait("start", Browser::launch(config))?;
+        blocking.spawn(async move {
+            // An event that chromiumoxide does not know is an error here, but not to us.
+            while connection.next().await.is_some() {}
+        });
+        Ok(Self { browser, blocking })
+    }
+
+    /// A new empty tab, in front of all others.
+    pub fn new_tab(&self) -> Result<Session> {
+        let blank = CreateTargetParams::new("about:blank");
+        let tab = self
+            .blocking
+            .wait("a new tab", self.browser.new_page(blank))?;
+        Ok(Session::new(self.blocking.clone(), tab))
+    }
+
+    /// Whether this tab is open.
+    pub fn has_tab(&self, id: &TargetId) -> Result<bool> {
+        let tabs = self
+            .blocking
+            .wait("the list of tabs", self.browser.pages())?;
+        Ok(tabs.iter().any(|tab| tab.target_id() == id))
+    }
+}
+
+impl Drop for Chromium {
+    fn drop(&mut self) {
+        // Asked to end, it ends its helpers first. Killed, it leaves them behind for a second or
+        // two, in which they write into a profile that has just been removed.
+        let Self { browser, blocking } = self;
+        let asked = blocking.wait_for("its end", FAREWELL, async {
+            browser.close().await.map_err(io::Error::other)?;
+            browser.wait().await
+        });
+        if asked.is_err() {
+            let _ = blocking.wait("its end", async { browser.kill().await.unwrap_or(Ok(())) });
+        }
+    }
+}
+
+/// Writes a profile in which `origin` may use the permitted adapters, as if a person had picked
+/// each of them once.
+///
+/// A managed policy would do too, but needs root, a file in /etc that all tests on the machine
+/// share, and permits either all adapters or none.
+fn permit_serial(profile: &Path, origin: &str) -> Result<()> {
+    let adapters: Vec<Value> = Usb::PERMITTED
+        .iter()
+        .map(|&(vendor, product)| {
+            json!({
+                "name": "USB Serial",
+                "vendor_id": vendor,
+                "product_id": product,
+                "serial_number": Usb::SERIAL_PERMITTED,
+            })
+        })
+        .collect();
+    let grant = json!({ "setting": { "chosen-objects": adapters } });
+    let exceptions: Map<String, Value> = [(format!("{origin},*"), grant)].into_iter().collect();
+    let preferences = json!({
+        "profile": { "content_settings": { "exceptions": { "serial_chooser_data": exceptions } } },
+    });
+    let dir = profile.join("Default");
+    fs::create_dir_all(&dir).with_context(|| format!("no profile in {}", profile.display()))?;
+    fs::write(dir.join("Preferences"), preferences.to_string())?;
+    Ok(())
+}

@@ -1,0 +1,263 @@
+//! One control or read-out of the page, as a screen reader sees it.
+
+use anyhow::{Context, Result, bail, ensure};
+use serde_json::{Value, json};
+
+use crate::cdp::{Session, at};
+use crate::keyboard::Key;
+
+/// A node of the accessibility tree. It goes stale when the page replaces its element: find it
+/// again for every use.
+pub struct Control {
+    session: Session,
+    /// The node's id in the `DevTools` protocol.
+    node: i64,
+    /// Its role, as the browser calls it.
+    pub role: String,
+    /// Its accessible name.
+    pub name: String,
+    /// Its accessible description: what a title or `aria-describedby` says.
+    pub description: String,
+    /// Whether it is disabled.
+    pub disabled: bool,
+    /// Its value, of a field, slider or choice; else empty.
+    pub value: String,
+    /// Whether it is checked, pressed or selected.
+    pub on: bool,
+}
+
+impl Control {
+    /// Reads a node of `Accessibility.queryAXTree`; none if it is ignored (hidden, say).
+    pub(crate) fn read(session: &Session, node: &Value) -> Option<Self> {
+        if at(node, "/ignored").as_bool() != Some(false) {
+            return None;
+        }
+        let text = |pointer: &str| match at(node, pointer) {
+            Value::String(text) => text.clone(),
+            Value::Null => String::new(),
+            other => other.to_string(),
+        };
+        let properties = at(node, "/properties")
+            .as_array()
+            .map(Vec::as_slice)
+            .unwrap_or_default();
+        let is = |name: &str| {
+            properties.iter().any(|property| {
+                let value = at(property, "/value/value");
+                at(property, "/name") == name && (*value == json!(true) || *value == json!("true"))
+            })
+        };
+        Some(Self {
+            session: session.clone(),
+            node: at(node, "/backendDOMNodeId").as_i64()?,
+            role: text("/role/value"),
+            name: text("/name/value"),
+            description: text("/description/value"),
+            value: text("/value/value"),
+            disabled: is("disabled"),
+            on: is("checked") || is("pressed") || is("selected"),
+        })
+    }
+
+    /// The text in it.
+    ///
+    /// # Errors
+    ///
+    /// When it has left the page.
+    pub fn text(&self) -> Result<String> {
+        let text = self.call("function () { return this.textContent; }", &[])?;
+        Ok(text
+            .as_str()
+            .unwrap_or_default()
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" "))
+    }
+
+    /// Clicks it with the mouse, at its middle.
+    ///
+    /// # Errors
+    ///
+    /// When it is disabled, has no size, or something else lies over it: a person could not either.
+    pub fn click(&self) -> Result<()> {
+        let (x, y) = self.reachable_middle()?;
+        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
+            self.mouse(kind, x, y)?;
+        }
+        Ok(())
+    }
+
+    /// Holds the mouse down on it until [`Control::release`].
+    ///
+    /// # Errors
+    ///
+    /// As for [`Control::click`].
+    pub fn hold(&self) -> Result<()> {
+        let (x, y) = self.reachable_middle()?;
+        self.mouse("mouseMoved", x, y)?;
+        self.mouse("mousePressed", x, y)
+    }
+
+    /// Lets the mouse go.
+    ///
+    /// # Errors
+    ///
+    /// When it has left the page.
+    pub fn release(&self) -> Result<()> {
+        let (x, y) = self.middle()?;
+        self.mouse("mouseReleased", x, y)
+    }
+
+    /// Gives it the keyboard's focus.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot have it.
+    pub fn focus(&self) -> Result<()> {
+        self.session
+            .call("DOM.focus", json!({ "backendNodeId": self.node }))?;
+        Ok(())
+    }
+
+    /// Replaces what is in a text field or spinbutton by typing, and confirms with Enter.
+    ///
+    /// # Errors
+    ///
+    /// When it is disabled, or no key types a character of `text`.
+    pub fn fill(&self, text: &str) -> Result<()> {
+        ensure!(
+            !self.disabled,
+            "{} is disabled: {}",
+            self.title(),
+            self.description
+        );
+        self.focus()?;
+        self.call("function () { this.select(); }", &[])?;
+        press(&self.session, &Key::named("Delete")?)?;
+        for character in text.chars() {
+            press(&self.session, &Key::named(&character.to_string())?)?;
+        }
+        press(&self.session, &Key::named("Enter")?)
+    }
+
+    /// Moves a slider to a value, with the events of a drag that ends there. A mouse cannot hit
+    /// every value of a wide range; for real key presses use [`crate::Page::press`] after
+    /// [`Control::focus`].
+    ///
+    /// # Errors
+    ///
+    /// When it is disabled.
+    pub fn slide(&self, value: f64) -> Result<()> {
+        ensure!(
+            !self.disabled,
+            "{} is disabled: {}",
+            self.title(),
+            self.description
+        );
+        let function = "function (value) {
+            this.value = value;
+            this.dispatchEvent(new Event('input', { bubbles: true }));
+            this.dispatchEvent(new Event('change', { bubbles: true }));
+        }";
+        self.call(function, &[json!(value)]).map(drop)
+    }
+
+    /// Chooses the option of a combobox that reads `option`.
+    ///
+    /// # Errors
+    ///
+    /// When it is disabled or has no such option: the error lists those that it has.
+    pub fn choose(&self, option: &str) -> Result<()> {
+        ensure!(
+            !self.disabled,
+            "{} is disabled: {}",
+            self.title(),
+            self.description
+        );
+        let function = "function (wanted) {
+            const words = (option) => option.textContent.trim().replace(/\\s+/g, ' ');
+            const option = [...this.options].find((option) => words(option) === wanted);
+            if (!option) return [...this.options].map(words);
+            this.value = option.value;
+            this.dispatchEvent(new Event('input', { bubbles: true }));
+            this.dispatchEvent(new Event('change', { bubbles: true }));
+            return null;
+        }";
+        match self.call(function, &[json!(option)])? {
+            Value::Null => Ok(()),
+            options => bail!("{} has no option {option:?}, only {options}", self.title()),
+        }
+    }
+
+    /// Its role and name, as messages call it.
+    #[must_use]
+    pub fn title(&self) -> String {
+        format!("{} {:?}", self.role, self.name)
+    }
+
+    fn call(&self, function: &str, arguments: &[Value]) -> Result<Value> {
+        self.session
+            .call_on_node(self.node, function, arguments)
+            .with_context(|| format!("at {}", self.title()))
+    }
+
+    fn reachable_middle(&self) -> Result<(f64, f64)> {
+        ensure!(
+            !self.disabled,
+            "{} is disabled: {}",
+            self.title(),
+            self.description
+        );
+        self.session
+            .call(
+                "DOM.scrollIntoViewIfNeeded",
+                json!({ "backendNodeId": self.node }),
+            )
+            .with_context(|| format!("cannot scroll to {}", self.title()))?;
+        let (x, y) = self.middle()?;
+        // A label over its own field passes the click on to it.
+        let function = "function (x, y) {
+            const hit = document.elementFromPoint(x, y);
+            const mine = this === hit || this.contains(hit) || hit?.closest('label')?.control === this;
+            return mine ? null : (hit ? hit.outerHTML.slice(0, 200) : 'nothing');
+        }";
+        match self.call(function, &[json!(x), json!(y)])? {
+            Value::Null => Ok((x, y)),
+            other => bail!("at the middle of {} there is {other} instead", self.title()),
+        }
+    }
+
+    /// The middle of its box in the window, in CSS pixels.
+    fn middle(&self) -> Result<(f64, f64)> {
+        let function = "function () {
+            const box = this.getBoundingClientRect();
+            return box.width && box.height
+                ? [box.x + box.width / 2, box.y + box.height / 2] : null;
+        }";
+        let middle = self.call(function, &[])?;
+        let [x, y] = [at(&middle, "/0"), at(&middle, "/1")].map(Value::as_f64);
+        x.zip(y)
+            .with_context(|| format!("{} has no size", self.title()))
+    }
+
+    fn mouse(&self, kind: &str, x: f64, y: f64) -> Result<()> {
+        let (button, count) = if kind == "mouseMoved" {
+            ("none", 0)
+        } else {
+            ("left", 1)
+        };
+        let event = json!({
+            "type": kind, "x": x, "y": y, "button": button, "clickCount": count,
+        });
+        self.session
+            .call("Input.dispatchMouseEvent", event)
+            .map(drop)
+    }
+}
+
+/// Presses a key and lets it go.
+pub(crate) fn press(session: &Session, key: &Key) -> Result<()> {
+    session.call("Input.dispatchKeyEvent", key.down())?;
+    session.call("Input.dispatchKeyEvent", key.up())?;
+    Ok(())
+}

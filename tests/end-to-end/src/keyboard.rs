@@ -1,0 +1,139 @@
+//! Keys, as a keyboard with a US layout sends them.
+
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
+
+/// What the browser is told of one key.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Key {
+    /// The value of `KeyboardEvent.key`.
+    name: String,
+    /// That of `KeyboardEvent.code`.
+    code: String,
+    /// That of `KeyboardEvent.keyCode`.
+    number: u32,
+    text: Option<String>,
+    shift: bool,
+}
+
+impl Key {
+    /// The key named as in `KeyboardEvent.key`: `Escape`, `ArrowUp`, a letter, a digit or a sign.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such key here.
+    pub fn named(name: &str) -> Result<Self> {
+        let mut characters = name.chars();
+        if let (Some(character), None) = (characters.next(), characters.next()) {
+            return Self::typing(character);
+        }
+        let (number, text) = match name {
+            "Backspace" => (8, None),
+            "Tab" => (9, None),
+            "Enter" => (13, Some("\r")),
+            "Escape" => (27, None),
+            "PageUp" => (33, None),
+            "PageDown" => (34, None),
+            "End" => (35, None),
+            "Home" => (36, None),
+            "ArrowLeft" => (37, None),
+            "ArrowUp" => (38, None),
+            "ArrowRight" => (39, None),
+            "ArrowDown" => (40, None),
+            "Delete" => (46, None),
+            _ => bail!("no key {name:?}: add it to keyboard.rs"),
+        };
+        Ok(Self::new(
+            name,
+            name.to_owned(),
+            number,
+            text.map(str::to_owned),
+            false,
+        ))
+    }
+
+    /// The key that types a character.
+    fn typing(character: char) -> Result<Self> {
+        let (code, shift) = match character {
+            ' ' => ("Space".to_owned(), false),
+            '0'..='9' => (format!("Digit{character}"), false),
+            'a'..='z' => (format!("Key{}", character.to_ascii_uppercase()), false),
+            'A'..='Z' => (format!("Key{character}"), true),
+            '-' => ("Minus".to_owned(), false),
+            '+' => ("Equal".to_owned(), true),
+            '.' => ("Period".to_owned(), false),
+            ',' => ("Comma".to_owned(), false),
+            '/' => ("Slash".to_owned(), false),
+            '?' => ("Slash".to_owned(), true),
+            _ => bail!("no key types {character:?}: add it to keyboard.rs"),
+        };
+        let number = match character {
+            '-' => 189,
+            '+' => 187,
+            '.' => 190,
+            ',' => 188,
+            '/' | '?' => 191,
+            other => u32::from(other.to_ascii_uppercase()),
+        };
+        let text = character.to_string();
+        Ok(Self::new(&text, code, number, Some(text.clone()), shift))
+    }
+
+    fn new(name: &str, code: String, number: u32, text: Option<String>, shift: bool) -> Self {
+        Self {
+            name: name.to_owned(),
+            code,
+            number,
+            text,
+            shift,
+        }
+    }
+
+    /// Parameters of `Input.dispatchKeyEvent` for pressing it.
+    pub fn down(&self) -> Value {
+        self.event(
+            if self.text.is_some() {
+                "keyDown"
+            } else {
+                "rawKeyDown"
+            },
+            self.text.as_deref(),
+        )
+    }
+
+    /// Parameters of `Input.dispatchKeyEvent` for letting it go.
+    pub fn up(&self) -> Value {
+        self.event("keyUp", None)
+    }
+
+    fn event(&self, kind: &str, text: Option<&str>) -> Value {
+        // The protocol's bit for Shift.
+        let modifiers = if self.shift { 8 } else { 0 };
+        json!({
+            "type": kind,
+            "key": self.name,
+            "code": self.code,
+            "windowsVirtualKeyCode": self.number,
+            "modifiers": modifiers,
+            "text": text.unwrap_or_default(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_say_what_a_keyboard_says() {
+        let space = Key::named(" ").unwrap();
+        assert_eq!((space.code.as_str(), space.number), ("Space", 32));
+        let help = Key::named("?").unwrap();
+        assert_eq!((help.code.as_str(), help.shift), ("Slash", true));
+        let letter = Key::named("f").unwrap();
+        assert_eq!((letter.code.as_str(), letter.number), ("KeyF", 70));
+        assert_eq!(Key::named("Escape").unwrap().down()["type"], "rawKeyDown");
+        assert_eq!(letter.down()["text"], "f");
+        assert!(Key::named("Hyper").is_err());
+    }
+}

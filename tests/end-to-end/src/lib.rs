@@ -1,0 +1,50 @@
+//! The bench: a headless, unmodified Chromium whose real Web Serial stack sees pseudo-terminals as
+//! USB adapters, virtual motors at their far ends, and a log of each wire to judge by.
+//!
+//! A test starts a [`Bench`], plugs adapters into it ([`Bench::plug`]), opens the page
+//! ([`Bench::open`]), uses it as a person would, by the roles and names that a screen reader says
+//! ([`Page::click`], [`Page::wait_for_text`]), and judges by what went over the wire
+//! ([`Adapter::wire`]). Everything is blocking, bounded in time, and gone when dropped.
+//!
+//! It needs Linux, Chromium, and three things built before, which `cargo xtask test` builds and
+//! names by environment variables: see [`artefacts`].
+//!
+//! ```no_run
+//! use end_to_end::{Bench, Line, Usb};
+//!
+//! let bench = Bench::start()?;
+//! let adapter = bench.plug(Line::default(), Usb::default())?;
+//! let page = bench.open("/")?;
+//! page.click("button", "Connect")?;
+//! page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+//! assert!(!adapter.wire()?.from_host().is_empty());
+//! bench.close(page)?;
+//! # anyhow::Ok(())
+//! ```
+
+mod adapter;
+pub mod artefacts;
+mod bench;
+mod cdp;
+mod chromium;
+mod clock;
+mod console;
+mod control;
+mod keyboard;
+mod page;
+mod server;
+mod stopwatch;
+mod tab;
+mod view;
+mod wait;
+mod wire_log;
+
+pub use adapter::{Adapter, Line, Usb};
+pub use bench::Bench;
+pub use clock::now_us;
+pub use control::Control;
+pub use page::Page;
+pub use stopwatch::KeyPress;
+pub use view::{Scheme, View};
+pub use wait::{PATIENCE, wait_until};
+pub use wire_log::{Frame, Gaps, Side, WireLog};

@@ -1,0 +1,291 @@
+//! A page in a tab, used as a person uses it.
+
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
+
+use crate::cdp::{Session, at};
+use crate::console::Console;
+use crate::control::{self, Control};
+use crate::keyboard::Key;
+use crate::stopwatch::{self, KeyPress};
+use crate::view::View;
+use crate::wait::{PATIENCE, wait_until};
+
+/// A page in a tab.
+pub struct Page {
+    pub(crate) session: Session,
+    console: Console,
+}
+
+impl Page {
+    /// Loads `url` into a tab.
+    pub(crate) fn load(session: Session, url: &str) -> Result<Self> {
+        let console = Console::listen(&session)?;
+        let notes = json!({ "source": stopwatch::NOTE_KEYS });
+        session.call("Page.addScriptToEvaluateOnNewDocument", notes)?;
+        let page = Self { session, console };
+        page.go(url)?;
+        Ok(page)
+    }
+
+    /// Leaves this page for `url`, in the same tab.
+    ///
+    /// # Errors
+    ///
+    /// When it does not load.
+    pub fn go(&self, url: &str) -> Result<()> {
+        let tab = self.session.tab();
+        self.session.blocking().wait(url, tab.goto(url)).map(drop)
+    }
+
+    /// Loads the page again.
+    ///
+    /// # Errors
+    ///
+    /// When it does not load.
+    pub fn reload(&self) -> Result<()> {
+        let tab = self.session.tab();
+        self.session
+            .blocking()
+            .wait("a reload", tab.reload())
+            .map(drop)
+    }
+
+    /// All controls of this role and name, in the page's order. Roles are as in HTML and ARIA;
+    /// `output` is a synonym of `status`, as it is to the browser.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn find_all(&self, role: &str, name: &str) -> Result<Vec<Control>> {
+        let named = self.query("accessibleName", name)?;
+        let role = browser_role(role);
+        Ok(named
+            .into_iter()
+            .filter(|control| control.role == role)
+            .collect())
+    }
+
+    /// The control of this role and name, as soon as it is there.
+    ///
+    /// # Errors
+    ///
+    /// When there is none, or more than one: the error says what is there instead.
+    pub fn find(&self, role: &str, name: &str) -> Result<Control> {
+        wait_until(&format!("{role} {name:?}"), PATIENCE, || {
+            let mut found = self.find_all(role, name)?;
+            match found.pop() {
+                Some(control) if found.is_empty() => Ok(Ok(control)),
+                Some(_) => bail!("{} of {role} {name:?}, not one", found.len() + 1),
+                None => Ok(Err(self.what_is_there(role)?)),
+            }
+        })
+    }
+
+    /// Clicks the control with the mouse, as soon as it is there and not disabled.
+    ///
+    /// # Errors
+    ///
+    /// When it is missing, stays disabled, or something lies over it.
+    pub fn click(&self, role: &str, name: &str) -> Result<()> {
+        let control = wait_until(&format!("{role} {name:?} to be enabled"), PATIENCE, || {
+            let control = self.find(role, name)?;
+            Ok(if control.disabled {
+                Err(control.description)
+            } else {
+                Ok(control)
+            })
+        })?;
+        control.click()
+    }
+
+    /// Types a value into a field or spinbutton and confirms it with Enter.
+    ///
+    /// # Errors
+    ///
+    /// When it is missing or disabled.
+    pub fn fill(&self, role: &str, name: &str, text: &str) -> Result<()> {
+        self.find(role, name)?.fill(text)
+    }
+
+    /// Moves a slider to a value.
+    ///
+    /// # Errors
+    ///
+    /// When it is missing or disabled.
+    pub fn slide(&self, name: &str, value: f64) -> Result<()> {
+        self.find("slider", name)?.slide(value)
+    }
+
+    /// Chooses an option of a combobox by its text.
+    ///
+    /// # Errors
+    ///
+    /// When it is missing, disabled, or has no such option.
+    pub fn choose(&self, name: &str, option: &str) -> Result<()> {
+        self.find("combobox", name)?.choose(option)
+    }
+
+    /// Presses a key, named as in `KeyboardEvent.key`, and lets it go, wherever the focus is.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such key.
+    pub fn press(&self, key: &str) -> Result<()> {
+        control::press(&self.session, &Key::named(key)?)
+    }
+
+    /// Presses a key and says when the page learnt of it, on the clock of the wire.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such key, or the page did not get it.
+    pub fn press_timed(&self, key: &str) -> Result<KeyPress> {
+        stopwatch::press(&self.session, &Key::named(key)?)
+    }
+
+    /// The text of a read-out.
+    ///
+    /// # Errors
+    ///
+    /// When it is missing.
+    pub fn text(&self, role: &str, name: &str) -> Result<String> {
+        self.find(role, name)?.text()
+    }
+
+    /// Waits until the text of a read-out is as it should be, and gives it.
+    ///
+    /// # Errors
+    ///
+    /// When it does not become so in [`PATIENCE`]: the error says what it reads instead.
+    pub fn wait_for_text(
+        &self,
+        role: &str,
+        name: &str,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<String> {
+        self.wait_for_text_within(PATIENCE, role, name, wanted)
+    }
+
+    /// The same within another time.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Page::wait_for_text`].
+    pub fn wait_for_text_within(
+        &self,
+        patience: Duration,
+        role: &str,
+        name: &str,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<String> {
+        wait_until(
+            &format!("{role} {name:?} to read as it should"),
+            patience,
+            || {
+                let Some(control) = self.find_all(role, name)?.pop() else {
+                    return Ok(Err(self.what_is_there(role)?));
+                };
+                // Between finding it and reading it the page may have replaced it.
+                let text = control.text().unwrap_or_default();
+                Ok(if wanted(&text) {
+                    Ok(text)
+                } else {
+                    Err(format!("{text:?}"))
+                })
+            },
+        )
+    }
+
+    /// Errors so far: of the console, uncaught exceptions, failed requests, and what the browser
+    /// itself says, of the page and of its workers.
+    #[must_use]
+    pub fn console_errors(&self) -> Vec<String> {
+        self.console.errors()
+    }
+
+    /// The value of a JavaScript expression in the page; a promise is awaited.
+    ///
+    /// # Errors
+    ///
+    /// When it throws, or its value cannot be JSON.
+    pub fn evaluate(&self, expression: &str) -> Result<Value> {
+        self.session.evaluate(expression)
+    }
+
+    /// Looks at the page in a window of this size and these colours from now on.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn look(&self, view: View) -> Result<()> {
+        let metrics = json!({
+            "width": view.width,
+            "height": view.height,
+            "deviceScaleFactor": 1,
+            "mobile": false,
+        });
+        self.session
+            .call("Emulation.setDeviceMetricsOverride", metrics)?;
+        let scheme = json!({ "name": "prefers-color-scheme", "value": view.scheme.name() });
+        self.session.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": [scheme] }),
+        )?;
+        Ok(())
+    }
+
+    /// Saves what the window shows as a PNG file.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be taken or written.
+    pub fn screenshot(&self, file: &Path) -> Result<()> {
+        let params = chromiumoxide::page::ScreenshotParams::default();
+        let tab = self.session.tab();
+        self.session
+            .blocking()
+            .wait("a screenshot", tab.save_screenshot(params, file))
+            .map(drop)
+    }
+
+    fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
+        // Ids of nodes do not outlive a document, so the root is asked for each time.
+        let document = self
+            .session
+            .call("DOM.getDocument", json!({ "depth": 0 }))?;
+        let root = at(&document, "/root/backendNodeId");
+        let wanted = json!({ "backendNodeId": root, field: wanted });
+        let found = self.session.call("Accessibility.queryAXTree", wanted)?;
+        let nodes = at(&found, "/nodes")
+            .as_array()
+            .map(Vec::as_slice)
+            .unwrap_or_default();
+        Ok(nodes
+            .iter()
+            .filter_map(|node| Control::read(&self.session, node))
+            .collect())
+    }
+
+    fn what_is_there(&self, role: &str) -> Result<String> {
+        let alike = self.query("role", browser_role(role))?;
+        let titles: Vec<String> = alike.iter().map(Control::title).collect();
+        Ok(if titles.is_empty() {
+            format!("no {role} at all")
+        } else {
+            titles.join(", ")
+        })
+    }
+}
+
+/// What Chromium calls a role.
+fn browser_role(role: &str) -> &str {
+    match role {
+        "output" => "status",
+        "img" => "image",
+        other => other,
+    }
+}

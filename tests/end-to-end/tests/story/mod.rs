@@ -1,0 +1,103 @@
+//! What the stories share: a page that is connected, and how its read-outs are read.
+#![allow(
+    dead_code,
+    clippy::missing_errors_doc,
+    missing_docs,
+    reason = "each story uses the part that it needs"
+)]
+
+use std::time::Duration;
+
+use anyhow::{Result, ensure};
+use end_to_end::{Adapter, Bench, Line, Page, Usb, WireLog, now_us};
+
+/// A page whose real Web Serial port leads to these virtual motors.
+pub struct Story {
+    pub bench: Bench,
+    pub adapter: Adapter,
+    pub page: Page,
+}
+
+impl Story {
+    pub fn connected(line: Line) -> Result<Self> {
+        let bench = Bench::start()?;
+        let adapter = bench.plug(line, Usb::default())?;
+        let page = bench.open("/")?;
+        connect(&page)?;
+        Ok(Self {
+            bench,
+            adapter,
+            page,
+        })
+    }
+
+    /// Driving at +100 rpm and as fast.
+    pub fn spinning() -> Result<Self> {
+        let story = Self::connected(Line::default())?;
+        story.page.click("button", "+100")?;
+        wait_for_speed(&story.page, 97..=103)?;
+        Ok(story)
+    }
+
+    /// What went over the wire since a moment of [`now_us`].
+    pub fn since(&self, us: u64) -> Result<WireLog> {
+        Ok(self.adapter.wire()?.since(us))
+    }
+
+    /// Nothing drives for this long.
+    pub fn stays_undriven(&self, duration: Duration) -> Result<()> {
+        let from = now_us();
+        std::thread::sleep(duration);
+        let drives = self.since(from)?.drives();
+        ensure!(drives.is_empty(), "driven by nobody's command:\n{drives}");
+        Ok(())
+    }
+}
+
+/// Presses Connect and waits for the first report of the motor.
+pub fn connect(page: &Page) -> Result<()> {
+    page.click("button", "Connect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    Ok(())
+}
+
+/// The first number of a read-out, with its sign; `None` while it shows that none is known.
+pub fn number(text: &str) -> Option<f64> {
+    let plain = text.replace('\u{2212}', "-").replace('+', "");
+    let from = plain.find(|c: char| c.is_ascii_digit())?;
+    let signed = if plain[..from].ends_with('-') {
+        from - 1
+    } else {
+        from
+    };
+    let rest = &plain[signed..];
+    let part = |c: char| c.is_ascii_digit() || c == '-' || c == '.';
+    rest[..rest.find(|c| !part(c)).unwrap_or(rest.len())]
+        .parse()
+        .ok()
+}
+
+pub fn wait_for_speed(page: &Page, rpm: std::ops::RangeInclusive<i32>) -> Result<()> {
+    let within = |text: &str| {
+        number(text)
+            .is_some_and(|speed| f64::from(*rpm.start()) <= speed && speed <= f64::from(*rpm.end()))
+    };
+    page.wait_for_text("output", "Speed", within)?;
+    Ok(())
+}
+
+/// The console of a page that has nothing to complain about.
+pub fn assert_quiet_console(page: &Page) {
+    assert_eq!(page.console_errors(), Vec::<String>::new());
+}
+
+/// The drive frames of this log are stops, and the last one brakes.
+pub fn assert_ends_braked(wire: &WireLog) {
+    let drives = wire.drives();
+    let last = drives.last().expect("a drive frame");
+    assert!(
+        last.brakes(),
+        "the last drive frame does not brake:\n{wire}"
+    );
+}
