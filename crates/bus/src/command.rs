@@ -55,6 +55,24 @@ pub enum Command {
     Release,
 }
 
+impl Command {
+    /// Whether a wheel may move by it.
+    #[must_use]
+    pub const fn may_move(self) -> bool {
+        match self {
+            Self::Drive { .. } | Self::Adjust { .. } | Self::SwitchMode { .. } => true,
+            Self::Watch(_)
+            | Self::Forget(_)
+            | Self::IdQuery
+            | Self::SetRate(_)
+            | Self::Hold(_)
+            | Self::Stop(_)
+            | Self::StopAll(_)
+            | Self::Release => false,
+        }
+    }
+}
+
 /// What the operator was asked before the command was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -95,6 +113,8 @@ pub enum Refusal {
     NotHolding(MotorId),
     /// The motor is not driven in that loop, so there is no setpoint to change.
     NotDriven(MotorId),
+    /// The page did not answer for a second, and has not answered since.
+    PageSilent,
     /// A motor is driven, and this would disturb it.
     Driven(MotorId),
 }
@@ -141,6 +161,9 @@ impl fmt::Display for Refusal {
                 )
             }
             Self::NotDriven(id) => write!(f, "Motor {id} is not driven. Press Start."),
+            Self::PageSilent => {
+                f.write_str("The page had stopped answering when this was pressed. Press again.")
+            }
             Self::Driven(id) => write!(f, "Motor {id} is driven. Stop it first."),
         }
     }

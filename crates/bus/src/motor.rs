@@ -13,7 +13,7 @@ use crate::{
     rate::RateMeter,
     round_trip::RoundTrip,
     stop::Stopping,
-    timing::{FRESH_FOR, LATE_REPLY_MAX, QUERY_PERIOD, SILENT_AFTER},
+    timing::{FRESH_FOR, LATE_REPLY_MAX, QUERY_PERIOD, SILENT_AFTER, SILENT_QUERY_PERIOD},
 };
 
 /// What the bus does with a motor.
@@ -34,6 +34,8 @@ pub(crate) struct Driven {
     pub(crate) on_the_wire: Option<Setpoint>,
     pub(crate) since: Instant,
     pub(crate) next_frame: Instant,
+    /// Whether the angle of the next reply is to be held.
+    pub(crate) hold: bool,
 }
 
 impl Driven {
@@ -43,6 +45,7 @@ impl Driven {
             on_the_wire: None,
             since: now,
             next_frame: now,
+            hold: false,
         }
     }
 }
@@ -103,8 +106,12 @@ pub(crate) struct Motor {
     temperature: Option<(Instant, Celsius)>,
     watched_since: Instant,
     pub(crate) silent: bool,
-    /// The last request that was not answered: its reply may still come.
-    unanswered: Option<(Layout, Instant)>,
+    /// When the last drive frame and the last query that were not answered were sent: their replies
+    /// may still come.
+    drive_unanswered: Option<Instant>,
+    query_unanswered: Option<Instant>,
+    /// The loop that was asked for since the motor last said which it is in.
+    switched_to: Option<Mode>,
     pub(crate) next_query: Instant,
     pub(crate) counters: Counters,
     pub(crate) round_trip: RoundTrip,
@@ -123,7 +130,9 @@ impl Motor {
             temperature: None,
             watched_since: now,
             silent: false,
-            unanswered: None,
+            drive_unanswered: None,
+            query_unanswered: None,
+            switched_to: None,
             next_query: now,
             counters: Counters::default(),
             round_trip: RoundTrip::new(),
@@ -146,28 +155,56 @@ impl Motor {
     /// The layout in which a reply to a request in `layout` can be read now: none while a late
     /// reply in the other one may still come.
     pub(crate) fn layout_of_reply(&self, now: Instant, layout: Layout) -> Option<Layout> {
-        let other_pending = self
-            .pending_layout(now)
-            .is_some_and(|pending| pending != layout);
-        (!other_pending).then_some(layout)
+        let other = match layout {
+            Layout::Drive => self.query_unanswered,
+            Layout::Query => self.drive_unanswered,
+        };
+        (!may_still_come(now, other)).then_some(layout)
     }
 
-    /// The layout of a request whose window is spent but whose reply may still come.
-    pub(crate) fn pending_layout(&self, now: Instant) -> Option<Layout> {
-        let (layout, sent) = self.unanswered?;
-        (now < sent + LATE_REPLY_MAX).then_some(layout)
+    /// Whether a reply to a request whose window is spent may still come.
+    pub(crate) fn late_reply_may_come(&self, now: Instant) -> bool {
+        may_still_come(now, self.drive_unanswered) || may_still_come(now, self.query_unanswered)
     }
 
     /// Until when a query would mix up layouts with a drive reply that may come late.
     pub(crate) fn drive_reply_pending_until(&self) -> Option<Instant> {
-        match self.unanswered {
-            Some((Layout::Drive, sent)) => Some(sent + LATE_REPLY_MAX),
-            _ => None,
-        }
+        self.drive_unanswered.map(|sent| sent + LATE_REPLY_MAX)
     }
 
     pub(crate) fn lost(&mut self, layout: Layout, sent: Instant) {
-        self.unanswered = Some((layout, sent));
+        match layout {
+            Layout::Drive => self.drive_unanswered = Some(sent),
+            Layout::Query => self.query_unanswered = Some(sent),
+        }
+    }
+
+    /// A mode switch was sent. Where two were, the position loop, in which zero moves the wheel, is
+    /// the one to reckon with.
+    pub(crate) fn switch_sent(&mut self, to: Mode) {
+        if self.switched_to != Some(Mode::Position) {
+            self.switched_to = Some(to);
+        }
+    }
+
+    /// The motor has said which loop it is in, after the last mode switch that was sent.
+    pub(crate) fn loop_reported(&mut self) {
+        self.switched_to = None;
+    }
+
+    /// Whether a mode switch was sent since the motor last said which loop it is in.
+    pub(crate) const fn loop_is_in_the_air(&self) -> bool {
+        self.switched_to.is_some()
+    }
+
+    /// The loop by a reply of the last 500 ms, and by older knowledge.
+    pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
+        let last = self.last_mode();
+        match self.switched_to {
+            Some(Mode::Position) => (None, Some(Mode::Position)),
+            Some(_) => (None, last),
+            None => (self.fresh_mode(now), last),
+        }
     }
 
     fn fresh(&self, now: Instant) -> Option<Reply> {
@@ -177,7 +214,9 @@ impl Motor {
     }
 
     pub(crate) fn fresh_mode(&self, now: Instant) -> Option<Mode> {
-        self.fresh(now).map(|reply| reply.mode)
+        self.fresh(now)
+            .filter(|_| self.switched_to.is_none())
+            .map(|reply| reply.mode)
     }
 
     pub(crate) fn fresh_speed(&self, now: Instant) -> Option<Rpm> {
@@ -186,12 +225,6 @@ impl Motor {
 
     pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
         self.fresh(now).map(|reply| reply.faults)
-    }
-
-    pub(crate) fn fresh_position(&self, now: Instant) -> Option<Position> {
-        self.position
-            .filter(|(at, _)| now.since(*at) <= FRESH_FOR)
-            .map(|(_, position)| position)
     }
 
     pub(crate) fn last_mode(&self) -> Option<Mode> {
@@ -219,8 +252,14 @@ impl Motor {
     }
 
     pub(crate) fn query_sent(&mut self, now: Instant) {
+        // A silent motor costs the others a window each time.
+        let period = if self.silent {
+            SILENT_QUERY_PERIOD
+        } else {
+            QUERY_PERIOD
+        };
         // On schedule where it is kept, without a burst where it was not.
-        self.next_query = (self.next_query + QUERY_PERIOD).max(now + QUERY_PERIOD / 2);
+        self.next_query = (self.next_query + period).max(now + period / 2);
     }
 
     pub(crate) fn status(&self, now: Instant) -> MotorStatus {
@@ -248,4 +287,8 @@ impl Motor {
             counters: self.counters,
         }
     }
+}
+
+fn may_still_come(now: Instant, unanswered: Option<Instant>) -> bool {
+    unanswered.is_some_and(|sent| now < sent + LATE_REPLY_MAX)
 }

@@ -57,10 +57,13 @@ impl RoundTrip {
         // Four deviations as in the RFC, and never less than a busy browser's hiccup.
         let spread = Duration::from_micros(u64::from(self.deviation_us) * 4).max(MIN_WINDOW / 2);
         let window = Duration::from_micros(self.smoothed_us.into()) + spread;
-        // Every third loss in a row doubles it, since what seems lost may be late. One or two are
-        // bad luck, and a longer wait would cost the motor drive frames.
-        let doublings = (self.lost / 3).min(3);
-        Some((window * (1 << doublings)).clamp(MIN_WINDOW, MAX_WINDOW))
+        Some(window.clamp(MIN_WINDOW, MAX_WINDOW))
+    }
+
+    /// How often the window is doubled: once for every third loss in a row, since what seems lost may
+    /// be late. One or two are bad luck, and a longer wait would cost a motor drive frames.
+    pub(crate) fn doublings(&self) -> u32 {
+        (self.lost / 3).min(3)
     }
 
     /// How long an exchange that is answered usually takes.

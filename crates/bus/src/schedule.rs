@@ -35,53 +35,66 @@ pub(crate) enum Errand {
     IdQuery,
 }
 
-/// Stops first, then mode switches, then drive frames by deadline, then queries where they fit.
+/// The first frame of a stop before everything; then mode switches, queries that have waited too
+/// long, stops and drive frames by deadline, and queries where they make no drive frame late.
 pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration) -> Turn {
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
+    if let Some((_, id, false)) = stop {
+        return Turn::Now(Errand::Stop(id));
+    }
+    let stop = stop.map(|(at, id, _)| (at, Errand::Stop(id)));
     let switch = earliest(motors, |motor| match &motor.control {
         Control::Switching(switch) => switch.next_frame(),
         _ => None,
-    });
+    })
+    .map(|(at, id)| (at, Errand::Switch(id)));
     let drive = earliest(motors, |motor| match &motor.control {
         Control::Driven(driven) => Some(driven.next_frame),
         Control::Switching(switch) => switch.meanwhile.map(|meanwhile| meanwhile.next_frame),
         _ => None,
-    });
-    let appointments = [
-        stop.map(|(at, id)| (at, Errand::Stop(id))),
-        switch.map(|(at, id)| (at, Errand::Switch(id))),
-        drive.map(|(at, id)| (at, Errand::Drive(id))),
-    ];
-    let in_order = appointments.into_iter().flatten();
-    if let Some((_, errand)) = in_order.clone().find(|(at, _)| due(*at)) {
+    })
+    .map(|(at, id)| (at, Errand::Drive(id)));
+    let query = next_query(motors);
+
+    if let Some((_, errand)) = switch.filter(|(at, _)| due(*at)) {
         return Turn::Now(errand);
     }
-    let next_appointment = in_order.map(|(at, _)| at).min();
+    if let Some((_, id)) = query.filter(|(at, _)| now >= *at + QUERY_PATIENCE) {
+        return Turn::Now(Errand::Query(id));
+    }
+    // A stop that goes on does not take the line from the motors that are driven beside it.
+    let frame = stop.into_iter().chain(drive).min_by_key(|(at, _)| *at);
+    if let Some((_, errand)) = frame.filter(|(at, _)| due(*at)) {
+        return Turn::Now(errand);
+    }
 
-    let Some((query_at, id)) = next_query(motors) else {
-        return next_appointment.map_or(Turn::Never, Turn::At);
-    };
+    let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
     let fits = next_appointment.is_none_or(|at| now + usual <= at);
-    let out_of_patience = now >= query_at + QUERY_PATIENCE;
-    match next_appointment {
-        _ if due(query_at) && (fits || out_of_patience) => Turn::Now(Errand::Query(id)),
-        Some(at) if due(query_at) => Turn::At(at.min(query_at + QUERY_PATIENCE)),
-        Some(at) => Turn::At(at.min(query_at)),
-        None => Turn::At(query_at),
+    let query_turn = query.map(|(at, id)| match (due(at), fits) {
+        (true, true) => Turn::Now(Errand::Query(id)),
+        (true, false) => Turn::At(at + QUERY_PATIENCE),
+        (false, _) => Turn::At(at),
+    });
+    match (query_turn, next_appointment) {
+        (Some(Turn::At(query_at)), Some(at)) => Turn::At(at.min(query_at)),
+        (Some(turn), _) => turn,
+        (None, Some(at)) => Turn::At(at),
+        (None, None) => Turn::Never,
     }
 }
 
 /// The motor whose stop is furthest behind: no motor gets its next frame before all got this one.
-fn next_stop(motors: &[Motor]) -> Option<(Instant, MotorId)> {
+/// With it, whether its first frame was sent.
+fn next_stop(motors: &[Motor]) -> Option<(Instant, MotorId, bool)> {
     motors
         .iter()
         .filter_map(|motor| match &motor.control {
-            Control::Stopping(stop) => Some((stop.round, motor.id, stop.next_frame)),
+            Control::Stopping(stop) => Some((stop.round, motor.id, stop)),
             _ => None,
         })
-        .min()
-        .map(|(_, id, at)| (at, id))
+        .min_by_key(|(round, id, stop)| (stop.first_frame_sent, *round, *id))
+        .map(|(_, id, stop)| (stop.next_frame, id, stop.first_frame_sent))
 }
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {

@@ -13,10 +13,14 @@ use crate::{
 pub(crate) struct Stopping {
     plan: StopPlan,
     began: Instant,
+    /// When an operator asked for it last.
+    asked: Instant,
     /// Frames sent to this motor since. All motors of a stop get their nth frame before any gets
     /// its next, so that no wheel bites first.
     pub(crate) round: u32,
     pub(crate) next_frame: Instant,
+    /// Until the first frame is sent it goes before everything else on the line.
+    pub(crate) first_frame_sent: bool,
     switches: u8,
     next_switch: Instant,
     /// Replies in a row that reported standstill in the velocity loop.
@@ -26,7 +30,9 @@ pub(crate) struct Stopping {
 }
 
 impl Stopping {
-    pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>) -> Self {
+    /// A stop that begins now, for a motor whose loop is `fresh` or was `last` known. `round` is that
+    /// of the motors that are being stopped already: they keep their brake while this one joins.
+    pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>, round: u32) -> Self {
         let plan = stop_plan(fresh, last);
         // Where the brake may come first, it does, and the switch follows it.
         let first_switch = if plan == StopPlan::SwitchThenBrake {
@@ -37,7 +43,9 @@ impl Stopping {
         Self {
             plan,
             began: now,
-            round: 0,
+            asked: now,
+            round,
+            first_frame_sent: false,
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
@@ -68,6 +76,7 @@ impl Stopping {
 
     pub(crate) fn sent(&mut self, now: Instant, request: &Request) {
         self.round += 1;
+        self.first_frame_sent = true;
         self.next_frame = now + STOP_PERIOD;
         if matches!(request, Request::SwitchMode { .. }) {
             self.switches = self.switches.saturating_add(1);
@@ -93,6 +102,11 @@ impl Stopping {
         self.began
     }
 
+    /// It was asked for once more: it gets its whole window again.
+    pub(crate) fn asked_again(&mut self, now: Instant) {
+        self.asked = now;
+    }
+
     pub(crate) fn confirmed(&self) -> bool {
         self.still >= STANDSTILL_REPLIES
     }
@@ -102,7 +116,7 @@ impl Stopping {
     }
 
     pub(crate) fn window_ends(&self) -> Instant {
-        self.began + STOP_WINDOW
+        self.asked + STOP_WINDOW
     }
 }
 

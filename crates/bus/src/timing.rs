@@ -22,6 +22,9 @@ pub(crate) const PING_PERIOD: Duration = Duration::from_millis(250);
 /// Telemetry of a motor is asked for at 10 Hz, whether or not it is driven.
 pub(crate) const QUERY_PERIOD: Duration = Duration::from_millis(100);
 
+/// A motor that has been silent for [`SILENT_AFTER`] is asked once a second.
+pub(crate) const SILENT_QUERY_PERIOD: Duration = Duration::from_secs(1);
+
 /// A query that has waited this long goes even where it makes a drive frame late, so that
 /// temperature is known at any load.
 pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(100);

@@ -35,6 +35,11 @@ impl Watchdog {
         self.bitten = false;
     }
 
+    /// Whether the page was silent for too long and has not answered since.
+    pub(crate) const fn has_bitten(&self) -> bool {
+        self.bitten
+    }
+
     pub(crate) fn wake(&mut self, now: Instant) -> Option<Bark> {
         if !self.bitten && now >= self.heard + PAGE_SILENCE_MAX {
             self.bitten = true;

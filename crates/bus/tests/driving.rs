@@ -263,6 +263,7 @@ fn the_position_loop_reaches_its_target_and_holds_where_it_is_told_to() {
     bench.drive(degrees(200.0)).unwrap();
     bench.run(ms(60));
     bench.command(Command::Hold(ID)).unwrap();
+    bench.run(ms(5)); // the next reply says where it is
     let Activity::Driven {
         setpoint: Setpoint::Position(held),
     } = bench.activity()

@@ -1,10 +1,10 @@
 //! What operators ask for.
 
-use motorlink_protocol::{Instant, Mode, MotorId, PositionTarget, Setpoint};
+use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 
 use super::Bus;
 use crate::{
-    Command, Consent, Event, Refusal, StopReason,
+    Command, CommandRate, Consent, Event, Refusal, StopReason,
     exchange::Line,
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
@@ -19,8 +19,10 @@ impl Bus {
     /// # Errors
     /// The [`Refusal`] says why; nothing has changed then.
     pub fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
-        // Whoever commands is alive.
-        self.watchdog.answered(now);
+        if self.watchdog.has_bitten() && command.may_move() {
+            // It may have been given long ago, to a page that has only now come to send it.
+            return Err(Refusal::PageSilent);
+        }
         match command {
             Command::Watch(id) => {
                 self.watch(now, id);
@@ -34,7 +36,7 @@ impl Bus {
                 active.map_or(Ok(()), |motor| Err(Refusal::Driven(motor.id)))?;
                 self.id_query_wanted = true;
             }
-            Command::SetRate(rate) => self.rate = rate,
+            Command::SetRate(rate) => self.set_rate(now, rate),
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
             Command::Drive {
                 id,
@@ -58,8 +60,12 @@ impl Bus {
     }
 
     fn forget(&mut self, id: MotorId) -> Result<(), Refusal> {
-        match self.motor_mut(id).map(|motor| &motor.control) {
-            Some(Control::Idle) => {
+        match self.motor_mut(id) {
+            Some(motor) if motor.may_turn => Err(Refusal::Driven(id)),
+            Some(Motor {
+                control: Control::Idle,
+                ..
+            }) => {
                 self.motors.retain(|motor| motor.id != id);
                 Ok(())
             }
@@ -104,7 +110,16 @@ impl Bus {
             }
             Control::Driven(driven) => {
                 check_drive(id, setpoint, consent, mode, faults)?;
-                driven.goal = setpoint;
+                // An operator's act shows at once, at any rate.
+                *driven = Driven {
+                    goal: setpoint,
+                    hold: false,
+                    next_frame: now,
+                    ..*driven
+                };
+                if rests(setpoint) {
+                    self.cut_exchange_short(now);
+                }
             }
             Control::Idle => {
                 check_drive(id, setpoint, consent, mode, faults)?;
@@ -124,7 +139,17 @@ impl Bus {
     ) -> Result<(), Refusal> {
         match self.motor_mut(id).map(|motor| motor.control) {
             Some(Control::Driven(driven)) if driven.goal.mode() == setpoint.mode() => {
-                self.drive(now, id, setpoint, consent)
+                self.drive(now, id, setpoint, consent)?;
+                // Dragging keeps to the rate, unless it comes to rest.
+                if let Some(Motor {
+                    control: Control::Driven(adjusted),
+                    ..
+                }) = self.motor_mut(id)
+                    && !rests(setpoint)
+                {
+                    adjusted.next_frame = driven.next_frame;
+                }
+                Ok(())
             }
             _ => Err(Refusal::NotDriven(id)),
         }
@@ -132,30 +157,29 @@ impl Bus {
 
     fn hold(&mut self, now: Instant, id: MotorId) -> Result<(), Refusal> {
         let motor = self.motor_mut(id).ok_or(Refusal::NotHolding(id))?;
-        let present = motor.fresh_position(now);
-        match (&mut motor.control, present) {
-            (
-                Control::Driven(Driven {
-                    goal: goal @ Setpoint::Position(_),
-                    ..
-                }),
-                Some(present),
-            ) => {
-                *goal = Setpoint::Position(PositionTarget::from(present));
-            }
-            // Where it stands is not known, so it cannot be held there.
-            (
-                Control::Driven(Driven {
-                    goal: Setpoint::Position(_),
-                    ..
-                }),
-                None,
-            ) => {
-                self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
-            }
-            _ => return Err(Refusal::NotHolding(id)),
+        let Control::Driven(driven) = &mut motor.control else {
+            return Err(Refusal::NotHolding(id));
+        };
+        if driven.goal.mode() != Mode::Position {
+            return Err(Refusal::NotHolding(id));
         }
+        // The angle of the last reply is where the wheel was. The next reply says where it is.
+        *driven = Driven {
+            hold: true,
+            next_frame: now,
+            ..*driven
+        };
+        self.cut_exchange_short(now);
         Ok(())
+    }
+
+    fn set_rate(&mut self, now: Instant, rate: CommandRate) {
+        self.rate = rate;
+        for motor in &mut self.motors {
+            if let Control::Driven(driven) = &mut motor.control {
+                driven.next_frame = driven.next_frame.min(now + rate.period());
+            }
+        }
     }
 
     const fn check_not_halted(&self) -> Result<(), Refusal> {
@@ -187,18 +211,30 @@ impl Bus {
         reason: StopReason,
         concerns: impl Fn(&Motor) -> bool,
     ) {
+        let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
+            Control::Stopping(stop) => Some(stop.round),
+            _ => None,
+        });
+        let round = rounds.min().unwrap_or(0);
         for motor in self.motors.iter_mut().filter(|motor| concerns(motor)) {
-            if !matches!(motor.control, Control::Stopping(_)) {
-                let (fresh, last) = known_loop(motor, now);
-                motor.control = Control::Stopping(Stopping::begin(now, fresh, last));
-                motor.may_turn = true;
+            if let Control::Stopping(stop) = &mut motor.control {
+                stop.asked_again(now);
+                continue;
             }
+            let (fresh, last) = motor.known_loop(now);
+            motor.control = Control::Stopping(Stopping::begin(now, fresh, last, round));
+            motor.may_turn = true;
         }
         match &mut self.stop {
             Some(stop) => stop.join(reason),
             None => self.stop = Some(ActiveStop::new(reason)),
         }
         self.events.push_back(Event::StopBegan(reason));
+        self.cut_exchange_short(now);
+    }
+
+    /// A stop waits for the exchange in flight, but not for a motor that does not answer.
+    fn cut_exchange_short(&mut self, now: Instant) {
         if let Line::Busy(exchange) = &mut self.line {
             let patience = (exchange.sent + STOP_PATIENCE).max(now);
             exchange.window_ends = exchange.window_ends.min(patience);
@@ -206,12 +242,12 @@ impl Bus {
     }
 }
 
-/// The loop of a motor by a fresh reply, and by older knowledge. While it is being changed nothing
-/// is fresh, and the position loop, where zero moves the wheel, is assumed where it is possible.
-fn known_loop(motor: &Motor, now: Instant) -> (Option<Mode>, Option<Mode>) {
-    match motor.control {
-        Control::Switching(switch) if switch.to == Mode::Position => (None, Some(Mode::Position)),
-        Control::Switching(_) => (None, motor.last_mode()),
-        _ => (motor.fresh_mode(now), motor.last_mode()),
+/// Whether a setpoint is what a person calls stopping: it does not wait for the next period.
+fn rests(setpoint: Setpoint) -> bool {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
+        Setpoint::Current(current) => current.raw() == 0,
+        Setpoint::Brake => true,
+        Setpoint::Position(_) => false,
     }
 }

@@ -1,6 +1,6 @@
 //! What is heard.
 
-use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, MotorId, Reply};
+use motorlink_protocol::{Detail, FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
 
 use super::Bus;
 use crate::{
@@ -47,6 +47,9 @@ impl Bus {
                     if now.since(exchange.sent) < EARLIEST_REPLY {
                         // It cannot answer a request that has hardly left.
                         self.heard_late(now, &frame);
+                        if let Line::Busy(exchange) = &mut self.line {
+                            exchange.held_until = None;
+                        }
                         continue;
                     }
                     self.line = Line::Free {
@@ -80,10 +83,12 @@ impl Bus {
             Expects::Everyone => self.id_query_ended(now, &exchange, &rest),
             Expects::Reply { id, layout } => {
                 self.note(now, &exchange, &rest);
-                let motor = self.watch(now, id);
+                self.round_trip.lost();
+                let Some(motor) = self.motor_mut(id) else {
+                    return;
+                };
                 motor.lost(layout, exchange.sent);
                 motor.loss.count(true);
-                motor.round_trip.lost();
                 match rest.junk_bytes {
                     0 => motor.counters.silences += 1,
                     1..FRAME_LEN => motor.counters.fragments += 1,
@@ -114,22 +119,33 @@ impl Bus {
         frame: &Frame,
     ) {
         let took = now.since(exchange.sent);
-        let motor = self.watch(now, id);
-        motor.counters.replies += 1;
-        motor.loss.count(false);
-        let readable = motor.layout_of_reply(now, layout);
-        // While a lost reply may still come, it is not known which request this one answers, so its
-        // time says nothing (as in Karn's algorithm).
-        let unambiguous = motor.pending_layout(now).is_none();
-        if unambiguous {
-            motor.round_trip.replied(took);
-        }
-        let Ok(reply) = Reply::decode(frame, readable) else {
+        let Some(motor) = self.motor_mut(id) else {
             return;
         };
-        match &mut motor.control {
-            Control::Switching(switch) => switch.heard(reply.mode),
-            Control::Stopping(stop) if exchange.sent >= stop.began() => stop.heard(&reply),
+        motor.counters.replies += 1;
+        motor.loss.count(false);
+        // While a lost reply may still come, it is not known which request this one answers, so its
+        // time says nothing (as in Karn's algorithm).
+        let unambiguous = !motor.late_reply_may_come(now);
+        if unambiguous {
+            motor.round_trip.replied(took);
+            motor.loop_reported();
+        }
+        let Ok(reply) = Reply::decode(frame, motor.layout_of_reply(now, layout)) else {
+            return;
+        };
+        let in_the_air = motor.loop_is_in_the_air();
+        match (&mut motor.control, reply.detail) {
+            (Control::Switching(switch), _) => switch.heard(reply.mode),
+            // A late reply may speak of the time before a switch.
+            (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !in_the_air => {
+                stop.heard(&reply);
+            }
+            (Control::Driven(driven), Detail::Drive { position }) if driven.hold => {
+                driven.goal = Setpoint::Position(position.into());
+                driven.hold = false;
+                driven.next_frame = now;
+            }
             _ => {}
         }
         self.keep(now, reply);
@@ -144,7 +160,7 @@ impl Bus {
         let Ok(reply) = Reply::decode(frame, None) else {
             return;
         };
-        let expected = |motor: &Motor| motor.id == reply.id && motor.pending_layout(now).is_some();
+        let expected = |motor: &Motor| motor.id == reply.id && motor.late_reply_may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
@@ -155,7 +171,11 @@ impl Bus {
     }
 
     fn keep(&mut self, now: Instant, reply: Reply) {
-        if self.watch(now, reply.id).heard(now, reply) {
+        // One that was forgotten meanwhile stays forgotten.
+        let Some(motor) = self.motor_mut(reply.id) else {
+            return;
+        };
+        if motor.heard(now, reply) {
             self.events.push_back(Event::MotorBack(reply.id));
         }
         self.events
@@ -165,10 +185,13 @@ impl Bus {
     /// Counts what stood beside a reply, or came instead of one.
     fn note(&mut self, now: Instant, exchange: &Exchange, rest: &Leftovers) {
         let counters = match exchange.expects {
-            Expects::Reply { id, .. } => &mut self.watch(now, id).counters,
-            Expects::Everyone | Expects::Nothing => &mut self.counters,
+            Expects::Reply { id, .. } => self.motor_mut(id).map(|motor| &mut motor.counters),
+            Expects::Everyone | Expects::Nothing => None,
         };
-        count_line(counters, rest);
+        match counters {
+            Some(counters) => count_line(counters, rest),
+            None => count_line(&mut self.counters, rest),
+        }
         for frame in &rest.frames {
             self.heard_late(now, frame);
         }

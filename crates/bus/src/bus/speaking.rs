@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, MotorId, Request};
+use motorlink_protocol::{Frame, Instant, Request};
 
 use super::Bus;
 use crate::{
@@ -11,7 +11,7 @@ use crate::{
     motor::{Control, Driven, Motor},
     safety::step_towards,
     schedule::Errand,
-    timing::{FIRST_WINDOW, ID_QUERY_WINDOW},
+    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW},
 };
 
 impl Bus {
@@ -41,13 +41,16 @@ impl Bus {
 
     /// How long the reply may take.
     fn window(&mut self, request: &Request) -> Duration {
-        let line = self.round_trip.window();
-        request.addressee().map_or(ID_QUERY_WINDOW, |id: MotorId| {
-            let own = self
-                .motor_mut(id)
-                .and_then(|motor| motor.round_trip.window());
-            own.or(line).unwrap_or(FIRST_WINDOW)
-        })
+        let Some(id) = request.addressee() else {
+            return ID_QUERY_WINDOW;
+        };
+        let own = self
+            .motor_mut(id)
+            .and_then(|motor| motor.round_trip.window());
+        let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
+        // While any motor answers, the adapter is as fast as it was, and one that does not answer
+        // costs the others no more than that.
+        (window * (1 << self.round_trip.doublings())).min(MAX_WINDOW)
     }
 }
 
@@ -62,14 +65,13 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, period: Duratio
         }
         (Control::Switching(switch), Errand::Switch(_)) => {
             switch.frame_sent(now);
+            let to = switch.to;
             if switch.next_frame().is_none() {
                 // The fifth was sent: ask whether it took.
                 motor.next_query = now;
             }
-            Request::SwitchMode {
-                id,
-                mode: switch.to,
-            }
+            motor.switch_sent(to);
+            Request::SwitchMode { id, mode: to }
         }
         (Control::Driven(driven), Errand::Drive(_)) => {
             let setpoint = step_towards(driven.goal, driven.on_the_wire);

@@ -1,0 +1,127 @@
+//! What an operator does shows at once, and what is not an operator's act shows not at all.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use bench::{Bench, ID, amps, degrees, ms, rpm};
+use motorlink_bus::{Command, CommandRate, Refusal, StopReason};
+use motorlink_protocol::Mode;
+
+fn at_rate(mode: Mode, hertz: u16) -> Bench {
+    let mut bench = Bench::one_motor();
+    if mode != Mode::Velocity {
+        bench.switch(mode);
+    }
+    bench
+        .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
+        .unwrap();
+    bench
+}
+
+/// The page's Stop in the current loop is 0 A.
+#[test]
+fn coming_to_rest_does_not_wait_for_the_command_rate() {
+    for hertz in [1, 5, 10, 20, 50] {
+        let mut bench = at_rate(Mode::Current, hertz);
+        bench.drive(amps(0.3)).unwrap();
+        bench.run(ms(1_501));
+        bench.forget_the_past();
+        let asked = bench.now;
+        bench.drive(amps(0.0)).unwrap();
+        bench.run(ms(20));
+        let waited = bench.drive_times(ID)[0].since(asked);
+        assert!(waited <= ms(10), "{waited:?} at {hertz} Hz");
+    }
+}
+
+#[test]
+fn hold_holds_the_angle_of_now_and_not_one_of_earlier() {
+    for hertz in [2, 5, 10, 20, 50] {
+        for moving_ms in (100..600).step_by(61) {
+            let mut bench = at_rate(Mode::Position, hertz);
+            bench.drive(degrees(300.0)).unwrap();
+            bench.run(ms(moving_ms));
+            bench.forget_the_past();
+            let asked = bench.now;
+            bench.command(Command::Hold(ID)).unwrap();
+            bench.run(ms(5));
+            assert!(bench.drive_times(ID)[0].since(asked) <= ms(3));
+            let here = bench.world.motor(ID).unwrap().angle_deg();
+            let motorlink_bus::Activity::Driven { setpoint } = bench.activity() else {
+                panic!("{:?}", bench.activity())
+            };
+            let motorlink_protocol::Setpoint::Position(held) = setpoint else {
+                panic!("{setpoint:?}")
+            };
+            let off = (held.degrees() - here + 180.0).rem_euclid(360.0) - 180.0;
+            assert!(
+                off.abs() <= 5.0,
+                "{off} degrees off at {hertz} Hz after {moving_ms} ms"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_faster_rate_begins_at_once() {
+    let mut bench = at_rate(Mode::Velocity, 1);
+    bench.drive(rpm(50)).unwrap();
+    bench.run(ms(100));
+    bench.forget_the_past();
+    bench
+        .command(Command::SetRate(CommandRate::new(50).unwrap()))
+        .unwrap();
+    bench.run(ms(200));
+    assert!(
+        bench.drive_times(ID).len() >= 9,
+        "{}",
+        bench.drive_times(ID).len()
+    );
+}
+
+/// A click that was waiting in a page that hung is no act of now.
+#[test]
+fn a_command_from_a_page_that_had_stopped_answering_starts_nothing() {
+    let mut bench = Bench::one_motor();
+    bench.page_lives = false;
+    bench.run(ms(10_000));
+    assert_eq!(bench.drive(rpm(100)), Err(Refusal::PageSilent));
+    let to_current = Command::SwitchMode {
+        id: ID,
+        mode: Mode::Current,
+    };
+    assert_eq!(bench.command(to_current), Err(Refusal::PageSilent));
+    assert_eq!(
+        bench.command(Command::StopAll(StopReason::Operator)),
+        Ok(()),
+        "a stop is taken"
+    );
+    bench.command(Command::Release).unwrap();
+    bench.page_lives = true;
+    bench.run(ms(300));
+    assert_eq!(bench.drive(rpm(100)), Ok(()));
+}
+
+#[test]
+fn a_stop_asked_for_again_has_its_whole_window_again() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(2_000));
+    bench.world.motor_mut(ID).unwrap().mute(true);
+    bench.command(Command::Stop(ID)).unwrap();
+    bench.run(ms(2_950));
+    bench.forget_the_past();
+    bench
+        .command(Command::StopAll(StopReason::Operator))
+        .unwrap();
+    bench.run(ms(4_000));
+    let frames = bench.drive_times(ID);
+    let braked = frames[frames.len() - 1].since(frames[0]);
+    assert!(braked > ms(2_500), "{braked:?}");
+}
