@@ -6,7 +6,7 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     motor::{Control, Motor},
-    timing::{EARLY, QUERY_PATIENCE},
+    timing::{EARLY, QUERY_MARGIN, QUERY_PATIENCE},
 };
 
 /// What the line is to be used for.
@@ -70,7 +70,7 @@ pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration) -> Turn
     }
 
     let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
-    let fits = next_appointment.is_none_or(|at| now + usual <= at);
+    let fits = next_appointment.is_none_or(|at| now + usual + QUERY_MARGIN <= at);
     let query_turn = query.map(|(at, id)| match (due(at), fits) {
         (true, true) => Turn::Now(Errand::Query(id)),
         (true, false) => Turn::At(at + QUERY_PATIENCE),

@@ -25,9 +25,14 @@ pub(crate) const QUERY_PERIOD: Duration = Duration::from_millis(100);
 /// A motor that has been silent for [`SILENT_AFTER`] is asked once a second.
 pub(crate) const SILENT_QUERY_PERIOD: Duration = Duration::from_secs(1);
 
-/// A query that has waited this long goes even where it makes a drive frame late, so that
-/// temperature is known at any load.
-pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(100);
+/// A query is sent where the next drive frame is at least a usual round trip and this away, so that a
+/// slow reply does not make that frame late: twice what a browser adds to a round trip at its 99th
+/// percentile.
+pub(crate) const QUERY_MARGIN: Duration = Duration::from_millis(3);
+
+/// A query that has waited this long goes even where it makes a drive frame late, so that temperature
+/// is known at any load: one drive period at the 50 Hz that a motor wants.
+pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 
 /// Five mode switches, 20 ms apart: what the maker's samples send.
 pub(crate) const SWITCH_FRAMES: u8 = 5;

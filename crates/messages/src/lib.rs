@@ -36,9 +36,20 @@ pub enum ToWorker {
     /// Ask this motor for telemetry, and those no more that have never answered.
     Select(MotorId),
     /// An operator's act.
-    Command(Command),
-    /// The answer to [`ToPage::Ping`], to be sent from the handler of that message.
-    Pong,
+    Command {
+        /// What is to be done.
+        command: Command,
+        /// When the person did it: the event's `timeStamp`, milliseconds of the page's
+        /// `performance.now()`. An old act starts no wheel.
+        given_ms: f64,
+    },
+    /// The answer to [`ToPage::Ping`] and [`ToPage::Hello`], to be sent from the handler of that
+    /// message.
+    Pong {
+        /// The page's `performance.now()` in milliseconds. The quickest of these tells the worker how
+        /// the two clocks lie, without trust in a wall clock that may jump.
+        page_ms: f64,
+    },
 }
 
 /// A serial port as the page sees it. Port objects cannot be posted, but `getPorts()` lists them in
@@ -60,6 +71,8 @@ pub enum ToPage {
         /// [`Instant`] of the worker on its own clock.
         time_origin_ms: f64,
     },
+    /// The worker has failed and does nothing any more: frames cease, and what was driven coasts.
+    Died,
     /// Are you there? Without [`ToWorker::Pong`] for a second the worker stops all motors.
     Ping,
     /// Everything that the page shows. Sent when something has changed, at most once a frame.
@@ -124,6 +137,8 @@ pub enum Notice {
         /// Why.
         refusal: Refusal,
     },
+    /// A command that could move a wheel came too long after it was given.
+    TooLate(Command),
     /// A command needs an open port.
     NotConnected,
     /// Who answered the ID query.
@@ -201,11 +216,15 @@ mod tests {
     fn messages_arrive_as_they_were_sent() {
         let id = MotorId::new(7).unwrap();
         let setpoint = Setpoint::Current(CurrentTarget::new(-25_001).unwrap());
-        round_trip(&ToWorker::Command(Command::Drive {
+        let command = Command::Drive {
             id,
             setpoint,
             consent: Consent::HighCurrent,
-        }));
+        };
+        round_trip(&ToWorker::Command {
+            command,
+            given_ms: 1_234.5,
+        });
         round_trip(&ToWorker::ConnectSerial {
             candidates: vec![PortRef {
                 place: 1,

@@ -15,7 +15,7 @@ use crate::{
     line::Line,
     serial::{self, ReadEnd},
     session::{OpenSession, Session, Stage},
-    station::{self, Shared, pump},
+    station::{self, Shared, leave, pump},
 };
 
 /// How long the wanted motor may take to answer before the next adapter is tried: three queries at
@@ -45,57 +45,74 @@ pub(crate) fn open_virtual(shared: &Shared) {
     pump(shared);
 }
 
+/// What is done where the wanted motor answers on none of the candidates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Otherwise {
+    /// The first that opens is taken: a person, or a plug, has pointed at it.
+    TakeTheFirst,
+    /// Nothing pointed at any of them: another adapter of the same make is not the one that was lost.
+    GoOnWaiting,
+}
+
 /// Opens the first candidate on which the wanted motor answers, or else the first that opens.
-/// With `lost`, an adapter that was pulled out is opened again.
-pub(crate) async fn open_serial(
+pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
+    let failure = open_any(shared, candidates, wanted, None, Otherwise::TakeTheFirst).await;
+    if let Ok(Some(failure)) = failure {
+        begin(shared, Session::Failed(failure));
+    }
+}
+
+/// Goes through the candidates. Gives back why none is open, if none is. With `lost`, an adapter that
+/// was pulled out is opened again.
+async fn open_any(
     shared: &Shared,
     candidates: Vec<PortRef>,
     wanted: MotorId,
     lost: Option<Adapter>,
-) {
+    otherwise: Otherwise,
+) -> Result<Option<ConnectError>, Left> {
     let mut generation = begin(shared, Session::Opening { lost });
-    let mut fallback = None;
+    let mut first_that_opens = None;
     let mut failure = ConnectError::PortGone;
-    let alone = candidates.len() < 2;
+    let alone = candidates.len() < 2 && otherwise == Otherwise::TakeTheFirst;
     for candidate in candidates {
         let stage = if alone {
             Stage::Settled
         } else {
             Stage::OnTrial { lost }
         };
-        match open_one(shared, generation, candidate, stage).await {
-            Err(Left) => return,
-            Ok(Err(error)) => failure = error,
-            Ok(Ok(opened)) => {
+        match open_one(shared, generation, candidate, stage).await? {
+            Err(error) => failure = error,
+            Ok(opened) => {
                 generation = opened;
-                if alone {
-                    return settle(shared, generation, lost);
+                if alone || answers(shared, generation, wanted).await? {
+                    settle(shared, lost);
+                    return Ok(None);
                 }
-                match answers(shared, generation, wanted).await {
-                    Err(Left) => return,
-                    Ok(true) => return settle(shared, generation, lost),
-                    Ok(false) => {
-                        fallback.get_or_insert(candidate);
-                        generation = close_trial(shared, lost).await;
-                    }
-                }
+                first_that_opens.get_or_insert(candidate);
+                generation = close_trial(shared, lost).await;
             }
         }
     }
-    if let Some(candidate) = fallback {
-        match open_one(shared, generation, candidate, Stage::Settled).await {
-            Err(Left) => return,
-            Ok(Ok(opened)) => return settle(shared, opened, lost),
-            Ok(Err(error)) => failure = error,
+    if let Some(candidate) = first_that_opens.filter(|_| otherwise == Otherwise::TakeTheFirst) {
+        match open_one(shared, generation, candidate, Stage::Settled).await? {
+            Ok(_) => {
+                settle(shared, lost);
+                return Ok(None);
+            }
+            Err(error) => failure = error,
         }
     }
-    let outcome = lost.map_or(Session::Failed(failure), Session::Lost);
-    begin(shared, outcome);
-    pump(shared);
+    Ok(Some(failure))
 }
 
-/// Opens the pulled-out adapter again, if that is what was plugged in. Nothing drives then.
+/// Something was plugged in: if it may be what was pulled out, it is opened again. Nothing drives
+/// then.
 pub(crate) fn adapter_plugged(shared: &Shared) {
+    reopen(shared, Otherwise::TakeTheFirst);
+}
+
+fn reopen(shared: &Shared, otherwise: Otherwise) {
     let Session::Lost(lost) = shared.borrow().session else {
         return;
     };
@@ -106,6 +123,10 @@ pub(crate) fn adapter_plugged(shared: &Shared) {
             let Ok(ports) = serial::ports().await else {
                 return;
             };
+            // The person may have disconnected, or connected, in the meantime.
+            if !matches!(shared.borrow().session, Session::Lost(_)) {
+                return;
+            }
             let refs = (0_u16..)
                 .zip(&ports)
                 .map(|(place, port)| (place, serial::usb_of(port)));
@@ -113,14 +134,12 @@ pub(crate) fn adapter_plugged(shared: &Shared) {
                 .filter(|(_, found)| *found == usb)
                 .map(|(place, usb)| PortRef { place, usb })
                 .collect();
-            // The person may have disconnected, or connected, in the meantime.
-            let still_lost = matches!(shared.borrow().session, Session::Lost(_));
-            if !still_lost {
-                return;
-            }
             if !candidates.is_empty() {
                 let wanted = shared.borrow().selected;
-                open_serial(&shared, candidates, wanted, Some(lost)).await;
+                match open_any(&shared, candidates, wanted, Some(lost), otherwise).await {
+                    Ok(Some(_)) => _ = begin(&shared, Session::Lost(lost)),
+                    Ok(None) | Err(Left) => return,
+                }
             }
             sleep(REOPEN_PAUSE).await;
         }
@@ -175,36 +194,47 @@ async fn read(shared: Shared, generation: u32, port: web_sys::SerialPort) {
         port,
         move |reader| {
             let mut station = keep.borrow_mut();
-            if station.generation == generation
-                && let Session::Open(open) = &mut station.session
-            {
+            if station.generation != generation {
+                return false;
+            }
+            if let Session::Open(open) = &mut station.session {
                 open.reader = reader;
             }
+            true
         },
         move |event| station::heard(&tell, generation, event),
     )
     .await;
     if ended == ReadEnd::Lost && shared.borrow().generation == generation {
-        shared.borrow_mut().adapter_lost();
+        let leaving = shared.borrow_mut().adapter_lost();
+        match leaving {
+            Some(then) => leave(&shared, then),
+            // It may be back already: a motor's noise can make USB lose and find it at once.
+            None => reopen(&shared, Otherwise::GoOnWaiting),
+        }
         pump(&shared);
     }
 }
 
 /// Whether the wanted motor answers on the port that is on trial.
 async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Left> {
-    for _ in 0..TRIAL.as_millis() / TRIAL_STEP.as_millis() {
+    let mut left = TRIAL.as_millis() / TRIAL_STEP.as_millis();
+    loop {
         sleep(TRIAL_STEP).await;
         let station = shared.borrow();
-        match &station.session {
-            Session::Open(open) if station.generation == generation => {
-                if open.heard(station.now(), wanted) {
-                    return Ok(true);
-                }
-            }
+        let open = match &station.session {
+            Session::Open(open) if station.generation == generation => open,
             _ => return Err(Left),
+        };
+        if open.heard(station.now(), wanted) {
+            return Ok(true);
+        }
+        left = left.saturating_sub(1);
+        // A stop that was asked for meanwhile is not cut off; it ends by itself.
+        if left == 0 && !open.bus.is_active() {
+            return Ok(false);
         }
     }
-    Ok(false)
 }
 
 async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
@@ -215,14 +245,13 @@ async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
     generation
 }
 
-/// The page may drive from now on.
-fn settle(shared: &Shared, generation: u32, lost: Option<Adapter>) {
+/// The page may drive from now on, if the port is still open.
+fn settle(shared: &Shared, lost: Option<Adapter>) {
     {
         let mut station = shared.borrow_mut();
-        if station.generation != generation {
-            return;
-        }
-        if let Session::Open(open) = &mut station.session {
+        if let Session::Open(open) = &mut station.session
+            && let Stage::OnTrial { .. } = open.stage
+        {
             open.stage = Stage::Settled;
         }
         if lost.is_some() {

@@ -9,6 +9,7 @@
 //! | `station` | the one owner: the session, the bus, and what is done with messages and events |
 //! | `connecting` | opening, trying and reopening serial ports |
 //! | `session` | the state of the port |
+//! | `telling` | what the bus tells, passed on to the page |
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
 //! | `outbox` | what goes to the page, at most once a frame |
@@ -23,8 +24,15 @@ mod scope;
 mod serial;
 mod session;
 mod station;
+mod telling;
+
+use motorlink_messages::ToPage;
 
 fn main() {
-    console_error_panic_hook::set_once();
+    std::panic::set_hook(Box::new(|panic| {
+        console_error_panic_hook::hook(panic);
+        // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
+        scope::post(&ToPage::Died);
+    }));
     station::start();
 }

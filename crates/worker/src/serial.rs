@@ -1,5 +1,8 @@
 //! Web Serial: opening, reading, writing and closing a port, and what its errors mean.
 
+use std::time::Duration;
+
+use gloo_timers::future::sleep;
 use js_sys::{Reflect, Uint8Array};
 use motorlink_messages::{ConnectError, PortRef, UsbId};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
@@ -16,13 +19,21 @@ const BAUD: u32 = 115_200;
 /// Bytes that the browser may hold for us; its default of 255 is three chunks of a busy adapter.
 const BUFFER_BYTES: u32 = 16_384;
 
+/// A port that is being closed is tried again: this often, this far apart. Closing takes 4 ms.
+const REOPEN_TRIES: u32 = 20;
+const REOPEN_PAUSE: Duration = Duration::from_millis(20);
+
 /// An open port.
 pub(crate) struct SerialLine {
     port: SerialPort,
     writer: WritableStreamDefaultWriter,
     usb: Option<UsbId>,
-    /// Takes the rejection of a write that the read side reports as well.
-    ignore: Closure<dyn FnMut(JsValue)>,
+}
+
+thread_local! {
+    /// Takes the rejection of a write, which the reading side reports as well. It outlives every
+    /// port, since a write may fail after its port was given up.
+    static IGNORE: Closure<dyn FnMut(JsValue)> = Closure::new(|_| {});
 }
 
 /// What ended a [`read`].
@@ -87,16 +98,29 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
         .clone();
     let options = SerialOptions::new(BAUD);
     options.set_buffer_size(BUFFER_BYTES);
-    JsFuture::from(port.open(&options))
-        .await
-        .map_err(|error| open_error(&error))?;
-    let writer = WritableStreamDefaultWriter::new(&port.writable()).map_err(|e| other(&e))?;
-    Ok(SerialLine {
-        usb: usb_of(&port),
-        port,
-        writer,
-        ignore: Closure::new(|_| {}),
-    })
+    let mut tries = 0;
+    loop {
+        match JsFuture::from(port.open(&options)).await {
+            Ok(_) => break,
+            // We are still closing it, after an earlier session.
+            Err(error) if is_open_already(&error) && tries < REOPEN_TRIES => {
+                tries += 1;
+                sleep(REOPEN_PAUSE).await;
+            }
+            Err(error) => return Err(open_error(&error)),
+        }
+    }
+    match WritableStreamDefaultWriter::new(&port.writable()) {
+        Ok(writer) => Ok(SerialLine {
+            usb: usb_of(&port),
+            port,
+            writer,
+        }),
+        Err(error) => {
+            let _ = JsFuture::from(port.close()).await;
+            Err(other(&error))
+        }
+    }
 }
 
 impl SerialLine {
@@ -107,8 +131,13 @@ impl SerialLine {
     /// Hands bytes to the port. Success would prove nothing: the first write after an unplug
     /// succeeds too. What failed shows on the reading side.
     pub(crate) fn write(&self, bytes: &[u8]) {
-        let written = self.writer.write_with_chunk(&Uint8Array::from(bytes));
-        let _ = written.catch(&self.ignore);
+        // A frame that would wait behind another is late already, and would be sent to a motor that
+        // may have stopped meanwhile: rather none. The bus sees it as silence.
+        let room = self.writer.desired_size().ok().flatten();
+        if room.is_none_or(|room| room > 0.0) {
+            let written = self.writer.write_with_chunk(&Uint8Array::from(bytes));
+            let _ = IGNORE.with(|ignore| written.catch(ignore));
+        }
     }
 
     pub(crate) fn port(&self) -> SerialPort {
@@ -118,22 +147,26 @@ impl SerialLine {
 
 /// Reads a port until it is closed or lost.
 ///
-/// `reader` is told of every reader before it is used, so that it can be cancelled.
+/// `wanted` is told of every reader before it is used, so that it can be cancelled, and says whether
+/// the port is still to be read.
 pub(crate) async fn read(
     port: SerialPort,
-    mut reader_changed: impl FnMut(Option<ReadableStreamDefaultReader>),
+    mut wanted: impl FnMut(Option<ReadableStreamDefaultReader>) -> bool,
     mut tell: impl FnMut(ReadEvent),
 ) -> ReadEnd {
     while let Some(stream) = readable(&port) {
         let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
             return ReadEnd::Lost;
         };
-        reader_changed(Some(reader.clone()));
+        if !wanted(Some(reader.clone())) {
+            reader.release_lock();
+            return ReadEnd::Closed;
+        }
         let ended = read_stream(&reader, &mut tell).await;
         reader.release_lock();
         match ended {
             Ok(()) => {
-                reader_changed(None);
+                wanted(None);
                 return ReadEnd::Closed;
             }
             // After an error of the line there is a new stream; after a loss there is none.
@@ -141,7 +174,7 @@ pub(crate) async fn read(
             Err(_) => {}
         }
     }
-    reader_changed(None);
+    wanted(None);
     ReadEnd::Lost
 }
 
@@ -175,6 +208,10 @@ pub(crate) async fn close(line: SerialLine, reader: Option<ReadableStreamDefault
 /// `port.readable`, which is null once the adapter is gone or the port is closed.
 fn readable(port: &SerialPort) -> Option<ReadableStream> {
     Reflect::get(port, &"readable".into()).ok()?.dyn_into().ok()
+}
+
+fn is_open_already(error: &JsValue) -> bool {
+    matches!(open_error(error), ConnectError::AlreadyOpen)
 }
 
 fn open_error(error: &JsValue) -> ConnectError {

@@ -14,8 +14,14 @@ use crate::{
     outbox::{Outbox, Present},
     scope::{self, Clock},
     serial::{self, ReadEvent},
-    session::{OpenSession, Session, Stage, Then},
+    session::{Session, Stage, Then},
+    telling::tell,
 };
+
+/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over
+/// at its end what was clicked at its beginning. Half of what the watchdog allows, and five times
+/// what a click takes on a slow machine.
+const COMMAND_AGE_MAX_MS: f64 = 500.0;
 
 /// Everything that the worker is. Each callback of the browser borrows it once, briefly.
 pub(crate) struct Station {
@@ -29,6 +35,8 @@ pub(crate) struct Station {
     rate: CommandRate,
     /// Whether Stop all motors stands. It outlives the port.
     halted: bool,
+    /// How much more our clock shows than the page's, by the quickest message so far.
+    ahead_of_page_ms: f64,
 }
 
 /// The handle that the browser's callbacks share.
@@ -47,15 +55,17 @@ pub(crate) fn start() {
                 pump(&shared);
             }
         };
+        let alarm = Alarm::new(clock.clone(), ring);
         RefCell::new(Station {
             clock,
-            alarm: Alarm::new(ring),
+            alarm,
             outbox: Outbox::default(),
             session: Session::Closed,
             generation: 0,
             selected: MotorId::FIRST,
             rate: CommandRate::default(),
             halted: false,
+            ahead_of_page_ms: f64::INFINITY,
         })
     });
     let station = Rc::clone(&shared);
@@ -79,14 +89,16 @@ fn handle(shared: &Shared, message: ToWorker) {
         }
         ToWorker::Disconnect => leave(shared, Then(None)),
         ToWorker::Select(id) => shared.borrow_mut().select(id),
-        ToWorker::Command(command) => shared.borrow_mut().command(command),
-        ToWorker::Pong => shared.borrow_mut().page_answered(),
+        ToWorker::Command { command, given_ms } => {
+            shared.borrow_mut().command(command, given_ms);
+        }
+        ToWorker::Pong { page_ms } => shared.borrow_mut().page_answered(page_ms),
     }
     pump(shared);
 }
 
 /// Stops what is driven, closes the port, and then does what `then` asks.
-fn leave(shared: &Shared, then: Then) {
+pub(crate) fn leave(shared: &Shared, then: Then) {
     let (left, generation) = {
         let mut station = shared.borrow_mut();
         let now = station.now();
@@ -113,7 +125,7 @@ fn leave(shared: &Shared, then: Then) {
         match then.0 {
             Some(ToWorker::ConnectVirtual) => connecting::open_virtual(&shared),
             Some(ToWorker::ConnectSerial { candidates, wanted }) => {
-                connecting::open_serial(&shared, candidates, wanted, None).await;
+                connecting::open_serial(&shared, candidates, wanted).await;
             }
             _ => {}
         }
@@ -181,10 +193,16 @@ impl Station {
     }
 
     /// The adapter is gone: what was driven coasts, and the adapter is waited for.
-    pub(crate) fn adapter_lost(&mut self) {
+    ///
+    /// Gives back what was to be done after closing, where the port was being closed anyway.
+    pub(crate) fn adapter_lost(&mut self) -> Option<Then> {
         let now = self.now();
-        let Session::Open(open) = &self.session else {
-            return;
+        let Session::Open(open) = &mut self.session else {
+            return None;
+        };
+        let leaving = match &mut open.stage {
+            Stage::Closing(then) => Some(std::mem::take(then)),
+            Stage::OnTrial { .. } | Stage::Settled => None,
         };
         let adapter = open.line.adapter();
         let moved = |activity| !matches!(activity, Activity::Idle);
@@ -195,7 +213,13 @@ impl Station {
             .map(|m| m.id)
             .collect();
         self.outbox.notice(Notice::AdapterLost { driven });
-        self.begin_session(Session::Lost(adapter));
+        let waiting = if leaving.is_some() {
+            Session::Closed
+        } else {
+            Session::Lost(adapter)
+        };
+        self.begin_session(waiting);
+        leaving
     }
 
     fn select(&mut self, id: MotorId) {
@@ -217,8 +241,14 @@ impl Station {
         }
     }
 
-    fn command(&mut self, command: Command) {
+    fn command(&mut self, command: Command, given_ms: f64) {
         let now = self.now();
+        // Before the page has said what time it is, nothing is open to be driven.
+        let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
+        if command.may_move() && age_ms > COMMAND_AGE_MAX_MS {
+            self.outbox.notice(Notice::TooLate(command));
+            return;
+        }
         match command {
             Command::SetRate(rate) => self.rate = rate,
             Command::StopAll(_) => self.halted = true,
@@ -228,8 +258,7 @@ impl Station {
         self.outbox.touch();
         match &mut self.session {
             Session::Open(open) => {
-                let is_stop = matches!(command, Command::StopAll(_) | Command::Stop(_));
-                if !is_stop && !matches!(open.stage, Stage::Settled) {
+                if command.may_move() && !matches!(open.stage, Stage::Settled) {
                     self.outbox.notice(Notice::NotConnected);
                 } else if let Err(refusal) = open.bus.command(now, command) {
                     self.outbox.notice(Notice::Refused { command, refusal });
@@ -251,8 +280,10 @@ impl Station {
         }
     }
 
-    fn page_answered(&mut self) {
+    fn page_answered(&mut self, page_ms: f64) {
         let now = self.now();
+        let ahead_ms = now_ms(now) - page_ms;
+        self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
         self.outbox.page_answered();
         if let Session::Open(open) = &mut self.session {
             open.bus.page_answered(now);
@@ -312,31 +343,7 @@ impl Station {
     }
 }
 
-/// Passes on what the bus tells, unless the port is on trial: what is heard there may come from an
-/// adapter that nobody meant.
-fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
-    if let Stage::OnTrial { .. } = open.stage {
-        return;
-    }
-    let notice = match event {
-        Event::Telemetry(sample) => return outbox.sample(sample),
-        Event::PingPage => return,
-        Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
-        Event::ModeSwitched { id, mode } => Notice::ModeSwitched { id, mode },
-        Event::ModeSwitchFailed {
-            id,
-            asked,
-            reported,
-        } => Notice::ModeSwitchFailed {
-            id,
-            asked,
-            reported,
-        },
-        Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
-        Event::MotorSilent(id) => Notice::MotorSilent(id),
-        Event::MotorBack(id) => Notice::MotorBack(id),
-        Event::StopBegan(reason) => Notice::StopBegan(reason),
-        Event::StopEnded(report) => Notice::StopEnded(report),
-    };
-    outbox.notice(notice);
+/// A moment in milliseconds, as browsers count.
+fn now_ms(now: Instant) -> f64 {
+    now.since(Instant::ZERO).as_secs_f64() * 1000.0
 }
