@@ -1,0 +1,38 @@
+// Starts the page. `cargo xtask build` fills in the names in double braces.
+
+const wasmUrl = new URL("./{{wasm}}", import.meta.url);
+let loaded = false;
+
+// Module, glue and words are all there is before the Rust code runs, so what goes wrong up to then
+// is told here or nowhere.
+function explain(error) {
+  console.error(error);
+  const words = document.createElement("p");
+  words.setAttribute("role", "alert");
+  if (typeof WebAssembly !== "object") {
+    words.textContent =
+      "MotorLink needs WebAssembly, which this browser lacks or has switched off. " +
+      "Open this page in a current Chrome, Edge or Firefox.";
+  } else if (loaded) {
+    words.textContent =
+      "MotorLink was loaded but could not start. Reload the page; if that does not help, " +
+      `open it in a current Chrome, Edge or Firefox. (${error})`;
+  } else {
+    words.textContent =
+      "MotorLink could not be loaded. Check that you are online and reload the page; if that does " +
+      `not help, files are missing where it is hosted. (${error})`;
+  }
+  document.body.replaceChildren(words);
+}
+
+async function start() {
+  // Both at once: the module need not wait for the glue. An import in a try can be explained.
+  const [glue, response] = await Promise.all([import("./{{glue}}"), fetch(wasmUrl)]);
+  if (!response.ok) {
+    throw new Error(`${wasmUrl.pathname}: ${response.status}`);
+  }
+  loaded = true;
+  await glue.default({ module_or_path: response });
+}
+
+start().catch(explain);

@@ -1,0 +1,119 @@
+//! The bench: virtual motors on a serial line, a real Chromium in front, and what is measured there.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+use crate::browser::{self, Browser};
+use crate::failure::refusal_of_flags;
+use crate::foreign;
+use crate::process;
+use crate::site::{self, Profile};
+use crate::size;
+use crate::workspace::Workspace;
+
+/// Optimised for speed: these programs stand for a motor, which answers after 0.6 ms.
+const PROFILE: &str = "bench-native";
+
+/// Builds the virtual motor and the library that shows Chromium its serial line.
+pub fn build_programs(workspace: &Workspace) -> Result<()> {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args(["build", "--profile", PROFILE]);
+    cargo.args(["--package", "virtual-motor", "--package", "udev-shim"]);
+    process::run(&mut cargo)
+}
+
+/// Tells a program of the package `end-to-end` where everything is.
+pub fn equip(command: &mut Command, workspace: &Workspace, browser: &Browser) {
+    command
+        .current_dir(workspace.root())
+        .env("MOTORLINK_UDEV_SHIM", udev_shim(workspace.target()))
+        .env("MOTORLINK_VIRTUAL_MOTOR", virtual_motor(workspace.target()))
+        .env("MOTORLINK_DIST", workspace.dist())
+        .env("MOTORLINK_CHROMIUM", &browser.chromium)
+        .env("CHROMEDRIVER", &browser.driver);
+}
+
+fn virtual_motor(target: &Path) -> PathBuf {
+    let name = format!("virtual-motor{}", std::env::consts::EXE_SUFFIX);
+    target.join(PROFILE).join(name)
+}
+
+fn udev_shim(target: &Path) -> PathBuf {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+    let name = format!("{DLL_PREFIX}udev_shim{DLL_SUFFIX}");
+    target.join(PROFILE).join(name)
+}
+
+/// Measures the figures that the page is held to, and prints them.
+pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
+    let dist = prepare_and_run(workspace, "figures", args)?;
+    let files = site::files_of(&dist)?;
+    let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
+    let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
+    println!("first visit, gzip: {bytes} bytes (at most {max})");
+    println!("foreign hosts in the files: {}", list(&files));
+    Ok(())
+}
+
+/// Makes the README's screenshots.
+pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
+    prepare_and_run(workspace, "screenshots", args).map(|_| ())
+}
+
+/// Fails where the site is heavier than it may be or names another host.
+pub fn check_first_visit(dist: &Path) -> Result<()> {
+    let files = site::files_of(dist)?;
+    let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
+    let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
+    if bytes > max {
+        bail!(
+            "a first visit costs {bytes} bytes, {} more than it may",
+            bytes - max
+        );
+    }
+    if !foreign::hosts(&files).is_empty() {
+        bail!("the site names other hosts: {}", list(&files));
+    }
+    Ok(())
+}
+
+fn list(files: &[site::SiteFile]) -> String {
+    let hosts: Vec<String> = foreign::hosts(files).into_iter().collect();
+    if hosts.is_empty() {
+        "none".to_owned()
+    } else {
+        hosts.join(", ")
+    }
+}
+
+/// Builds everything, runs a program of `end-to-end` and gives the site's directory.
+fn prepare_and_run(workspace: &Workspace, program: &str, args: &[String]) -> Result<PathBuf> {
+    ensure_linux()?;
+    let browser = browser::ensure()?;
+    let dist = site::build(workspace, Profile::Release)?;
+    build_programs(workspace)?;
+    let mut cargo = process::cargo();
+    cargo.args([
+        "run",
+        "--quiet",
+        "--package",
+        "end-to-end",
+        "--bin",
+        program,
+    ]);
+    cargo.arg("--").args(args);
+    equip(&mut cargo, workspace, &browser);
+    process::run(&mut cargo).map_err(refusal_of_flags)?;
+    Ok(dist)
+}
+
+/// The bench shows Chromium a serial line through libudev, which only Linux has.
+pub fn ensure_linux() -> Result<()> {
+    if cfg!(target_os = "linux") {
+        return Ok(());
+    }
+    bail!("the bench needs Linux: it shows its serial lines to Chromium through libudev")
+}

@@ -1,0 +1,141 @@
+//! From Rust to what a browser loads: cargo builds the wasm files, wasm-bindgen makes a module and
+//! its JavaScript glue of each.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::process;
+use crate::site::Profile;
+use crate::tools::{self, WASM_TARGET};
+use crate::workspace::Workspace;
+
+/// A program of ours that runs in the browser.
+#[derive(Debug, Clone, Copy)]
+pub struct Program {
+    /// Its package and binary.
+    pub package: &'static str,
+    /// What its files are called in the site.
+    pub stem: &'static str,
+}
+
+/// The app in the window.
+pub const PAGE: Program = Program {
+    package: "motorlink",
+    stem: "page",
+};
+
+/// The owner of port and bus, in its own thread.
+pub const WORKER: Program = Program {
+    package: "motorlink-worker",
+    stem: "worker",
+};
+
+/// What wasm-bindgen makes of a program.
+#[derive(Debug, Clone, Default)]
+pub struct Module {
+    /// The JavaScript between the wasm file and the browser.
+    pub glue: String,
+    /// The wasm file.
+    pub wasm: Vec<u8>,
+    /// Scripts of libraries that the glue imports from `./snippets/`: path below it and text.
+    pub snippets: Vec<(PathBuf, Vec<u8>)>,
+}
+
+/// Builds the page's and the worker's module, in this order.
+pub fn build(workspace: &Workspace, profile: Profile) -> Result<(Module, Module)> {
+    tools::ensure_wasm_target()?;
+    let programs = tools::ensure_wasm_bindgen(workspace)?;
+
+    // One call for both, so that what they share is built once.
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args([
+        "build",
+        "--target",
+        WASM_TARGET,
+        "--profile",
+        profile.cargo_name(),
+    ]);
+    for program in [PAGE, WORKER] {
+        cargo.args(["--package", program.package, "--bin", program.package]);
+    }
+    process::run(&mut cargo)?;
+
+    let module = |program| bind(workspace, profile, &programs.bindgen, program);
+    Ok((module(PAGE)?, module(WORKER)?))
+}
+
+fn bind(
+    workspace: &Workspace,
+    profile: Profile,
+    bindgen: &Path,
+    program: Program,
+) -> Result<Module> {
+    let built = workspace
+        .target()
+        .join(WASM_TARGET)
+        .join(profile.target_dir())
+        .join(format!("{}.wasm", program.package));
+    let out = workspace
+        .target()
+        .join("bindgen")
+        .join(profile.target_dir())
+        .join(program.stem);
+    // Snippets of an earlier build would be taken along.
+    if out.exists() {
+        fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
+    }
+
+    let mut command = Command::new(bindgen);
+    command.args([
+        "--target",
+        "web",
+        "--no-typescript",
+        "--omit-default-module-path",
+    ]);
+    if matches!(profile, Profile::Release) {
+        // The names of functions are a third of the file, and say nothing without the source.
+        command.args(["--remove-name-section", "--remove-producers-section"]);
+    }
+    command.args(["--out-name", program.stem, "--out-dir"]);
+    process::run(command.arg(&out).arg(&built))?;
+
+    let file = |name: String| {
+        let path = out.join(name);
+        fs::read(&path).with_context(|| format!("reading {}", path.display()))
+    };
+    let glue = file(format!("{}.js", program.stem))?;
+    Ok(Module {
+        glue: String::from_utf8(glue).context("the glue is not text")?,
+        wasm: file(format!("{}_bg.wasm", program.stem))?,
+        snippets: files_below(&out.join("snippets"))?,
+    })
+}
+
+/// Every file below a directory with its path from there, sorted; none where it does not exist.
+pub fn files_below(dir: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    let mut files = Vec::new();
+    let mut open = vec![dir.to_path_buf()];
+    while let Some(current) = open.pop() {
+        if !current.is_dir() {
+            continue;
+        }
+        let entries =
+            fs::read_dir(&current).with_context(|| format!("reading {}", current.display()))?;
+        for entry in entries {
+            let path = entry?.path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let content =
+                    fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+                files.push((path.strip_prefix(dir)?.to_path_buf(), content));
+            }
+        }
+    }
+    files.sort();
+    Ok(files)
+}

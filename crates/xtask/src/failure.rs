@@ -1,0 +1,105 @@
+//! How a failure ends: one line on stderr and an exit code.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// Exit code for what a person has to type differently, as the shell's own commands use it.
+pub const BAD_INPUT_CODE: u8 = 2;
+
+/// What was asked cannot be done; the text says what to ask instead.
+#[derive(Debug)]
+pub struct BadInput(pub String);
+
+impl fmt::Display for BadInput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for BadInput {}
+
+/// A program we handed flags to has refused them, and has said so.
+#[derive(Debug)]
+pub struct RefusedByChild;
+
+impl fmt::Display for RefusedByChild {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the program refused its flags")
+    }
+}
+
+impl std::error::Error for RefusedByChild {}
+
+/// A program we started has failed, and has told the person why.
+#[derive(Debug)]
+pub struct ChildFailed {
+    /// The command as a person would type it.
+    pub command: String,
+    /// Its exit code; none where a signal ended it.
+    pub code: Option<i32>,
+}
+
+impl fmt::Display for ChildFailed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.code {
+            Some(code) => write!(f, "`{}` failed with exit code {code}", self.command),
+            None => write!(f, "`{}` was ended by a signal", self.command),
+        }
+    }
+}
+
+impl std::error::Error for ChildFailed {}
+
+/// Says what failed in one line and gives the exit code.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    // A second line would only hide the one that the program has printed.
+    if !error.is::<RefusedByChild>() {
+        eprintln!("error: {error:#}");
+    }
+    code(error)
+}
+
+fn code(error: &anyhow::Error) -> ExitCode {
+    if error.is::<BadInput>() || error.is::<RefusedByChild>() {
+        ExitCode::from(BAD_INPUT_CODE)
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Tells a program's refusal of flags, which came from the command line, from its other failures.
+pub fn refusal_of_flags(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast_ref::<ChildFailed>() {
+        Some(child) if child.code == Some(i32::from(BAD_INPUT_CODE)) => RefusedByChild.into(),
+        _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn child(code: Option<i32>) -> anyhow::Error {
+        ChildFailed {
+            command: "figures --sideways".to_owned(),
+            code,
+        }
+        .into()
+    }
+
+    #[test]
+    fn bad_input_gives_two_and_all_else_one() {
+        let bad = anyhow::Error::from(BadInput("no such directory".to_owned()));
+        assert_eq!(code(&bad), ExitCode::from(2));
+        assert_eq!(code(&bad.context("step build failed")), ExitCode::from(2));
+        assert_eq!(code(&child(Some(2))), ExitCode::FAILURE);
+        assert_eq!(code(&child(None)), ExitCode::FAILURE);
+    }
+
+    #[test]
+    fn flags_that_a_program_refuses_are_bad_input() {
+        let code_after = |status| code(&refusal_of_flags(child(status)));
+        assert_eq!(code_after(Some(2)), ExitCode::from(2));
+        assert_eq!(code_after(Some(101)), ExitCode::FAILURE);
+    }
+}

@@ -1,0 +1,80 @@
+//! `cargo xtask`: builds, serves, tests and measures MotorLink.
+//!
+//! Not a library and not shipped: it runs the tools that turn the workspace into the site in
+//! `dist/`, and the checks that hold it.
+
+mod bench;
+mod bindgen;
+mod browser;
+mod command_line;
+mod failure;
+mod foreign;
+mod fresh_name;
+mod process;
+mod serve;
+mod site;
+mod site_path;
+mod size;
+mod slim;
+mod steps;
+mod template;
+mod test;
+mod tools;
+mod workspace;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Parser;
+
+use command_line::{Command, CommandLine};
+use site::Profile;
+use workspace::Workspace;
+
+fn main() -> ExitCode {
+    let command = match CommandLine::try_parse() {
+        Ok(line) => line.command,
+        Err(error) => return command_line::explain(&error),
+    };
+    match obey(command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => failure::report(&error),
+    }
+}
+
+/// Does what the command line asks.
+fn obey(command: Command) -> Result<()> {
+    let workspace = Workspace::find()?;
+    match command {
+        Command::Build { dev } => {
+            let profile = if dev { Profile::Dev } else { Profile::Release };
+            site::build(&workspace, profile).map(|_| ())
+        }
+        Command::Run {
+            release,
+            port,
+            no_open,
+        } => {
+            let profile = if release {
+                Profile::Release
+            } else {
+                Profile::Dev
+            };
+            // Before the build: a taken port should not cost minutes to be found.
+            let listener = serve::listen(port)?;
+            let dir = site::build(&workspace, profile)?;
+            serve::serve(&dir, listener, !no_open)
+        }
+        Command::Serve { dir, port } => {
+            let dir = dir.unwrap_or_else(|| workspace.dist());
+            serve::serve(&dir, serve::listen(port)?, false)
+        }
+        Command::Test { list: true, .. } => {
+            test::list();
+            Ok(())
+        }
+        Command::Test { only, .. } => test::run(&workspace, only),
+        Command::Bench { args } => bench::figures(&workspace, &args),
+        Command::Screenshots { args } => bench::screenshots(&workspace, &args),
+    }
+}

@@ -1,0 +1,120 @@
+//! Starting other programs.
+
+use std::env;
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result};
+
+use crate::failure::ChildFailed;
+
+/// Variables that `cargo run` sets for us and that another cargo must not see: build scripts watch
+/// some of them, and would rebuild whenever a person and we take turns.
+const OF_OUR_PACKAGE: [&str; 4] = [
+    "CARGO_PKG_",
+    "CARGO_MANIFEST_",
+    "CARGO_BIN_",
+    "CARGO_CRATE_",
+];
+
+/// Flags from outside replace those in `.cargo/config.toml`, without which the wasm code does not
+/// compile, and different flags mean a second copy of every dependency.
+const FLAGS: [&str; 2] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS"];
+
+/// Cargo, as the one that started us.
+pub fn cargo() -> Command {
+    let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(program);
+    for (name, _) in env::vars_os() {
+        let text = name.to_string_lossy();
+        let ours = OF_OUR_PACKAGE.iter().any(|prefix| text.starts_with(prefix));
+        if ours || FLAGS.contains(&text.as_ref()) {
+            command.env_remove(&name);
+        }
+    }
+    command
+}
+
+/// Runs a program to its end, its output going where ours goes.
+pub fn run(command: &mut Command) -> Result<()> {
+    let status = command
+        .status()
+        .with_context(|| format!("cannot start `{}`", words(command)))?;
+    if status.success() {
+        return Ok(());
+    }
+    Err(ChildFailed {
+        command: words(command),
+        code: status.code(),
+    }
+    .into())
+}
+
+/// Runs a program to its end and gives what it printed.
+pub fn output(command: &mut Command) -> Result<String> {
+    let output = command
+        .stderr(Stdio::inherit())
+        .output()
+        .with_context(|| format!("cannot start `{}`", words(command)))?;
+    if !output.status.success() {
+        return Err(ChildFailed {
+            command: words(command),
+            code: output.status.code(),
+        }
+        .into());
+    }
+    String::from_utf8(output.stdout)
+        .with_context(|| format!("`{}` printed something other than text", words(command)))
+}
+
+/// What a program printed, where it exists and succeeds.
+pub fn ask(program: &str, args: &[&str]) -> Option<String> {
+    let output = Command::new(program)
+        .args(args)
+        .stderr(Stdio::null())
+        .output()
+        .ok()?;
+    if !output.status.success() {
+        return None;
+    }
+    String::from_utf8(output.stdout).ok()
+}
+
+/// The command as a person would type it.
+fn words(command: &Command) -> String {
+    let program = std::path::Path::new(command.get_program());
+    let name = program.file_name().unwrap_or(command.get_program());
+    std::iter::once(name)
+        .chain(command.get_args())
+        .map(|word| word.to_string_lossy())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_named_without_its_directory() {
+        let mut command = Command::new("/opt/bin/cargo");
+        command.args(["test", "-p", "xtask"]);
+        assert_eq!(words(&command), "cargo test -p xtask");
+    }
+
+    #[test]
+    fn what_cargo_tells_us_of_our_package_goes_no_further() {
+        let command = cargo();
+        let removed = |name: &str| {
+            command
+                .get_envs()
+                .any(|(key, value)| key == name && value.is_none())
+        };
+        assert!(removed("CARGO_PKG_NAME"));
+        assert!(removed("CARGO_MANIFEST_DIR"));
+    }
+
+    #[test]
+    fn a_missing_program_answers_nothing() {
+        assert_eq!(ask("motorlink-no-such-program", &[]), None);
+    }
+}

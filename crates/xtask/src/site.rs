@@ -1,0 +1,290 @@
+//! The site: every file it consists of, and its directory.
+//!
+//! A file that another one loads is made first, because its name, which changes with its content,
+//! is written into the other: wasm and glue, then the boot script, then `index.html`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::bindgen::{self, Module, files_below};
+use crate::fresh_name::{fresh_name, short_hash};
+use crate::size;
+use crate::slim;
+use crate::template::fill;
+use crate::workspace::Workspace;
+
+/// Built for speed and size, or to be built fast.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// Fast to build.
+    Dev,
+    /// What is published.
+    Release,
+}
+
+impl Profile {
+    /// The name for cargo's `--profile`.
+    pub fn cargo_name(self) -> &'static str {
+        match self {
+            Self::Dev => "dev",
+            Self::Release => "release",
+        }
+    }
+
+    /// Cargo's directory for what it builds with this profile.
+    pub fn target_dir(self) -> &'static str {
+        match self {
+            Self::Dev => "debug",
+            Self::Release => "release",
+        }
+    }
+
+    fn site_dir(self, workspace: &Workspace) -> PathBuf {
+        match self {
+            Self::Dev => workspace.target().join("site-dev"),
+            Self::Release => workspace.dist(),
+        }
+    }
+}
+
+/// A file of the site, its path relative to the site's top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SiteFile {
+    /// Where it goes.
+    pub path: PathBuf,
+    /// What it holds.
+    pub content: Vec<u8>,
+}
+
+/// What the site is made of.
+#[derive(Debug, Clone, Default)]
+struct Parts {
+    page: Module,
+    worker: Module,
+    page_boot: String,
+    worker_boot: String,
+    style: String,
+    index: String,
+    public: Vec<(PathBuf, Vec<u8>)>,
+}
+
+/// Builds the site, prints how large it is, and gives its directory.
+pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
+    let (page, worker) = bindgen::build(workspace, profile)?;
+    let boot = workspace.root().join("crates/xtask/boot");
+    let parts = Parts {
+        page,
+        worker,
+        page_boot: read(&boot.join("page.js"))?,
+        worker_boot: read(&boot.join("worker.js"))?,
+        style: style(&workspace.root().join("style"))?,
+        index: read(&workspace.root().join("index.html"))?,
+        public: files_below(&workspace.root().join("public"))?,
+    };
+    let files = assemble(&parts)?;
+    let dir = profile.site_dir(workspace);
+    write(&dir, &files)?;
+    if profile == Profile::Release {
+        print!("{}", size::Report::new(&files)?);
+    }
+    Ok(dir)
+}
+
+/// The files of a site built before.
+pub fn files_of(dir: &Path) -> Result<Vec<SiteFile>> {
+    let files = files_below(dir)?;
+    Ok(files
+        .into_iter()
+        .map(|(path, content)| SiteFile { path, content })
+        .collect())
+}
+
+fn read(path: &Path) -> Result<String> {
+    fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
+}
+
+/// All style sheets as one, in the order of their names.
+fn style(dir: &Path) -> Result<String> {
+    let mut style = String::new();
+    for (path, content) in files_below(dir)? {
+        if path.extension().is_some_and(|extension| extension == "css") {
+            let text = String::from_utf8(content);
+            style += &text.with_context(|| format!("{} is not text", path.display()))?;
+            style.push('\n');
+        }
+    }
+    if style.is_empty() {
+        bail!("{} holds no style sheet", dir.display());
+    }
+    Ok(style)
+}
+
+fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
+    let mut files = Files::default();
+    let page = files.add_program("page", &parts.page, &parts.page_boot)?;
+    let worker = files.add_program("worker", &parts.worker, &parts.worker_boot)?;
+    let style = files.add_fresh("style", "css", slim::css(&parts.style).as_bytes());
+    let index = fill(
+        &parts.index,
+        &[
+            ("worker", &worker.boot),
+            ("style", &style),
+            ("glue", &page.glue),
+            ("boot", &page.boot),
+        ],
+    )?;
+    files.add(PathBuf::from("index.html"), index.as_bytes());
+    for (path, content) in &parts.public {
+        files.add(path.clone(), content);
+    }
+    Ok(files.0)
+}
+
+/// The names of a program's files that others refer to.
+struct Names {
+    boot: String,
+    glue: String,
+}
+
+#[derive(Default)]
+struct Files(Vec<SiteFile>);
+
+impl Files {
+    fn add(&mut self, path: PathBuf, content: &[u8]) {
+        let content = content.to_vec();
+        self.0.push(SiteFile { path, content });
+    }
+
+    fn add_fresh(&mut self, stem: &str, extension: &str, content: &[u8]) -> String {
+        let name = fresh_name(stem, extension, content);
+        self.add(PathBuf::from(&name), content);
+        name
+    }
+
+    fn add_program(&mut self, stem: &str, module: &Module, boot: &str) -> Result<Names> {
+        let mut glue = module.glue.clone();
+        if !module.snippets.is_empty() {
+            let texts = module.snippets.iter().map(|(_, text)| text.as_slice());
+            let dir = format!("{stem}-snippets-{}", short_hash(texts));
+            glue = glue.replace("./snippets/", &format!("./{dir}/"));
+            for (path, text) in &module.snippets {
+                self.add(Path::new(&dir).join(path), text);
+            }
+        }
+        let wasm = self.add_fresh(stem, "wasm", &module.wasm);
+        let glue = self.add_fresh(&format!("{stem}-glue"), "js", glue.as_bytes());
+        let boot = fill(boot, &[("wasm", &wasm), ("glue", &glue)])?;
+        let boot = self.add_fresh(&format!("{stem}-boot"), "js", boot.as_bytes());
+        Ok(Names { boot, glue })
+    }
+}
+
+/// Writes the files where those of an earlier build were.
+fn write(dir: &Path, files: &[SiteFile]) -> Result<()> {
+    if dir.exists() {
+        fs::remove_dir_all(dir).with_context(|| format!("emptying {}", dir.display()))?;
+    }
+    for file in files {
+        let path = dir.join(&file.path);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        fs::write(&path, &file.content).with_context(|| format!("writing {}", path.display()))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts() -> Parts {
+        let module = |name: &str| Module {
+            glue: format!("// {name}\nimport './snippets/lib-1/inline0.js';"),
+            wasm: name.as_bytes().to_vec(),
+            snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
+        };
+        Parts {
+            page: module("page"),
+            worker: module("worker"),
+            page_boot: "{{wasm}} {{glue}}".to_owned(),
+            worker_boot: "{{wasm}} {{glue}}".to_owned(),
+            style: "p {}".to_owned(),
+            index: include_str!("../../../index.html").to_owned(),
+            public: vec![(PathBuf::from("icon.svg"), b"<svg/>".to_vec())],
+        }
+    }
+
+    /// The file whose name starts with a stem and goes on with a hash.
+    fn starting<'a>(files: &'a [SiteFile], stem: &str) -> (String, &'a str) {
+        let file = files
+            .iter()
+            .find(|file| file.path.to_string_lossy().starts_with(stem))
+            .unwrap();
+        let text = std::str::from_utf8(&file.content).unwrap();
+        (file.path.to_string_lossy().into_owned(), text)
+    }
+
+    #[test]
+    fn each_file_names_those_it_loads() {
+        let files = assemble(&parts()).unwrap();
+        let (_, index) = starting(&files, "index.html");
+        for stem in ["page-boot-", "page-glue-", "worker-boot-", "style-"] {
+            let (name, _) = starting(&files, stem);
+            assert!(
+                index.contains(&format!("\"./{name}\"")),
+                "{stem} in {index}"
+            );
+        }
+        for program in ["page", "worker"] {
+            let (_, boot) = starting(&files, &format!("{program}-boot-"));
+            let (glue, glue_text) = starting(&files, &format!("{program}-glue-"));
+            assert!(boot.contains(&glue) && boot.contains(".wasm"));
+            let (snippet, _) = starting(&files, &format!("{program}-snippets-"));
+            assert!(glue_text.contains(&format!("'./{snippet}'")), "{glue_text}");
+        }
+        starting(&files, "icon.svg");
+    }
+
+    #[test]
+    fn a_changed_worker_changes_every_name_on_the_way_to_it() {
+        let before = assemble(&parts()).unwrap();
+        let mut changed = parts();
+        changed.worker.wasm.push(b'!');
+        let after = assemble(&changed).unwrap();
+        assert_ne!(
+            starting(&before, "worker-boot-"),
+            starting(&after, "worker-boot-")
+        );
+        assert_ne!(
+            starting(&before, "index.html"),
+            starting(&after, "index.html")
+        );
+        assert_eq!(
+            starting(&before, "page-boot-"),
+            starting(&after, "page-boot-")
+        );
+        assert_eq!(
+            starting(&before, "worker-glue-"),
+            starting(&after, "worker-glue-")
+        );
+    }
+
+    #[test]
+    fn the_page_allows_no_inline_script_and_no_other_host() {
+        let index = parts().index;
+        assert!(index.contains("default-src 'self'; script-src 'self' 'wasm-unsafe-eval'"));
+        assert!(!index.contains("unsafe-inline") && !index.contains("<style"));
+        assert!(crate::foreign::hosts(&assemble(&parts()).unwrap()).is_empty());
+    }
+
+    #[test]
+    fn the_boot_scripts_have_a_place_for_each_name() {
+        let mut real = parts();
+        real.page_boot = include_str!("../boot/page.js").to_owned();
+        real.worker_boot = include_str!("../boot/worker.js").to_owned();
+        assemble(&real).unwrap();
+    }
+}

@@ -1,0 +1,157 @@
+//! The tools a build needs, fetched where they are missing: the wasm target and wasm-bindgen.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::process;
+use crate::workspace::Workspace;
+
+/// The target of the page and the worker.
+pub const WASM_TARGET: &str = "wasm32-unknown-unknown";
+
+/// The two programs of wasm-bindgen, of the version that the workspace links.
+#[derive(Debug)]
+pub struct WasmBindgen {
+    /// Turns a wasm file into a module for the browser.
+    pub bindgen: PathBuf,
+    /// Runs a wasm test program in a browser.
+    pub test_runner: PathBuf,
+}
+
+/// Adds the wasm target to the toolchain in use, where it lacks it.
+pub fn ensure_wasm_target() -> Result<()> {
+    let args = ["--print", "target-libdir", "--target", WASM_TARGET];
+    let installed = process::ask("rustc", &args).is_some_and(|dir| Path::new(dir.trim()).is_dir());
+    if installed {
+        return Ok(());
+    }
+    println!("adding the target {WASM_TARGET}");
+    process::run(Command::new("rustup").args(["target", "add", WASM_TARGET])).with_context(|| {
+        format!("install the target {WASM_TARGET} (with rustup: rustup target add {WASM_TARGET})")
+    })
+}
+
+/// Finds wasm-bindgen, in our cache or on the PATH, or builds it once.
+pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
+    let lock = workspace.root().join("Cargo.lock");
+    let lock = fs::read_to_string(&lock).with_context(|| format!("reading {}", lock.display()))?;
+    let version = locked_version(&lock, "wasm-bindgen")
+        .context("Cargo.lock names no version of wasm-bindgen")?;
+
+    let cache = cache_dir()?;
+    let root = cache.join("tools").join(format!("wasm-bindgen-{version}"));
+    let cached = programs_in(&root.join("bin"));
+    if has_version(&cached, version) {
+        return Ok(cached);
+    }
+    let on_path = programs_in(Path::new(""));
+    if has_version(&on_path, version) {
+        return Ok(on_path);
+    }
+
+    println!(
+        "building wasm-bindgen {version} into {} (once)",
+        root.display()
+    );
+    let mut install = process::cargo();
+    install
+        .args([
+            "install",
+            "wasm-bindgen-cli",
+            "--version",
+            version,
+            "--root",
+        ])
+        .arg(&root)
+        // Beside the workspace's own builds it would rebuild what they share, and they it.
+        .env("CARGO_TARGET_DIR", cache.join("build"))
+        // Built in two thirds of the time, and as fast on modules of our size.
+        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+        .env("CARGO_PROFILE_RELEASE_LTO", "off")
+        .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+    process::run(&mut install)?;
+    // Some 300 MB that nobody needs again.
+    let _ = fs::remove_dir_all(cache.join("build"));
+    Ok(cached)
+}
+
+/// Where tools outlive `cargo clean` and are shared by all checkouts.
+fn cache_dir() -> Result<PathBuf> {
+    if let Some(dir) = env::var_os("MOTORLINK_TOOLS") {
+        return Ok(PathBuf::from(dir));
+    }
+    let cache = dirs::cache_dir().context("no cache directory: name one in MOTORLINK_TOOLS")?;
+    Ok(cache.join("motorlink"))
+}
+
+fn programs_in(dir: &Path) -> WasmBindgen {
+    let program = |name: &str| dir.join(format!("{name}{}", env::consts::EXE_SUFFIX));
+    WasmBindgen {
+        bindgen: program("wasm-bindgen"),
+        test_runner: program("wasm-bindgen-test-runner"),
+    }
+}
+
+/// Glue and module are only understood by programs of exactly the linked version.
+fn has_version(programs: &WasmBindgen, version: &str) -> bool {
+    [&programs.bindgen, &programs.test_runner]
+        .into_iter()
+        .all(|program| {
+            let printed = process::ask(&program.to_string_lossy(), &["--version"]);
+            printed.as_deref().and_then(printed_version) == Some(version)
+        })
+}
+
+/// The version in `wasm-bindgen 0.2.130`, or in `wasm-bindgen 0.2.130 (1a2b3c4)`.
+fn printed_version(text: &str) -> Option<&str> {
+    text.split_whitespace().nth(1)
+}
+
+/// The version of a package in a Cargo.lock.
+fn locked_version<'a>(lock: &'a str, package: &str) -> Option<&'a str> {
+    let name = format!("name = \"{package}\"");
+    let mut lines = lock.lines().skip_while(|line| *line != name);
+    let version = lines.nth(1)?;
+    version.strip_prefix("version = \"")?.strip_suffix('"')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_version_comes_from_the_lock_file() {
+        let lock = "\
+[[package]]
+name = \"wasm-bindgen-futures\"
+version = \"0.4.80\"
+
+[[package]]
+name = \"wasm-bindgen\"
+version = \"0.2.130\"
+source = \"registry\"
+";
+        assert_eq!(locked_version(lock, "wasm-bindgen"), Some("0.2.130"));
+        assert_eq!(locked_version(lock, "bindgen"), None);
+        assert_eq!(locked_version("name = \"a\"", "a"), None);
+    }
+
+    #[test]
+    fn printed_versions_may_carry_a_commit() {
+        assert_eq!(printed_version("wasm-bindgen 0.2.130\n"), Some("0.2.130"));
+        assert_eq!(
+            printed_version("wasm-bindgen-test-runner 0.2.130 (1a2b3c4)"),
+            Some("0.2.130")
+        );
+        assert_eq!(printed_version("wasm-bindgen"), None);
+    }
+
+    #[test]
+    fn a_missing_program_has_no_version() {
+        assert!(!has_version(&programs_in(Path::new("/nowhere")), "0.2.130"));
+    }
+}

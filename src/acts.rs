@@ -1,0 +1,289 @@
+//! What an operator does, turned into commands.
+
+use leptos::prelude::*;
+use motorlink_messages::{
+    ToWorker,
+    bus::{Activity, Command, CommandRate, Consent, StopReason, needs_consent},
+    protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
+};
+
+use crate::{
+    desk::{Desk, Dialog, Targets},
+    keys::Act,
+    notice_board::{Tone, Topic, Words},
+    permission::{why_not_drive, why_not_stop, why_not_switch},
+    words,
+};
+
+impl Targets {
+    /// What is entered for this loop.
+    pub(crate) fn setpoint(self, mode: Mode) -> Setpoint {
+        match mode {
+            Mode::Velocity => Setpoint::Velocity {
+                speed: SpeedTarget::clamped(self.speed.get_untracked()),
+                acceleration: Acceleration::new(
+                    u8::try_from(self.acceleration.get_untracked()).unwrap_or_default(),
+                ),
+            },
+            Mode::Current => Setpoint::Current(
+                CurrentTarget::new(self.current.get_untracked()).unwrap_or_default(),
+            ),
+            Mode::Position => Setpoint::Position(
+                PositionTarget::new(self.position.get_untracked()).unwrap_or_default(),
+            ),
+        }
+    }
+
+    /// The speed of the keys F and B.
+    fn preset_rpm(self) -> i32 {
+        match self.speed.get_untracked().abs() {
+            0 => crate::desk::FIRST_SPEED_RPM,
+            rpm => rpm,
+        }
+    }
+}
+
+impl Desk {
+    /// Stops all motors. The message is posted before anything else is done.
+    pub(crate) fn stop_all(self, reason: StopReason) {
+        self.command(Command::StopAll(reason));
+        self.asked.set(None);
+        self.dialog.set(None);
+    }
+
+    pub(crate) fn release(self) {
+        self.command(Command::Release);
+    }
+
+    /// Drives the chosen motor to what is entered for this loop.
+    pub(crate) fn start(self, mode: Mode) {
+        self.drive(self.targets.setpoint(mode));
+    }
+
+    pub(crate) fn drive_at(self, rpm: i32) {
+        self.targets.speed.set(rpm);
+        self.start(Mode::Velocity);
+    }
+
+    /// Drives the chosen motor, after a question where the setpoint needs one, and says why where
+    /// it cannot be driven.
+    pub(crate) fn drive(self, setpoint: Setpoint) {
+        let id = self.selected.get_untracked();
+        if let Some(reason) = why_not_drive(&self.present(), id, setpoint.mode()) {
+            self.refuse(format!("Motor {id} was not driven"), reason);
+            return;
+        }
+        if let (Setpoint::Current(target), Consent::HighCurrent) =
+            (setpoint, needs_consent(setpoint))
+        {
+            self.dialog.set(Some(Dialog::HighCurrent(target)));
+            return;
+        }
+        self.drive_with(setpoint, Consent::None);
+    }
+
+    /// Drives at a current that the operator was asked about and meant.
+    pub(crate) fn drive_high(self, target: CurrentTarget) {
+        self.dialog.set(None);
+        self.drive_with(Setpoint::Current(target), Consent::HighCurrent);
+    }
+
+    fn drive_with(self, setpoint: Setpoint, consent: Consent) {
+        let id = self.selected.get_untracked();
+        self.command(Command::Drive {
+            id,
+            setpoint,
+            consent,
+        });
+        self.notices.update(|board| {
+            for topic in [Topic::Command, Topic::Setpoint(id), Topic::Stop] {
+                board.withdraw(topic);
+            }
+        });
+        self.tab.set(setpoint.mode());
+    }
+
+    /// Gives a motor that is driven in this loop the entered target; starts nothing.
+    pub(crate) fn adjust(self, mode: Mode) {
+        let setpoint = self.targets.setpoint(mode);
+        let id = self.selected.get_untracked();
+        let driven_so = self.latest.with_value(|session| {
+            let activity = session.motor(id).map(|motor| motor.activity);
+            matches!(activity, Some(Activity::Driven { setpoint }) if setpoint.mode() == mode)
+        });
+        // A drag does not reach a current that has to be asked about: Start does.
+        if driven_so && needs_consent(setpoint) == Consent::None {
+            self.command(Command::Adjust {
+                id,
+                setpoint,
+                consent: Consent::None,
+            });
+        }
+    }
+
+    /// Stops the chosen motor as its loop allows: see [`stop_of`].
+    pub(crate) fn stop_motor(self, tab: Mode) {
+        if let Some(reason) = why_not_stop(&self.present()) {
+            self.refuse("Nothing was stopped".to_owned(), reason);
+            return;
+        }
+        let id = self.selected.get_untracked();
+        let activity = self
+            .latest
+            .with_value(|session| session.motor(id).map(|motor| motor.activity));
+        if let Some(command) = stop_of(id, activity, tab) {
+            if matches!(command, Command::Stop(_)) {
+                self.asked.set(None);
+            }
+            self.command(command);
+        }
+    }
+
+    pub(crate) fn switch(self, mode: Mode) {
+        let id = self.selected.get_untracked();
+        if let Some(reason) = why_not_switch(&self.present(), id, mode) {
+            self.refuse(format!("The {mode} was not asked for"), reason);
+            return;
+        }
+        self.asked.set(Some(mode));
+        self.tab.set(mode);
+        self.notices.update(|board| board.withdraw(Topic::Command));
+        self.command(Command::SwitchMode { id, mode });
+    }
+
+    /// Chooses a motor and remembers it. One that is driven is stopped first.
+    pub(crate) fn choose(self, id: MotorId) {
+        if id == self.selected.get_untracked() {
+            return;
+        }
+        let others: Vec<MotorId> = self.latest.with_value(|session| {
+            let driven = session
+                .in_hand()
+                .filter(|motor| !matches!(motor.activity, Activity::Stopping { .. }));
+            driven.map(|motor| motor.id).collect()
+        });
+        for other in others {
+            self.command(Command::Stop(other));
+            self.say(words::of_choice_while_driven(other, id));
+        }
+        self.prefer(|preferences| preferences.motor = id);
+        self.select(id);
+    }
+
+    /// Turns the page to a motor.
+    pub(crate) fn select(self, id: MotorId) {
+        self.selected.set(id);
+        self.asked.set(None);
+        self.notices.update(|board| board.withdraw(Topic::Answer));
+        self.tab_to_follow.set_value(true);
+        self.feed.update_value(crate::twin::TwinFeed::clear);
+        self.post(&ToWorker::Select(id));
+        self.show();
+    }
+
+    pub(crate) fn set_rate(self, hertz: i32) {
+        let rate = u16::try_from(hertz).ok().map(CommandRate::new);
+        if let Some(Ok(rate)) = rate {
+            self.prefer(|preferences| preferences.rate = rate);
+            self.send_rate();
+        }
+    }
+
+    /// Tells the bus the rate; it has to be told anew whenever a port was opened.
+    pub(crate) fn send_rate(self) {
+        let rate = self.preferences.with_untracked(|chosen| chosen.rate);
+        let connected = self
+            .latest
+            .with_value(|session| why_not_stop(session).is_none());
+        if connected {
+            self.command(Command::SetRate(rate));
+        }
+    }
+
+    /// Does what a key asks for. Stop all motors is not among them: it is posted by the handler of
+    /// the key itself.
+    pub(crate) fn act(self, act: Act) {
+        match act {
+            Act::StopAll => self.stop_all(StopReason::Operator),
+            Act::Forward => self.drive_at(self.targets.preset_rpm()),
+            Act::Backward => self.drive_at(-self.targets.preset_rpm()),
+            Act::Preset(rpm) => self.drive_at(rpm),
+            Act::Stop => self.stop_motor(self.tab.get_untracked()),
+            Act::Brake => self.drive(Setpoint::Brake),
+            Act::Switch(mode) => self.switch(mode),
+            Act::Help => self.dialog.set(Some(Dialog::Help)),
+        }
+    }
+
+    fn refuse(self, title: String, reason: String) {
+        self.say(Words {
+            topic: Topic::Command,
+            tone: Tone::Warning,
+            title,
+            advice: vec![reason],
+            remedy: None,
+        });
+    }
+}
+
+/// How one motor is stopped: as its loop allows where it is driven, else by the brake.
+///
+/// In the current loop that is 0 A, and the wheel coasts; in the position loop it holds the present
+/// angle. A motor that is not driven in one of these is left alone by their tabs.
+fn stop_of(id: MotorId, activity: Option<Activity>, tab: Mode) -> Option<Command> {
+    let mode = match activity {
+        Some(Activity::Driven { setpoint }) => setpoint.mode(),
+        Some(Activity::Switching { .. }) => return Some(Command::Stop(id)),
+        _ if tab == Mode::Velocity => return Some(Command::Stop(id)),
+        _ => return None,
+    };
+    Some(match mode {
+        Mode::Velocity => Command::Stop(id),
+        Mode::Current => Command::Drive {
+            id,
+            setpoint: Setpoint::Current(CurrentTarget::ZERO),
+            consent: Consent::None,
+        },
+        Mode::Position => Command::Hold(id),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+
+    #[test]
+    fn a_stop_is_what_the_driven_loop_allows_whatever_tab_is_open() {
+        let driven = |setpoint| Some(Activity::Driven { setpoint });
+        let zero_amps = Command::Drive {
+            id: ID,
+            setpoint: Setpoint::Current(CurrentTarget::ZERO),
+            consent: Consent::None,
+        };
+        for tab in Mode::ALL {
+            let stop = |activity| stop_of(ID, activity, tab);
+            assert_eq!(stop(driven(Setpoint::Brake)), Some(Command::Stop(ID)));
+            let current = Setpoint::Current(CurrentTarget::from_amps(1.0));
+            assert_eq!(stop(driven(current)), Some(zero_amps));
+            let position = Setpoint::Position(PositionTarget::default());
+            assert_eq!(stop(driven(position)), Some(Command::Hold(ID)));
+            let switching = Some(Activity::Switching { to: tab });
+            assert_eq!(stop(switching), Some(Command::Stop(ID)));
+        }
+    }
+
+    #[test]
+    fn a_motor_that_is_not_driven_is_braked_in_the_velocity_tab_only() {
+        for (tab, command) in [
+            (Mode::Velocity, Some(Command::Stop(ID))),
+            (Mode::Current, None),
+            (Mode::Position, None),
+        ] {
+            for activity in [None, Some(Activity::Idle)] {
+                assert_eq!(stop_of(ID, activity, tab), command);
+            }
+        }
+    }
+}

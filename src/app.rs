@@ -1,0 +1,81 @@
+//! The whole page.
+
+use leptos::prelude::*;
+use motorlink_messages::ToWorker;
+
+use crate::{
+    components::{
+        ConsentDialog, ControlPanel, Header, HelpDialog, Notices, StoppedDialog, Telemetry,
+        WheelPanel,
+    },
+    desk::{Desk, WorkerState},
+    keyboard, lifecycle,
+    preferences::{Preferences, Theme},
+    ticking, words,
+    worker_link::WorkerLink,
+};
+
+/// The page: starts the worker and shows the desk.
+#[component]
+#[must_use]
+pub fn App() -> impl IntoView {
+    let desk = Desk::new(Preferences::load());
+    provide_context(desk);
+    Effect::new(move |_| show_theme(desk.preferences.with(|chosen| chosen.theme)));
+
+    // First of all, so that the keys and the end of the page reach the worker from its first moment.
+    keyboard::listen(desk);
+    lifecycle::watch(desk);
+    start_worker(desk);
+    ticking::keep_showing(desk);
+
+    let behind_dialog = move || desk.dialog.with(Option::is_some);
+    view! {
+        <Header behind_dialog=Signal::derive(behind_dialog) />
+        <main class="desk" inert=behind_dialog>
+            <ControlPanel />
+            <WheelPanel />
+            <Telemetry />
+            <Notices />
+            <StoppedDialog />
+        </main>
+        <HelpDialog />
+        <ConsentDialog />
+    }
+}
+
+fn start_worker(desk: Desk) {
+    let started = WorkerLink::spawn(
+        move |message| desk.hear(message),
+        move || desk.worker_lost(),
+    );
+    if let Ok(link) = started {
+        desk.link.set_value(Some(link));
+        if wants_virtual_motor() {
+            desk.post(&ToWorker::ConnectVirtual);
+        }
+    } else {
+        desk.worker.set(WorkerState::Dead);
+        desk.say(words::of_dead_worker(false));
+    }
+}
+
+/// `?port=virtual` in the address.
+fn wants_virtual_motor() -> bool {
+    let query = web_sys::window().and_then(|window| window.location().search().ok());
+    let parameters = query.and_then(|query| web_sys::UrlSearchParams::new_with_str(&query).ok());
+    parameters
+        .and_then(|parameters| parameters.get("port"))
+        .as_deref()
+        == Some("virtual")
+}
+
+fn show_theme(theme: Theme) {
+    if let Some(root) = document().document_element() {
+        // The style sheet follows the system where no theme is named.
+        let _ = match theme {
+            Theme::System => root.remove_attribute("data-theme"),
+            Theme::Light | Theme::Dark => root.set_attribute("data-theme", theme.key()),
+        };
+    }
+}

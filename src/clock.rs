@@ -1,0 +1,74 @@
+//! The worker's clock read on the page's, and the other way round.
+
+use motorlink_messages::protocol::Instant;
+use wasm_bindgen::JsCast;
+
+/// Both clocks count from an origin of their own; both origins are on one wall clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Clock {
+    /// How much later the worker's origin is than the page's.
+    offset_ms: f64,
+}
+
+impl Clock {
+    pub(crate) fn new(page_origin_ms: f64, worker_origin_ms: f64) -> Self {
+        Self {
+            offset_ms: worker_origin_ms - page_origin_ms,
+        }
+    }
+
+    /// A moment of the worker in milliseconds of the page's `performance.now()`.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "microseconds of a session fit into 53 bits for 285 years"
+    )]
+    pub(crate) fn page_ms(self, instant: Instant) -> f64 {
+        instant.as_micros() as f64 / 1000.0 + self.offset_ms
+    }
+
+    /// A moment of the page's `performance.now()` as the worker would have it.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float cast saturates, and a moment before the worker's origin is its origin"
+    )]
+    pub(crate) fn instant(self, page_ms: f64) -> Instant {
+        Instant::from_micros(((page_ms - self.offset_ms) * 1000.0) as u64)
+    }
+}
+
+/// The page's `performance.now()`, and 0 where there is no browser.
+pub(crate) fn page_now_ms() -> f64 {
+    performance().map_or(0.0, |performance| performance.now())
+}
+
+/// The page's `performance.timeOrigin`.
+pub(crate) fn page_origin_ms() -> f64 {
+    performance().map_or(0.0, |performance| performance.time_origin())
+}
+
+/// When the act that is being handled was done, in milliseconds of the page's `performance.now()`:
+/// the event's own time, which a page that hung has kept; now, where no event is handled.
+pub(crate) fn act_ms() -> f64 {
+    let event =
+        web_sys::window().and_then(|window| window.event().dyn_into::<web_sys::Event>().ok());
+    event.map_or_else(page_now_ms, |event| event.time_stamp())
+}
+
+fn performance() -> Option<web_sys::Performance> {
+    web_sys::window()?.performance()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_moment_has_a_place_on_both_clocks() {
+        let clock = Clock::new(1_000.0, 1_250.0);
+        let moment = Instant::from_millis(50);
+        assert!((clock.page_ms(moment) - 300.0).abs() < 1e-9);
+        assert_eq!(clock.instant(300.0), moment);
+        assert_eq!(clock.instant(0.0), Instant::ZERO, "before the worker was");
+    }
+}

@@ -1,0 +1,112 @@
+//! The state of the port, and the buttons that change it.
+
+use leptos::prelude::*;
+use motorlink_messages::{Adapter, Connection};
+
+use crate::components::live::live;
+
+use super::button::PressButton;
+use crate::{
+    desk::{Desk, WorkerState, use_desk},
+    serial_ports, words,
+};
+
+/// Status `Connection`.
+#[component]
+pub(crate) fn ConnectionState() -> impl IntoView {
+    let desk = use_desk();
+    let words = Memo::new(move |_| match desk.worker.get() {
+        WorkerState::Dead => ("Failed", "Reload the page".to_owned()),
+        WorkerState::Starting | WorkerState::Running => desk
+            .shown
+            .with(|session| words::of_connection(session.connection)),
+    });
+    view! {
+        <div
+            class="connection"
+            role="status"
+            aria-label="Connection"
+            data-state=live(move || words.with(|(state, _)| *state))
+            title=live(move || words.with(|(_, detail)| detail.clone()))
+        >
+            <strong class="connection-state">{live(move || words.with(|(state, _)| *state))}</strong>
+            " "
+            <span class="connection-detail">
+                {live(move || words.with(|(_, detail)| detail.clone()))}
+            </span>
+        </div>
+    }
+}
+
+/// Buttons `Connect` or `Disconnect`, `Choose another port` and `Virtual motor`.
+#[component]
+pub(crate) fn ConnectButtons() -> impl IntoView {
+    let desk = use_desk();
+    let open = Memo::new(move |_| desk.shown.with(|session| is_wanted(session.connection)));
+    let why_no_serial = Signal::derive(move || why_not_serial(desk));
+    let why_not_connect = Signal::derive(move || {
+        if open.get() {
+            None
+        } else {
+            why_not_serial(desk)
+        }
+    });
+    let why_not_virtual = Signal::derive(move || {
+        let connection = desk.shown.with(|session| session.connection);
+        match connection {
+            Connection::Connected(Adapter::Virtual) => {
+                Some("The virtual motor is connected.".to_owned())
+            }
+            _ => why_not_at_all(desk),
+        }
+    });
+    let label =
+        Signal::derive(move || if open.get() { "Disconnect" } else { "Connect" }.to_owned());
+    view! {
+        <div class="connect-buttons">
+            <PressButton
+                label=label
+                class="button connect"
+                why_not=why_not_connect
+                on_press=move || {
+                    if open.get_untracked() { desk.disconnect() } else { desk.connect() }
+                }
+            />
+            <PressButton
+                label="Other port…"
+                name="Choose another port"
+                hint="Choose another port"
+                why_not=why_no_serial
+                on_press=move || desk.choose_port(true)
+            />
+            <PressButton
+                label="Virtual motor"
+                hint="A simulated motor: no hardware, no permission"
+                why_not=why_not_virtual
+                on_press=move || desk.connect_virtual()
+            />
+        </div>
+    }
+}
+
+/// Whether a port is open, being opened, or waited for: then one disconnects.
+fn is_wanted(connection: Connection) -> bool {
+    match connection {
+        Connection::Disconnected | Connection::Failed(_) => false,
+        Connection::Connecting | Connection::Connected(_) | Connection::Reconnecting(_) => true,
+    }
+}
+
+fn why_not_at_all(desk: Desk) -> Option<String> {
+    (desk.worker.get() == WorkerState::Dead)
+        .then(|| "The background worker has stopped. Reload the page.".to_owned())
+}
+
+fn why_not_serial(desk: Desk) -> Option<String> {
+    if !serial_ports::is_supported() {
+        let words = "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, \
+                     over https; the virtual motor works here.";
+        return Some(words.to_owned());
+    }
+    why_not_at_all(desk)
+}

@@ -1,0 +1,113 @@
+//! Tab `Current`.
+
+use leptos::prelude::*;
+use motorlink_messages::{
+    bus::HIGH_CURRENT_RAW,
+    protocol::{CurrentTarget, Mode},
+};
+
+use crate::components::live::live;
+
+use super::{
+    Foot, closed, loop_head::LoopHead, number_field::NumberField, panel_id, slider::Slider, tab_id,
+    why_not_in, why_not_with,
+};
+use crate::{
+    components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
+};
+
+const MODE: Mode = Mode::Current;
+
+const HINT: &str = "Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.";
+
+/// Amps of the preset buttons, what they read and what they are called.
+const PRESETS: [(f32, &str, &str); 7] = [
+    (-2.0, "−2 A", "-2 A"),
+    (-1.0, "−1 A", "-1 A"),
+    (-0.5, "−0.5 A", "-0.5 A"),
+    (0.0, "0 A", "0 A"),
+    (0.5, "+0.5 A", "+0.5 A"),
+    (1.0, "+1 A", "+1 A"),
+    (2.0, "+2 A", "+2 A"),
+];
+
+#[component]
+pub(super) fn CurrentTab() -> impl IntoView {
+    let desk = use_desk();
+    let current = desk.targets.current;
+    let why_not = why_not_in(desk, MODE);
+    let why_not_start = why_not_with(desk, MODE, [current]);
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
+    let hint = Signal::derive(move || {
+        if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
+            "Above 6.1 A: Start asks first".to_owned()
+        } else {
+            "±32,767 is ±8 A".to_owned()
+        }
+    });
+    let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
+        view! {
+            <PressButton
+                label=label
+                name=name
+                class="button preset"
+                why_not=why_not
+                on_press=move || {
+                    current.set(CurrentTarget::from_amps(amps).into());
+                    desk.start(MODE);
+                }
+            />
+        }
+    };
+    view! {
+        <div
+            class="tab-panel"
+            role="tabpanel"
+            id=panel_id(MODE)
+            aria-labelledby=tab_id(MODE)
+            class:closed=closed(desk, MODE)
+        >
+        <LoopHead mode=MODE />
+        <NumberField
+            name="Target current"
+            unit="raw"
+            hint=hint
+            target=current
+            entry=entry::CURRENT
+            on_edit=move || desk.adjust(MODE)
+        />
+        <Slider
+            name="Target current"
+            unit="raw"
+            target=current
+            entry=entry::CURRENT
+            marks=["−8 A", "0", "+8 A"]
+            on_edit=move || desk.adjust(MODE)
+        />
+        <p class="equals">
+            "= "
+            <output aria-label="Target current in amps" aria-live="off">
+                {live(in_amps)}
+            </output>
+        </p>
+        <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
+        <div class="button-row two">
+            <PressButton
+                label="Stop"
+                class="button halt"
+                hint="Sets 0 A: the wheel coasts"
+                why_not=why_not_halt
+                on_press=move || desk.stop_motor(MODE)
+            />
+            <PressButton
+                label="Start"
+                class="button primary"
+                why_not=why_not_start
+                on_press=move || desk.start(MODE)
+            />
+        </div>
+        <Foot why_not=why_not_start hint=HINT />
+        </div>
+    }
+}

@@ -1,0 +1,45 @@
+//! The head of a tab: its loop, what the motor reports, and the switch.
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::Mode;
+
+use crate::components::live::live;
+
+use crate::{
+    components::{button::PressButton, wheel_panel::loop_name},
+    desk::use_desk,
+    permission::why_not_switch,
+    session::Reading,
+};
+
+#[component]
+pub(super) fn LoopHead(mode: Mode) -> impl IntoView {
+    let desk = use_desk();
+    let reported = desk.of_motor(|session, id| {
+        let reported = session.mode(id).filter(Reading::is_fresh);
+        reported.map(|reading| reading.value)
+    });
+    let active = move || reported.get() == Some(mode);
+    let words = move || {
+        reported.get().map_or_else(
+            || "No motor reports its loop.".to_owned(),
+            |reported| format!("The motor reports the {reported}."),
+        )
+    };
+    let why_not = desk.of_motor(move |session, id| why_not_switch(session, id, mode));
+    view! {
+        <div class="loop-head">
+            <h2>{loop_name(mode)}</h2>
+            <span class="chip good" class:absent=live(move || !active())>
+                "active"
+            </span>
+            <PressButton
+                label=format!("Switch to {mode}")
+                class="button small"
+                why_not=why_not
+                on_press=move || desk.switch(mode)
+            />
+            <p class="quiet">{live(words)}</p>
+        </div>
+    }
+}

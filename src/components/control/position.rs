@@ -1,0 +1,95 @@
+//! Tab `Position`.
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::{Mode, PositionTarget};
+
+use super::{
+    Foot, closed, dial::Dial, loop_head::LoopHead, number_field::NumberField, panel_id,
+    slider::Slider, tab_id, why_not_in, why_not_with,
+};
+use crate::{components::button::PressButton, desk::use_desk, entry, permission::why_not_stop};
+
+const MODE: Mode = Mode::Position;
+
+const HINT: &str = "Stop holds the present angle. Stop all motors brakes and then lets go.";
+
+const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")];
+
+#[component]
+pub(super) fn PositionTab() -> impl IntoView {
+    let desk = use_desk();
+    let position = desk.targets.position;
+    let why_not = why_not_in(desk, MODE);
+    let why_not_go = why_not_with(desk, MODE, [position]);
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let preset = move |(degrees, label): (f32, &'static str)| {
+        view! {
+            <PressButton
+                label=label
+                class="button preset"
+                why_not=why_not
+                on_press=move || {
+                    position.set(PositionTarget::from_degrees(degrees).into());
+                    desk.start(MODE);
+                }
+            />
+        }
+    };
+    view! {
+        <div
+            class="tab-panel"
+            role="tabpanel"
+            id=panel_id(MODE)
+            aria-labelledby=tab_id(MODE)
+            class:closed=closed(desk, MODE)
+        >
+        <LoopHead mode=MODE />
+        <div class="dial-and-fields">
+            <Dial target=position on_edit=move || desk.adjust(MODE) />
+            <div class="fields">
+                <NumberField
+                    name="Target angle"
+                    unit="°"
+                    hint="Falls at positive speed"
+                    target=position
+                    entry=entry::ANGLE
+                    on_edit=move || desk.adjust(MODE)
+                />
+                <NumberField
+                    name="Target position"
+                    unit="raw"
+                    hint="32,767 is 360°"
+                    target=position
+                    entry=entry::POSITION
+                    on_edit=move || desk.adjust(MODE)
+                />
+            </div>
+        </div>
+        <Slider
+            name="Target position"
+            unit="raw"
+            target=position
+            entry=entry::POSITION
+            marks=["0°", "180°", "360°"]
+            on_edit=move || desk.adjust(MODE)
+        />
+        <div class="button-row six">
+            {PRESETS.map(preset).collect_view()}
+            <PressButton
+                label="Stop"
+                class="button halt"
+                hint="Holds the present angle"
+                why_not=why_not_halt
+                on_press=move || desk.stop_motor(MODE)
+            />
+            <PressButton
+                label="Go"
+                class="button primary"
+                why_not=why_not_go
+                on_press=move || desk.start(MODE)
+            />
+        </div>
+        <Foot why_not=why_not_go hint=HINT />
+        </div>
+    }
+}

@@ -1,0 +1,38 @@
+//! How motors are driven, whichever the loop.
+
+use leptos::prelude::*;
+
+use crate::components::live::{heard, live};
+
+use super::number_field::NumberField;
+use crate::{desk::use_desk, entry};
+
+#[component]
+pub(super) fn Settings() -> impl IntoView {
+    let desk = use_desk();
+    let rate = desk.targets.rate;
+    let keep_driving = move || desk.preferences.with(|chosen| chosen.keep_driving);
+    view! {
+        <div class="settings">
+            <NumberField
+                name="Command rate"
+                unit="Hz"
+                hint="The motor wants 50 or more"
+                target=rate
+                entry=entry::RATE
+                on_edit=move || desk.set_rate(rate.get_untracked())
+            />
+            <label class="check">
+                <input
+                    type="checkbox"
+                    prop:checked=live(keep_driving)
+                    on:change=heard(move |event| {
+                        let checked = event_target_checked(&event);
+                        desk.prefer(|preferences| preferences.keep_driving = checked);
+                    })
+                />
+                "Keep driving while hidden"
+            </label>
+        </div>
+    }
+}

@@ -1,0 +1,100 @@
+//! Tab `Velocity`.
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::{Mode, Setpoint};
+
+use super::{
+    Foot, closed, loop_head::LoopHead, number_field::NumberField, panel_id, slider::Slider, tab_id,
+    why_not_in, why_not_with,
+};
+use crate::{
+    components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
+};
+
+const MODE: Mode = Mode::Velocity;
+
+/// The keys of this tab.
+const HINT: &str = "<span class=\"keys\"><kbd>F</kbd><kbd>B</kbd> forward, back <kbd>S</kbd> stop \
+                    <kbd>K</kbd> brake <kbd>1</kbd>–<kbd>5</kbd> 50–250 rpm</span>";
+
+#[component]
+pub(super) fn VelocityTab() -> impl IntoView {
+    let desk = use_desk();
+    let targets = desk.targets;
+    let why_not = why_not_in(desk, MODE);
+    let why_not_start = why_not_with(desk, MODE, [targets.speed, targets.acceleration]);
+    let why_not_preset = why_not_with(desk, MODE, [targets.acceleration]);
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let preset = move |rpm: i32, name| {
+        view! {
+            <PressButton
+                label=format::signed(rpm)
+                name=name
+                class="button preset"
+                why_not=why_not_preset
+                on_press=move || desk.drive_at(rpm)
+            />
+        }
+    };
+    view! {
+        <div
+            class="tab-panel"
+            role="tabpanel"
+            id=panel_id(MODE)
+            aria-labelledby=tab_id(MODE)
+            class:closed=closed(desk, MODE)
+        >
+        <LoopHead mode=MODE />
+        <NumberField
+            name="Target speed"
+            unit="rpm"
+            hint="+ turns counter-clockwise, seen from the face"
+            target=targets.speed
+            entry=entry::SPEED
+            on_edit=move || desk.adjust(MODE)
+        />
+        <Slider
+            name="Target speed"
+            unit="rpm"
+            target=targets.speed
+            entry=entry::SPEED
+            marks=["−330 CW", "0", "+330 CCW"]
+            on_edit=move || desk.adjust(MODE)
+        />
+        <NumberField
+            name="Acceleration"
+            hint="Larger is gentler: about 3.6 ms per rpm for each unit"
+            target=targets.acceleration
+            entry=entry::ACCELERATION
+            on_edit=move || desk.adjust(MODE)
+        />
+        <div class="button-row seven">
+            {preset(-100, "-100")}
+            {preset(-50, "-50")}
+            <PressButton
+                label="Stop"
+                class="button halt"
+                hint="Brakes to a standstill, then lets go"
+                why_not=why_not_halt
+                on_press=move || desk.stop_motor(MODE)
+            />
+            <PressButton
+                label="Start"
+                class="button primary"
+                why_not=why_not_start
+                on_press=move || desk.start(MODE)
+            />
+            <PressButton
+                label="Brake"
+                class="button brake"
+                hint="Brakes and holds the brake"
+                why_not=why_not
+                on_press=move || desk.drive(Setpoint::Brake)
+            />
+            {preset(50, "+50")}
+            {preset(100, "+100")}
+        </div>
+        <Foot why_not=why_not_start hint=HINT />
+        </div>
+    }
+}

@@ -1,0 +1,117 @@
+//! What is always visible: the line to the motor, and STOP.
+
+use leptos::prelude::*;
+
+use crate::components::live::{heard, live};
+
+use super::{
+    connection::{ConnectButtons, ConnectionState},
+    link_quality::LinkQuality,
+    motor_choice::{ModelChoice, MotorChoice},
+    stop_button::StopButton,
+};
+use crate::{
+    desk::{Dialog, use_desk},
+    preferences::Theme,
+};
+
+#[component]
+pub(crate) fn Header(
+    /// Whether a dialog is open: then only STOP can be reached.
+    behind_dialog: Signal<bool>,
+) -> impl IntoView {
+    view! {
+        <header class="header">
+            <div class="header-rest" inert=behind_dialog>
+                <div class="brand">
+                    <Logo />
+                    <h1>"MotorLink"</h1>
+                </div>
+                <ConnectionState />
+                <ConnectButtons />
+                <div class="header-facts">
+                    <MotorChoice />
+                    <ModelChoice />
+                    <LinkQuality />
+                </div>
+                <div class="header-end">
+                    <ThemeButton />
+                    <HelpButton />
+                </div>
+            </div>
+            <StopButton />
+        </header>
+    }
+}
+
+/// A hub wheel with three bolts.
+#[component]
+fn Logo() -> impl IntoView {
+    view! {
+        <svg class="logo" viewBox="0 0 24 24" width="26" height="26" aria-hidden="true">
+            <circle cx="12" cy="12" r="10" fill="none" stroke="currentColor" stroke-width="2.6" />
+            <circle cx="12" cy="12" r="2.4" fill="currentColor" />
+            <circle cx="12" cy="6.6" r="1.5" fill="currentColor" />
+            <circle cx="16.7" cy="14.7" r="1.5" fill="currentColor" />
+            <circle cx="7.3" cy="14.7" r="1.5" fill="currentColor" />
+        </svg>
+    }
+}
+
+#[component]
+fn ThemeButton() -> impl IntoView {
+    let desk = use_desk();
+    let theme = move || desk.preferences.with(|chosen| chosen.theme);
+    let title = move || match theme() {
+        Theme::Light => "Light now; press for dark",
+        Theme::Dark => "Dark now; press for the system's choice",
+        Theme::System => "As the system now; press for light",
+    };
+    // A sun, a moon, a half of each.
+    let shape = move || match theme() {
+        Theme::Light => {
+            "M12 7a5 5 0 1 0 0 10 5 5 0 0 0 0-10zM12 1v3M12 20v3M1 12h3M20 12h3M4.2 4.2l2.1 2.1M17.7 17.7l2.1 2.1M4.2 19.8l2.1-2.1M17.7 6.3l2.1-2.1"
+        }
+        Theme::Dark => "M20 14.5A8.5 8.5 0 1 1 9.5 4a7 7 0 0 0 10.5 10.5z",
+        Theme::System => {
+            "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM12 3v18M12 6.5h4.8M12 10h6.8M12 14h6.8M12 17.5h4.8"
+        }
+    };
+    view! {
+        <button
+            type="button"
+            class="button icon-button"
+            aria-label="Theme"
+            title=live(title)
+            on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
+        >
+            <svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true">
+                <path
+                    d=live(shape)
+                    fill="none"
+                    stroke="currentColor"
+                    stroke-width="1.8"
+                    stroke-linecap="round"
+                    stroke-linejoin="round"
+                />
+            </svg>
+        </button>
+    }
+}
+
+#[component]
+fn HelpButton() -> impl IntoView {
+    let desk = use_desk();
+    view! {
+        <button
+            type="button"
+            class="button icon-button"
+            aria-label="Help"
+            aria-haspopup="dialog"
+            title="Wiring, first spin, keys (?)"
+            on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help)))
+        >
+            <span aria-hidden="true">"?"</span>
+        </button>
+    }
+}

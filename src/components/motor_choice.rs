@@ -1,0 +1,113 @@
+//! Which motor, and of which make.
+
+use std::fmt::Write;
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::MotorId;
+
+use crate::{
+    components::live::{heard, live},
+    desk::use_desk,
+    preferences::Model,
+    session::Session,
+};
+
+/// Combobox `Motor`: those that have answered first, then every other ID.
+#[component]
+pub(crate) fn MotorChoice() -> impl IntoView {
+    let desk = use_desk();
+    let found = Memo::new(move |_| desk.shown.with(Session::found));
+    view! {
+        <label class="labelled">
+            <span class="label" aria-hidden="true">
+                "Motor"
+            </span>
+            <select
+                aria-label="Motor"
+                class="select motor-select"
+                inner_html=live(move || options(&found.get(), desk.selected.get()))
+                on:change=heard(move |event| {
+                    if let Ok(id) = event_target_value(&event).parse() {
+                        desk.choose(id);
+                    }
+                })
+            ></select>
+        </label>
+    }
+}
+
+/// The list as HTML. As elements of the view, 254 of them would be watched one by one.
+fn options(found: &[MotorId], selected: MotorId) -> String {
+    let others = MotorId::all().filter(|id| !found.contains(id));
+    let mut html = String::new();
+    if !found.is_empty() {
+        push_group(&mut html, "Found", found.iter().copied(), selected);
+    }
+    push_group(&mut html, "Every ID", others, selected);
+    html
+}
+
+fn push_group(
+    html: &mut String,
+    label: &str,
+    ids: impl Iterator<Item = MotorId>,
+    selected: MotorId,
+) {
+    let _ = write!(html, "<optgroup label=\"{label}\">");
+    for id in ids {
+        let number = id.get();
+        let mark = if id == selected { " selected" } else { "" };
+        let _ = write!(
+            html,
+            "<option value=\"{number}\"{mark}>{id} · {number}</option>"
+        );
+    }
+    html.push_str("</optgroup>");
+}
+
+/// Combobox `Model`.
+#[component]
+pub(crate) fn ModelChoice() -> impl IntoView {
+    let desk = use_desk();
+    let is = move |model| live(move || desk.preferences.with(|chosen| chosen.model == model));
+    view! {
+        <label class="labelled">
+            <span class="label" aria-hidden="true">
+                "Model"
+            </span>
+            <select
+                aria-label="Model"
+                class="select model-select"
+                on:change=heard(move |event| {
+                    if let Some(model) = Model::from_key(&event_target_value(&event)) {
+                        desk.prefer(|preferences| preferences.model = model);
+                    }
+                })
+            >
+                <option value=Model::M0601.key() selected=is(Model::M0601)>
+                    {Model::M0601.name()}
+                </option>
+                <option value=Model::Ddsm115.key() selected=is(Model::Ddsm115)>
+                    {Model::Ddsm115.name()}
+                </option>
+            </select>
+        </label>
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motors_that_answered_come_first_and_every_id_is_there_once() {
+        let two = MotorId::new(2).unwrap();
+        let html = options(&[two], MotorId::FIRST);
+        let found = "<optgroup label=\"Found\"><option value=\"2\">0x02 · 2</option></optgroup>";
+        assert!(html.starts_with(found), "{html}");
+        assert!(html.contains("<option value=\"1\" selected>0x01 · 1</option>"));
+        assert_eq!(html.matches("<option ").count(), 254);
+        assert_eq!(html.matches(" selected").count(), 1);
+        assert!(!options(&[], two).contains("Found"));
+    }
+}

@@ -1,0 +1,43 @@
+//! What the motor does: its twin.
+
+use leptos::prelude::*;
+use motorlink_messages::{bus::Activity, protocol::Mode};
+
+use crate::components::live::live;
+
+use crate::{desk::use_desk, format, twin::DigitalTwin};
+
+#[component]
+pub(crate) fn WheelPanel() -> impl IntoView {
+    let desk = use_desk();
+    let chip = desk.of_motor(|session, id| {
+        let motor = session.motor(id)?;
+        Some(match motor.activity {
+            Activity::Driven { setpoint } => format!("Goal {}", format::goal(setpoint)),
+            Activity::Stopping { .. } => "Braking to a standstill".to_owned(),
+            Activity::Switching { to } => format!("Changing to the {to}"),
+            Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
+        })
+    });
+    let driven = desk.of_motor(|session, id| {
+        let activity = session.motor(id).map(|motor| motor.activity);
+        matches!(activity, Some(Activity::Driven { .. }))
+    });
+    view! {
+        <section class="panel wheel-panel" aria-label="Wheel">
+            <p class="chip wheel-chip" class:active=driven>
+                {live(move || chip.get().unwrap_or_else(|| "No motor".to_owned()))}
+            </p>
+            <DigitalTwin feed=desk.feed />
+        </section>
+    }
+}
+
+/// As a heading.
+pub(crate) const fn loop_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Current => "Current loop",
+        Mode::Velocity => "Velocity loop",
+        Mode::Position => "Position loop",
+    }
+}

@@ -1,0 +1,143 @@
+//! Numbers as the page shows them: a sign where one is meant, a real minus, a dash for unknown.
+
+use std::time::Duration;
+
+use motorlink_messages::protocol::{Current, CurrentTarget, PositionTarget, Rpm, Setpoint};
+
+/// Shown where nothing is known. Unknown is not zero.
+pub(crate) const UNKNOWN: &str = "–";
+
+/// The typographic minus, as wide as the plus, so that a figure keeps its width when it turns.
+const MINUS: char = '\u{2212}';
+
+/// `+100`, `−50`, `0`
+pub(crate) fn signed(value: i32) -> String {
+    match value {
+        0 => "0".to_owned(),
+        1.. => format!("+{value}"),
+        _ => format!("{MINUS}{}", value.unsigned_abs()),
+    }
+}
+
+/// `+0.18`, `−0.50`, `0.00`: a value that rounds to zero has no sign.
+fn signed_decimal(value: f32, decimals: usize) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
+    if digits.bytes().all(|byte| matches!(byte, b'0' | b'.')) {
+        return digits;
+    }
+    let sign = if value < 0.0 { MINUS } else { '+' };
+    format!("{sign}{digits}")
+}
+
+/// `+100`
+pub(crate) fn speed(speed: Rpm) -> String {
+    signed(speed.rpm().into())
+}
+
+/// `+0.18`, in amps.
+pub(crate) fn current(current: Current) -> String {
+    signed_decimal(current.amps(), 2)
+}
+
+/// `+2.44 A`
+pub(crate) fn amps_of(target: CurrentTarget) -> String {
+    format!("{} A", signed_decimal(target.amps(), 2))
+}
+
+/// `90.00`
+pub(crate) fn angle_of(target: PositionTarget) -> String {
+    format!("{:.2}", target.degrees())
+}
+
+/// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: what a motor is driven to.
+pub(crate) fn goal(setpoint: Setpoint) -> String {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => format!("{} rpm", signed(speed.rpm().into())),
+        Setpoint::Brake => "brake".to_owned(),
+        Setpoint::Current(target) => amps_of(target),
+        Setpoint::Position(target) => format!("{:.1}°", target.degrees()),
+    }
+}
+
+/// `0.1 s`, `2.5 s`, `12 s`, `3 min`: how old a reading is, rounded up so that it never looks newer.
+pub(crate) fn age(age: Duration) -> String {
+    let tenths = age.as_secs() * 10 + u64::from(age.subsec_millis()).div_ceil(100);
+    let tenths = tenths.max(1);
+    match tenths {
+        0..100 => format!("{}.{} s", tenths / 10, tenths % 10),
+        100..1200 => format!("{} s", tenths / 10),
+        _ => format!("{} min", tenths / 600),
+    }
+}
+
+/// With a capital letter first, as at the beginning of a sentence. Our words begin in ASCII.
+pub(crate) fn capitalized(text: &str) -> String {
+    let mut text = text.to_owned();
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text
+}
+
+/// `2.9`, milliseconds from microseconds.
+pub(crate) fn milliseconds(micros: u32) -> String {
+    let tenths = micros.div_ceil(100);
+    format!("{}.{}", tenths / 10, tenths % 10)
+}
+
+/// `0.4`, percent from per mille.
+pub(crate) fn percent(per_mille: u16) -> String {
+    format!("{}.{}", per_mille / 10, per_mille % 10)
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::SpeedTarget;
+
+    use super::*;
+
+    #[test]
+    fn a_number_has_its_sign_and_a_real_minus() {
+        for (value, text) in [(100, "+100"), (0, "0"), (-330, "\u{2212}330")] {
+            assert_eq!(signed(value), text);
+        }
+        for (value, text) in [
+            (0.175, "+0.17"),
+            (-0.5, "\u{2212}0.50"),
+            (-0.004, "0.00"),
+            (0.0, "0.00"),
+        ] {
+            assert_eq!(signed_decimal(value, 2), text);
+        }
+    }
+
+    #[test]
+    fn an_age_never_looks_newer_than_it_is() {
+        for (millis, text) in [
+            (0, "0.1 s"),
+            (16, "0.1 s"),
+            (101, "0.2 s"),
+            (2_450, "2.5 s"),
+            (9_999, "10 s"),
+            (59_000, "59 s"),
+            (185_000, "3 min"),
+        ] {
+            assert_eq!(age(Duration::from_millis(millis)), text);
+        }
+    }
+
+    #[test]
+    fn the_link_is_shown_in_tenths() {
+        assert_eq!(milliseconds(2_870), "2.9");
+        assert_eq!(percent(4), "0.4");
+        assert_eq!(percent(1000), "100.0");
+    }
+
+    #[test]
+    fn targets_are_shown_in_the_units_people_think_in() {
+        assert_eq!(amps_of(CurrentTarget::new(10_000).unwrap()), "+2.44 A");
+        assert_eq!(angle_of(PositionTarget::from_degrees(90.0)), "90.00");
+        assert_eq!(goal(Setpoint::Current(CurrentTarget::ZERO)), "0.00 A");
+        assert_eq!(goal(Setpoint::velocity(SpeedTarget::ZERO)), "0 rpm");
+    }
+}

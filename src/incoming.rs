@@ -1,0 +1,161 @@
+//! What the worker says, taken in.
+
+use leptos::prelude::{Update as _, *};
+use motorlink_messages::{
+    Adapter, Connection, Notice, ToPage, ToWorker, Update,
+    bus::{Activity, IdQueryOutcome, StopReason},
+    protocol::{Detail, Mode},
+};
+
+use crate::{
+    clock::{Clock, page_origin_ms},
+    desk::{Desk, WorkerState},
+    notice_board::Topic,
+    session::{Reading, Session},
+    twin::AngleQuality,
+    words,
+};
+
+impl Desk {
+    pub(crate) fn hear(self, message: ToPage) {
+        match message {
+            ToPage::Hello { time_origin_ms } => {
+                self.clock
+                    .set_value(Clock::new(page_origin_ms(), time_origin_ms));
+                self.worker.set(WorkerState::Running);
+                self.post(&ToWorker::Select(self.selected.get_untracked()));
+            }
+            ToPage::Died => self.worker_lost(),
+            // Answered where it arrives.
+            ToPage::Ping => {}
+            ToPage::Update(update) => self.update(&update),
+        }
+    }
+
+    fn update(self, update: &Update) {
+        let before = self.latest.with_value(|session| session.connection);
+        self.latest.update_value(|session| session.apply(update));
+        if update.connection != before {
+            self.connection_changed(before, update.connection);
+        }
+        for notice in &update.notices {
+            self.notice(notice);
+        }
+        self.feed_twin(update);
+        self.follow_loop();
+        // Readings wait for the next tenth of a second; a state does not.
+        let changed = self.latest.with_value(|latest| {
+            self.shown
+                .with_untracked(|shown| latest.differs_in_state(shown))
+        });
+        if changed {
+            self.show();
+        }
+    }
+
+    fn connection_changed(self, before: Connection, after: Connection) {
+        match after {
+            Connection::Connected(adapter) => {
+                self.notices.update(|board| {
+                    board.withdraw(Topic::Port);
+                    board.withdraw(Topic::Answer);
+                    board.withdraw(Topic::Command);
+                });
+                self.tab_to_follow.set_value(true);
+                self.send_rate();
+                if let Adapter::Serial(Some(usb)) = adapter {
+                    self.prefer(|preferences| preferences.adapter = Some(usb));
+                }
+            }
+            Connection::Failed(error) => self.say(words::of_connect_error(error)),
+            Connection::Disconnected | Connection::Connecting | Connection::Reconnecting(_) => {}
+        }
+        if matches!(before, Connection::Connected(_)) {
+            self.asked.set(None);
+            self.feed.update_value(crate::twin::TwinFeed::clear);
+        }
+    }
+
+    fn notice(self, notice: &Notice) {
+        let selected = self.selected.get_untracked();
+        if let Some(topic) = words::settled_by(notice) {
+            self.notices.update(|board| board.withdraw(topic));
+        }
+        match notice {
+            Notice::IdQueryEnded(IdQueryOutcome::One(id)) if *id != selected => {
+                let answered = |session: &Session| session.mode(selected).is_some();
+                if !self.latest.with_value(answered) {
+                    self.select(*id);
+                }
+            }
+            Notice::ModeSwitched { id, mode } if *id == selected => self.tab.set(*mode),
+            // The bus ends a stop in the velocity loop, whatever was asked for before.
+            Notice::StopBegan(reason) if *reason != StopReason::OneMotor => self.asked.set(None),
+            _ => {}
+        }
+        if let Some(words) = words::of_notice(notice, selected) {
+            self.say(words);
+        }
+    }
+
+    fn feed_twin(self, update: &Update) {
+        let id = self.selected.get_untracked();
+        let clock = self.clock.get_value();
+        let activity = self
+            .latest
+            .with_value(|session| session.motor(id).map(|motor| motor.activity));
+        let goal = match activity {
+            Some(Activity::Driven { setpoint }) => Some(setpoint),
+            _ => None,
+        };
+        self.feed.update_value(|feed| {
+            for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
+                let (angle, quality) = match sample.reply.detail {
+                    Detail::Drive { position } => (Some(position.degrees()), AngleQuality::Fine),
+                    Detail::Query { position, .. } => {
+                        (Some(position.degrees()), AngleQuality::Coarse)
+                    }
+                    Detail::Undetermined(_) => (None, AngleQuality::Coarse),
+                };
+                let at_ms = clock.page_ms(sample.at);
+                feed.sample(
+                    at_ms,
+                    angle.map(f64::from),
+                    quality,
+                    sample.reply.speed.rpm(),
+                );
+            }
+            feed.set_goal(goal);
+            feed.set_activity(activity);
+        });
+    }
+
+    /// Once after connecting, the tab is that of the motor's loop.
+    fn follow_loop(self) {
+        if !self.tab_to_follow.get_value() {
+            return;
+        }
+        let id = self.selected.get_untracked();
+        let mode: Option<Reading<Mode>> = self.latest.with_value(|session| session.mode(id));
+        if let Some(mode) = mode.filter(Reading::is_fresh) {
+            self.tab.set(mode.value);
+            self.tab_to_follow.set_value(false);
+        }
+    }
+
+    /// The worker has failed: nothing more comes from it, and no frame leaves.
+    pub(crate) fn worker_lost(self) {
+        let mut driven = false;
+        self.latest.update_value(|session| {
+            driven = session.in_hand().next().is_some();
+            *session = Session {
+                now: session.now,
+                ..Session::default()
+            };
+        });
+        self.worker.set(WorkerState::Dead);
+        self.feed.update_value(crate::twin::TwinFeed::clear);
+        self.say(words::of_dead_worker(driven));
+        self.show();
+    }
+}

@@ -1,0 +1,46 @@
+//! Listeners on the window that see an event before anything else does.
+
+use leptos::prelude::*;
+use wasm_bindgen::{JsCast, prelude::Closure};
+use web_sys::{AddEventListenerOptions, Event, Window};
+
+struct Listener {
+    window: Window,
+    name: &'static str,
+    closure: Closure<dyn FnMut(Event)>,
+}
+
+/// Calls `heard` with every event of this name in the page, until the present owner is gone.
+///
+/// It listens while the event goes down from the window to its target, so it comes first, and it
+/// hears events that do not bubble.
+pub(crate) fn on_window(name: &'static str, heard: impl FnMut(Event) + 'static) {
+    let Some(window) = web_sys::window() else {
+        return;
+    };
+    let closure = Closure::<dyn FnMut(Event)>::new(heard);
+    let options = AddEventListenerOptions::new();
+    options.set_capture(true);
+    let added = window.add_event_listener_with_callback_and_add_event_listener_options(
+        name,
+        closure.as_ref().unchecked_ref(),
+        &options,
+    );
+    if added.is_ok() {
+        StoredValue::new_local(Listener {
+            window,
+            name,
+            closure,
+        });
+    }
+}
+
+impl Drop for Listener {
+    fn drop(&mut self) {
+        let callback = self.closure.as_ref().unchecked_ref();
+        // One that cannot be removed was never added.
+        let _ = self
+            .window
+            .remove_event_listener_with_callback_and_bool(self.name, callback, true);
+    }
+}

@@ -1,0 +1,191 @@
+//! The notices that stand: one a topic, so that the board is bounded and a fault that repeats does
+//! not push out the others.
+
+use motorlink_messages::protocol::MotorId;
+
+/// What a notice is about. A new one takes the place of an older one on the same topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Topic {
+    /// Opening and keeping the port.
+    Port,
+    /// Bytes that came in damaged.
+    Line,
+    /// Who answered the ID query, and who does not answer.
+    Answer,
+    /// A command that was not carried out.
+    Command,
+    /// A setpoint that was taken back.
+    Setpoint(MotorId),
+    /// A loop that was not taken.
+    Loop(MotorId),
+    /// A stop that was not confirmed.
+    Stop,
+    /// Another motor was chosen.
+    Choice,
+    /// The worker behind the page.
+    Worker,
+}
+
+/// How a notice is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tone {
+    /// Something to know.
+    Calm,
+    /// Something to do.
+    Warning,
+    /// Something went wrong.
+    Error,
+}
+
+/// What a notice's button does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Remedy {
+    /// Opens the picker without a filter.
+    ShowAllPorts,
+    /// Loads the page again.
+    Reload,
+}
+
+impl Remedy {
+    pub(crate) const fn label(self) -> &'static str {
+        match self {
+            Self::ShowAllPorts => "Show all ports",
+            Self::Reload => "Reload the page",
+        }
+    }
+}
+
+/// A notice in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Words {
+    pub(crate) topic: Topic,
+    pub(crate) tone: Tone,
+    /// What happened.
+    pub(crate) title: String,
+    /// What to do, a line each.
+    pub(crate) advice: Vec<String>,
+    pub(crate) remedy: Option<Remedy>,
+}
+
+/// A notice that stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Posted {
+    /// Tells it from all others of this page's life.
+    pub(crate) number: u32,
+    pub(crate) words: Words,
+}
+
+/// The notices. Each keeps its slot for as long as it stands, so that the page changes nothing but
+/// what is new.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct NoticeBoard {
+    slots: [Option<Posted>; Self::SLOTS],
+    last_number: u32,
+}
+
+impl NoticeBoard {
+    /// More would not be read.
+    pub(crate) const SLOTS: usize = 5;
+
+    pub(crate) fn post(&mut self, words: Words) {
+        // The same again is no news: it keeps its number, and a screen reader is not told twice.
+        if self.posted().any(|posted| posted.words == words) {
+            return;
+        }
+        self.withdraw(words.topic);
+        self.last_number += 1;
+        let number = self.last_number;
+        // A free one, else the oldest.
+        let slot = self
+            .slots
+            .iter_mut()
+            .min_by_key(|slot| slot.as_ref().map_or(0, |posted| posted.number));
+        if let Some(slot) = slot {
+            *slot = Some(Posted { number, words });
+        }
+    }
+
+    pub(crate) fn withdraw(&mut self, topic: Topic) {
+        self.take_down(|posted| posted.words.topic == topic);
+    }
+
+    pub(crate) fn dismiss(&mut self, number: u32) {
+        self.take_down(|posted| posted.number == number);
+    }
+
+    fn take_down(&mut self, which: impl Fn(&Posted) -> bool) {
+        for slot in &mut self.slots {
+            if slot.as_ref().is_some_and(&which) {
+                *slot = None;
+            }
+        }
+    }
+
+    pub(crate) fn slot(&self, place: usize) -> Option<&Posted> {
+        self.slots.get(place)?.as_ref()
+    }
+
+    pub(crate) fn posted(&self) -> impl Iterator<Item = &Posted> {
+        self.slots.iter().flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(topic: Topic, title: &str) -> Words {
+        Words {
+            topic,
+            tone: Tone::Warning,
+            title: title.to_owned(),
+            advice: vec![],
+            remedy: None,
+        }
+    }
+
+    /// Newest first.
+    fn titles(board: &NoticeBoard) -> Vec<&str> {
+        let mut posted: Vec<&Posted> = board.posted().collect();
+        posted.sort_by_key(|posted| std::cmp::Reverse(posted.number));
+        let titles = posted.into_iter();
+        titles.map(|posted| posted.words.title.as_str()).collect()
+    }
+
+    #[test]
+    fn a_topic_has_one_notice() {
+        let mut board = NoticeBoard::default();
+        board.post(words(Topic::Port, "busy"));
+        board.post(words(Topic::Answer, "silent"));
+        board.post(words(Topic::Port, "gone"));
+        assert_eq!(titles(&board), ["gone", "silent"]);
+        let before = board.clone();
+        board.post(words(Topic::Port, "gone"));
+        assert_eq!(board, before, "the same is no news");
+        board.withdraw(Topic::Answer);
+        assert_eq!(titles(&board), ["gone"]);
+        let number = board.posted().next().unwrap().number;
+        board.dismiss(number);
+        assert_eq!(titles(&board), [""; 0]);
+    }
+
+    #[test]
+    fn a_notice_keeps_its_slot() {
+        let mut board = NoticeBoard::default();
+        board.post(words(Topic::Port, "busy"));
+        board.post(words(Topic::Answer, "silent"));
+        board.withdraw(Topic::Port);
+        assert_eq!(board.slot(1).unwrap().words.title, "silent");
+        board.post(words(Topic::Stop, "not confirmed"));
+        assert_eq!(board.slot(0).unwrap().words.title, "not confirmed");
+    }
+
+    #[test]
+    fn the_board_is_bounded_and_the_oldest_goes_first() {
+        let mut board = NoticeBoard::default();
+        for id in MotorId::all() {
+            board.post(words(Topic::Loop(id), &id.to_string()));
+        }
+        assert_eq!(titles(&board), ["0xFE", "0xFD", "0xFC", "0xFB", "0xFA"]);
+    }
+}

@@ -1,0 +1,179 @@
+//! Whether a control applies now, and the reason to show where it does not.
+//!
+//! The bus decides what is driven and refuses what must not be; these are its rules as far as a
+//! person can know them beforehand, so that a button says why before it is pressed.
+
+use motorlink_messages::{
+    Connection,
+    bus::{Activity, Refusal, check_position_switch},
+    protocol::{Mode, MotorId},
+};
+
+use crate::session::Session;
+
+/// Why nothing can be asked of this motor now.
+fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
+    if let Some(reason) = why_not_connected(session.connection) {
+        return Some(reason.to_owned());
+    }
+    if session.halted {
+        return Some(Refusal::Halted.to_string());
+    }
+    let heard = session.mode(id).filter(super::session::Reading::is_fresh);
+    if heard.is_none() {
+        return Some(Refusal::NotHeard(id).to_string());
+    }
+    None
+}
+
+fn why_not_connected(connection: Connection) -> Option<&'static str> {
+    match connection {
+        Connection::Connected(_) => None,
+        Connection::Disconnected | Connection::Failed(_) => {
+            Some("Not connected. Press Connect or Virtual motor.")
+        }
+        Connection::Connecting => Some("The port is being opened."),
+        Connection::Reconnecting(_) => Some("The adapter is unplugged. Plug it in again."),
+    }
+}
+
+/// Why this motor cannot be driven in this loop now.
+pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    if let Some(reason) = why_not_asked(session, id) {
+        return Some(reason);
+    }
+    match session.motor(id)?.activity {
+        Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
+        Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
+        Activity::Idle | Activity::Driven { .. } => {}
+    }
+    let faults = session.faults(id)?.value;
+    if faults.any_named() {
+        return Some(Refusal::FaultActive(faults).to_string());
+    }
+    let reported = session.mode(id)?.value;
+    (reported != mode)
+        .then(|| format!("The motor reports the {reported}. Press Switch to {mode} first."))
+}
+
+/// Why this motor's loop cannot be changed to this one now.
+pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    if let Some(reason) = why_not_asked(session, id) {
+        return Some(reason);
+    }
+    match session.motor(id)?.activity {
+        Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
+        Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
+        Activity::Idle | Activity::Driven { .. } => {}
+    }
+    if session.mode(id)?.value == mode {
+        return Some(format!("The motor is in the {mode}."));
+    }
+    if mode != Mode::Position {
+        return None;
+    }
+    let speed = session.speed(id).filter(super::session::Reading::is_fresh);
+    let speed = speed.map(|reading| reading.value);
+    check_position_switch(id, speed)
+        .err()
+        .map(|refusal| refusal.to_string())
+}
+
+/// Why this motor cannot be stopped on its own. Stop all motors has no such reason, ever.
+pub(crate) fn why_not_stop(session: &Session) -> Option<String> {
+    why_not_connected(session.connection).map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Faults, Rpm, Setpoint, SpeedTarget};
+
+    use super::*;
+    use crate::session::tests::{ID, session, status};
+
+    const MODES: [Mode; 3] = Mode::ALL;
+
+    #[test]
+    fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
+        for reported in MODES {
+            let session = session(1_000, status(1_000, reported, 0));
+            for mode in MODES {
+                let reason = why_not_drive(&session, ID, mode);
+                assert_eq!(reason.is_none(), mode == reported, "{reported} {mode}");
+                let reason = why_not_switch(&session, ID, mode);
+                assert_eq!(reason.is_none(), mode != reported, "{reported} {mode}");
+            }
+        }
+        let session = session(1_000, status(1_000, Mode::Current, 0));
+        assert_eq!(
+            why_not_drive(&session, ID, Mode::Velocity).unwrap(),
+            "The motor reports the current loop. Press Switch to velocity loop first."
+        );
+    }
+
+    #[test]
+    fn nothing_drives_while_it_must_not() {
+        let good = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert_eq!(why_not_drive(&good, ID, Mode::Velocity), None);
+
+        let mut cases = vec![];
+        let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
+            let mut session = good.clone();
+            change(&mut session);
+            cases.push((words, session));
+        };
+        case("Not connected", &|s| {
+            s.connection = Connection::Disconnected;
+        });
+        case("being opened", &|s| s.connection = Connection::Connecting);
+        case("Press Release", &|s| s.halted = true);
+        case("has not answered", &|s| s.motors.clear());
+        case("has not answered", &|s| {
+            s.motors = vec![status(400, Mode::Velocity, 0)];
+        });
+        case("being stopped", &|s| {
+            s.motors[0].activity = Activity::Stopping { confirmed: false };
+        });
+        case("changing to the current loop", &|s| {
+            s.motors[0].activity = Activity::Switching { to: Mode::Current };
+        });
+        case("stall", &|s| {
+            let sample = s.motors[0].last.as_mut().unwrap();
+            sample.reply.faults = Faults::from_byte(8);
+        });
+        for (words, session) in cases {
+            let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
+            assert!(reason.contains(words), "{reason}");
+        }
+    }
+
+    #[test]
+    fn a_driven_motor_takes_another_target() {
+        let mut driven = status(1_000, Mode::Velocity, 50);
+        driven.activity = Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+        };
+        let session = session(1_000, driven);
+        assert_eq!(why_not_drive(&session, ID, Mode::Velocity), None);
+    }
+
+    #[test]
+    fn the_position_loop_needs_a_wheel_that_is_known_to_be_slow() {
+        for (rpm, allowed) in [(0, true), (9, true), (-9, true), (10, false), (-10, false)] {
+            let session = session(1_000, status(1_000, Mode::Velocity, rpm));
+            let reason = why_not_switch(&session, ID, Mode::Position);
+            assert_eq!(reason.is_none(), allowed, "{}", Rpm::new(rpm));
+        }
+        let old = session(1_000, status(400, Mode::Velocity, 0));
+        assert!(why_not_switch(&old, ID, Mode::Position).is_some());
+    }
+
+    #[test]
+    fn a_stop_waits_for_nothing_but_a_port() {
+        let mut session = session(9_000, status(0, Mode::Position, 90));
+        session.halted = true;
+        assert_eq!(why_not_stop(&session), None);
+        session.connection = Connection::Disconnected;
+        assert!(why_not_stop(&session).is_some());
+    }
+}

@@ -1,0 +1,235 @@
+//! What the page remembers in this browser. A browser that keeps nothing, or keeps garbage, is one
+//! with nothing remembered.
+
+use motorlink_messages::{UsbId, bus::CommandRate, protocol::MotorId};
+
+/// The motor's make. Both are one design; the name is for the operator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Model {
+    /// SKUs FIT1042 (left) and FIT1038 (right).
+    #[default]
+    M0601,
+    /// The same motor by another name.
+    Ddsm115,
+}
+
+impl Model {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::M0601, Self::Ddsm115];
+
+    /// As the list shows it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::M0601 => "DFRobot M0601 (FIT1042/FIT1038)",
+            Self::Ddsm115 => "Waveshare DDSM115",
+        }
+    }
+
+    /// The name to remember it by.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::M0601 => "m0601",
+            Self::Ddsm115 => "ddsm115",
+        }
+    }
+
+    /// The model with this key.
+    #[must_use]
+    pub fn from_key(key: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.key() == key)
+    }
+}
+
+/// The colours of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Theme {
+    /// As the system has it.
+    #[default]
+    System,
+    /// Dark on light.
+    Light,
+    /// Light on dark.
+    Dark,
+}
+
+impl Theme {
+    /// The value of `data-theme`, and the name to remember it by.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::System => "system",
+            Self::Light => "light",
+            Self::Dark => "dark",
+        }
+    }
+
+    /// The next in the round of the theme button.
+    #[must_use]
+    pub const fn next(self) -> Self {
+        match self {
+            Self::Light => Self::Dark,
+            Self::Dark => Self::System,
+            Self::System => Self::Light,
+        }
+    }
+
+    fn from_key(key: &str) -> Option<Self> {
+        [Self::System, Self::Light, Self::Dark]
+            .into_iter()
+            .find(|theme| theme.key() == key)
+    }
+}
+
+/// Everything remembered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preferences {
+    /// The motor chosen last.
+    pub motor: MotorId,
+    /// Its make.
+    pub model: Model,
+    /// The adapter used last.
+    pub adapter: Option<UsbId>,
+    /// Drive frames a second.
+    pub rate: CommandRate,
+    /// The colours.
+    pub theme: Theme,
+    /// Whether a hidden page goes on driving.
+    pub keep_driving: bool,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            motor: MotorId::FIRST,
+            model: Model::default(),
+            adapter: None,
+            rate: CommandRate::default(),
+            theme: Theme::default(),
+            keep_driving: true,
+        }
+    }
+}
+
+impl Preferences {
+    /// From a store of texts.
+    pub fn from_store(lookup: impl Fn(&str) -> Option<String>) -> Self {
+        let default = Self::default();
+        let number = |name| lookup(name).and_then(|text| text.parse::<u16>().ok());
+        Self {
+            motor: lookup("motor")
+                .and_then(|text| text.parse().ok())
+                .unwrap_or(default.motor),
+            model: lookup("model")
+                .and_then(|text| Model::from_key(&text))
+                .unwrap_or(default.model),
+            adapter: lookup("adapter").and_then(|text| usb_from(&text)),
+            rate: number("rate")
+                .and_then(|hertz| CommandRate::new(hertz).ok())
+                .unwrap_or(default.rate),
+            theme: lookup("theme")
+                .and_then(|text| Theme::from_key(&text))
+                .unwrap_or(default.theme),
+            keep_driving: lookup("keep-driving").map_or(default.keep_driving, |text| text != "no"),
+        }
+    }
+
+    /// As texts by name, what [`Preferences::from_store`] reads.
+    #[must_use]
+    pub fn to_store(&self) -> [(&'static str, String); 6] {
+        let adapter = self.adapter.map(|usb| usb.to_string());
+        let keep_driving = if self.keep_driving { "yes" } else { "no" };
+        [
+            ("motor", self.motor.get().to_string()),
+            ("model", self.model.key().to_owned()),
+            ("adapter", adapter.unwrap_or_default()),
+            ("rate", self.rate.hertz().to_string()),
+            ("theme", self.theme.key().to_owned()),
+            ("keep-driving", keep_driving.to_owned()),
+        ]
+    }
+
+    /// What this browser remembers.
+    #[must_use]
+    pub fn load() -> Self {
+        let storage = storage();
+        Self::from_store(|name| storage.as_ref()?.get_item(&key(name)).ok()?)
+    }
+
+    /// Has this browser remember it. One that cannot is not complained about: the page works.
+    pub fn save(&self) {
+        if let Some(storage) = storage() {
+            for (name, text) in self.to_store() {
+                let _ = storage.set_item(&key(name), &text);
+            }
+        }
+    }
+}
+
+fn storage() -> Option<web_sys::Storage> {
+    web_sys::window()?.local_storage().ok()?
+}
+
+fn key(name: &str) -> String {
+    format!("motorlink.{name}")
+}
+
+/// `1a86:7523`
+fn usb_from(text: &str) -> Option<UsbId> {
+    let (vendor, product) = text.split_once(':')?;
+    Some(UsbId {
+        vendor: u16::from_str_radix(vendor, 16).ok()?,
+        product: u16::from_str_radix(product, 16).ok()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+
+    fn read(store: &HashMap<&str, String>) -> Preferences {
+        Preferences::from_store(|name| store.get(name).cloned())
+    }
+
+    #[test]
+    fn what_is_saved_is_loaded() {
+        let chosen = Preferences {
+            motor: MotorId::new(7).unwrap(),
+            model: Model::Ddsm115,
+            adapter: Some(UsbId {
+                vendor: 0x0403,
+                product: 0x6001,
+            }),
+            rate: CommandRate::new(200).unwrap(),
+            theme: Theme::Dark,
+            keep_driving: false,
+        };
+        assert_eq!(read(&HashMap::from(chosen.to_store())), chosen);
+        let default = Preferences::default();
+        assert_eq!(read(&HashMap::from(default.to_store())), default);
+    }
+
+    #[test]
+    fn garbage_is_nothing_remembered() {
+        let garbage = Preferences::default()
+            .to_store()
+            .map(|(name, _)| (name, "\u{0}rubbish:".to_owned()));
+        assert_eq!(read(&HashMap::from(garbage)), Preferences::default());
+        assert_eq!(read(&HashMap::new()), Preferences::default());
+        let out_of_range = HashMap::from([("motor", "255".into()), ("rate", "501".into())]);
+        assert_eq!(read(&out_of_range), Preferences::default());
+    }
+
+    #[test]
+    fn the_theme_button_goes_round() {
+        let mut theme = Theme::Light;
+        let round = [0; 3].map(|_| {
+            theme = theme.next();
+            theme
+        });
+        assert_eq!(round, [Theme::Dark, Theme::System, Theme::Light]);
+    }
+}

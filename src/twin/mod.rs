@@ -1,0 +1,33 @@
+//! The digital twin: a wheel on the screen that does what the wheel at the motor does.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `feed` | what the page tells the twin, and what one frame shows of it |
+//! | `motion` | from reports to the angle and speed of this moment |
+//! | `words` | motion and figures as text |
+//! | `blur`, `scale` | what a speed looks like: sharpness, and place on the ring |
+//! | `geometry`, `markup` | shapes as path data, elements as text |
+//! | `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
+//! | `painter`, `frames`, `component` | the browser: attributes, animation frames, the view |
+//!
+//! Only the last row touches a browser; the rest is pure and tested natively.
+
+mod artwork;
+mod blur;
+mod component;
+mod dial;
+mod feed;
+mod frames;
+mod geometry;
+mod gradients;
+mod markup;
+mod measures;
+mod motion;
+mod painter;
+mod picture;
+mod scale;
+mod words;
+
+pub use component::DigitalTwin;
+pub use feed::TwinFeed;
+pub use motion::AngleQuality;

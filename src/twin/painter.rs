@@ -1,0 +1,167 @@
+//! Puts a view on the screen by setting a few attributes of the picture, and only those that differ.
+
+use leptos::web_sys::{Element, SvgElement};
+use motorlink_messages::protocol::Setpoint;
+
+use super::blur::{sharpness, trail_deg};
+use super::feed::View;
+use super::measures as mm;
+use super::scale::{bearing_deg, dash};
+use super::words::{Motion, description};
+
+/// One attribute of one element, written only when it changes.
+struct Attribute {
+    element: Element,
+    name: &'static str,
+    written: String,
+}
+
+impl Attribute {
+    /// Of the first element with this class; `None` where the picture has none.
+    fn find(picture: &SvgElement, selector: &str, name: &'static str) -> Option<Self> {
+        let element = picture.query_selector(selector).ok().flatten()?;
+        Some(Self {
+            element,
+            name,
+            written: String::new(),
+        })
+    }
+
+    fn set(&mut self, value: String) {
+        if self.written != value {
+            // It fails for names that are none, and these are ours.
+            let _ = self.element.set_attribute(self.name, &value);
+            self.written = value;
+        }
+    }
+
+    fn set_opacity(&mut self, opacity: f64) {
+        self.set(format!("{opacity:.2}"));
+    }
+
+    fn rotate(&mut self, clockwise_deg: f64) {
+        self.set(format!("rotate({clockwise_deg:.2})"));
+    }
+}
+
+/// The moving parts of a mounted picture.
+pub struct Painter {
+    look: Attribute,
+    description: (Element, String),
+    turning: Attribute,
+    tread: Attribute,
+    tread_band: Attribute,
+    holes: Attribute,
+    hole_band: Attribute,
+    trail: Attribute,
+    trail_side: Attribute,
+    speed_length: Attribute,
+    speed_start: Attribute,
+    knob: Attribute,
+    goal_speed: Attribute,
+    goal_angle: Attribute,
+}
+
+impl Painter {
+    /// Finds the moving parts; `None` where the element does not hold the picture.
+    pub fn of(picture: &SvgElement) -> Option<Self> {
+        let find = |selector, name| Attribute::find(picture, selector, name);
+        Some(Self {
+            look: Attribute {
+                element: picture.clone().into(),
+                name: "data-look",
+                written: String::new(),
+            },
+            description: (
+                picture.query_selector("desc").ok().flatten()?,
+                String::new(),
+            ),
+            turning: find(".twin-turning", "transform")?,
+            tread: find(".twin-tread", "opacity")?,
+            tread_band: find(".twin-tread-band", "opacity")?,
+            holes: find(".twin-holes", "opacity")?,
+            hole_band: find(".twin-hole-band", "opacity")?,
+            trail: find(".twin-trail", "stroke-dasharray")?,
+            trail_side: find(".twin-trail", "transform")?,
+            speed_length: find(".twin-speed", "stroke-dasharray")?,
+            speed_start: find(".twin-speed", "stroke-dashoffset")?,
+            knob: find(".twin-knob", "transform")?,
+            goal_speed: find(".twin-goal-speed", "transform")?,
+            goal_angle: find(".twin-goal-angle", "transform")?,
+        })
+    }
+
+    /// Shows a view.
+    pub fn paint(&mut self, view: &View) {
+        self.paint_wheel(view);
+        self.paint_speed(view.pose.speed_rpm);
+        self.paint_goal(view.goal);
+        self.look.set(look(view));
+        let said = description(view.motion, view.figures.map(|figures| figures.speed));
+        if self.description.1 != said {
+            self.description.0.set_text_content(Some(&said));
+            self.description.1 = said;
+        }
+    }
+
+    fn paint_wheel(&mut self, view: &View) {
+        let rpm = view.pose.speed_rpm;
+        self.turning.rotate(view.pose.angle_deg.rem_euclid(360.0));
+        // Frozen, the wheel is seen as it is.
+        let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
+        let tread = sharpness(blurred_rpm, mm::TREAD_BLOCKS);
+        self.tread.set_opacity(tread);
+        self.tread_band.set_opacity(1.0 - tread);
+        let holes = sharpness(blurred_rpm, mm::HOLE_COUNT);
+        self.holes.set_opacity(holes);
+        self.hole_band.set_opacity(1.0 - holes);
+        self.trail.set(format!("{:.1} 360", trail_deg(blurred_rpm)));
+        // The trail is drawn clockwise of the mark, where it belongs while the wheel turns the other
+        // way.
+        let side = if rpm < 0.0 {
+            "scale(-1 1)"
+        } else {
+            "scale(1 1)"
+        };
+        self.trail_side.set(side.to_owned());
+    }
+
+    fn paint_speed(&mut self, rpm: f64) {
+        let dash = dash(rpm);
+        self.speed_length.set(format!("{:.2} 999", dash.length));
+        self.speed_start.set(format!("{:.2}", -dash.start));
+        self.knob.rotate(bearing_deg(rpm));
+    }
+
+    fn paint_goal(&mut self, goal: Option<Setpoint>) {
+        match goal {
+            Some(Setpoint::Velocity { speed, .. }) => {
+                self.goal_speed.rotate(bearing_deg(f64::from(speed.rpm())));
+            }
+            Some(Setpoint::Brake) => self.goal_speed.rotate(0.0),
+            Some(Setpoint::Position(target)) => {
+                self.goal_angle.rotate(f64::from(target.degrees()));
+            }
+            Some(Setpoint::Current(_)) | None => {}
+        }
+    }
+}
+
+/// The states that the style sheet tells apart, as words of the attribute `data-look`.
+fn look(view: &View) -> String {
+    let motion = match view.motion {
+        Motion::NoData => "stale",
+        Motion::Stationary => "stands",
+        Motion::Braking => "brakes",
+        Motion::SpinningCw | Motion::SpinningCcw if view.driven => "drives",
+        Motion::SpinningCw | Motion::SpinningCcw => "coasts",
+    };
+    let goal = match view.goal {
+        Some(Setpoint::Velocity { .. } | Setpoint::Brake) => " goal-speed",
+        Some(Setpoint::Position(_)) => " goal-angle",
+        // The ring is a scale of speeds: a pointer on it that meant amps would lie.
+        Some(Setpoint::Current(_)) | None => "",
+    };
+    let driven = if view.driven { " goal-driven" } else { "" };
+    format!("{motion}{goal}{driven}")
+}

@@ -1,0 +1,524 @@
+//! What the page says when something happened: what it was, and what to do.
+
+use motorlink_messages::{
+    ConnectError, Connection, Notice,
+    bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
+    protocol::{Mode, MotorId},
+};
+
+use crate::notice_board::{Remedy, Tone, Topic, Words};
+
+/// What can go wrong before the worker is asked to open a port.
+#[cfg_attr(
+    not(target_arch = "wasm32"),
+    allow(dead_code, reason = "found out where there is a browser")
+)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PickTrouble {
+    /// The browser has no Web Serial.
+    NoWebSerial,
+    /// The picker was closed without a choice; it showed only usual adapters where `filtered`.
+    Dismissed { filtered: bool },
+    /// The browser forbids serial ports to this page.
+    Forbidden,
+    /// The picked port is not among the permitted ones: it was pulled out meanwhile.
+    Vanished,
+    /// Anything else.
+    Unknown,
+}
+
+fn words(topic: Topic, tone: Tone, title: impl Into<String>, advice: &[&str]) -> Words {
+    Words {
+        topic,
+        tone,
+        title: title.into(),
+        advice: advice.iter().map(|line| (*line).to_owned()).collect(),
+        remedy: None,
+    }
+}
+
+/// The second line of the connection's state.
+pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
+    match connection {
+        Connection::Disconnected => ("Disconnected", "No port is open".to_owned()),
+        Connection::Connecting => ("Connecting", "Opening the port".to_owned()),
+        Connection::Connected(adapter) => ("Connected", adapter.to_string()),
+        Connection::Reconnecting(adapter) => ("Reconnecting", format!("Plug {adapter} in again")),
+        Connection::Failed(error) => ("Failed", failed_briefly(error).to_owned()),
+    }
+}
+
+const fn failed_briefly(error: ConnectError) -> &'static str {
+    match error {
+        ConnectError::NoWebSerial => "No Web Serial: use Chrome, Edge or the virtual motor",
+        ConnectError::PortGone => "The port is gone: press Choose another port",
+        ConnectError::OpenFailed => "Close other programs and tabs that use the port",
+        ConnectError::AlreadyOpen => "Open already: press Disconnect, then Connect",
+        ConnectError::Other => "Unplug the adapter, plug it in and press Connect",
+    }
+}
+
+/// What a failed connection says at length.
+pub(crate) fn of_connect_error(error: ConnectError) -> Words {
+    let port = |title, advice| words(Topic::Port, Tone::Error, title, advice);
+    match error {
+        ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
+        ConnectError::PortGone => port(
+            "The port is not there any more",
+            &["Plug the adapter in, then press Connect or Choose another port."],
+        ),
+        ConnectError::OpenFailed => port(
+            "The port does not open",
+            &[
+                "In use? Close other tabs and programs that hold it, such as a serial monitor.",
+                "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
+                 from snap or Flatpak may not see ports at all: use a packaged one.",
+                "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty.",
+                "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI).",
+                "Gone? Unplug the adapter and plug it in again.",
+            ],
+        ),
+        ConnectError::AlreadyOpen => port(
+            "The port is open already",
+            &["Press Disconnect, then Connect."],
+        ),
+        ConnectError::Other => port(
+            "The browser could not open the port",
+            &["Unplug the adapter, plug it in again and press Connect."],
+        ),
+    }
+}
+
+/// What went wrong with choosing a port.
+pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
+    let port = |tone, title, advice| words(Topic::Port, tone, title, advice);
+    match trouble {
+        PickTrouble::NoWebSerial => port(
+            Tone::Warning,
+            "This browser cannot open serial ports",
+            &[
+                "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
+                 https or from localhost.",
+                "The virtual motor works here: press Virtual motor.",
+            ],
+        ),
+        PickTrouble::Dismissed { filtered: true } => Words {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                "No port was chosen",
+                &[
+                    "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
+                     ports.",
+                    "Nothing in the list? Check the USB cable: some carry power only.",
+                ],
+            )
+        },
+        PickTrouble::Dismissed { filtered: false } => Words {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                "No port was chosen",
+                &[
+                    "Is the adapter not in the list? Check the USB cable (some carry power only) and \
+                     the driver of its chip.",
+                ],
+            )
+        },
+        PickTrouble::Forbidden => port(
+            Tone::Error,
+            "The browser forbids serial ports to this page",
+            &[
+                "Allow serial ports in the site settings (left of the address), or ask who manages \
+                 this browser.",
+            ],
+        ),
+        PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
+        PickTrouble::Unknown => Words {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Error,
+                "The browser's list of ports did not open",
+                &["Press Choose another port, or reload the page."],
+            )
+        },
+    }
+}
+
+/// What the worker tells; `None` where the page shows it in another way.
+pub(crate) fn of_notice(notice: &Notice, selected: MotorId) -> Option<Words> {
+    Some(match notice {
+        Notice::Refused { command, refusal } => of_refusal(*command, *refusal)?,
+        Notice::TooLate(_) => words(
+            Topic::Command,
+            Tone::Warning,
+            "That was not done: it came too late",
+            &["The page was busy when you pressed. Press again."],
+        ),
+        Notice::NotConnected => words(
+            Topic::Command,
+            Tone::Calm,
+            "Nothing is connected",
+            &["Press Connect or Virtual motor."],
+        ),
+        Notice::IdQueryEnded(outcome) => of_id_query(*outcome, selected)?,
+        Notice::ModeSwitchFailed {
+            id,
+            asked,
+            reported,
+        } => of_failed_switch(*id, *asked, *reported),
+        Notice::Withdrawn { id, reason } => of_withdrawal(*id, *reason),
+        Notice::MotorSilent(id) => of_silence(*id),
+        Notice::StopEnded(report) => of_stop(report)?,
+        Notice::AdapterLost { driven } => of_lost_adapter(driven),
+        Notice::AdapterBack => words(
+            Topic::Port,
+            Tone::Calm,
+            "The adapter is back",
+            &["Nothing drives. Press Start when you are ready."],
+        ),
+        Notice::LineError => words(
+            Topic::Line,
+            Tone::Warning,
+            "Damaged bytes on the line",
+            &["Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."],
+        ),
+        // Shown where the loop and the stop are shown.
+        Notice::ModeSwitched { .. } | Notice::MotorBack(_) | Notice::StopBegan(_) => return None,
+    })
+}
+
+/// The topic that this notice settles.
+pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
+    match notice {
+        Notice::ModeSwitched { id, .. } => Some(Topic::Loop(*id)),
+        Notice::MotorBack(_) | Notice::IdQueryEnded(IdQueryOutcome::One(_)) => Some(Topic::Answer),
+        _ => None,
+    }
+}
+
+fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
+    // A drag that outlasts its motor's drive is no mistake of anybody.
+    if matches!(command, Command::Adjust { .. } | Command::Forget(_)) {
+        return None;
+    }
+    let title = match command {
+        Command::Drive { id, .. } => format!("Motor {id} was not driven"),
+        Command::SwitchMode { mode, .. } => format!("The {mode} was not asked for"),
+        Command::IdQuery => "The ID query was not sent".to_owned(),
+        _ => "That was not done".to_owned(),
+    };
+    Some(words(
+        Topic::Command,
+        Tone::Warning,
+        title,
+        &[&refusal.to_string()],
+    ))
+}
+
+/// What to check where nobody answers, in the order in which it is mostly the reason.
+const WIRING: [&str; 4] = [
+    "Is the motor's 18 V supply on?",
+    "Is the brown wire tied to GND?",
+    "Swap orange and white: adapters label A and B both ways.",
+    "Is it the right ID? Choose another in the list Motor.",
+];
+
+fn of_id_query(outcome: IdQueryOutcome, selected: MotorId) -> Option<Words> {
+    Some(match outcome {
+        IdQueryOutcome::One(_) => return None,
+        IdQueryOutcome::Nobody => words(
+            Topic::Answer,
+            Tone::Warning,
+            "No motor answers on this adapter",
+            &WIRING,
+        ),
+        IdQueryOutcome::Garbled => words(
+            Topic::Answer,
+            Tone::Warning,
+            "Several motors answered at once, or there is noise on the line",
+            &[
+                &format!("Choose the motor's ID in the list Motor; {selected} is chosen now."),
+                "Only one motor on the line? Then check A and B, and put 120 Ω across them beyond \
+                 1 m.",
+            ],
+        ),
+    })
+}
+
+fn of_silence(id: MotorId) -> Words {
+    words(
+        Topic::Answer,
+        Tone::Warning,
+        format!("Motor {id} has not answered for 2 s"),
+        &WIRING,
+    )
+}
+
+fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
+    let title = reported.map_or_else(
+        || format!("Motor {id} reports no loop; the {asked} was asked for"),
+        |reported| format!("Motor {id} stays in the {reported}; the {asked} was asked for"),
+    );
+    let advice = match asked {
+        Mode::Position => "It refuses the position loop at 10 rpm and above: stop it, then switch.",
+        Mode::Current | Mode::Velocity => {
+            "Press Switch again. If it stays, turn its power off and on."
+        }
+    };
+    words(Topic::Loop(id), Tone::Error, title, &[advice])
+}
+
+fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
+    let (why, advice) = match reason {
+        WithdrawReason::Silent => (
+            "it did not answer for 200 ms".to_owned(),
+            "Check its power and the signal plug, then press Start.",
+        ),
+        WithdrawReason::Fault(faults) => (
+            format!("it reports {faults}"),
+            "Wait until the fault clears, free the wheel if it is blocked, then press Start.",
+        ),
+        WithdrawReason::OtherLoop { reported } => (
+            format!("it reports the {reported}: it lost power, or another master spoke"),
+            "Check its power, then switch its loop and press Start.",
+        ),
+    };
+    words(
+        Topic::Setpoint(id),
+        Tone::Error,
+        format!("Motor {id} is being stopped: {why}"),
+        &[advice],
+    )
+}
+
+fn of_stop(report: &StopReport) -> Option<Words> {
+    let open: Vec<String> = report
+        .motors
+        .iter()
+        .copied()
+        .filter(|motor| !motor.confirmed)
+        .map(of_unconfirmed)
+        .collect();
+    if open.is_empty() {
+        return None;
+    }
+    Some(words(
+        Topic::Stop,
+        Tone::Error,
+        format!("Standstill is not confirmed: {}", open.join(", ")),
+        &["Look at the wheel. If it turns, switch its power off."],
+    ))
+}
+
+fn of_unconfirmed(motor: StopOutcome) -> String {
+    let speed = motor
+        .speed
+        .map_or_else(|| "speed unknown".to_owned(), |speed| speed.to_string());
+    format!("motor {} ({speed})", motor.id)
+}
+
+fn of_lost_adapter(driven: &[MotorId]) -> Words {
+    let coasts = match driven {
+        [] => None,
+        [id] => Some(format!(
+            "Motor {id} was driven: without frames its wheel coasts to a standstill. Keep clear."
+        )),
+        ids => Some(format!(
+            "{} motors were driven: without frames their wheels coast to a standstill. Keep clear.",
+            ids.len()
+        )),
+    };
+    let mut words = words(Topic::Port, Tone::Error, "The adapter was pulled out", &[]);
+    words.advice.extend(coasts);
+    let plug = "Plug it in again: the page reconnects, and nothing drives until you press Start.";
+    words.advice.push(plug.to_owned());
+    words
+}
+
+/// The worker itself has failed.
+pub(crate) fn of_dead_worker(driven: bool) -> Words {
+    let coasts = "Its frames have ceased, so a wheel that was driven coasts to a standstill.";
+    let mut words = words(
+        Topic::Worker,
+        Tone::Error,
+        "The background worker has stopped",
+        &["Reload the page to go on."],
+    );
+    if driven {
+        words.advice.insert(0, coasts.to_owned());
+    }
+    words.remedy = Some(Remedy::Reload);
+    words
+}
+
+/// Another motor was chosen while one was driven.
+pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> Words {
+    words(
+        Topic::Choice,
+        Tone::Calm,
+        format!("Motor {before} is being stopped"),
+        &[&format!(
+            "You chose motor {chosen}; only the chosen motor is driven."
+        )],
+    )
+}
+
+/// Why all motors are stopped, in the words of the dialog.
+pub(crate) const fn of_stop_reason(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Operator => "You pressed Stop all motors.",
+        StopReason::PageHidden => "The page was hidden, and Keep driving while hidden is off.",
+        StopReason::PageGone => "The page was closed, reloaded or frozen.",
+        StopReason::PageSilent => "The page did not answer its worker for a second.",
+        StopReason::Disconnect => "The port was closed.",
+        StopReason::OneMotor => "A motor was stopped.",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        Adapter,
+        bus::Consent,
+        protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+    };
+
+    use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+
+    fn said(notice: &Notice) -> Option<String> {
+        of_notice(notice, ID).map(|words| format!("{} | {}", words.title, words.advice.join(" ")))
+    }
+
+    fn refused(command: Command) -> Notice {
+        Notice::Refused {
+            command,
+            refusal: Refusal::NotDriven(ID),
+        }
+    }
+
+    #[test]
+    fn every_trouble_says_what_to_do() {
+        for error in [
+            ConnectError::NoWebSerial,
+            ConnectError::PortGone,
+            ConnectError::OpenFailed,
+            ConnectError::AlreadyOpen,
+            ConnectError::Other,
+        ] {
+            assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
+            let (state, brief) = of_connection(Connection::Failed(error));
+            assert_eq!(state, "Failed");
+            assert!(!brief.is_empty(), "{error:?}");
+        }
+        for trouble in [
+            PickTrouble::NoWebSerial,
+            PickTrouble::Dismissed { filtered: true },
+            PickTrouble::Dismissed { filtered: false },
+            PickTrouble::Forbidden,
+            PickTrouble::Vanished,
+            PickTrouble::Unknown,
+        ] {
+            assert!(!of_pick_trouble(trouble).advice.is_empty(), "{trouble:?}");
+        }
+    }
+
+    #[test]
+    fn a_port_that_does_not_open_names_every_cause() {
+        let all = of_connect_error(ConnectError::OpenFailed).advice.join(" ");
+        for cause in ["other tabs", "dialout", "snap", "brltty", "driver", "Gone?"] {
+            assert!(all.contains(cause), "{cause}");
+        }
+    }
+
+    #[test]
+    fn a_silent_motor_gets_the_checklist() {
+        for notice in [
+            Notice::MotorSilent(ID),
+            Notice::IdQueryEnded(IdQueryOutcome::Nobody),
+        ] {
+            let said = said(&notice).unwrap();
+            for check in ["18 V", "brown", "orange and white", "right ID"] {
+                assert!(said.contains(check), "{said}");
+            }
+        }
+        assert_eq!(settled_by(&Notice::MotorBack(ID)), Some(Topic::Answer));
+    }
+
+    #[test]
+    fn a_refused_drag_is_not_told_and_a_refused_press_is() {
+        let setpoint = Setpoint::velocity(SpeedTarget::ZERO);
+        let consent = Consent::None;
+        let id = ID;
+        let drag = Command::Adjust {
+            id,
+            setpoint,
+            consent,
+        };
+        let press = Command::Drive {
+            id,
+            setpoint,
+            consent,
+        };
+        assert_eq!(said(&refused(drag)), None);
+        assert!(said(&refused(press)).unwrap().contains("Press Start"));
+    }
+
+    #[test]
+    fn a_stop_is_only_told_of_where_it_is_not_confirmed() {
+        let report = |confirmed, speed| {
+            Notice::StopEnded(StopReport {
+                reason: StopReason::OneMotor,
+                motors: vec![StopOutcome {
+                    id: ID,
+                    confirmed,
+                    speed,
+                }],
+            })
+        };
+        assert_eq!(said(&report(true, Some(Rpm::new(0)))), None);
+        let words = said(&report(false, None)).unwrap();
+        assert!(words.contains("motor 0x01 (speed unknown)"), "{words}");
+        assert!(words.contains("power off"), "{words}");
+        let words = said(&report(false, Some(Rpm::new(-30)))).unwrap();
+        assert!(words.contains("\u{2212}30 rpm"), "{words}");
+    }
+
+    #[test]
+    fn a_withdrawn_setpoint_says_why() {
+        let withdrawn = |reason| said(&Notice::Withdrawn { id: ID, reason }).unwrap();
+        assert!(withdrawn(WithdrawReason::Fault(Faults::from_byte(8))).contains("reports stall"));
+        let reported = Mode::Velocity;
+        assert!(withdrawn(WithdrawReason::OtherLoop { reported }).contains("lost power"));
+        assert!(withdrawn(WithdrawReason::Silent).contains("200 ms"));
+    }
+
+    #[test]
+    fn a_lost_adapter_says_that_a_driven_wheel_coasts() {
+        let lost = |driven: &[MotorId]| {
+            let driven = driven.to_vec();
+            said(&Notice::AdapterLost { driven }).unwrap()
+        };
+        assert!(lost(&[ID]).contains("coasts"));
+        assert!(!lost(&[]).contains("coasts"));
+        let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
+        assert_eq!(
+            (state, detail.as_str()),
+            ("Reconnecting", "Plug Virtual motor in again")
+        );
+    }
+
+    #[test]
+    fn our_stop_is_never_called_an_emergency_stop() {
+        for reason in [
+            StopReason::Operator,
+            StopReason::PageHidden,
+            StopReason::PageGone,
+            StopReason::PageSilent,
+        ] {
+            assert!(!of_stop_reason(reason).to_lowercase().contains("emergency"));
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! A mounted page, the worker it talks to, and the controls by their names.
+
+use std::{cell::RefCell, rc::Rc};
+
+use js_sys::{Array, Promise, Uint8Array};
+use leptos::mount::{UnmountHandle, mount_to};
+use motorlink::App;
+use motorlink_messages::{
+    Adapter, Connection, ToPage, ToWorker, Update,
+    bus::{Activity, Command, Counters, LinkQuality, MotorStatus, Sample},
+    decode, encode,
+    protocol::{
+        Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Reply, Rpm,
+    },
+};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{
+    Blob, BlobPropertyBag, BroadcastChannel, Document, Element, Event, HtmlElement,
+    HtmlInputElement, KeyboardEvent, KeyboardEventInit, MessageEvent, Url,
+};
+
+/// Passes on what it is told, and says what it is bidden.
+const WORKER: &str = r"
+    const bench = new BroadcastChannel('CHANNEL');
+    self.onmessage = (event) => bench.postMessage(event.data);
+    bench.onmessage = (event) => self.postMessage(event.data);
+    bench.postMessage('up');
+";
+
+pub struct Bench {
+    channel: BroadcastChannel,
+    told: Rc<RefCell<Vec<ToWorker>>>,
+    up: Rc<RefCell<bool>>,
+    root: HtmlElement,
+    meta: Element,
+    _on_message: Closure<dyn FnMut(MessageEvent)>,
+    _page: Box<dyn std::any::Any>,
+}
+
+impl Bench {
+    /// Mounts the page; the name keeps the worker apart from those of other tests.
+    pub async fn new(name: &str) -> Self {
+        let channel = BroadcastChannel::new(name).unwrap();
+        let told = Rc::new(RefCell::new(Vec::new()));
+        let up = Rc::new(RefCell::new(false));
+        let on_message = Closure::<dyn FnMut(MessageEvent)>::new({
+            let (told, up) = (told.clone(), up.clone());
+            move |event: MessageEvent| match event.data().dyn_into::<Uint8Array>() {
+                Ok(bytes) => told.borrow_mut().push(decode(&bytes.to_vec()).unwrap()),
+                Err(_) => *up.borrow_mut() = true,
+            }
+        });
+        channel.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+
+        let script = WORKER.replace("CHANNEL", name);
+        let kind = BlobPropertyBag::new();
+        kind.set_type("text/javascript");
+        let parts = Array::of1(&JsValue::from_str(&script));
+        let blob = Blob::new_with_str_sequence_and_options(&parts, &kind).unwrap();
+        let meta = document().create_element("meta").unwrap();
+        meta.set_attribute("name", "motorlink-worker").unwrap();
+        let url = Url::create_object_url_with_blob(&blob).unwrap();
+        meta.set_attribute("content", &url).unwrap();
+        document().head().unwrap().append_child(&meta).unwrap();
+
+        let root: HtmlElement = document().create_element("div").unwrap().unchecked_into();
+        document().body().unwrap().append_child(&root).unwrap();
+        let page: UnmountHandle<_> = mount_to(root.clone(), App);
+        let bench = Self {
+            channel,
+            told,
+            up,
+            root,
+            meta,
+            _on_message: on_message,
+            _page: Box::new(page),
+        };
+        bench
+            .until("the worker to start", || *bench.up.borrow())
+            .await;
+        bench
+    }
+
+    /// The same with a motor that reports this loop and 0 rpm.
+    pub async fn with_motor(name: &str, mode: Mode) -> Self {
+        let bench = Self::new(name).await;
+        let time_origin_ms = performance().time_origin();
+        bench.say(&ToPage::Hello { time_origin_ms });
+        bench.report(motor(mode, Activity::Idle), false);
+        bench
+            .until("the page to be connected", || {
+                bench.text("status", "Mode").contains("loop")
+            })
+            .await;
+        bench.told.borrow_mut().clear();
+        bench
+    }
+
+    /// Has the worker say this.
+    pub fn say(&self, message: &ToPage) {
+        let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
+        self.channel.post_message(&bytes).unwrap();
+    }
+
+    pub fn report(&self, motor: MotorStatus, halted: bool) {
+        self.say(&ToPage::Update(Update {
+            now: now(),
+            connection: Connection::Connected(Adapter::Virtual),
+            halted,
+            motors: vec![motor],
+            samples: vec![],
+            notices: vec![],
+        }));
+    }
+
+    /// What the worker was told since the last call, after all of it has arrived.
+    pub async fn told(&self) -> Vec<ToWorker> {
+        pause(60).await;
+        self.told.borrow_mut().drain(..).collect()
+    }
+
+    /// The commands among them, each given just now.
+    pub async fn commands(&self) -> Vec<Command> {
+        let now_ms = performance().now();
+        let command = |message| match message {
+            ToWorker::Command { command, given_ms } => {
+                assert!(
+                    (now_ms - given_ms).abs() < 5_000.0,
+                    "{given_ms} at {now_ms}"
+                );
+                Some(command)
+            }
+            _ => None,
+        };
+        self.told().await.into_iter().filter_map(command).collect()
+    }
+
+    /// Every element with this role and accessible name that one can reach.
+    pub fn find_all(&self, role: &str, name: &str) -> Vec<HtmlElement> {
+        let all = self.root.query_selector_all("*").unwrap();
+        (0..all.length())
+            .filter_map(|place| all.get(place)?.dyn_into::<HtmlElement>().ok())
+            .filter(|element| role_of(element) == role && name_of(element) == name)
+            .filter(|element| element.closest("[hidden], .closed").unwrap().is_none())
+            .collect()
+    }
+
+    pub fn find(&self, role: &str, name: &str) -> HtmlElement {
+        let mut found = self.find_all(role, name);
+        assert_eq!(found.len(), 1, "{role} {name:?}");
+        found.remove(0)
+    }
+
+    pub fn text(&self, role: &str, name: &str) -> String {
+        let text = self.find(role, name).text_content().unwrap_or_default();
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    pub fn click(&self, name: &str) {
+        self.find("button", name).click();
+    }
+
+    /// Replaces what is in a field.
+    pub fn enter(&self, name: &str, text: &str) -> HtmlInputElement {
+        let field: HtmlInputElement = self.find("spinbutton", name).unchecked_into();
+        field.set_value(text);
+        field.dispatch_event(&Event::new("input").unwrap()).unwrap();
+        field
+    }
+
+    pub async fn until(&self, what: &str, is: impl Fn() -> bool) {
+        for _ in 0..100 {
+            if is() {
+                return;
+            }
+            pause(20).await;
+        }
+        panic!("waited in vain for {what}");
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        self.channel.close();
+        self.meta.remove();
+    }
+}
+
+/// Presses a key where the focus is.
+pub fn press(key: &str) {
+    let init = KeyboardEventInit::new();
+    init.set_key(key);
+    init.set_bubbles(true);
+    init.set_cancelable(true);
+    let event = KeyboardEvent::new_with_keyboard_event_init_dict("keydown", &init).unwrap();
+    let focused = document().active_element().unwrap();
+    focused.dispatch_event(&event).unwrap();
+}
+
+pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {
+    let reply = Reply {
+        id: MotorId::FIRST,
+        mode,
+        current: Current::from_raw(0),
+        speed: Rpm::new(0),
+        detail: Detail::Query {
+            temperature: Celsius::new(30),
+            position: CoarsePosition::from_raw(0),
+        },
+        faults: Faults::NONE,
+    };
+    MotorStatus {
+        id: MotorId::FIRST,
+        activity,
+        last: Some(Sample {
+            // A report that stays fresh for as long as a test takes.
+            at: now() + std::time::Duration::from_secs(60),
+            reply,
+        }),
+        position: None,
+        temperature: None,
+        silent: false,
+        link: LinkQuality::default(),
+        counters: Counters::default(),
+    }
+}
+
+pub async fn pause(millis: i32) {
+    let promise = Promise::new(&mut |resolve, _| {
+        let window = web_sys::window().unwrap();
+        window
+            .set_timeout_with_callback_and_timeout_and_arguments_0(&resolve, millis)
+            .unwrap();
+    });
+    JsFuture::from(promise).await.unwrap();
+}
+
+pub fn document() -> Document {
+    web_sys::window().unwrap().document().unwrap()
+}
+
+fn performance() -> web_sys::Performance {
+    web_sys::window().unwrap().performance().unwrap()
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "milliseconds of a test"
+)]
+fn now() -> Instant {
+    Instant::from_millis(performance().now() as u64)
+}
+
+/// The role of the elements that the page uses, as a screen reader has it.
+fn role_of(element: &HtmlElement) -> String {
+    if let Some(role) = element.get_attribute("role") {
+        return role;
+    }
+    let kind = element.get_attribute("type").unwrap_or_default();
+    match (element.tag_name().as_str(), kind.as_str()) {
+        ("BUTTON", _) => "button",
+        ("OUTPUT", _) => "status",
+        ("SELECT", _) => "combobox",
+        ("SECTION", _) => "region",
+        ("INPUT", "range") => "slider",
+        ("INPUT", "checkbox") => "checkbox",
+        _ => "",
+    }
+    .to_owned()
+}
+
+fn name_of(element: &HtmlElement) -> String {
+    if let Some(name) = element.get_attribute("aria-label") {
+        return name;
+    }
+    let label = element.closest("label").unwrap();
+    let text = label.map_or_else(|| element.text_content(), |label| label.text_content());
+    text.unwrap_or_default().trim().to_owned()
+}

@@ -1,0 +1,137 @@
+//! Every control and read-out is found by its role and name, worker or not.
+
+use motorlink_messages::protocol::Mode;
+use wasm_bindgen_test::wasm_bindgen_test;
+
+use crate::bench::Bench;
+
+/// What is there whichever tab is open.
+const ALWAYS: [(&str, &str); 25] = [
+    ("button", "Connect"),
+    ("button", "Choose another port"),
+    ("button", "Virtual motor"),
+    ("status", "Connection"),
+    ("combobox", "Motor"),
+    ("combobox", "Model"),
+    ("status", "Link"),
+    ("button", "Stop all motors"),
+    ("spinbutton", "Command rate"),
+    ("checkbox", "Keep driving while hidden"),
+    ("button", "Theme"),
+    ("button", "Help"),
+    ("tablist", "Control"),
+    ("tab", "Velocity"),
+    ("tab", "Current"),
+    ("tab", "Position"),
+    ("region", "Telemetry"),
+    ("status", "Speed"),
+    ("status", "Current"),
+    ("status", "Position"),
+    ("status", "Temperature"),
+    ("status", "Faults"),
+    ("status", "Mode"),
+    ("status", "Motion"),
+    ("region", "Notices"),
+];
+
+const VELOCITY: &[(&str, &str)] = &[
+    ("button", "Switch to velocity loop"),
+    ("slider", "Target speed"),
+    ("spinbutton", "Target speed"),
+    ("spinbutton", "Acceleration"),
+    ("button", "-100"),
+    ("button", "-50"),
+    ("button", "Stop"),
+    ("button", "Start"),
+    ("button", "Brake"),
+    ("button", "+50"),
+    ("button", "+100"),
+];
+
+const CURRENT: &[(&str, &str)] = &[
+    ("button", "Switch to current loop"),
+    ("slider", "Target current"),
+    ("spinbutton", "Target current"),
+    ("status", "Target current in amps"),
+    ("button", "-2 A"),
+    ("button", "-1 A"),
+    ("button", "-0.5 A"),
+    ("button", "0 A"),
+    ("button", "+0.5 A"),
+    ("button", "+1 A"),
+    ("button", "+2 A"),
+    ("button", "Start"),
+    ("button", "Stop"),
+];
+
+const POSITION: &[(&str, &str)] = &[
+    ("button", "Switch to position loop"),
+    ("slider", "Target position"),
+    ("spinbutton", "Target position"),
+    ("spinbutton", "Target angle"),
+    ("button", "0°"),
+    ("button", "90°"),
+    ("button", "180°"),
+    ("button", "270°"),
+    ("button", "Go"),
+    ("button", "Stop"),
+];
+
+#[wasm_bindgen_test]
+async fn every_control_is_found_by_its_name() {
+    let bench = Bench::new("contract").await;
+    for (role, name) in ALWAYS {
+        bench.find(role, name);
+    }
+    for (tab, controls) in [
+        ("Velocity", VELOCITY),
+        ("Current", CURRENT),
+        ("Position", POSITION),
+    ] {
+        bench.find("tab", tab).click();
+        bench
+            .until(tab, || {
+                let (role, name) = controls[0];
+                bench.find_all(role, name).len() == 1
+            })
+            .await;
+        for (role, name) in controls {
+            bench.find(role, name);
+        }
+    }
+}
+
+#[wasm_bindgen_test]
+async fn unknown_is_a_dash_and_never_zero() {
+    let bench = Bench::new("unknown").await;
+    for name in [
+        "Speed",
+        "Current",
+        "Position",
+        "Temperature",
+        "Faults",
+        "Mode",
+    ] {
+        assert_eq!(bench.text("status", name), "–", "{name}");
+    }
+    assert_eq!(bench.text("status", "Link"), "– Hz – ms – % lost");
+}
+
+#[wasm_bindgen_test]
+async fn a_control_that_does_not_apply_says_why() {
+    let bench = Bench::new("why-not").await;
+    let start = bench.find("button", "Start");
+    assert!(start.has_attribute("disabled"));
+    assert!(start.title().contains("Not connected"), "{}", start.title());
+    let stop = bench.find("button", "Stop all motors");
+    assert!(!stop.has_attribute("disabled"));
+}
+
+#[wasm_bindgen_test]
+async fn the_tab_follows_the_loop_of_the_motor() {
+    let bench = Bench::with_motor("follow", Mode::Position).await;
+    let tab = bench.find("tab", "Position");
+    assert_eq!(tab.get_attribute("aria-selected").unwrap(), "true");
+    assert_eq!(bench.text("status", "Mode"), "Position loop");
+    assert_eq!(bench.text("status", "Speed"), "0 rpm");
+}

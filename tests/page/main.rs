@@ -1,0 +1,15 @@
+//! The page in a browser, with a worker that only writes down what it is told.
+#![cfg(target_arch = "wasm32")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "what fails here fails a test"
+)]
+
+mod bench;
+mod contract;
+mod operating;
+mod remembering;
+
+wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

@@ -1,0 +1,152 @@
+//! What an operator does, and what the worker is told by it.
+
+use motorlink_messages::{
+    ToPage, ToWorker,
+    bus::{Activity, Command, Consent, StopReason},
+    protocol::{Acceleration, CurrentTarget, Mode, MotorId, Setpoint, SpeedTarget},
+};
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::Event;
+
+use crate::bench::{Bench, document, motor, press};
+
+const ID: MotorId = MotorId::FIRST;
+const STOP_ALL: Command = Command::StopAll(StopReason::Operator);
+
+fn speed(rpm: i32) -> Setpoint {
+    Setpoint::Velocity {
+        speed: SpeedTarget::new(rpm).unwrap(),
+        acceleration: Acceleration::FASTEST,
+    }
+}
+
+fn drive(setpoint: Setpoint, consent: Consent) -> Command {
+    Command::Drive {
+        id: ID,
+        setpoint,
+        consent,
+    }
+}
+
+#[wasm_bindgen_test]
+async fn a_ping_is_answered() {
+    let bench = Bench::new("ping").await;
+    bench.told().await;
+    bench.say(&ToPage::Ping);
+    let told = bench.told().await;
+    assert!(
+        matches!(told.as_slice(), [ToWorker::Pong { .. }]),
+        "{told:?}"
+    );
+}
+
+#[wasm_bindgen_test]
+async fn plus_one_hundred_drives_at_one_hundred() {
+    let bench = Bench::with_motor("plus-100", Mode::Velocity).await;
+    bench.click("+100");
+    bench.click("-50");
+    let wanted = [100, -50].map(|rpm| drive(speed(rpm), Consent::None));
+    assert_eq!(bench.commands().await, wanted);
+}
+
+#[wasm_bindgen_test]
+async fn keys_drive_and_stop() {
+    let bench = Bench::with_motor("keys", Mode::Velocity).await;
+    press("2");
+    press("b");
+    press("s");
+    press(" ");
+    let wanted = [
+        drive(speed(100), Consent::None),
+        drive(speed(-100), Consent::None),
+        Command::Stop(ID),
+        STOP_ALL,
+    ];
+    assert_eq!(bench.commands().await, wanted);
+}
+
+#[wasm_bindgen_test]
+async fn in_a_field_only_escape_acts() {
+    let bench = Bench::with_motor("in-a-field", Mode::Velocity).await;
+    bench.find("spinbutton", "Target speed").focus().unwrap();
+    for key in ["1", "f", " ", "v", "Escape"] {
+        press(key);
+    }
+    assert_eq!(bench.commands().await, [STOP_ALL]);
+}
+
+#[wasm_bindgen_test]
+async fn a_speed_out_of_range_is_kept_explained_and_not_sent() {
+    let bench = Bench::with_motor("out-of-range", Mode::Velocity).await;
+    let driven = Activity::Driven {
+        setpoint: speed(100),
+    };
+    bench.report(motor(Mode::Velocity, driven), false);
+    let title = || document().title();
+    bench
+        .until("the motor to be driven", || {
+            title() == "● +100 rpm - MotorLink"
+        })
+        .await;
+
+    let field = bench.enter("Target speed", "400");
+    assert_eq!(bench.commands().await, []);
+    assert_eq!(field.value(), "400");
+    assert_eq!(field.get_attribute("aria-invalid").unwrap(), "true");
+    let words = field.get_attribute("aria-describedby").unwrap();
+    let words = document().get_element_by_id(&words).unwrap();
+    let words = words.text_content().unwrap();
+    assert!(words.contains("-330 to 330"), "{words}");
+    assert!(bench.find("button", "Start").has_attribute("disabled"));
+
+    bench.enter("Target speed", "-120");
+    let adjusted = Command::Adjust {
+        id: ID,
+        setpoint: speed(-120),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.commands().await, [adjusted]);
+}
+
+#[wasm_bindgen_test]
+async fn a_high_current_asks_first() {
+    let bench = Bench::with_motor("high-current", Mode::Current).await;
+    bench.enter("Target current", "26000");
+    bench.click("Start");
+    assert_eq!(bench.commands().await, []);
+    assert_eq!(bench.find_all("alertdialog", "High current").len(), 1);
+    bench.click("Drive at +6.35 A");
+    let setpoint = Setpoint::Current(CurrentTarget::new(26_000).unwrap());
+    assert_eq!(
+        bench.commands().await,
+        [drive(setpoint, Consent::HighCurrent)]
+    );
+    assert_eq!(bench.find_all("alertdialog", "High current").len(), 0);
+}
+
+#[wasm_bindgen_test]
+async fn after_a_stop_a_person_has_to_release() {
+    let bench = Bench::with_motor("release", Mode::Velocity).await;
+    bench.report(motor(Mode::Velocity, Activity::Idle), true);
+    bench
+        .until("the dialog", || {
+            bench.find_all("alertdialog", "Stopped").len() == 1
+        })
+        .await;
+    assert!(bench.find("button", "+100").title().contains("Release"));
+    // Whoever hammers on Space stops again and releases nothing.
+    press(" ");
+    assert_eq!(bench.commands().await, [STOP_ALL]);
+    bench.click("Release");
+    assert_eq!(bench.commands().await, [Command::Release]);
+}
+
+#[wasm_bindgen_test]
+async fn a_page_that_goes_stops_the_motors() {
+    let bench = Bench::with_motor("pagehide", Mode::Velocity).await;
+    let window = web_sys::window().unwrap();
+    let goes = Event::new("pagehide").unwrap();
+    window.dispatch_event(&goes).unwrap();
+    let stop = Command::StopAll(StopReason::PageGone);
+    assert_eq!(bench.commands().await, [stop]);
+}

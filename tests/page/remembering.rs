@@ -1,0 +1,39 @@
+//! What the browser remembers.
+
+use motorlink::{Model, Preferences, Theme};
+use motorlink_messages::{UsbId, bus::CommandRate, protocol::MotorId};
+use wasm_bindgen_test::wasm_bindgen_test;
+
+use crate::bench::{Bench, document};
+
+#[wasm_bindgen_test]
+async fn what_is_saved_is_there_after_a_reload() {
+    let chosen = Preferences {
+        motor: MotorId::new(7).unwrap(),
+        model: Model::Ddsm115,
+        adapter: Some(UsbId {
+            vendor: 0x1A86,
+            product: 0x7523,
+        }),
+        rate: CommandRate::new(200).unwrap(),
+        theme: Theme::Dark,
+        keep_driving: false,
+    };
+    chosen.save();
+    assert_eq!(Preferences::load(), chosen);
+
+    let bench = Bench::new("remembering").await;
+    let theme = || {
+        let root = document().document_element().unwrap();
+        root.get_attribute("data-theme")
+    };
+    bench
+        .until("the dark page", || theme().as_deref() == Some("dark"))
+        .await;
+    bench.click("Theme");
+    bench
+        .until("the system's colours", || theme().is_none())
+        .await;
+    assert_eq!(Preferences::load().theme, Theme::System);
+    Preferences::default().save();
+}
