@@ -29,7 +29,9 @@ pub(crate) fn Notices() -> impl IntoView {
         <section class="panel notices" aria-label="Notices" class:empty=live(none)>
             <div hidden=live(move || !none())>
                 <h2>"Next"</h2>
-                <p class="next-steps">{live(move || next.get())}</p>
+                <p class="next-steps">
+                    {live(move || if none() { next.get() } else { String::new() })}
+                </p>
             </div>
             {slots}
         </section>
@@ -94,9 +96,7 @@ fn Slot(place: usize) -> impl IntoView {
                             board.dismiss(number.unwrap_or_default());
                         });
                 })
-            >
-                <span aria-hidden="true">"×"</span>
-            </button>
+            ></button>
         </div>
     }
 }

@@ -1,6 +1,7 @@
 //! Puts a view on the screen by setting a few attributes of the picture, and only those that differ.
 
-use leptos::web_sys::{Element, SvgElement};
+use leptos::wasm_bindgen::JsCast;
+use leptos::web_sys::{CssStyleDeclaration, Element, SvgElement};
 use motorlink_messages::protocol::Setpoint;
 
 use super::blur::{sharpness, trail_deg};
@@ -35,8 +36,9 @@ impl Attribute {
         }
     }
 
+    /// In steps of a twentieth: what changes inside the turning layer has it rastered again.
     fn set_opacity(&mut self, opacity: f64) {
-        self.set(format!("{opacity:.2}"));
+        self.set(format!("{:.2}", (opacity * 20.0).round() / 20.0));
     }
 
     fn rotate(&mut self, clockwise_deg: f64) {
@@ -44,11 +46,37 @@ impl Attribute {
     }
 }
 
+/// What turns the wheel: the one thing that differs in every frame. As a style it moves a layer that
+/// is there already; as an attribute it would have the picture laid out again.
+struct Turning {
+    style: CssStyleDeclaration,
+    written: String,
+}
+
+impl Turning {
+    fn find(picture: &SvgElement) -> Option<Self> {
+        let element = picture.query_selector(".twin-turning").ok().flatten()?;
+        Some(Self {
+            style: element.dyn_into::<SvgElement>().ok()?.style(),
+            written: String::new(),
+        })
+    }
+
+    fn rotate(&mut self, clockwise_deg: f64) {
+        let value = format!("rotate({clockwise_deg:.2}deg)");
+        if self.written != value {
+            // It fails for values that are none, and these are ours.
+            let _ = self.style.set_property("transform", &value);
+            self.written = value;
+        }
+    }
+}
+
 /// The moving parts of a mounted picture.
 pub struct Painter {
     look: Attribute,
     description: (Element, String),
-    turning: Attribute,
+    turning: Turning,
     tread: Attribute,
     tread_band: Attribute,
     holes: Attribute,
@@ -76,7 +104,7 @@ impl Painter {
                 picture.query_selector("desc").ok().flatten()?,
                 String::new(),
             ),
-            turning: find(".twin-turning", "transform")?,
+            turning: Turning::find(picture)?,
             tread: find(".twin-tread", "opacity")?,
             tread_band: find(".twin-tread-band", "opacity")?,
             holes: find(".twin-holes", "opacity")?,
@@ -115,7 +143,9 @@ impl Painter {
         let holes = sharpness(blurred_rpm, mm::HOLE_COUNT);
         self.holes.set_opacity(holes);
         self.hole_band.set_opacity(1.0 - holes);
-        self.trail.set(format!("{:.1} 360", trail_deg(blurred_rpm)));
+        // In steps of two degrees, as above.
+        let trail = (trail_deg(blurred_rpm) / 2.0).round() * 2.0;
+        self.trail.set(format!("{trail:.0} 360"));
         // The trail is drawn clockwise of the mark, where it belongs while the wheel turns the other
         // way.
         let side = if rpm < 0.0 {
@@ -126,7 +156,10 @@ impl Painter {
         self.trail_side.set(side.to_owned());
     }
 
+    /// To half a revolution a minute, a quarter of a degree on the ring: finer would have the ring
+    /// drawn anew with every report of a wheel that runs evenly.
     fn paint_speed(&mut self, rpm: f64) {
+        let rpm = (rpm * 2.0).round() / 2.0;
         let dash = dash(rpm);
         self.speed_length.set(format!("{:.2} 999", dash.length));
         self.speed_start.set(format!("{:.2}", -dash.start));

@@ -93,7 +93,7 @@ impl Bench {
                 bench.text("status", "Mode").contains("loop")
             })
             .await;
-        bench.told.borrow_mut().clear();
+        bench.told().await;
         bench
     }
 
@@ -116,7 +116,7 @@ impl Bench {
 
     /// What the worker was told since the last call, after all of it has arrived.
     pub async fn told(&self) -> Vec<ToWorker> {
-        pause(60).await;
+        pause(200).await;
         self.told.borrow_mut().drain(..).collect()
     }
 

@@ -99,7 +99,11 @@ async fn a_speed_out_of_range_is_kept_explained_and_not_sent() {
     assert!(words.contains("-330 to 330"), "{words}");
     assert!(bench.find("button", "Start").has_attribute("disabled"));
 
-    bench.enter("Target speed", "-120");
+    // A wheel does not follow while a number is typed.
+    let field = bench.enter("Target speed", "-120");
+    assert_eq!(bench.commands().await, []);
+    field.focus().unwrap();
+    press("Enter");
     let adjusted = Command::Adjust {
         id: ID,
         setpoint: speed(-120),

@@ -110,6 +110,8 @@ pub(crate) struct Motor {
     /// may still come.
     drive_unanswered: Option<Instant>,
     query_unanswered: Option<Instant>,
+    /// Requests since the last reply.
+    pub(crate) unanswered_in_a_row: u32,
     /// The loop that was asked for since the motor last said which it is in.
     switched_to: Option<Mode>,
     pub(crate) next_query: Instant,
@@ -132,6 +134,7 @@ impl Motor {
             silent: false,
             drive_unanswered: None,
             query_unanswered: None,
+            unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
             counters: Counters::default(),
@@ -144,6 +147,7 @@ impl Motor {
     /// Keeps what a reply says. Returns whether the motor had been silent.
     pub(crate) fn heard(&mut self, at: Instant, reply: Reply) -> bool {
         self.last = Some(Sample { at, reply });
+        self.unanswered_in_a_row = 0;
         match reply.detail {
             Detail::Drive { position } => self.position = Some((at, position)),
             Detail::Query { temperature, .. } => self.temperature = Some((at, temperature)),
@@ -173,6 +177,7 @@ impl Motor {
     }
 
     pub(crate) fn lost(&mut self, layout: Layout, sent: Instant) {
+        self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
         match layout {
             Layout::Drive => self.drive_unanswered = Some(sent),
             Layout::Query => self.query_unanswered = Some(sent),

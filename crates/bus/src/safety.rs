@@ -6,7 +6,7 @@ use motorlink_protocol::{CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpo
 
 use crate::{
     Consent, Refusal, WithdrawReason,
-    timing::{DRIVEN_SILENCE_MAX, POSITION_SWITCH_RPM},
+    timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 
 /// A current above this asks first: 25,000 raw is 6.1 A.
@@ -119,6 +119,7 @@ pub(crate) fn check_driven(
     reported: Option<Mode>,
     faults: Faults,
     silent_for: Duration,
+    unanswered: u32,
 ) -> Option<WithdrawReason> {
     if faults.any_named() {
         return Some(WithdrawReason::Fault(faults));
@@ -126,7 +127,8 @@ pub(crate) fn check_driven(
     if let Some(reported) = reported.filter(|reported| *reported != asked) {
         return Some(WithdrawReason::OtherLoop { reported });
     }
-    (silent_for >= DRIVEN_SILENCE_MAX).then_some(WithdrawReason::Silent)
+    let silent = silent_for >= DRIVEN_SILENCE_MAX && unanswered >= DRIVEN_UNANSWERED_MAX;
+    silent.then_some(WithdrawReason::Silent)
 }
 
 /// The setpoint of the next frame on the way to `goal`: a torque reversal passes through zero.
@@ -261,19 +263,19 @@ mod tests {
         let hot = Faults::NONE.with(Fault::OverTemperature);
         let velocity = Some(Mode::Velocity);
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(199)),
+            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(199), 9),
             None
         );
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(200)),
+            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(200), 3),
             Some(WithdrawReason::Silent)
         );
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, hot, ms(0)),
+            check_driven(Mode::Velocity, velocity, hot, ms(0), 0),
             Some(WithdrawReason::Fault(hot))
         );
         assert_eq!(
-            check_driven(Mode::Current, velocity, Faults::NONE, ms(0)),
+            check_driven(Mode::Current, velocity, Faults::NONE, ms(0), 0),
             Some(WithdrawReason::OtherLoop {
                 reported: Mode::Velocity
             })

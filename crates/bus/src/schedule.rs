@@ -6,7 +6,7 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     motor::{Control, Motor},
-    timing::{EARLY, QUERY_MARGIN, QUERY_PATIENCE},
+    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };
 
 /// What the line is to be used for.
@@ -37,7 +37,7 @@ pub(crate) enum Errand {
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
 /// long, stops and drive frames by deadline, and queries where they make no drive frame late.
-pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration) -> Turn {
+pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration, period: Duration) -> Turn {
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
     if let Some((_, id, false)) = stop {
@@ -70,7 +70,12 @@ pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration) -> Turn
     }
 
     let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
-    let fits = next_appointment.is_none_or(|at| now + usual + QUERY_MARGIN <= at);
+    let driven = motors
+        .iter()
+        .filter(|motor| matches!(motor.control, Control::Driven(_)));
+    let frames_a_period = u32::try_from(driven.count()).unwrap_or(u32::MAX).max(1);
+    let margin = (period / 2 / frames_a_period).min(QUERY_MARGIN_MAX);
+    let fits = next_appointment.is_none_or(|at| now + usual + margin <= at);
     let query_turn = query.map(|(at, id)| match (due(at), fits) {
         (true, true) => Turn::Now(Errand::Query(id)),
         (true, false) => Turn::At(at + QUERY_PATIENCE),

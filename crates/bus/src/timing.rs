@@ -13,6 +13,10 @@ pub const SILENT_AFTER: Duration = Duration::from_secs(2);
 /// at 50 Hz: with 15 % of replies lost the chance of that by bad luck is 6 in a billion.
 pub(crate) const DRIVEN_SILENCE_MAX: Duration = Duration::from_millis(200);
 
+/// And that many requests in a row must have had no answer: when it is we who were held up, by a busy
+/// machine, the motor had nothing to answer.
+pub(crate) const DRIVEN_UNANSWERED_MAX: u32 = 3;
+
 /// The page must answer its ping within this (safety rule 3).
 pub const PAGE_SILENCE_MAX: Duration = Duration::from_secs(1);
 
@@ -25,10 +29,10 @@ pub(crate) const QUERY_PERIOD: Duration = Duration::from_millis(100);
 /// A motor that has been silent for [`SILENT_AFTER`] is asked once a second.
 pub(crate) const SILENT_QUERY_PERIOD: Duration = Duration::from_secs(1);
 
-/// A query is sent where the next drive frame is at least a usual round trip and this away, so that a
-/// slow reply does not make that frame late: twice what a browser adds to a round trip at its 99th
-/// percentile.
-pub(crate) const QUERY_MARGIN: Duration = Duration::from_millis(3);
+/// A query is sent where the next drive frame is a usual round trip and half the usual distance of
+/// drive frames away, so that a slow reply does not make that frame late; but no more than this is
+/// asked for.
+pub(crate) const QUERY_MARGIN_MAX: Duration = Duration::from_millis(10);
 
 /// A query that has waited this long goes even where it makes a drive frame late, so that temperature
 /// is known at any load: one drive period at the 50 Hz that a motor wants.
@@ -85,5 +89,6 @@ pub(crate) const AMBIGUITY_QUIET: Duration = Duration::from_millis(2);
 /// layout cannot be told from it.
 pub(crate) const LATE_REPLY_MAX: Duration = Duration::from_millis(50);
 
-/// A deadline this near is due: browser timers wake up to 0.4 ms early.
-pub(crate) const EARLY: Duration = Duration::from_micros(400);
+/// A deadline this near is due: one step of a browser's clock. Timers wake up to 0.4 ms early, and are
+/// set once more then; what goes out early makes the gap behind it longer.
+pub(crate) const EARLY: Duration = Duration::from_micros(100);

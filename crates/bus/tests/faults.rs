@@ -197,6 +197,23 @@ fn a_motor_that_falls_silent_loses_its_setpoint_and_is_not_started_again_when_it
     assert!(bench.true_rpm().abs() < 1.0);
 }
 
+/// A machine that holds the worker up for a while is no silent motor.
+#[test]
+fn a_bus_that_was_not_run_for_a_while_drives_on() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    for held_up in [50, 150, 250, 400] {
+        bench.run(ms(500));
+        bench.now = bench.now + ms(held_up);
+        bench.run(ms(500));
+        assert!(
+            !bench.happened(|e| matches!(e, Event::Withdrawn { .. })),
+            "{held_up} ms"
+        );
+    }
+    assert!((bench.true_rpm() - 100.0).abs() < 3.0);
+}
+
 /// A raw current of 1,000 would be read as 330 rpm by a motor that came back in the velocity loop.
 #[test]
 fn a_current_is_never_sent_to_a_motor_that_came_back_in_the_velocity_loop() {

@@ -48,7 +48,7 @@ fn position(session: &Session, id: MotorId) -> Option<Shown> {
     let degrees = format!("{:.1}", reading.value.degrees());
     let raw = match reading.value {
         Angle::Fine(position) => format!("raw {}", position.raw()),
-        Angle::Coarse(position) => format!("coarse, raw {}", position.raw()),
+        Angle::Coarse(position) => format!("raw {}/255", position.raw()),
     };
     Some(Shown::new(&reading, degrees, "°").with_detail(raw))
 }
@@ -104,7 +104,7 @@ mod tests {
         let mut session = session(1_016, status(1_000, Mode::Velocity, -100));
         assert_eq!(text(speed(&session, ID)), "\u{2212}100rpm ");
         assert_eq!(text(current(&session, ID)), "+0.02A ");
-        assert_eq!(text(position(&session, ID)), "66.4° coarse, raw 47");
+        assert_eq!(text(position(&session, ID)), "66.4° raw 47/255");
         assert_eq!(text(temperature(&session, ID)), "33°C ");
         assert_eq!(text(faults(&session, ID)), "OK 0x00");
         let sample = session.motors[0].last.as_mut().unwrap();

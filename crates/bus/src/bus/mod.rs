@@ -150,7 +150,12 @@ impl Bus {
         if self.id_query_wanted && self.stop.is_none() {
             return Turn::Now(Errand::IdQuery);
         }
-        next_turn(&self.motors, now, self.round_trip.usual())
+        next_turn(
+            &self.motors,
+            now,
+            self.round_trip.usual(),
+            self.rate.period(),
+        )
     }
 
     fn motor_mut(&mut self, id: MotorId) -> Option<&mut Motor> {

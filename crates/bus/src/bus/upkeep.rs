@@ -8,7 +8,7 @@ use crate::{
     mode_switch::{Progress, Switch},
     motor::{Control, Driven, Motor},
     safety::check_driven,
-    timing::DRIVEN_SILENCE_MAX,
+    timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX},
 };
 
 impl Bus {
@@ -24,8 +24,13 @@ impl Bus {
                 Control::Driven(driven) => {
                     let quiet = motor.quiet_while_driven(now, &driven);
                     let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
-                    let withdrawn =
-                        check_driven(driven.goal.mode(), motor.last_mode(), faults, quiet);
+                    let withdrawn = check_driven(
+                        driven.goal.mode(),
+                        motor.last_mode(),
+                        faults,
+                        quiet,
+                        motor.unanswered_in_a_row,
+                    );
                     if let Some(reason) = withdrawn {
                         self.events.push_back(Event::Withdrawn {
                             id: motor.id,
@@ -103,9 +108,9 @@ impl Bus {
         let silent = (!motor.silent).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,
-            Control::Driven(driven) => {
-                Some(motor.quiet_since().max(driven.since) + DRIVEN_SILENCE_MAX)
-            }
+            // Before so many are unanswered, the end of a window comes first, and is looked at.
+            Control::Driven(driven) => (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX)
+                .then(|| motor.quiet_since().max(driven.since) + DRIVEN_SILENCE_MAX),
             Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
             Control::Stopping(stop) => (!stop.confirmed()).then(|| stop.window_ends()),
         };

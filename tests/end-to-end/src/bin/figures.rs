@@ -2,7 +2,7 @@
 //!
 //! `cargo xtask bench` builds what is needed and runs this. `--seconds N` shortens the long runs.
 
-use std::{env, fmt::Display, process::ExitCode, thread, time::Duration};
+use std::{env, fmt::Display, fs, process::ExitCode, thread, time::Duration};
 
 use anyhow::{Context, Result, bail, ensure};
 use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WireLog, now_us};
@@ -40,9 +40,48 @@ fn seconds() -> Result<u64> {
 fn measure(seconds: u64) -> Result<()> {
     println!("| figure | must | measured | reached |");
     println!("|---|---|---|---|");
+    let before = Processor::now()?;
     driving(seconds)?;
     stopping()?;
-    first_visit()
+    first_visit()?;
+    // A virtual machine that does not get its processor is late whatever runs on it.
+    println!(
+        "\ntime stolen by the host meanwhile: {:.1} %",
+        before.stolen_until(&Processor::now()?)
+    );
+    Ok(())
+}
+
+/// What the processors did since the machine started, in ticks.
+struct Processor {
+    all: u64,
+    stolen: u64,
+}
+
+impl Processor {
+    /// From the first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal.
+    fn now() -> Result<Self> {
+        let text = fs::read_to_string("/proc/stat")?;
+        let line = text.lines().next().context("/proc/stat is empty")?;
+        let ticks: Vec<u64> = line
+            .split_whitespace()
+            .skip(1)
+            .take(8)
+            .filter_map(|tick| tick.parse().ok())
+            .collect();
+        let stolen = ticks.get(7).copied().unwrap_or(0);
+        Ok(Self {
+            all: ticks.iter().sum(),
+            stolen,
+        })
+    }
+
+    fn stolen_until(&self, later: &Self) -> f64 {
+        ratio(
+            100 * (later.stolen - self.stolen),
+            (later.all - self.all).max(1),
+        )
+    }
 }
 
 /// One row of the table.
