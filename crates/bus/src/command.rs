@@ -2,9 +2,11 @@
 
 use std::fmt;
 
-use motorlink_protocol::{CurrentTarget, Faults, Mode, MotorId, Rpm, Setpoint};
+use motorlink_protocol::{
+    AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Request, Rpm, Setpoint,
+};
 
-use crate::{CommandRate, StopReason};
+use crate::{CommandRate, Repeat, StopReason};
 
 /// An operator's act. Motion starts by [`Command::Drive`] and by nothing
 /// else.
@@ -15,8 +17,32 @@ pub enum Command {
     Watch(MotorId),
     /// Ask no more. Refused for a motor that is driven or being stopped.
     Forget(MotorId),
-    /// Ask who is there. Refused while a motor is driven or being stopped.
+    /// Ask who is there, by the ID query. What is driven is stopped first.
     IdQuery,
+    /// Ask every address who is there. What is driven is stopped first, and nothing drives until it
+    /// has ended.
+    FullScan,
+    /// Give the only motor on the bus another ID, which it keeps. Refused unless a full scan of the
+    /// last minute has proved that it is the only one.
+    SetId {
+        /// Its present ID.
+        from: MotorId,
+        /// The new one.
+        to: AssignableId,
+    },
+    /// End a scan or an ID change.
+    CancelSurvey,
+    /// Send ten bytes that a person wrote, as they are.
+    SendRaw {
+        /// The bytes.
+        frame: Frame,
+        /// How often.
+        repeat: Repeat,
+        /// What the operator was asked and said yes to.
+        consent: Consent,
+    },
+    /// Send them no more. What they may have set in motion is stopped.
+    StopRaw,
     /// Send this many drive frames a second to each driven motor.
     SetRate(CommandRate),
     /// Close another loop. The motor starts no motion by it.
@@ -56,14 +82,21 @@ pub enum Command {
 }
 
 impl Command {
-    /// Whether a wheel may move by it.
+    /// Whether a wheel may move by it, or a motor change.
     #[must_use]
-    pub const fn may_move(self) -> bool {
+    pub fn may_move(self) -> bool {
         match self {
-            Self::Drive { .. } | Self::Adjust { .. } | Self::SwitchMode { .. } => true,
+            Self::Drive { .. }
+            | Self::Adjust { .. }
+            | Self::SwitchMode { .. }
+            | Self::SetId { .. } => true,
+            Self::SendRaw { frame, .. } => is_hazardous(&frame),
             Self::Watch(_)
             | Self::Forget(_)
             | Self::IdQuery
+            | Self::FullScan
+            | Self::CancelSurvey
+            | Self::StopRaw
             | Self::SetRate(_)
             | Self::Hold(_)
             | Self::Stop(_)
@@ -71,6 +104,16 @@ impl Command {
             | Self::Release => false,
         }
     }
+}
+
+/// Whether a frame that a person wrote may move a wheel or change an ID: all but feedback queries and
+/// the ID query. What this crate cannot read, a motor perhaps can.
+#[must_use]
+pub fn is_hazardous(frame: &Frame) -> bool {
+    !matches!(
+        Request::parse(frame),
+        Ok(Request::Query { .. } | Request::IdQuery)
+    )
 }
 
 /// What the operator was asked before the command was given.
@@ -117,6 +160,14 @@ pub enum Refusal {
     PageSilent,
     /// A motor is driven, and this would disturb it.
     Driven(MotorId),
+    /// A scan or an ID change is under way.
+    Surveying,
+    /// No full scan of the last minute has proved that this motor is the only one.
+    NotProvedAlone,
+    /// The motor has this ID already.
+    SameId(MotorId),
+    /// A frame of the raw editor is still being repeated.
+    RawRunning,
 }
 
 impl fmt::Display for Refusal {
@@ -165,6 +216,12 @@ impl fmt::Display for Refusal {
                 f.write_str("The page had stopped answering when this was pressed. Press again.")
             }
             Self::Driven(id) => write!(f, "Motor {id} is driven. Stop it first."),
+            Self::Surveying => f.write_str("The bus is being scanned. Wait for its end, or cancel it."),
+            Self::NotProvedAlone => f.write_str(
+                "An ID is set on every motor that hears it. Make a full scan first: it has to find exactly one motor.",
+            ),
+            Self::SameId(id) => write!(f, "The motor has ID {id} already."),
+            Self::RawRunning => f.write_str("A raw frame is being repeated. Stop that first."),
         }
     }
 }

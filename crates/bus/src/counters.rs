@@ -57,6 +57,11 @@ impl LossMeter {
         self.seen = (self.seen + 1).min(Self::DEPTH);
     }
 
+    /// How many exchanges are remembered, and how many of them were lost.
+    pub(crate) const fn known(&self) -> (u32, u32) {
+        (self.seen as u32, self.lost.count_ones())
+    }
+
     pub(crate) fn per_mille(&self) -> Option<u16> {
         let lost = self.lost.count_ones() * 1000;
         let share = lost.checked_div(u32::from(self.seen))?;

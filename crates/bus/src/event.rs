@@ -1,6 +1,8 @@
 //! What the bus tells.
 
-use motorlink_protocol::{Faults, Instant, Mode, MotorId, Reply, Rpm};
+use motorlink_protocol::{AssignableId, Faults, Instant, Mode, MotorId, Reply, Rpm};
+
+use crate::{IdChangeOutcome, ScanReport, Traffic};
 
 /// Something that happened, in the order in which it happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -9,6 +11,19 @@ pub enum Event {
     Telemetry(Sample),
     /// The ID query has been answered, or not.
     IdQueryEnded(IdQueryOutcome),
+    /// Something has passed on the line.
+    Traffic(Traffic),
+    /// A full scan has ended.
+    ScanEnded(ScanReport),
+    /// An ID change has ended.
+    IdChangeEnded {
+        /// The ID that the motor had.
+        from: MotorId,
+        /// The ID that it was to get.
+        to: AssignableId,
+        /// How it ended.
+        outcome: IdChangeOutcome,
+    },
     /// A reply reports the loop that was asked for.
     ModeSwitched {
         /// Which motor.
@@ -64,6 +79,8 @@ pub enum IdQueryOutcome {
     One(MotorId),
     /// Bytes came that are not one clean reply: several motors answered at once, or noise.
     Garbled,
+    /// A stop came before it was asked.
+    Cancelled,
 }
 
 /// Why all motors are stopped.
@@ -80,6 +97,8 @@ pub enum StopReason {
     PageSilent,
     /// The operator disconnects.
     Disconnect,
+    /// The bus is to be scanned.
+    Survey,
     /// One motor was to be stopped, by the operator or by the bus.
     OneMotor,
 }

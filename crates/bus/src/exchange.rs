@@ -20,11 +20,25 @@ pub(crate) enum Line {
 pub(crate) struct Exchange {
     pub(crate) frame: Frame,
     pub(crate) expects: Expects,
+    pub(crate) purpose: Purpose,
     pub(crate) sent: Instant,
     /// When the line is free again, whatever came.
     pub(crate) window_ends: Instant,
     /// Until when a reply that may be a shifted image is held back.
     pub(crate) held_until: Option<Instant>,
+    /// When the last byte came.
+    pub(crate) last_byte: Option<Instant>,
+}
+
+/// Whose exchange it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Driving, stopping, switching, telemetry.
+    Control,
+    /// A scan or an ID change.
+    Survey,
+    /// A frame that a person wrote.
+    Raw,
 }
 
 /// Which answer ends an exchange.
@@ -33,31 +47,54 @@ pub(crate) enum Expects {
     /// One reply of one motor, in one layout.
     Reply { id: MotorId, layout: Layout },
     /// Replies of everyone; the window is always waited for.
-    Everyone,
-    /// None: mode switches.
+    Everyone {
+        /// `None` where it is not known what was asked.
+        layout: Option<Layout>,
+    },
+    /// None: mode switches and set ID.
     Nothing,
+}
+
+impl Expects {
+    /// The answer to a request.
+    pub(crate) fn of(request: &Request) -> Self {
+        match (request.addressee(), request.answered_in()) {
+            (Some(id), Some(layout)) => Self::Reply { id, layout },
+            (None, layout @ Some(_)) => Self::Everyone { layout },
+            (_, None) => Self::Nothing,
+        }
+    }
+
+    /// The answer to a frame that a person wrote. What nobody can read, somebody may answer.
+    pub(crate) fn of_raw(frame: &Frame) -> Self {
+        Request::parse(frame).map_or(Self::Everyone { layout: None }, |request| {
+            Self::of(&request)
+        })
+    }
 }
 
 impl Exchange {
     /// An exchange that begins now. `window` is how long a reply may take.
-    pub(crate) fn begin(now: Instant, request: &Request, window: Duration) -> Self {
-        let expects = match (request.addressee(), request.answered_in()) {
-            (Some(id), Some(layout)) => Expects::Reply { id, layout },
-            (None, Some(_)) => Expects::Everyone,
-            (_, None) => Expects::Nothing,
-        };
+    pub(crate) fn begin(
+        now: Instant,
+        frame: Frame,
+        expects: Expects,
+        window: Duration,
+        purpose: Purpose,
+    ) -> Self {
         let occupied = if expects == Expects::Nothing {
             FRAME_AIRTIME + SETTLE
         } else {
             window
         };
-        let window_ends = now + occupied;
         Self {
-            frame: request.frame(),
+            frame,
             expects,
+            purpose,
             sent: now,
-            window_ends,
+            window_ends: now + occupied,
             held_until: None,
+            last_byte: None,
         }
     }
 

@@ -40,19 +40,24 @@ mod command;
 mod counters;
 mod event;
 mod exchange;
+mod id_change;
 mod mode_switch;
 mod motor;
 mod rate;
+mod raw;
 mod receiver;
 mod round_trip;
 mod safety;
+mod scan;
 mod schedule;
 mod stop;
+mod survey;
 mod timing;
+mod traffic;
 mod watchdog;
 
 pub use bus::{Bus, Output};
-pub use command::{Command, Consent, Refusal};
+pub use command::{Command, Consent, Refusal, is_hazardous};
 pub use counters::{Counters, LinkQuality};
 pub use event::{
     Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,
@@ -60,4 +65,9 @@ pub use event::{
 pub use motor::{Activity, MotorStatus};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
+pub use survey::{
+    IdChangeOutcome, IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat, ScanReport,
+    SurveyStatus,
+};
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
+pub use traffic::{JunkBytes, Passed, Traffic};

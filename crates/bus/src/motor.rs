@@ -66,6 +66,8 @@ pub enum Activity {
         /// To this setpoint.
         setpoint: Setpoint,
     },
+    /// A frame that a person wrote is sent to it again and again.
+    DrivenRaw,
     /// It is being braked to a standstill.
     Stopping {
         /// Whether its replies have reported standstill.
@@ -184,6 +186,12 @@ impl Motor {
         }
     }
 
+    /// The window of an ID query was cut short: its answer, in the layout of a drive reply, may still
+    /// come.
+    pub(crate) fn call_unanswered(&mut self, sent: Instant) {
+        self.drive_unanswered = Some(sent);
+    }
+
     /// A mode switch was sent. Where two were, the position loop, in which zero moves the wheel, is
     /// the one to reckon with.
     pub(crate) fn switch_sent(&mut self, to: Mode) {
@@ -209,6 +217,16 @@ impl Motor {
             Some(Mode::Position) => (None, Some(Mode::Position)),
             Some(_) => (None, last),
             None => (self.fresh_mode(now), last),
+        }
+    }
+
+    /// The loop in which the value of a drive frame that is sent now is meant, for the log.
+    pub(crate) fn reads_drive_frames_in(&self, now: Instant) -> Option<Mode> {
+        match self.control {
+            Control::Driven(driven) => Some(driven.goal.mode()),
+            // A stop brakes, which only the velocity loop knows.
+            Control::Stopping(_) => Some(Mode::Velocity),
+            Control::Idle | Control::Switching(_) => self.fresh_mode(now),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use motorlink_protocol::{FRAME_LEN, Frame, Mode, MotorId, Reply};
 
+use crate::JunkBytes;
+
 /// Bytes kept while a reply is looked for. Twelve replies and an echo at once fit into it; what is
 /// more than that is a flood of junk, of which the oldest is let go.
 const CAPACITY: usize = 128;
@@ -34,10 +36,34 @@ pub(crate) enum Found {
 pub(crate) struct Leftovers {
     /// Bytes of the request that came back, 0-10.
     pub(crate) echoed: usize,
-    /// Good frames of any motor.
-    pub(crate) frames: Vec<Frame>,
-    /// Everything else.
+    /// Good frames of any motor and everything else, as they came.
+    pub(crate) pieces: Vec<Piece>,
+    /// Bytes that are part of no frame and no echo, with those that were let go.
     pub(crate) junk_bytes: usize,
+}
+
+/// A run of bytes that belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Piece {
+    /// A good frame of any motor.
+    Frame(Frame),
+    /// Up to ten bytes that are no good frame.
+    Junk(JunkBytes),
+}
+
+impl Leftovers {
+    /// Good frames of any motor.
+    pub(crate) fn frames(&self) -> impl Iterator<Item = &Frame> {
+        self.pieces.iter().filter_map(|piece| match piece {
+            Piece::Frame(frame) => Some(frame),
+            Piece::Junk(_) => None,
+        })
+    }
+
+    /// Whether nothing came but an echo.
+    pub(crate) fn is_silence(&self) -> bool {
+        self.pieces.is_empty() && self.junk_bytes == 0
+    }
 }
 
 impl Receiver {
@@ -120,24 +146,33 @@ impl Receiver {
         // A reply begins with the byte that its request began with. Where a reply starts, whole or
         // spoilt, that byte is no echo.
         let echoed = match (0..same).find(is_frame) {
+            // A reply that a person sent: no motor answers with what it was asked.
+            _ if same == FRAME_LEN => FRAME_LEN,
             Some(reply) => reply,
             None if same == 1 && !is_frame(&1) => 0,
             None => same,
         };
         let mut leftovers = Leftovers {
             echoed,
-            frames: Vec::new(),
+            pieces: Vec::new(),
             junk_bytes: std::mem::take(&mut self.overflowed),
         };
-        let mut offset = echoed;
-        while offset < bytes.len() {
-            if let Some(frame) = frame_at(bytes, offset).filter(|frame| replies(frame).is_some()) {
-                leftovers.frames.push(frame);
-                offset += FRAME_LEN;
+        let mut rest = bytes.get(echoed..).unwrap_or_default();
+        while !rest.is_empty() {
+            let good = |at: usize| frame_at(rest, at).filter(|frame| replies(frame).is_some());
+            let length = if let Some(frame) = good(0) {
+                leftovers.pieces.push(Piece::Frame(frame));
+                FRAME_LEN
             } else {
-                leftovers.junk_bytes += 1;
-                offset += 1;
-            }
+                // To the next good frame, in pieces of a frame's length.
+                let all = rest.len().min(FRAME_LEN);
+                let length = (1..all).find(|at| good(*at).is_some()).unwrap_or(all);
+                let junk = rest.get(..length).unwrap_or_default();
+                leftovers.pieces.push(Piece::Junk(JunkBytes::new(junk)));
+                leftovers.junk_bytes += length;
+                length
+            };
+            rest = rest.get(length..).unwrap_or_default();
         }
         leftovers
     }
@@ -247,7 +282,7 @@ mod tests {
         assert_eq!(
             rest,
             Leftovers {
-                frames: vec![frame(REPLY)],
+                pieces: vec![Piece::Frame(frame(REPLY))],
                 ..Leftovers::default()
             }
         );
@@ -261,6 +296,7 @@ mod tests {
         assert_eq!(
             rest,
             Leftovers {
+                pieces: vec![Piece::Junk(JunkBytes::new(&spoilt))],
                 junk_bytes: 10,
                 ..Leftovers::default()
             }
@@ -280,7 +316,7 @@ mod tests {
             before,
             Leftovers {
                 echoed: 0,
-                frames: vec![other],
+                pieces: vec![Piece::Junk(JunkBytes::new(&[0x33])), Piece::Frame(other)],
                 junk_bytes: 1
             }
         );

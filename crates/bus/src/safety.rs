@@ -115,7 +115,7 @@ pub(crate) fn check_drive(
 /// velocity loop, where a raw current is read as a speed.
 #[must_use]
 pub(crate) fn check_driven(
-    asked: Mode,
+    asked: Option<Mode>,
     reported: Option<Mode>,
     faults: Faults,
     silent_for: Duration,
@@ -124,7 +124,9 @@ pub(crate) fn check_driven(
     if faults.any_named() {
         return Some(WithdrawReason::Fault(faults));
     }
-    if let Some(reported) = reported.filter(|reported| *reported != asked) {
+    if let (Some(asked), Some(reported)) = (asked, reported)
+        && asked != reported
+    {
         return Some(WithdrawReason::OtherLoop { reported });
     }
     let silent = silent_for >= DRIVEN_SILENCE_MAX && unanswered >= DRIVEN_UNANSWERED_MAX;
@@ -263,19 +265,19 @@ mod tests {
         let hot = Faults::NONE.with(Fault::OverTemperature);
         let velocity = Some(Mode::Velocity);
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(199), 9),
+            check_driven(velocity, velocity, Faults::NONE, ms(199), 9),
             None
         );
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, Faults::NONE, ms(200), 3),
+            check_driven(velocity, velocity, Faults::NONE, ms(200), 3),
             Some(WithdrawReason::Silent)
         );
         assert_eq!(
-            check_driven(Mode::Velocity, velocity, hot, ms(0), 0),
+            check_driven(velocity, velocity, hot, ms(0), 0),
             Some(WithdrawReason::Fault(hot))
         );
         assert_eq!(
-            check_driven(Mode::Current, velocity, Faults::NONE, ms(0), 0),
+            check_driven(Some(Mode::Current), velocity, Faults::NONE, ms(0), 0),
             Some(WithdrawReason::OtherLoop {
                 reported: Mode::Velocity
             })

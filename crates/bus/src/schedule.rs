@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     motor::{Control, Motor},
+    scan::Ask,
     timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };
 
@@ -33,11 +34,25 @@ pub(crate) enum Errand {
     Query(MotorId),
     /// Who is there.
     IdQuery,
+    /// The next question of a scan or an ID change.
+    Survey(Ask),
+    /// The next set-ID frame.
+    SetId(AssignableId),
+    /// The frame that a person wrote.
+    Raw,
 }
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
 /// long, stops and drive frames by deadline, and queries where they make no drive frame late.
-pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration, period: Duration) -> Turn {
+///
+/// `raw` is when the frame that a person wrote is due; it is scheduled as a drive frame is.
+pub(crate) fn next_turn(
+    motors: &[Motor],
+    raw: Option<Instant>,
+    now: Instant,
+    usual: Duration,
+    period: Duration,
+) -> Turn {
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
     if let Some((_, id, false)) = stop {
@@ -64,7 +79,9 @@ pub(crate) fn next_turn(motors: &[Motor], now: Instant, usual: Duration, period:
         return Turn::Now(Errand::Query(id));
     }
     // A stop that goes on does not take the line from the motors that are driven beside it.
-    let frame = stop.into_iter().chain(drive).min_by_key(|(at, _)| *at);
+    let raw = raw.map(|at| (at, Errand::Raw));
+    let frames = stop.into_iter().chain(drive).chain(raw);
+    let frame = frames.min_by_key(|(at, _)| *at);
     if let Some((_, errand)) = frame.filter(|(at, _)| due(*at)) {
         return Turn::Now(errand);
     }

@@ -131,9 +131,14 @@ impl ActiveStop {
         Self { reason }
     }
 
-    /// A stop of all motors takes over a stop of one.
+    /// A stop of all motors takes over a stop of one, and that before a scan takes over none of all.
     pub(crate) fn join(&mut self, reason: StopReason) {
-        if reason != StopReason::OneMotor {
+        let weaker = match reason {
+            StopReason::OneMotor => true,
+            StopReason::Survey => self.reason != StopReason::OneMotor,
+            _ => false,
+        };
+        if !weaker {
             self.reason = reason;
         }
     }

@@ -78,8 +78,9 @@ pub(crate) const MAX_WINDOW: Duration = Duration::from_millis(40);
 /// Every motor answers the ID query at once, and all of it is waited for.
 pub(crate) const ID_QUERY_WINDOW: Duration = Duration::from_millis(60);
 
-/// A request without answer keeps the line for its airtime and this.
-pub(crate) const SETTLE: Duration = Duration::from_millis(1);
+/// A request without answer keeps the line for its airtime and this, so that its echo is over, which
+/// may come in pieces a USB frame of 1 ms apart.
+pub(crate) const SETTLE: Duration = Duration::from_millis(4);
 
 /// A reply that might be the shifted image of another is held back until the line was quiet for
 /// this long: more than one byte's time on any adapter that does not hold bytes.
@@ -92,3 +93,27 @@ pub(crate) const LATE_REPLY_MAX: Duration = Duration::from_millis(50);
 /// A deadline this near is due: one step of a browser's clock. Timers wake up to 0.4 ms early, and are
 /// set once more then; what goes out early makes the gap behind it longer.
 pub(crate) const EARLY: Duration = Duration::from_micros(100);
+
+/// The longest window of a scan: an FTDI adapter that holds bytes for 16 ms, and 10 ms for all else. 254
+/// of them take 6.6 s.
+pub(crate) const SCAN_WINDOW_MAX: Duration = Duration::from_millis(26);
+
+/// A scan waits this much longer than the longest reply so far: a busy browser's hiccup.
+pub(crate) const SCAN_MARGIN: Duration = Duration::from_millis(3);
+
+/// How long a scan asks the motors that it has found, behind its last address, only to learn whether
+/// the line loses replies.
+pub(crate) const SCAN_SAMPLING_MAX: Duration = Duration::from_millis(400);
+
+/// A full scan proves for so long who is on the bus. Long enough to read a question and answer it.
+pub(crate) const PROOF_LASTS: Duration = Duration::from_secs(60);
+
+/// Distance of two set-ID frames: that of mode switches, for which the maker gives one.
+pub(crate) const SET_ID_PERIOD: Duration = SWITCH_PERIOD;
+
+/// After the fifth set-ID frame the motor writes its flash, for which no time is published; a
+/// published script waits 500 ms.
+pub(crate) const ID_SETTLE: Duration = Duration::from_millis(300);
+
+/// Distance of two looks at the new ID.
+pub(crate) const ID_LOOK_PERIOD: Duration = Duration::from_millis(50);

@@ -10,10 +10,8 @@
 mod bench;
 
 use bench::{Bench, ID, amps, id, longest_gap, ms, rpm};
-use motorlink_bus::{
-    Activity, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal, StopReason,
-};
-use motorlink_protocol::{Detail, Drive, Mode, MotorId, Request};
+use motorlink_bus::{Activity, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal};
+use motorlink_protocol::{Detail, Drive, Mode, MotorId};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
 fn with_motors(addresses: &[u8]) -> WorldConfig {
@@ -235,17 +233,8 @@ fn an_adjustment_moves_the_setpoint_of_a_driven_motor_only() {
 }
 
 #[test]
-fn the_id_query_is_refused_while_a_motor_is_driven() {
+fn a_motor_that_is_driven_is_not_forgotten() {
     let mut bench = Bench::one_motor();
     bench.drive(rpm(50)).unwrap();
-    assert_eq!(bench.command(Command::IdQuery), Err(Refusal::Driven(ID)));
     assert_eq!(bench.command(Command::Forget(ID)), Err(Refusal::Driven(ID)));
-    bench
-        .command(Command::StopAll(StopReason::Operator))
-        .unwrap();
-    bench.run(ms(1_000));
-    bench.forget_the_past();
-    bench.command(Command::IdQuery).unwrap();
-    bench.run(ms(10)); // behind the exchange in flight
-    assert!(bench.sent.iter().any(|s| s.request() == Request::IdQuery));
 }

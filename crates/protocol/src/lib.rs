@@ -57,7 +57,7 @@ pub use crc8::crc8;
 pub use explain::{Explained, explain_heard, explain_sent};
 pub use faults::{Fault, Faults};
 pub use frame::{FRAME_AIRTIME, FRAME_LEN, Frame, FrameParseError};
-pub use measured::{Celsius, CoarsePosition, Current, Position, Rpm};
+pub use measured::{Celsius, CoarsePosition, Current, Position, Rpm, Scaled};
 pub use mode::{Mode, UnknownMode};
 pub use motor_id::{AssignableId, MotorId, MotorIdError, NotAssignable};
 pub use reply::{Detail, Layout, Reply, ReplyError};

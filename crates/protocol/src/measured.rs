@@ -10,6 +10,9 @@ const FULL_SCALE_AMPS: f32 = 8.0;
 const FULL_SCALE_DEGREES: f32 = 360.0;
 /// Full scale of the one-byte position of a feedback query.
 const COARSE_FULL_SCALE: f32 = 255.0;
+/// The same full scales as whole numbers, for what is written: see [`Scaled`].
+const FULL_SCALE_RAW: u32 = 32767;
+const COARSE_FULL_SCALE_RAW: u32 = 255;
 
 /// Speed in revolutions a minute; positive makes the reported angle fall.
 ///
@@ -73,6 +76,12 @@ impl Current {
     pub fn amps(self) -> f32 {
         f32::from(self.0) * FULL_SCALE_AMPS / FULL_SCALE
     }
+
+    /// The size in amps without direction, to three decimals.
+    #[must_use]
+    pub const fn scaled(self) -> Scaled<3> {
+        Scaled::of(self.0.unsigned_abs() as u32 * 8_000, FULL_SCALE_RAW)
+    }
 }
 
 /// The fine angle of a drive reply: degrees = raw x 360 / 32767.
@@ -98,6 +107,12 @@ impl Position {
     pub fn degrees(self) -> f32 {
         f32::from(self.0) * FULL_SCALE_DEGREES / FULL_SCALE
     }
+
+    /// Degrees to two decimals, about the resolution of the wire.
+    #[must_use]
+    pub const fn scaled(self) -> Scaled<2> {
+        Scaled::of(self.0 as u32 * 36_000, FULL_SCALE_RAW)
+    }
 }
 
 /// The one-byte angle of a query reply: degrees = raw x 360 / 255, steps of 1.4 degrees.
@@ -122,6 +137,12 @@ impl CoarsePosition {
     #[must_use]
     pub fn degrees(self) -> f32 {
         f32::from(self.0) * FULL_SCALE_DEGREES / COARSE_FULL_SCALE
+    }
+
+    /// Degrees to one decimal.
+    #[must_use]
+    pub const fn scaled(self) -> Scaled<1> {
+        Scaled::of(self.0 as u32 * 3_600, COARSE_FULL_SCALE_RAW)
     }
 }
 
@@ -157,48 +178,72 @@ pub(crate) fn nearest_i16(value: f32) -> i16 {
     }) as i16
 }
 
-/// A signed number with the sign always shown and a real minus, as the page shows all of them.
-struct Signed<T>(T);
+/// A quantity without sign as it is written, to so many decimals: `1.250`.
+///
+/// It is the exact quotient rounded to the nearest last digit, by whole numbers only: a log of a
+/// million rows is written in seconds, and no program carries the formatting of floats for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scaled<const DECIMALS: usize> {
+    /// The digits before the point.
+    pub whole: u32,
+    /// The digits behind the point, as a number below 10 to the power of the decimals.
+    pub fraction: u32,
+}
 
-impl fmt::Display for Signed<i16> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = if self.0 < 0 { '\u{2212}' } else { '+' };
-        write!(f, "{sign}{}", self.0.unsigned_abs())
+impl<const DECIMALS: usize> Scaled<DECIMALS> {
+    /// The nearest to `dividend` / `divisor` in units of the last decimal. The divisors here are odd,
+    /// so nothing is ever half way.
+    const fn of(dividend: u32, divisor: u32) -> Self {
+        let mut unit = 1;
+        let mut decimal = 0;
+        while decimal < DECIMALS {
+            unit *= 10;
+            decimal += 1;
+        }
+        let nearest = (dividend + divisor / 2) / divisor;
+        Self {
+            whole: nearest / unit,
+            fraction: nearest % unit,
+        }
     }
 }
 
-impl fmt::Display for Signed<f32> {
+impl<const DECIMALS: usize> fmt::Display for Scaled<DECIMALS> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = if self.0 < 0.0 { '\u{2212}' } else { '+' };
-        write!(f, "{sign}{:.*}", f.precision().unwrap_or(2), self.0.abs())
+        write!(f, "{}.{:0DECIMALS$}", self.whole, self.fraction)
     }
+}
+
+/// The sign of a number, always shown, with a real minus, as the page shows all of them.
+const fn sign(value: i16) -> char {
+    if value < 0 { '\u{2212}' } else { '+' }
 }
 
 /// `+100 rpm`
 impl fmt::Display for Rpm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} rpm", Signed(self.0))
+        write!(f, "{}{} rpm", sign(self.0), self.magnitude())
     }
 }
 
 /// `+0.175 A`
 impl fmt::Display for Current {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.3} A", Signed(self.amps()))
+        write!(f, "{}{} A", sign(self.0), self.scaled())
     }
 }
 
 /// `66.96°`
 impl fmt::Display for Position {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.2}°", self.degrees())
+        write!(f, "{}°", self.scaled())
     }
 }
 
 /// `347.3°`
 impl fmt::Display for CoarsePosition {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.1}°", self.degrees())
+        write!(f, "{}°", self.scaled())
     }
 }
 

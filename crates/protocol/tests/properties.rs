@@ -8,8 +8,8 @@
 )]
 
 use motorlink_protocol::{
-    Acceleration, AssignableId, Drive, Frame, Layout, Mode, MotorId, PositionTarget, Reply,
-    Request, SpeedTarget, explain_heard, explain_sent,
+    Acceleration, AssignableId, CoarsePosition, Current, Drive, Frame, Layout, Mode, MotorId,
+    Position, PositionTarget, Reply, Request, SpeedTarget, explain_heard, explain_sent,
 };
 use proptest::prelude::*;
 
@@ -123,4 +123,37 @@ fn ids_are_read_in_decimal_and_hex_and_refused_by_rule() {
         assert!(wrong.parse::<MotorId>().is_err(), "{wrong}");
     }
     assert_eq!(MotorId::all().count(), 254);
+}
+
+/// Written by whole numbers, a value is the nearest one, and the float agrees to its own precision.
+#[test]
+fn every_raw_value_is_written_to_its_last_digit() {
+    for raw in i16::MIN..=i16::MAX {
+        let current = Current::from_raw(raw);
+        let written: f64 = current.scaled().to_string().parse().unwrap();
+        let exact = f64::from(raw).abs() * 8.0 / 32767.0;
+        assert!((written - exact).abs() <= 0.000_500_1, "{raw}: {written}");
+        assert!((written - f64::from(current.amps().abs())).abs() <= 0.000_501);
+    }
+    for raw in 0..=u16::MAX {
+        let written: f64 = Position::from_raw(raw)
+            .scaled()
+            .to_string()
+            .parse()
+            .unwrap();
+        let exact = f64::from(raw) * 360.0 / 32767.0;
+        assert!((written - exact).abs() <= 0.005_001, "{raw}: {written}");
+    }
+    for raw in 0..=u8::MAX {
+        let written: f64 = CoarsePosition::from_raw(raw)
+            .scaled()
+            .to_string()
+            .parse()
+            .unwrap();
+        let exact = f64::from(raw) * 360.0 / 255.0;
+        assert!((written - exact).abs() <= 0.050_001, "{raw}: {written}");
+    }
+    assert_eq!(Current::from_raw(-1024).to_string(), "−0.250 A");
+    assert_eq!(Current::from_raw(i16::MIN).to_string(), "−8.000 A");
+    assert_eq!(Position::from_raw(32767).to_string(), "360.00°");
 }

@@ -28,14 +28,16 @@ impl Bus {
                 self.watch(now, id);
             }
             Command::Forget(id) => self.forget(id)?,
-            Command::IdQuery => {
-                let active = self
-                    .motors
-                    .iter()
-                    .find(|motor| !matches!(motor.control, Control::Idle));
-                active.map_or(Ok(()), |motor| Err(Refusal::Driven(motor.id)))?;
-                self.id_query_wanted = true;
-            }
+            Command::IdQuery => self.begin_id_query(now)?,
+            Command::FullScan => self.begin_scan(now)?,
+            Command::SetId { from, to } => self.begin_id_change(now, from, to)?,
+            Command::CancelSurvey => self.cancel_survey(now),
+            Command::SendRaw {
+                frame,
+                repeat,
+                consent,
+            } => self.send_raw(now, frame, repeat, consent)?,
+            Command::StopRaw => self.stop_raw(now),
             Command::SetRate(rate) => self.set_rate(now, rate),
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
             Command::Drive {
@@ -61,7 +63,8 @@ impl Bus {
 
     fn forget(&mut self, id: MotorId) -> Result<(), Refusal> {
         match self.motor_mut(id) {
-            Some(motor) if motor.may_turn => Err(Refusal::Driven(id)),
+            // One that never answered is perhaps not there.
+            Some(motor) if motor.may_turn && motor.ever_heard() => Err(Refusal::Driven(id)),
             Some(Motor {
                 control: Control::Idle,
                 ..
@@ -76,6 +79,8 @@ impl Bus {
 
     fn switch_mode(&mut self, now: Instant, id: MotorId, mode: Mode) -> Result<(), Refusal> {
         self.check_not_halted()?;
+        self.check_no_survey()?;
+        self.check_no_raw_hazard()?;
         let motor = self.watch(now, id);
         if mode == Mode::Position {
             check_position_switch(id, motor.fresh_speed(now))?;
@@ -100,6 +105,8 @@ impl Bus {
         consent: Consent,
     ) -> Result<(), Refusal> {
         self.check_not_halted()?;
+        self.check_no_survey()?;
+        self.check_no_raw_hazard()?;
         let motor = self.watch(now, id);
         let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
         match &mut motor.control {
@@ -182,7 +189,7 @@ impl Bus {
         }
     }
 
-    const fn check_not_halted(&self) -> Result<(), Refusal> {
+    pub(super) const fn check_not_halted(&self) -> Result<(), Refusal> {
         if self.halted {
             Err(Refusal::Halted)
         } else {
@@ -193,7 +200,6 @@ impl Bus {
     /// Stops whatever was driven or turns, and drives nothing until released.
     pub(super) fn stop_all(&mut self, now: Instant, reason: StopReason) {
         self.halted = true;
-        self.id_query_wanted = false;
         self.begin_stop(now, reason, |motor| {
             let active = !matches!(motor.control, Control::Idle);
             // A wheel that reports no speed may turn; one that never answered is not there.
@@ -211,6 +217,13 @@ impl Bus {
         reason: StopReason,
         concerns: impl Fn(&Motor) -> bool,
     ) {
+        if reason != StopReason::Survey {
+            self.cancel_survey(now);
+        }
+        // Whatever a person repeats, it must not take the line from a stop.
+        if let Some(raw) = &mut self.raw {
+            raw.stop();
+        }
         let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
             Control::Stopping(stop) => Some(stop.round),
             _ => None,

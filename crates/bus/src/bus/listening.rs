@@ -1,19 +1,18 @@
 //! What is heard.
 
+use std::time::Duration;
+
 use motorlink_protocol::{Detail, FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
 
-use super::Bus;
+use super::{Bus, surveying::Survey};
 use crate::{
-    Counters, Event, IdQueryOutcome, Sample,
-    exchange::{Exchange, Expects, Line},
+    Counters, Event, Passed, RawAnswer, Sample,
+    exchange::{Exchange, Expects, Line, Purpose},
     motor::{Control, Motor},
-    receiver::{Found, Leftovers},
+    receiver::{Found, Leftovers, Piece},
+    scan::Look,
     timing::{AMBIGUITY_QUIET, EARLIEST_REPLY},
 };
-
-/// Junk that may stand beside one clean reply to the ID query: less than half a frame is noise, more
-/// is another motor's voice.
-const STRAY_BYTES_MAX: usize = 4;
 
 impl Bus {
     /// Takes bytes that the port delivered.
@@ -21,6 +20,7 @@ impl Bus {
         self.receiver.push(bytes);
         if let Line::Busy(exchange) = &mut self.line {
             exchange.held_until = exchange.held_until.map(|_| now + AMBIGUITY_QUIET);
+            exchange.last_byte = Some(now);
         }
         self.look_for_reply(now);
     }
@@ -77,24 +77,61 @@ impl Bus {
         self.line = Line::Free {
             last: exchange.frame,
         };
+        if exchange.expects == Expects::Nothing {
+            // Its echo may still be coming in pieces: it is sorted before the next frame is sent.
+            if exchange.purpose == Purpose::Raw {
+                self.raw_answered(RawAnswer::NoneExpected);
+            }
+            return;
+        }
         let rest = self.receiver.clear(&exchange.frame);
         match exchange.expects {
-            Expects::Nothing => self.note(now, &exchange, &rest),
-            Expects::Everyone => self.id_query_ended(now, &exchange, &rest),
+            Expects::Nothing => {}
+            Expects::Everyone { layout } => self.everyone_heard(now, &exchange, layout, &rest),
             Expects::Reply { id, layout } => {
                 self.note(now, &exchange, &rest);
-                self.round_trip.lost();
-                let Some(motor) = self.motor_mut(id) else {
-                    return;
-                };
+                self.unanswered(now, &exchange, id, layout, &rest);
+            }
+        }
+    }
+
+    /// The window of a motor that was asked has passed without its reply.
+    fn unanswered(
+        &mut self,
+        now: Instant,
+        exchange: &Exchange,
+        id: MotorId,
+        layout: Layout,
+        rest: &Leftovers,
+    ) {
+        let waited_us = micros(now.since(exchange.sent));
+        match exchange.purpose {
+            Purpose::Control => self.round_trip.lost(),
+            Purpose::Survey if rest.is_silence() => {
+                self.survey_looked(now, exchange.sent, id, Look::Silence)
+            }
+            Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Noise),
+            Purpose::Raw if rest.is_silence() => {
+                self.raw_answered(RawAnswer::Silence { waited_us });
+            }
+            Purpose::Raw => self.raw_answered(RawAnswer::Garbled),
+        }
+        // A scan expects most addresses to be silent.
+        if rest.is_silence() && !matches!(self.survey, Some(Survey::Scan(_))) {
+            self.log(now, Passed::Silence { id, waited_us });
+        }
+        let counters = match self.motors.iter_mut().find(|motor| motor.id == id) {
+            Some(motor) => {
                 motor.lost(layout, exchange.sent);
                 motor.loss.count(true);
-                match rest.junk_bytes {
-                    0 => motor.counters.silences += 1,
-                    1..FRAME_LEN => motor.counters.fragments += 1,
-                    _ => motor.counters.bad_crcs += 1,
-                }
+                &mut motor.counters
             }
+            None => &mut self.counters,
+        };
+        match rest.junk_bytes {
+            0 => counters.silences += 1,
+            1..FRAME_LEN => counters.fragments += 1,
+            _ => counters.bad_crcs += 1,
         }
     }
 
@@ -105,9 +142,7 @@ impl Bus {
         };
         let rest = self.receiver.clear(&last);
         count_line(&mut self.counters, &rest);
-        for frame in &rest.frames {
-            self.heard_late(now, frame);
-        }
+        self.pass_on(now, &rest);
     }
 
     fn replied(
@@ -119,7 +154,23 @@ impl Bus {
         frame: &Frame,
     ) {
         let took = now.since(exchange.sent);
-        let Some(motor) = self.motor_mut(id) else {
+        let asked = match self.motor_mut(id) {
+            Some(motor) => motor.layout_of_reply(now, layout),
+            None => Some(layout),
+        };
+        self.log_heard(now, frame, asked);
+        match exchange.purpose {
+            Purpose::Control => {}
+            Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Reply(took)),
+            Purpose::Raw => self.raw_answered(RawAnswer::Reply {
+                frame: *frame,
+                asked,
+                after_us: micros(took),
+            }),
+        }
+        let Some(motor) = self.motors.iter_mut().find(|motor| motor.id == id) else {
+            // One that is not watched is only told of.
+            self.counters.replies += 1;
             return;
         };
         motor.counters.replies += 1;
@@ -131,7 +182,7 @@ impl Bus {
             motor.round_trip.replied(took);
             motor.loop_reported();
         }
-        let Ok(reply) = Reply::decode(frame, motor.layout_of_reply(now, layout)) else {
+        let Ok(reply) = Reply::decode(frame, asked) else {
             return;
         };
         let in_the_air = motor.loop_is_in_the_air();
@@ -157,9 +208,11 @@ impl Bus {
     /// A good frame outside its window. What was asked is not certain any more, so bytes 6 and 7
     /// stay undetermined.
     fn heard_late(&mut self, now: Instant, frame: &Frame) {
+        self.log_heard(now, frame, None);
         let Ok(reply) = Reply::decode(frame, None) else {
             return;
         };
+        self.survey_heard_late(now, reply.id);
         let expected = |motor: &Motor| motor.id == reply.id && motor.late_reply_may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
@@ -170,7 +223,7 @@ impl Bus {
         }
     }
 
-    fn keep(&mut self, now: Instant, reply: Reply) {
+    pub(super) fn keep(&mut self, now: Instant, reply: Reply) {
         // One that was forgotten meanwhile stays forgotten.
         let Some(motor) = self.motor_mut(reply.id) else {
             return;
@@ -186,52 +239,31 @@ impl Bus {
     fn note(&mut self, now: Instant, exchange: &Exchange, rest: &Leftovers) {
         let counters = match exchange.expects {
             Expects::Reply { id, .. } => self.motor_mut(id).map(|motor| &mut motor.counters),
-            Expects::Everyone | Expects::Nothing => None,
+            Expects::Everyone { .. } | Expects::Nothing => None,
         };
         match counters {
             Some(counters) => count_line(counters, rest),
             None => count_line(&mut self.counters, rest),
         }
-        for frame in &rest.frames {
-            self.heard_late(now, frame);
-        }
+        self.pass_on(now, rest);
     }
 
-    fn id_query_ended(&mut self, now: Instant, exchange: &Exchange, rest: &Leftovers) {
-        count_line(&mut self.counters, rest);
-        let outcome = match rest.frames.as_slice() {
-            [] if rest.junk_bytes == 0 => {
-                self.counters.silences += 1;
-                IdQueryOutcome::Nobody
-            }
-            [frame] if rest.junk_bytes <= STRAY_BYTES_MAX => {
-                self.counters.replies += 1;
-                match Reply::decode(frame, Some(Layout::Drive)) {
-                    Ok(reply) => IdQueryOutcome::One(reply.id),
-                    Err(_) => IdQueryOutcome::Garbled,
-                }
-            }
-            _ => {
-                self.counters.bad_crcs += 1;
-                IdQueryOutcome::Garbled
-            }
-        };
-        for frame in &rest.frames {
-            let Ok(reply) = Reply::decode(frame, None) else {
-                continue;
-            };
-            let layout = self
-                .watch(exchange.sent, reply.id)
-                .layout_of_reply(now, Layout::Drive);
-            if let Ok(reply) = Reply::decode(frame, layout) {
-                self.keep(now, reply);
+    /// Logs what came beside the reply that was waited for, and keeps what is good of it.
+    fn pass_on(&mut self, now: Instant, rest: &Leftovers) {
+        for piece in &rest.pieces {
+            match piece {
+                Piece::Frame(frame) => self.heard_late(now, frame),
+                Piece::Junk(junk) => self.log(now, Passed::Junk(*junk)),
             }
         }
-        self.events.push_back(Event::IdQueryEnded(outcome));
     }
 }
 
-fn count_line(counters: &mut Counters, rest: &Leftovers) {
+pub(super) fn micros(duration: Duration) -> u32 {
+    u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
+}
+
+pub(super) fn count_line(counters: &mut Counters, rest: &Leftovers) {
     match rest.echoed {
         0 => {}
         FRAME_LEN => counters.echoes_whole += 1,

@@ -1,8 +1,12 @@
 //! The bus itself: what goes in, what comes out, and the order in which it is handled.
 
+mod calling;
 mod commands;
 mod listening;
+mod logging;
+mod raw_frames;
 mod speaking;
+mod surveying;
 mod upkeep;
 
 use std::{collections::VecDeque, time::Duration};
@@ -10,15 +14,20 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 
 use crate::{
-    CommandRate, Counters, Event, MotorStatus, StopReason,
+    Activity, CommandRate, Counters, Event, MotorStatus, StopReason,
     exchange::Line,
     motor::{Control, Motor},
+    raw::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
+    scan::Ask,
     schedule::{Errand, Turn, next_turn},
     stop::ActiveStop,
+    timing::EARLY,
     watchdog::{Bark, Watchdog},
 };
+
+use self::surveying::{Proof, Survey};
 
 /// What [`Bus::poll`] wants done.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,6 +56,10 @@ pub struct Bus {
     halted: bool,
     stop: Option<ActiveStop>,
     id_query_wanted: bool,
+    survey: Option<Survey>,
+    /// The motor that a full scan has proved to be alone.
+    proved_alone: Option<Proof>,
+    raw: Option<Raw>,
     /// What happened on the line while no single motor was asked.
     counters: Counters,
     watchdog: Watchdog,
@@ -69,6 +82,9 @@ impl Bus {
             halted: false,
             stop: None,
             id_query_wanted: false,
+            survey: None,
+            proved_alone: None,
+            raw: None,
             counters: Counters::default(),
             watchdog: Watchdog::new(now),
             events: VecDeque::new(),
@@ -90,17 +106,28 @@ impl Bus {
         self.halted
     }
 
-    /// Whether a motor is driven, switched or being stopped: the line must not be let go.
+    /// Whether a motor is driven, switched or being stopped, or turns by what we sent: the line must
+    /// not be let go.
     #[must_use]
-    pub fn is_active(&self) -> bool {
-        self.motors
-            .iter()
-            .any(|motor| !matches!(motor.control, Control::Idle))
+    pub fn is_active(&self, now: Instant) -> bool {
+        let turns = |motor: &Motor| {
+            let speed = motor.fresh_speed(now);
+            motor.may_turn && speed.is_some_and(|speed| speed.magnitude() > 0)
+        };
+        let active = |motor: &Motor| !matches!(motor.control, Control::Idle) || turns(motor);
+        self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
     }
 
     /// Everything known of every motor.
     pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
-        self.motors.iter().map(move |motor| motor.status(now))
+        let driven_raw = self.driven_raw();
+        self.motors.iter().map(move |motor| {
+            let mut status = motor.status(now);
+            if driven_raw == Some(motor.id) && status.activity == Activity::Idle {
+                status.activity = Activity::DrivenRaw;
+            }
+            status
+        })
     }
 
     /// What happened on the line while no single motor was asked: the ID query.
@@ -118,10 +145,12 @@ impl Bus {
     pub fn poll(&mut self, now: Instant) -> Output {
         match self.watchdog.wake(now) {
             Some(Bark::Ping) => self.events.push_back(Event::PingPage),
-            Some(Bark::PageSilent) if self.is_active() => {
+            Some(Bark::PageSilent) if self.is_active(now) => {
                 self.stop_all(now, StopReason::PageSilent);
             }
-            Some(Bark::PageSilent) | None => {}
+            // Nobody would see how it ends.
+            Some(Bark::PageSilent) => self.cancel_survey(now),
+            None => {}
         }
         self.look_for_reply(now);
         self.end_spent_window(now);
@@ -138,7 +167,10 @@ impl Bus {
         if let Some(event) = self.events.pop_front() {
             return Output::Event(event);
         }
-        let timers = self.motors.iter().filter_map(Self::deadline);
+        let timers = self
+            .motors
+            .iter()
+            .filter_map(|motor| Self::deadline(motor, now));
         let next = timers
             .chain(next_on_the_line)
             .fold(self.watchdog.deadline(), Instant::min);
@@ -146,16 +178,44 @@ impl Bus {
         Output::Wait(next.max(now + Duration::from_micros(1)))
     }
 
-    fn next_turn(&self, now: Instant) -> Turn {
-        if self.id_query_wanted && self.stop.is_none() {
-            return Turn::Now(Errand::IdQuery);
+    fn next_turn(&mut self, now: Instant) -> Turn {
+        if self.stop.is_none() {
+            if self.id_query_wanted {
+                return Turn::Now(Errand::IdQuery);
+            }
+            if let Some(turn) = self.survey_turn(now) {
+                return turn;
+            }
+            if let Some(at) = self.raw_has_line() {
+                return self.raw_set_id_turn(now, at);
+            }
         }
+        // A stop has the line to itself but for what is driven beside it.
+        let raw = self.raw.filter(|_| self.stop.is_none());
         next_turn(
             &self.motors,
+            raw.and_then(|raw| raw.next_frame()),
             now,
             self.round_trip.usual(),
             self.rate.period(),
         )
+    }
+
+    /// Set-ID frames that a person wrote: the ID query first, then one behind the other.
+    fn raw_set_id_turn(&self, now: Instant, at: Instant) -> Turn {
+        if self.raw.is_some_and(|raw| raw.to_check.is_some()) {
+            Turn::Now(Errand::Survey(Ask::Everyone))
+        } else if now + EARLY >= at {
+            Turn::Now(Errand::Raw)
+        } else {
+            Turn::At(at)
+        }
+    }
+
+    /// Ends what is under way as the line is let go, and gives what is still to be told.
+    pub fn close(&mut self, now: Instant) -> impl Iterator<Item = Event> {
+        self.cancel_survey(now);
+        self.events.drain(..)
     }
 
     fn motor_mut(&mut self, id: MotorId) -> Option<&mut Motor> {

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use motorlink_protocol::{Frame, Instant, Request};
 
-use super::Bus;
+use super::{Bus, surveying::request_of};
 use crate::{
-    exchange::{Exchange, Expects, Line},
+    Passed,
+    exchange::{Exchange, Expects, Line, Purpose},
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
     safety::step_towards,
@@ -19,31 +20,66 @@ impl Bus {
     pub(super) fn speak(&mut self, now: Instant, errand: Errand) -> Frame {
         self.sort_unasked_bytes(now);
         let period = self.rate.period();
-        let request = match errand {
+        let (request, purpose) = match errand {
+            Errand::Raw => return self.speak_raw(now),
             Errand::IdQuery => {
                 self.id_query_wanted = false;
-                Request::IdQuery
+                (Request::IdQuery, Purpose::Control)
             }
+            Errand::Survey(ask) => (request_of(ask), Purpose::Survey),
+            Errand::SetId(id) => (Request::SetId { id }, Purpose::Survey),
             Errand::Stop(id) | Errand::Switch(id) | Errand::Drive(id) | Errand::Query(id) => {
                 let motor = self.watch(now, id);
-                next_request(motor, now, errand, period)
+                (next_request(motor, now, errand, period), Purpose::Control)
             }
         };
-        let exchange = Exchange::begin(now, &request, self.window(&request));
-        match exchange.expects {
-            Expects::Reply { id, .. } => self.watch(now, id).counters.requests += 1,
-            Expects::Everyone => self.counters.requests += 1,
+        self.begin_exchange(now, request.frame(), Expects::of(&request), purpose)
+    }
+
+    /// Sends what a person wrote, as it is.
+    fn speak_raw(&mut self, now: Instant) -> Frame {
+        // Without a frame nothing would be due; the ID query harms nobody.
+        let frame = self.raw.map_or(Request::IdQuery.frame(), |raw| raw.frame);
+        self.raw_goes_out(now);
+        self.begin_exchange(now, frame, Expects::of_raw(&frame), Purpose::Raw)
+    }
+
+    fn begin_exchange(
+        &mut self,
+        now: Instant,
+        frame: Frame,
+        expects: Expects,
+        purpose: Purpose,
+    ) -> Frame {
+        let exchange = Exchange::begin(now, frame, expects, self.window(expects, purpose), purpose);
+        match expects {
+            Expects::Reply { id, .. } => match self.motor_mut(id) {
+                Some(motor) => motor.counters.requests += 1,
+                None => self.counters.requests += 1,
+            },
+            Expects::Everyone { .. } => self.counters.requests += 1,
             Expects::Nothing => {}
         }
+        let [addressee, ..] = *frame.bytes();
+        let motor = self.motors.iter().find(|motor| motor.id.get() == addressee);
+        let mode = motor.and_then(|motor| motor.reads_drive_frames_in(now));
+        self.log(now, Passed::Sent { frame, mode });
         self.line = Line::Busy(exchange);
-        exchange.frame
+        frame
     }
 
     /// How long the reply may take.
-    fn window(&mut self, request: &Request) -> Duration {
-        let Some(id) = request.addressee() else {
-            return ID_QUERY_WINDOW;
+    fn window(&mut self, expects: Expects, purpose: Purpose) -> Duration {
+        let id = match expects {
+            Expects::Reply { id, .. } => id,
+            Expects::Everyone { layout: None } => return FIRST_WINDOW,
+            Expects::Everyone { .. } | Expects::Nothing => return ID_QUERY_WINDOW,
         };
+        if purpose == Purpose::Survey
+            && let Some(window) = self.survey_window()
+        {
+            return window;
+        }
         let own = self
             .motor_mut(id)
             .and_then(|motor| motor.round_trip.window());

@@ -25,7 +25,7 @@ impl Bus {
                     let quiet = motor.quiet_while_driven(now, &driven);
                     let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
                     let withdrawn = check_driven(
-                        driven.goal.mode(),
+                        Some(driven.goal.mode()),
                         motor.last_mode(),
                         faults,
                         quiet,
@@ -70,6 +70,7 @@ impl Bus {
                 to_stop.contains(&motor.id)
             });
         }
+        self.look_after_raw(now);
         self.end_stop(now);
     }
 
@@ -97,6 +98,7 @@ impl Bus {
                 });
             }
         }
+        self.way_was_made(&outcomes);
         if let Some(stop) = self.stop.take() {
             self.events
                 .push_back(Event::StopEnded(stop.report(outcomes)));
@@ -104,7 +106,7 @@ impl Bus {
     }
 
     /// When a motor has to be looked after next.
-    pub(super) fn deadline(motor: &Motor) -> Option<Instant> {
+    pub(super) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
         let silent = (!motor.silent).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,
@@ -112,7 +114,8 @@ impl Bus {
             Control::Driven(driven) => (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX)
                 .then(|| motor.quiet_since().max(driven.since) + DRIVEN_SILENCE_MAX),
             Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
-            Control::Stopping(stop) => (!stop.confirmed()).then(|| stop.window_ends()),
+            // Where its window is spent, it waits for the other motors of the stop.
+            Control::Stopping(stop) => (!stop.over(now)).then(|| stop.window_ends()),
         };
         silent.into_iter().chain(control).min()
     }

@@ -6,10 +6,13 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Activity, Bus, Command, Consent, Event, MotorStatus, Output, Refusal};
+use motorlink_bus::{
+    Activity, Bus, Command, Consent, Event, MotorStatus, Output, RawInterval, RawStatus, Refusal,
+    Repeat, ScanReport,
+};
 use motorlink_protocol::{
-    CurrentTarget, Drive, Frame, Instant, Mode, MotorId, PositionTarget, Request, Setpoint,
-    SpeedTarget,
+    AssignableId, CurrentTarget, Drive, Frame, Instant, Mode, MotorId, PositionTarget, Request,
+    Setpoint, SpeedTarget,
 };
 use motorlink_simulator::{World, WorldConfig};
 
@@ -222,4 +225,59 @@ pub fn longest_gap(times: &[Instant]) -> Duration {
         .map(|pair| pair[1].since(pair[0]))
         .max()
         .unwrap_or_default()
+}
+
+/// So often, so far apart.
+pub fn every(count: u32, interval_ms: u16) -> Repeat {
+    let interval = RawInterval::new(interval_ms).unwrap();
+    Repeat::Times { count, interval }
+}
+
+/// A frame that a person wrote, without any consent.
+pub fn raw(frame: Frame, repeat: Repeat) -> Command {
+    Command::SendRaw {
+        frame,
+        repeat,
+        consent: Consent::None,
+    }
+}
+
+/// The frame of a setpoint.
+pub fn drive_frame(motor: MotorId, setpoint: Setpoint) -> Frame {
+    Request::drive(motor, setpoint).frame()
+}
+
+/// The last frame that a person wrote.
+pub fn status(bench: &Bench) -> RawStatus {
+    bench.bus.raw().unwrap()
+}
+
+/// Two motors that have answered.
+pub fn two() -> Bench {
+    Bench::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)])
+}
+
+/// An address that may be given.
+pub fn to(address: u8) -> AssignableId {
+    AssignableId::new(id(address)).unwrap()
+}
+
+/// Whether it is a set-ID frame, well formed or not.
+pub fn is_set_id(sent: &Sent) -> bool {
+    sent.frame.bytes().starts_with(&[0xAA, 0x55, 0x53])
+}
+
+/// A full scan from its command to its end.
+pub fn scan_report(bench: &mut Bench) -> ScanReport {
+    bench.forget_the_past();
+    bench.command(Command::FullScan).unwrap();
+    bench.run_until(ms(60_000), |bench| {
+        bench.happened(|event| matches!(event, Event::ScanEnded(_)))
+    });
+    let report = bench.events.iter().find_map(|(_, event)| match event {
+        Event::ScanEnded(report) => Some(report.clone()),
+        _ => None,
+    });
+    bench.forget_the_past();
+    report.unwrap()
 }

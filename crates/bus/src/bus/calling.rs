@@ -1,0 +1,101 @@
+//! What is heard when everyone was asked at once.
+
+use motorlink_protocol::{Instant, Layout, Reply};
+
+use super::{
+    Bus,
+    listening::{count_line, micros},
+};
+use crate::{
+    Event, IdQueryOutcome, Passed, RawAnswer,
+    exchange::{Exchange, Purpose},
+    receiver::{Leftovers, Piece},
+    timing::ID_QUERY_WINDOW,
+};
+
+/// Junk that may stand beside one clean reply to the ID query: less than half a frame is noise, more
+/// is another motor's voice.
+const STRAY_BYTES_MAX: usize = 4;
+
+impl Bus {
+    /// The window in which everyone could answer has passed.
+    pub(super) fn everyone_heard(
+        &mut self,
+        now: Instant,
+        exchange: &Exchange,
+        layout: Option<Layout>,
+        rest: &Leftovers,
+    ) {
+        count_line(&mut self.counters, rest);
+        let mut answer = None;
+        for piece in &rest.pieces {
+            let frame = match piece {
+                Piece::Frame(frame) => *frame,
+                Piece::Junk(junk) => {
+                    self.log(now, Passed::Junk(*junk));
+                    continue;
+                }
+            };
+            let Ok(reply) = Reply::decode(&frame, None) else {
+                continue;
+            };
+            if exchange.purpose == Purpose::Control {
+                self.watch(exchange.sent, reply.id);
+            }
+            let asked = layout.and_then(|layout| match self.motor_mut(reply.id) {
+                Some(motor) => motor.layout_of_reply(now, layout),
+                None => Some(layout),
+            });
+            self.log_heard(now, &frame, asked);
+            if let Ok(reply) = Reply::decode(&frame, asked) {
+                self.keep(now, reply);
+            }
+            answer = answer.or(Some((frame, asked)));
+        }
+        if layout.is_some() && now.since(exchange.sent) < ID_QUERY_WINDOW {
+            // Cut short by a stop: the answers may still come.
+            for motor in &mut self.motors {
+                motor.call_unanswered(exchange.sent);
+            }
+        }
+        let took = exchange.last_byte.map(|last| last.since(exchange.sent));
+        let outcome = self.judge_id_query(rest);
+        match exchange.purpose {
+            Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
+            Purpose::Survey => self.survey_called(outcome, took),
+            Purpose::Raw => self.raw_answered(match (answer, rest.is_silence()) {
+                (Some((frame, asked)), _) => RawAnswer::Reply {
+                    frame,
+                    asked,
+                    after_us: micros(took.unwrap_or_default()),
+                },
+                (None, true) => RawAnswer::Silence {
+                    waited_us: micros(now.since(exchange.sent)),
+                },
+                (None, false) => RawAnswer::Garbled,
+            }),
+        }
+    }
+
+    /// Who answered the ID query, with the line's counters.
+    fn judge_id_query(&mut self, rest: &Leftovers) -> IdQueryOutcome {
+        if rest.is_silence() {
+            self.counters.silences += 1;
+            return IdQueryOutcome::Nobody;
+        }
+        let mut frames = rest.frames();
+        match (frames.next(), frames.next()) {
+            (Some(frame), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
+                self.counters.replies += 1;
+                match Reply::decode(frame, None) {
+                    Ok(reply) => IdQueryOutcome::One(reply.id),
+                    Err(_) => IdQueryOutcome::Garbled,
+                }
+            }
+            _ => {
+                self.counters.bad_crcs += 1;
+                IdQueryOutcome::Garbled
+            }
+        }
+    }
+}
