@@ -11,7 +11,9 @@ use crate::{
     desk::{Desk, Dialog, Targets},
     keys::Act,
     notice_board::{Tone, Topic, Words},
+    one_stop::stop_of,
     permission::{why_not_drive, why_not_stop, why_not_switch},
+    tab::Tab,
     words,
 };
 
@@ -49,6 +51,8 @@ impl Desk {
         self.command(Command::StopAll(reason));
         self.asked.set(None);
         self.dialog.set(None);
+        self.give_up_id_change();
+        self.raw.await_nothing();
     }
 
     pub(crate) fn release(self) {
@@ -82,10 +86,28 @@ impl Desk {
         self.drive_with(setpoint, Consent::None);
     }
 
-    /// Drives at a current that the operator was asked about and meant.
-    pub(crate) fn drive_high(self, target: CurrentTarget) {
+    /// The operator agrees to what the open dialog asks. Once: the dialog is closed by it.
+    pub(crate) fn agree(self) {
+        let asked = self.dialog.get_untracked();
         self.dialog.set(None);
-        self.drive_with(Setpoint::Current(target), Consent::HighCurrent);
+        match asked {
+            Some(Dialog::HighCurrent(target)) => {
+                self.drive_with(Setpoint::Current(target), Consent::HighCurrent);
+            }
+            Some(Dialog::ChangeId { .. }) => self.set_proved_id(),
+            Some(Dialog::Hazard(order)) => self.send_hazard(order),
+            Some(Dialog::HighRawCurrent { order, .. }) => {
+                self.send_order(order, Consent::HighCurrent);
+            }
+            Some(Dialog::ClearLog(_)) => self.clear_log(),
+            Some(Dialog::Help) | None => {}
+        }
+    }
+
+    /// The operator does not want what the open dialog asks.
+    pub(crate) fn decline(self) {
+        self.dialog.set(None);
+        self.give_up_id_change();
     }
 
     fn drive_with(self, setpoint: Setpoint, consent: Consent) {
@@ -100,7 +122,7 @@ impl Desk {
                 board.withdraw(topic);
             }
         });
-        self.tab.set(setpoint.mode());
+        self.follow(setpoint.mode());
     }
 
     /// Gives a motor that is driven in this loop the entered target; starts nothing.
@@ -122,15 +144,19 @@ impl Desk {
     }
 
     /// Stops the chosen motor as its loop allows: see [`stop_of`].
-    pub(crate) fn stop_motor(self, tab: Mode) {
+    pub(crate) fn stop_motor(self, tab: Tab) {
         if let Some(reason) = why_not_stop(&self.present()) {
             self.refuse("Nothing was stopped".to_owned(), reason);
             return;
         }
         let id = self.selected.get_untracked();
-        let activity = self
-            .latest
-            .with_value(|session| session.motor(id).map(|motor| motor.activity));
+        let (activity, raw) = self.latest.with_value(|session| {
+            let activity = session.motor(id).map(|motor| motor.activity);
+            (activity, session.raw.is_some_and(|raw| raw.running))
+        });
+        if raw {
+            self.command(Command::StopRaw);
+        }
         if let Some(command) = stop_of(id, activity, tab) {
             if matches!(command, Command::Stop(_)) {
                 self.asked.set(None);
@@ -146,7 +172,7 @@ impl Desk {
             return;
         }
         self.asked.set(Some(mode));
-        self.tab.set(mode);
+        self.follow(mode);
         self.notices.update(|board| board.withdraw(Topic::Command));
         self.command(Command::SwitchMode { id, mode });
     }
@@ -176,7 +202,7 @@ impl Desk {
         self.asked.set(None);
         self.notices.update(|board| board.withdraw(Topic::Answer));
         self.tab_to_follow.set_value(true);
-        self.feed.update_value(crate::twin::TwinFeed::clear);
+        self.forget_motor();
         self.post(&ToWorker::Select(id));
         self.show();
     }
@@ -223,67 +249,5 @@ impl Desk {
             advice: vec![reason],
             remedy: None,
         });
-    }
-}
-
-/// How one motor is stopped: as its loop allows where it is driven, else by the brake.
-///
-/// In the current loop that is 0 A, and the wheel coasts; in the position loop it holds the present
-/// angle. A motor that is not driven in one of these is left alone by their tabs.
-fn stop_of(id: MotorId, activity: Option<Activity>, tab: Mode) -> Option<Command> {
-    let mode = match activity {
-        Some(Activity::Driven { setpoint }) => setpoint.mode(),
-        Some(Activity::Switching { .. }) => return Some(Command::Stop(id)),
-        _ if tab == Mode::Velocity => return Some(Command::Stop(id)),
-        _ => return None,
-    };
-    Some(match mode {
-        Mode::Velocity => Command::Stop(id),
-        Mode::Current => Command::Drive {
-            id,
-            setpoint: Setpoint::Current(CurrentTarget::ZERO),
-            consent: Consent::None,
-        },
-        Mode::Position => Command::Hold(id),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const ID: MotorId = MotorId::FIRST;
-
-    #[test]
-    fn a_stop_is_what_the_driven_loop_allows_whatever_tab_is_open() {
-        let driven = |setpoint| Some(Activity::Driven { setpoint });
-        let zero_amps = Command::Drive {
-            id: ID,
-            setpoint: Setpoint::Current(CurrentTarget::ZERO),
-            consent: Consent::None,
-        };
-        for tab in Mode::ALL {
-            let stop = |activity| stop_of(ID, activity, tab);
-            assert_eq!(stop(driven(Setpoint::Brake)), Some(Command::Stop(ID)));
-            let current = Setpoint::Current(CurrentTarget::from_amps(1.0));
-            assert_eq!(stop(driven(current)), Some(zero_amps));
-            let position = Setpoint::Position(PositionTarget::default());
-            assert_eq!(stop(driven(position)), Some(Command::Hold(ID)));
-            let switching = Some(Activity::Switching { to: tab });
-            assert_eq!(stop(switching), Some(Command::Stop(ID)));
-        }
-    }
-
-    #[test]
-    fn a_motor_that_is_not_driven_is_braked_in_the_velocity_tab_only() {
-        for (tab, command) in [
-            (Mode::Velocity, Some(Command::Stop(ID))),
-            (Mode::Current, None),
-            (Mode::Position, None),
-        ] {
-            for activity in [None, Some(Activity::Idle)] {
-                assert_eq!(stop_of(ID, activity, tab), command);
-            }
-        }
     }
 }

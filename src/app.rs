@@ -5,8 +5,8 @@ use motorlink_messages::ToWorker;
 
 use crate::{
     components::{
-        ConsentDialog, ControlPanel, Header, HelpDialog, Notices, StoppedDialog, Telemetry,
-        WheelPanel,
+        ControlPanel, Graph, Header, HelpDialog, Notices, PacketLog, QuestionDialog, Recording,
+        StoppedDialog, Telemetry, WheelPanel,
     },
     desk::{Desk, WorkerState},
     keyboard, lifecycle,
@@ -37,10 +37,13 @@ pub fn App() -> impl IntoView {
             <WheelPanel />
             <Telemetry />
             <Notices />
+            <PacketLog />
+            <Graph />
+            <Recording />
             <StoppedDialog />
         </main>
         <HelpDialog />
-        <ConsentDialog />
+        <QuestionDialog />
     }
 }
 
@@ -51,11 +54,13 @@ fn start_worker(desk: Desk) {
     );
     if let Ok(link) = started {
         desk.link.set_value(Some(link));
+        desk.start_journal();
         if wants_virtual_motor() {
             desk.post(&ToWorker::ConnectVirtual);
         }
     } else {
         desk.worker.set(WorkerState::Dead);
+        desk.start_journal();
         desk.say(words::of_dead_worker(false));
     }
 }

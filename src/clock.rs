@@ -3,6 +3,8 @@
 use motorlink_messages::protocol::Instant;
 use wasm_bindgen::JsCast;
 
+const DAY_MS: f64 = 86_400_000.0;
+
 /// Both clocks count from an origin of their own; both origins are on one wall clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Clock {
@@ -26,6 +28,17 @@ impl Clock {
         instant.as_micros() as f64 / 1000.0 + self.offset_ms
     }
 
+    /// The local time of day of a moment of the worker, in microseconds since midnight.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and a day"
+    )]
+    pub(crate) fn day_us(self, instant: Instant) -> u64 {
+        let local_ms = local_ms(page_origin_ms() + self.page_ms(instant));
+        (local_ms.rem_euclid(DAY_MS) * 1_000.0) as u64
+    }
+
     /// A moment of the page's `performance.now()` as the worker would have it.
     #[allow(
         clippy::cast_possible_truncation,
@@ -45,6 +58,32 @@ pub(crate) fn page_now_ms() -> f64 {
 /// The page's `performance.timeOrigin`.
 pub(crate) fn page_origin_ms() -> f64 {
     performance().map_or(0.0, |performance| performance.time_origin())
+}
+
+/// `13:02:11`, the local time of day at a moment of the wall clock in milliseconds.
+pub(crate) fn local_time(wall_ms: f64) -> String {
+    time_of_day(local_ms(wall_ms))
+}
+
+/// A moment of the wall clock in milliseconds as if it were in Greenwich when it is so late here.
+fn local_ms(wall_ms: f64) -> f64 {
+    let date = js_sys::Date::new(&wall_ms.into());
+    wall_ms - date.get_timezone_offset() * 60_000.0
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the seconds of a day are few and not negative"
+)]
+fn time_of_day(local_ms: f64) -> String {
+    let second = (local_ms / 1000.0).floor().rem_euclid(86_400.0) as u32;
+    format!(
+        "{:02}:{:02}:{:02}",
+        second / 3600,
+        second / 60 % 60,
+        second % 60
+    )
 }
 
 /// When the act that is being handled was done, in milliseconds of the page's `performance.now()`:
@@ -70,5 +109,20 @@ mod tests {
         assert!((clock.page_ms(moment) - 300.0).abs() < 1e-9);
         assert_eq!(clock.instant(300.0), moment);
         assert_eq!(clock.instant(0.0), Instant::ZERO, "before the worker was");
+    }
+
+    #[test]
+    fn a_time_of_day_is_cut_off_at_the_second() {
+        let midnight_ms = 20_000.0 * 86_400_000.0;
+        for (ms, text) in [
+            (0.0, "00:00:00"),
+            (46_931_999.0, "13:02:11"),
+            (86_399_999.9, "23:59:59"),
+            (86_400_000.0, "00:00:00"),
+            // West of Greenwich the local day may be the one before.
+            (-1.0, "23:59:59"),
+        ] {
+            assert_eq!(time_of_day(midnight_ms + ms), text);
+        }
     }
 }

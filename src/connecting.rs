@@ -7,6 +7,7 @@ use crate::{
     desk::Desk,
     notice_board::{Remedy, Topic},
     serial_ports,
+    tab::Tab,
     words::{self, PickTrouble},
 };
 
@@ -39,6 +40,10 @@ impl Desk {
     pub(crate) fn remedy(self, remedy: Remedy) {
         match remedy {
             Remedy::ShowAllPorts => self.choose_port(false),
+            Remedy::FullScan => {
+                self.open_tab(Tab::IdManager);
+                self.full_scan();
+            }
             Remedy::Reload => {
                 if let Some(window) = web_sys::window() {
                     // A page that cannot be reloaded stays as it is; there is nobody else to tell.

@@ -7,16 +7,26 @@ use leptos::prelude::*;
 use motorlink_messages::{
     ToWorker,
     bus::Command,
-    protocol::{CurrentTarget, Mode, MotorId},
+    protocol::{AssignableId, CurrentTarget, Instant, Mode, MotorId},
 };
 
 use crate::{
     clock::{Clock, act_ms, page_now_ms},
+    fault_history::FaultHistory,
+    history::History,
+    id_manager::IdManager,
+    journal::Journal,
     notice_board::{NoticeBoard, Words},
     preferences::Preferences,
+    question::RawOrder,
+    raw_acts::RawEntry,
+    recent::Recent,
     session::Session,
+    tab::Tab,
     target::Target,
+    tool_entry::NO_NEW_ID,
     twin::TwinFeed,
+    words::log_lines,
     worker_link::WorkerLink,
 };
 
@@ -38,6 +48,24 @@ pub(crate) enum Dialog {
     Help,
     /// The question whether so high a current is meant.
     HighCurrent(CurrentTarget),
+    /// The question whether all of the log is to be forgotten, and how many entries that are.
+    ClearLog(u64),
+    /// The question whether the only motor is to have another ID.
+    ChangeId {
+        /// Its present one.
+        from: MotorId,
+        /// The new one.
+        to: AssignableId,
+    },
+    /// The question whether a frame is to be sent that can move a wheel.
+    Hazard(RawOrder),
+    /// The question whether so high a current is meant in a frame that a person wrote.
+    HighRawCurrent {
+        /// The frame.
+        order: RawOrder,
+        /// The current in it.
+        current: CurrentTarget,
+    },
 }
 
 /// What was entered last, always in range.
@@ -53,6 +81,8 @@ pub(crate) struct Targets {
     pub(crate) position: Target,
     /// Drive frames a second.
     pub(crate) rate: Target,
+    /// The ID that a motor is to be given.
+    pub(crate) new_id: Target,
 }
 
 /// The desk: a pointer, so that it weighs nothing in the hundreds of closures that hold it. A page
@@ -78,17 +108,28 @@ pub(crate) struct Parts {
     pub(crate) tab_to_follow: StoredValue<bool>,
     /// What the twin is drawn from.
     pub(crate) feed: StoredValue<TwinFeed, LocalStorage>,
+    /// What the sparklines are drawn from.
+    pub(crate) recent: StoredValue<Recent>,
+    /// Written when a fault comes, goes or is seen, and not otherwise.
+    pub(crate) fault_history: RwSignal<FaultHistory>,
+    /// What the graph is drawn from.
+    pub(crate) history: StoredValue<History, LocalStorage>,
     /// The state as it is shown: at most once a frame, and ten times a second for readings alone.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) worker: RwSignal<WorkerState>,
+    pub(crate) journal: Journal,
     pub(crate) notices: RwSignal<NoticeBoard>,
     pub(crate) preferences: RwSignal<Preferences>,
     pub(crate) selected: RwSignal<MotorId>,
-    pub(crate) tab: RwSignal<Mode>,
+    pub(crate) tab: RwSignal<Tab>,
     /// The loop that the operator asked for last, until a stop or another motor makes it moot.
     pub(crate) asked: RwSignal<Option<Mode>>,
     pub(crate) targets: Targets,
     pub(crate) dialog: RwSignal<Option<Dialog>>,
+    /// Scans, and the way to a new ID.
+    pub(crate) ids: RwSignal<IdManager>,
+    /// The frame that a person writes.
+    pub(crate) raw: RawEntry,
 }
 
 /// The speed of the first start and of the keys F and B: half of what the motor runs without load.
@@ -108,12 +149,16 @@ impl Desk {
             latest: StoredValue::new(Session::default()),
             tab_to_follow: StoredValue::new(false),
             feed: StoredValue::new_local(TwinFeed::default()),
+            recent: StoredValue::new(Recent::default()),
+            fault_history: RwSignal::new(FaultHistory::default()),
+            history: StoredValue::new_local(History::default()),
             shown: RwSignal::new(Session::default()),
             worker: RwSignal::new(WorkerState::Starting),
+            journal: Journal::new(),
             notices: RwSignal::new(NoticeBoard::default()),
             preferences: RwSignal::new(preferences),
             selected: RwSignal::new(preferences.motor),
-            tab: RwSignal::new(Mode::Velocity),
+            tab: RwSignal::new(Tab::Loop(Mode::Velocity)),
             asked: RwSignal::new(None),
             targets: Targets {
                 speed: Target::new(FIRST_SPEED_RPM),
@@ -121,8 +166,11 @@ impl Desk {
                 current: Target::new(0),
                 position: Target::new(0),
                 rate: Target::new(preferences.rate.hertz().into()),
+                new_id: Target::new(NO_NEW_ID),
             },
             dialog: RwSignal::new(None),
+            ids: RwSignal::new(IdManager::default()),
+            raw: RawEntry::new(),
         })))
     }
 
@@ -141,21 +189,44 @@ impl Desk {
         });
     }
 
+    /// Puts words on the notice board and a line into the log.
     pub(crate) fn say(self, words: Words) {
+        self.say_at(self.now(), words);
+    }
+
+    /// The same about something that happened a moment ago.
+    pub(crate) fn say_at(self, at: Instant, words: Words) {
+        self.log(at, log_lines::of_words(&words));
         self.notices.update(|board| board.post(words));
+    }
+
+    /// This moment on the worker's clock.
+    pub(crate) fn now(self) -> Instant {
+        self.clock.get_value().instant(page_now_ms())
     }
 
     /// The newest state with its ages as they are now.
     pub(crate) fn present(self) -> Session {
-        let clock = self.clock.get_value();
-        let mut session = self.latest.get_value();
-        session.now = clock.instant(page_now_ms());
-        session
+        Session {
+            now: self.now(),
+            ..self.latest.get_value()
+        }
+    }
+
+    /// Another motor, or none: what was heard of the last says nothing of it.
+    pub(crate) fn forget_motor(self) {
+        self.feed.update_value(TwinFeed::clear);
+        self.recent.update_value(Recent::clear);
     }
 
     /// Shows the newest state.
     pub(crate) fn show(self) {
         self.shown.set(self.present());
+    }
+
+    /// Shows the tab of the loop that the motor has, or is to have.
+    pub(crate) fn follow(self, mode: Mode) {
+        self.tab.update(|tab| *tab = tab.following(mode));
     }
 
     /// Changes what this browser remembers.

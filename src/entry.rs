@@ -152,7 +152,7 @@ fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String>
 }
 
 /// Without spaces, and with the minus of a keyboard.
-fn plain(text: &str) -> String {
+pub(crate) fn plain(text: &str) -> String {
     text.chars()
         .filter(|character| !character.is_whitespace())
         .map(|character| match character {
@@ -167,7 +167,8 @@ fn is_unfinished(text: &str) -> bool {
     matches!(text, "" | "-" | "+")
 }
 
-fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, E>) -> Typed {
+/// A whole number that this takes.
+pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, E>) -> Typed {
     let text = plain(text);
     if is_unfinished(&text) {
         return Typed::Unfinished;
@@ -229,7 +230,7 @@ fn decimal(text: &str) -> Option<f32> {
 }
 
 /// As a sentence of its own under a field.
-fn sentence(error: &impl ToString) -> String {
+pub(crate) fn sentence(error: &impl ToString) -> String {
     format!("{}.", format::capitalized(&error.to_string()))
 }
 

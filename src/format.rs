@@ -10,6 +10,9 @@ pub(crate) const UNKNOWN: &str = "–";
 /// The typographic minus, as wide as the plus, so that a figure keeps its width when it turns.
 const MINUS: char = '\u{2212}';
 
+/// Narrow, and no line breaks at it.
+const GROUP_SPACE: char = '\u{202F}';
+
 /// `+100`, `−50`, `0`
 pub(crate) fn signed(value: i32) -> String {
     match value {
@@ -79,6 +82,26 @@ pub(crate) fn capitalized(text: &str) -> String {
     text
 }
 
+/// `18 402`, in groups of three.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(GROUP_SPACE);
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// `00:02:13`, hours, minutes and seconds from milliseconds.
+pub(crate) fn stopwatch(millis: u64) -> String {
+    let seconds = millis / 1000;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
+}
+
 /// `2.9`, milliseconds from microseconds.
 pub(crate) fn milliseconds(micros: u32) -> String {
     let tenths = micros.div_ceil(100);
@@ -131,6 +154,21 @@ mod tests {
         assert_eq!(milliseconds(2_870), "2.9");
         assert_eq!(percent(4), "0.4");
         assert_eq!(percent(1000), "100.0");
+    }
+
+    #[test]
+    fn large_numbers_are_grouped() {
+        for (number, text) in [
+            (0, "0"),
+            (999, "999"),
+            (1_000, "1\u{202F}000"),
+            (18_402, "18\u{202F}402"),
+            (1_000_000, "1\u{202F}000\u{202F}000"),
+        ] {
+            assert_eq!(grouped(number), text);
+        }
+        assert_eq!(stopwatch(133_900), "00:02:13");
+        assert_eq!(stopwatch(36_000_000), "10:00:00");
     }
 
     #[test]

@@ -3,17 +3,21 @@
 use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
-    bus::{Activity, IdQueryOutcome, StopReason},
-    protocol::{Detail, Mode},
+    bus::{Activity, IdQueryOutcome, Sample, StopReason},
+    protocol::{Detail, Instant, Mode, MotorId},
 };
 
 use crate::{
     clock::{Clock, page_origin_ms},
     desk::{Desk, WorkerState},
     notice_board::Topic,
+    raw_acts::belongs_to_raw_editor,
+    recent::Report,
+    scan_words::belongs_to_id_manager,
     session::{Reading, Session},
+    tab::Tab,
     twin::AngleQuality,
-    words,
+    words::{self, log_lines},
 };
 
 impl Desk {
@@ -22,6 +26,7 @@ impl Desk {
             ToPage::Hello { time_origin_ms } => {
                 self.clock
                     .set_value(Clock::new(page_origin_ms(), time_origin_ms));
+                self.set_epoch(time_origin_ms);
                 self.worker.set(WorkerState::Running);
                 self.post(&ToWorker::Select(self.selected.get_untracked()));
             }
@@ -34,13 +39,23 @@ impl Desk {
 
     fn update(self, update: &Update) {
         let before = self.latest.with_value(|session| session.connection);
+        let lines = self
+            .latest
+            .with_value(|session| log_lines::of_update(session, update));
+        for line in lines {
+            self.log(update.now, line);
+        }
         self.latest.update_value(|session| session.apply(update));
+        // Before a lost connection has them forgotten.
+        self.keep_samples(update);
         if update.connection != before {
             self.connection_changed(before, update.connection);
         }
         for notice in &update.notices {
-            self.notice(notice);
+            self.notice(update.now, notice);
         }
+        self.look_after_ids();
+        self.history.update_value(|history| history.take(update));
         self.feed_twin(update);
         self.follow_loop();
         // Readings wait for the next tenth of a second; a state does not.
@@ -72,11 +87,14 @@ impl Desk {
         }
         if matches!(before, Connection::Connected(_)) {
             self.asked.set(None);
-            self.feed.update_value(crate::twin::TwinFeed::clear);
+            self.forget_motor();
+            self.faults_unheard(None);
+            self.forget_scans();
+            self.raw.await_nothing();
         }
     }
 
-    fn notice(self, notice: &Notice) {
+    fn notice(self, at: Instant, notice: &Notice) {
         let selected = self.selected.get_untracked();
         if let Some(topic) = words::settled_by(notice) {
             self.notices.update(|board| board.withdraw(topic));
@@ -88,13 +106,28 @@ impl Desk {
                     self.select(*id);
                 }
             }
-            Notice::ModeSwitched { id, mode } if *id == selected => self.tab.set(*mode),
+            Notice::ModeSwitched { id, mode } if *id == selected => self.follow(*mode),
+            Notice::MotorSilent(id) => self.faults_unheard(Some(*id)),
             // The bus ends a stop in the velocity loop, whatever was asked for before.
             Notice::StopBegan(reason) if *reason != StopReason::OneMotor => self.asked.set(None),
             _ => {}
         }
-        if let Some(words) = words::of_notice(notice, selected) {
-            self.say(words);
+        self.hear_of_ids(notice);
+        self.hear_of_raw(notice);
+        // What the open tab says itself is not said twice.
+        let said_by_tab = match self.tab.get_untracked() {
+            Tab::IdManager => belongs_to_id_manager(notice),
+            Tab::RawHex => belongs_to_raw_editor(notice),
+            Tab::Loop(_) => false,
+        };
+        if let Some(words) = words::of_notice(notice) {
+            if said_by_tab {
+                self.log(at, log_lines::of_words(&words));
+            } else {
+                self.say_at(at, words);
+            }
+        } else if let Some(line) = log_lines::of_quiet_notice(notice) {
+            self.log(at, line);
         }
     }
 
@@ -130,6 +163,35 @@ impl Desk {
         });
     }
 
+    /// Every sample counts here, also those between two frames of the screen.
+    fn keep_samples(self, update: &Update) {
+        let id = self.selected.get_untracked();
+        let clock = self.clock.get_value();
+        let origin_ms = page_origin_ms();
+        self.recent.update_value(|recent| {
+            for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
+                recent.push(Report {
+                    at_ms: clock.page_ms(sample.at),
+                    speed: sample.reply.speed,
+                    current: sample.reply.current,
+                });
+            }
+        });
+        self.fault_history.maybe_update(|history| {
+            let mut changed = false;
+            for Sample { at, reply } in &update.samples {
+                let at_ms = origin_ms + clock.page_ms(*at);
+                changed |= history.hear(reply.id, reply.faults, at_ms);
+            }
+            changed
+        });
+    }
+
+    fn faults_unheard(self, id: Option<MotorId>) {
+        self.fault_history
+            .maybe_update(|history| history.unheard(id));
+    }
+
     /// Once after connecting, the tab is that of the motor's loop.
     fn follow_loop(self) {
         if !self.tab_to_follow.get_value() {
@@ -138,7 +200,7 @@ impl Desk {
         let id = self.selected.get_untracked();
         let mode: Option<Reading<Mode>> = self.latest.with_value(|session| session.mode(id));
         if let Some(mode) = mode.filter(Reading::is_fresh) {
-            self.tab.set(mode.value);
+            self.follow(mode.value);
             self.tab_to_follow.set_value(false);
         }
     }
@@ -146,6 +208,8 @@ impl Desk {
     /// The worker has failed: nothing more comes from it, and no frame leaves.
     pub(crate) fn worker_lost(self) {
         let mut driven = false;
+        let lost_at = self.latest.with_value(|session| session.now);
+        self.history.update_value(|history| history.end(lost_at));
         self.latest.update_value(|session| {
             driven = session.in_hand().next().is_some();
             *session = Session {
@@ -154,7 +218,9 @@ impl Desk {
             };
         });
         self.worker.set(WorkerState::Dead);
-        self.feed.update_value(crate::twin::TwinFeed::clear);
+        self.forget_motor();
+        self.faults_unheard(None);
+        self.forget_scans();
         self.say(words::of_dead_worker(driven));
         self.show();
     }

@@ -26,14 +26,18 @@ fn key_down(desk: Desk, event: &KeyboardEvent) {
     let Some(act) = act(&event.key(), modified, focus()) else {
         return;
     };
-    // While a dialog asks for attention, nothing is driven behind it.
+    // While a dialog asks for attention, nothing is driven behind it; nor beside a textbox that takes
+    // hex digits, most of which are keys that drive.
     if act == Act::StopAll {
         // A key held down is one press, as long as the first was heard.
         if !event.repeat() || !desk.latest.with_value(|session| session.halted) {
             desk.stop_all(StopReason::Operator);
         }
         event.prevent_default();
-    } else if !event.repeat() && desk.dialog.with_untracked(Option::is_none) {
+    } else if !event.repeat()
+        && desk.dialog.with_untracked(Option::is_none)
+        && !(act.drives() && desk.tab.get_untracked().is_tool())
+    {
         event.prevent_default();
         desk.act(act);
     }

@@ -34,6 +34,16 @@ pub(crate) enum Act {
     Help,
 }
 
+impl Act {
+    /// Whether a wheel may start by it, or a motor change its loop.
+    pub(crate) const fn drives(self) -> bool {
+        match self {
+            Self::Forward | Self::Backward | Self::Preset(_) | Self::Switch(_) => true,
+            Self::StopAll | Self::Stop | Self::Brake | Self::Help => false,
+        }
+    }
+}
+
 /// What a key asks for here, with `modified` where Ctrl, Alt or Meta is down.
 pub(crate) fn act(key: &str, modified: bool, focus: Focus) -> Option<Act> {
     // Whatever has the focus and whatever else is pressed in haste.
@@ -96,6 +106,19 @@ mod tests {
             assert!(act(key, false, Focus::Button).is_some(), "{key}");
             assert_eq!(act(key, false, Focus::Text), None, "{key}");
             assert_eq!(act(key, true, Focus::Free), None, "{key}");
+        }
+    }
+
+    /// Somebody who types a frame beside the textbox drives nothing.
+    #[test]
+    fn every_key_that_is_a_hex_digit_drives() {
+        for digit in "0123456789abcdefABCDEF".chars() {
+            let act = act(&digit.to_string(), false, Focus::Free);
+            assert!(act.is_none_or(Act::drives), "{digit}");
+        }
+        for key in ["s", "k", "?", " ", "Escape"] {
+            let act = act(key, false, Focus::Free).unwrap();
+            assert!(!act.drives(), "{key}");
         }
     }
 

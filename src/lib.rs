@@ -3,29 +3,54 @@
 //! The page owns no port and decides no frame. It talks to its worker by two enums
 //! ([`motorlink_messages`]) and shows what comes back. Anything that can be decided without a
 //! browser is a pure function in a file of its own and tested natively; the browser is reached from
-//! [`App`]'s components, `worker_link`, `serial_ports`, `lifecycle` and `keyboard`.
+//! [`App`]'s components, the links to the workers, `serial_ports`, `download`, `lifecycle` and
+//! `keyboard`.
 
 mod acts;
 mod app;
+mod attribute;
 mod clock;
 mod components;
 mod connecting;
 mod desk;
+mod download;
 mod entry;
+mod fault_history;
 mod format;
+mod found_motors;
+mod frames;
+mod graph;
+mod history;
+mod id_acts;
+mod id_manager;
 mod incoming;
+mod journal;
+mod journal_link;
 mod keyboard;
 mod keys;
 mod lifecycle;
 mod listener;
+mod log_feed;
+mod log_view;
 mod mathematics;
 mod notice_board;
+mod one_stop;
 mod permission;
 mod preferences;
+mod question;
+mod raw_acts;
+mod raw_cells;
+mod raw_editor;
+mod raw_words;
+mod recent;
+mod scan_words;
 mod serial_ports;
 mod session;
+mod started_worker;
+mod tab;
 mod target;
 mod ticking;
+mod tool_entry;
 pub mod twin;
 mod words;
 mod worker_link;

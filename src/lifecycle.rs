@@ -53,6 +53,7 @@ fn visibility_changed(desk: Desk) {
 fn title(session: &Session) -> String {
     let said = |motor: &MotorStatus| match motor.activity {
         Activity::Driven { setpoint } => Some(format::goal(setpoint)),
+        Activity::DrivenRaw => Some("raw frames".to_owned()),
         Activity::Stopping { confirmed: false } => Some("stopping".to_owned()),
         Activity::Stopping { confirmed: true } | Activity::Switching { .. } | Activity::Idle => {
             None
@@ -94,6 +95,10 @@ mod tests {
         assert_eq!(title_with(&[fast]), "● +100 rpm - MotorLink");
         assert_eq!(title_with(&[amps]), "● \u{2212}0.50 A - MotorLink");
         assert_eq!(title_with(&[fast, amps]), "● 2 motors - MotorLink");
+        assert_eq!(
+            title_with(&[Activity::DrivenRaw]),
+            "● raw frames - MotorLink"
+        );
         let stopping = Activity::Stopping { confirmed: false };
         assert_eq!(title_with(&[stopping]), "● stopping - MotorLink");
     }

@@ -22,8 +22,14 @@ pub(crate) enum Topic {
     Stop,
     /// Another motor was chosen.
     Choice,
+    /// How a full scan or an ID change ended.
+    Survey,
     /// The worker behind the page.
     Worker,
+    /// The worker that keeps the log.
+    Journal,
+    /// A file that was asked for.
+    Export,
 }
 
 /// How a notice is meant.
@@ -42,6 +48,8 @@ pub(crate) enum Tone {
 pub(crate) enum Remedy {
     /// Opens the picker without a filter.
     ShowAllPorts,
+    /// Asks every address who is there.
+    FullScan,
     /// Loads the page again.
     Reload,
 }
@@ -50,6 +58,7 @@ impl Remedy {
     pub(crate) const fn label(self) -> &'static str {
         match self {
             Self::ShowAllPorts => "Show all ports",
+            Self::FullScan => "Scan every address",
             Self::Reload => "Reload the page",
         }
     }

@@ -20,10 +20,16 @@ fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
         return Some(Refusal::Halted.to_string());
     }
     let heard = session.mode(id).filter(super::session::Reading::is_fresh);
+    if session.survey.is_some() {
+        return Some(Refusal::Surveying.to_string());
+    }
     if heard.is_none() {
         return Some(Refusal::NotHeard(id).to_string());
     }
-    None
+    let mut activities = session.motors.iter().map(|motor| motor.activity);
+    activities
+        .any(|activity| activity == Activity::DrivenRaw)
+        .then(|| Refusal::RawRunning.to_string())
 }
 
 fn why_not_connected(connection: Connection) -> Option<&'static str> {
@@ -45,7 +51,7 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
     match session.motor(id)?.activity {
         Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
         Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
-        Activity::Idle | Activity::Driven { .. } => {}
+        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     let faults = session.faults(id)?.value;
     if faults.any_named() {
@@ -64,7 +70,7 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
     match session.motor(id)?.activity {
         Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
         Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
-        Activity::Idle | Activity::Driven { .. } => {}
+        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     if session.mode(id)?.value == mode {
         return Some(format!("The motor is in the {mode}."));
@@ -84,9 +90,36 @@ pub(crate) fn why_not_stop(session: &Session) -> Option<String> {
     why_not_connected(session.connection).map(str::to_owned)
 }
 
+/// Why nobody can be asked who is there. What is driven is no reason: it is stopped first.
+pub(crate) fn why_not_scan(session: &Session) -> Option<String> {
+    if let Some(reason) = why_not_connected(session.connection) {
+        return Some(reason.to_owned());
+    }
+    let surveying = session.survey.is_some();
+    surveying.then(|| Refusal::Surveying.to_string())
+}
+
+/// Why there is no scan to end.
+pub(crate) fn why_not_cancel(session: &Session) -> Option<String> {
+    session
+        .survey
+        .is_none()
+        .then(|| "No scan is running.".to_owned())
+}
+
+/// Why a frame that a person wrote cannot be sent; one that moves nothing can while all motors are
+/// stopped.
+pub(crate) fn why_not_send(session: &Session, hazardous: bool) -> Option<String> {
+    why_not_scan(session)
+        .or_else(|| (hazardous && session.halted).then(|| Refusal::Halted.to_string()))
+}
+
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::{Faults, Rpm, Setpoint, SpeedTarget};
+    use motorlink_messages::{
+        bus::SurveyStatus,
+        protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+    };
 
     use super::*;
     use crate::session::tests::{ID, session, status};
@@ -127,6 +160,10 @@ mod tests {
         });
         case("being opened", &|s| s.connection = Connection::Connecting);
         case("Press Release", &|s| s.halted = true);
+        case("being scanned", &|s| {
+            s.survey = Some(SurveyStatus::Stopping);
+        });
+        case("raw frame", &|s| s.motors[0].activity = Activity::DrivenRaw);
         case("has not answered", &|s| s.motors.clear());
         case("has not answered", &|s| {
             s.motors = vec![status(400, Mode::Velocity, 0)];
@@ -145,6 +182,28 @@ mod tests {
             let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
             assert!(reason.contains(words), "{reason}");
         }
+    }
+
+    #[test]
+    fn one_scan_at_a_time_and_no_frame_beside_it() {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert_eq!(why_not_scan(&session), None);
+        assert!(why_not_cancel(&session).is_some());
+        session.survey = Some(SurveyStatus::Stopping);
+        assert!(why_not_scan(&session).is_some());
+        assert!(why_not_send(&session, false).is_some());
+        assert_eq!(why_not_cancel(&session), None);
+        session.survey = None;
+        session.connection = Connection::Disconnected;
+        assert!(why_not_scan(&session).is_some());
+    }
+
+    #[test]
+    fn while_all_motors_are_stopped_only_a_query_is_sent() {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        session.halted = true;
+        assert_eq!(why_not_send(&session, false), None);
+        assert!(why_not_send(&session, true).unwrap().contains("Release"));
     }
 
     #[test]

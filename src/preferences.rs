@@ -97,6 +97,8 @@ pub struct Preferences {
     pub theme: Theme,
     /// Whether a hidden page goes on driving.
     pub keep_driving: bool,
+    /// Whether the packet log hides routine exchanges.
+    pub collapse_polls: bool,
 }
 
 impl Default for Preferences {
@@ -108,6 +110,7 @@ impl Default for Preferences {
             rate: CommandRate::default(),
             theme: Theme::default(),
             keep_driving: true,
+            collapse_polls: true,
         }
     }
 }
@@ -117,6 +120,8 @@ impl Preferences {
     pub fn from_store(lookup: impl Fn(&str) -> Option<String>) -> Self {
         let default = Self::default();
         let number = |name| lookup(name).and_then(|text| text.parse::<u16>().ok());
+        // What is yes or no is yes at first.
+        let yes = |name| lookup(name).is_none_or(|text| text != "no");
         Self {
             motor: lookup("motor")
                 .and_then(|text| text.parse().ok())
@@ -131,22 +136,24 @@ impl Preferences {
             theme: lookup("theme")
                 .and_then(|text| Theme::from_key(&text))
                 .unwrap_or(default.theme),
-            keep_driving: lookup("keep-driving").map_or(default.keep_driving, |text| text != "no"),
+            keep_driving: yes("keep-driving"),
+            collapse_polls: yes("collapse-polls"),
         }
     }
 
     /// As texts by name, what [`Preferences::from_store`] reads.
     #[must_use]
-    pub fn to_store(&self) -> [(&'static str, String); 6] {
+    pub fn to_store(&self) -> [(&'static str, String); 7] {
         let adapter = self.adapter.map(|usb| usb.to_string());
-        let keep_driving = if self.keep_driving { "yes" } else { "no" };
+        let yes = |is| if is { "yes" } else { "no" }.to_owned();
         [
             ("motor", self.motor.get().to_string()),
             ("model", self.model.key().to_owned()),
             ("adapter", adapter.unwrap_or_default()),
             ("rate", self.rate.hertz().to_string()),
             ("theme", self.theme.key().to_owned()),
-            ("keep-driving", keep_driving.to_owned()),
+            ("keep-driving", yes(self.keep_driving)),
+            ("collapse-polls", yes(self.collapse_polls)),
         ]
     }
 
@@ -206,6 +213,7 @@ mod tests {
             rate: CommandRate::new(200).unwrap(),
             theme: Theme::Dark,
             keep_driving: false,
+            collapse_polls: false,
         };
         assert_eq!(read(&HashMap::from(chosen.to_store())), chosen);
         let default = Preferences::default();

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_messages::{
     Connection, Notice, Update,
-    bus::{Activity, FRESH_FOR, MotorStatus, StopOutcome, StopReason},
+    bus::{Activity, FRESH_FOR, MotorStatus, RawStatus, StopOutcome, StopReason, SurveyStatus},
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
         Rpm,
@@ -22,6 +22,10 @@ pub(crate) struct Session {
     pub(crate) halted: bool,
     /// Every motor that is asked for telemetry.
     pub(crate) motors: Vec<MotorStatus>,
+    /// The scan or ID change that is under way.
+    pub(crate) survey: Option<SurveyStatus>,
+    /// The last frame of the raw editor.
+    pub(crate) raw: Option<RawStatus>,
     /// The last Stop all motors, while it stands.
     pub(crate) stop: Option<StopRecord>,
 }
@@ -83,6 +87,8 @@ impl Default for Session {
             connection: Connection::Disconnected,
             halted: false,
             motors: Vec::new(),
+            survey: None,
+            raw: None,
             stop: None,
         }
     }
@@ -96,6 +102,8 @@ impl Session {
         self.connection = update.connection;
         self.halted = update.halted;
         self.motors.clone_from(&update.motors);
+        self.survey.clone_from(&update.survey);
+        self.raw = update.raw;
         for notice in &update.notices {
             match notice {
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
@@ -132,6 +140,8 @@ impl Session {
         self.connection != other.connection
             || self.halted != other.halted
             || self.stop != other.stop
+            || self.survey != other.survey
+            || self.raw.map(|raw| raw.running) != other.raw.map(|raw| raw.running)
             || !self
                 .motors
                 .iter()
@@ -208,8 +218,12 @@ pub(crate) fn is_in_hand(motor: &MotorStatus) -> bool {
     !matches!(motor.activity, Activity::Idle)
 }
 
-fn concerns_all(reason: StopReason) -> bool {
-    !matches!(reason, StopReason::OneMotor | StopReason::Disconnect)
+/// Whether a stop for this reason is one of all motors.
+pub(crate) fn concerns_all(reason: StopReason) -> bool {
+    !matches!(
+        reason,
+        StopReason::OneMotor | StopReason::Disconnect | StopReason::Survey
+    )
 }
 
 #[cfg(test)]
@@ -265,6 +279,8 @@ pub(crate) mod tests {
             now: Instant::from_millis(1),
             connection: Connection::Connected(Adapter::Virtual),
             halted,
+            survey: None,
+            raw: None,
             motors: vec![],
             samples: vec![],
             notices,

@@ -6,7 +6,13 @@ use motorlink_messages::{
     protocol::{Mode, MotorId},
 };
 
-use crate::notice_board::{Remedy, Tone, Topic, Words};
+use crate::{
+    notice_board::{Remedy, Tone, Topic, Words},
+    scan_words,
+};
+
+pub(crate) mod journal;
+pub(crate) mod log_lines;
 
 /// What can go wrong before the worker is asked to open a port.
 #[cfg_attr(
@@ -146,7 +152,7 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
 }
 
 /// What the worker tells; `None` where the page shows it in another way.
-pub(crate) fn of_notice(notice: &Notice, selected: MotorId) -> Option<Words> {
+pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
     Some(match notice {
         Notice::Refused { command, refusal } => of_refusal(*command, *refusal)?,
         Notice::TooLate(_) => words(
@@ -161,7 +167,14 @@ pub(crate) fn of_notice(notice: &Notice, selected: MotorId) -> Option<Words> {
             "Nothing is connected",
             &["Press Connect or Virtual motor."],
         ),
-        Notice::IdQueryEnded(outcome) => of_id_query(*outcome, selected)?,
+        Notice::IdQueryEnded(
+            outcome
+            @ (IdQueryOutcome::Nobody | IdQueryOutcome::Garbled | IdQueryOutcome::Cancelled),
+        ) => scan_words::of_id_query(*outcome),
+        Notice::ScanEnded(report) => scan_words::of_scan(report),
+        Notice::IdChangeEnded { from, to, outcome } => {
+            scan_words::of_id_change(*from, *to, *outcome)
+        }
         Notice::ModeSwitchFailed {
             id,
             asked,
@@ -183,8 +196,11 @@ pub(crate) fn of_notice(notice: &Notice, selected: MotorId) -> Option<Words> {
             "Damaged bytes on the line",
             &["Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."],
         ),
-        // Shown where the loop and the stop are shown.
-        Notice::ModeSwitched { .. } | Notice::MotorBack(_) | Notice::StopBegan(_) => return None,
+        // Shown where the motor, its loop and the stop are shown.
+        Notice::IdQueryEnded(IdQueryOutcome::One(_))
+        | Notice::ModeSwitched { .. }
+        | Notice::MotorBack(_)
+        | Notice::StopBegan(_) => return None,
     })
 }
 
@@ -192,20 +208,28 @@ pub(crate) fn of_notice(notice: &Notice, selected: MotorId) -> Option<Words> {
 pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
     match notice {
         Notice::ModeSwitched { id, .. } => Some(Topic::Loop(*id)),
-        Notice::MotorBack(_) | Notice::IdQueryEnded(IdQueryOutcome::One(_)) => Some(Topic::Answer),
+        Notice::MotorBack(_)
+        | Notice::IdQueryEnded(IdQueryOutcome::One(_))
+        | Notice::ScanEnded(_) => Some(Topic::Answer),
         _ => None,
     }
 }
 
 fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
-    // A drag that outlasts its motor's drive is no mistake of anybody.
-    if matches!(command, Command::Adjust { .. } | Command::Forget(_)) {
+    // A drag that outlasts its motor's drive is no mistake of anybody, and a current that has to
+    // be confirmed is asked about.
+    if matches!(command, Command::Adjust { .. } | Command::Forget(_))
+        || matches!(refusal, Refusal::NeedsConsent(_))
+    {
         return None;
     }
     let title = match command {
         Command::Drive { id, .. } => format!("Motor {id} was not driven"),
         Command::SwitchMode { mode, .. } => format!("The {mode} was not asked for"),
         Command::IdQuery => "The ID query was not sent".to_owned(),
+        Command::FullScan => "The bus was not scanned".to_owned(),
+        Command::SetId { .. } => "The ID was not changed".to_owned(),
+        Command::SendRaw { .. } => "The frame was not sent".to_owned(),
         _ => "That was not done".to_owned(),
     };
     Some(words(
@@ -217,34 +241,12 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
 }
 
 /// What to check where nobody answers, in the order in which it is mostly the reason.
-const WIRING: [&str; 4] = [
+pub(crate) const WIRING: [&str; 4] = [
     "Is the motor's 18 V supply on?",
     "Is the brown wire tied to GND?",
     "Swap orange and white: adapters label A and B both ways.",
     "Is it the right ID? Choose another in the list Motor.",
 ];
-
-fn of_id_query(outcome: IdQueryOutcome, selected: MotorId) -> Option<Words> {
-    Some(match outcome {
-        IdQueryOutcome::One(_) => return None,
-        IdQueryOutcome::Nobody => words(
-            Topic::Answer,
-            Tone::Warning,
-            "No motor answers on this adapter",
-            &WIRING,
-        ),
-        IdQueryOutcome::Garbled => words(
-            Topic::Answer,
-            Tone::Warning,
-            "Several motors answered at once, or there is noise on the line",
-            &[
-                &format!("Choose the motor's ID in the list Motor; {selected} is chosen now."),
-                "Only one motor on the line? Then check A and B, and put 120 Ω across them beyond \
-                 1 m.",
-            ],
-        ),
-    })
-}
 
 fn of_silence(id: MotorId) -> Words {
     words(
@@ -373,6 +375,7 @@ pub(crate) const fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::PageSilent => "The page did not answer its worker for a second.",
         StopReason::Disconnect => "The port was closed.",
         StopReason::OneMotor => "A motor was stopped.",
+        StopReason::Survey => "The bus is to be scanned.",
     }
 }
 
@@ -389,7 +392,7 @@ mod tests {
     const ID: MotorId = MotorId::FIRST;
 
     fn said(notice: &Notice) -> Option<String> {
-        of_notice(notice, ID).map(|words| format!("{} | {}", words.title, words.advice.join(" ")))
+        of_notice(notice).map(|words| format!("{} | {}", words.title, words.advice.join(" ")))
     }
 
     fn refused(command: Command) -> Notice {

@@ -6,25 +6,32 @@
 
 mod button;
 mod connection;
-mod consent_dialog;
 mod control;
+mod export_button;
 mod focus;
+mod graph;
 mod header;
 mod help_dialog;
 mod link_quality;
 mod live;
 mod motor_choice;
 mod notices;
+mod packet_log;
+mod question_dialog;
+mod recording;
 mod stop_button;
 mod stopped_dialog;
 mod telemetry;
 mod wheel_panel;
 
-pub(crate) use consent_dialog::ConsentDialog;
 pub(crate) use control::ControlPanel;
+pub(crate) use graph::Graph;
 pub(crate) use header::Header;
 pub(crate) use help_dialog::HelpDialog;
 pub(crate) use notices::Notices;
+pub(crate) use packet_log::PacketLog;
+pub(crate) use question_dialog::QuestionDialog;
+pub(crate) use recording::Recording;
 pub(crate) use stopped_dialog::StoppedDialog;
 pub(crate) use telemetry::Telemetry;
 pub(crate) use wheel_panel::WheelPanel;

@@ -134,6 +134,9 @@ fn next_with_motor(session: &Session, id: MotorId) -> String {
                 format::goal(setpoint)
             )
         }
+        (Some(Activity::DrivenRaw), _) => {
+            format!("Raw frames drive motor {id}. Space or Escape stops all motors.")
+        }
         (Some(Activity::Stopping { .. }), _) => format!("Motor {id} is being braked."),
         (_, Mode::Velocity) => {
             "Keep fingers clear of the wheel and press +100, or set a speed and press Start."

@@ -15,6 +15,7 @@ pub(crate) fn WheelPanel() -> impl IntoView {
         Some(match motor.activity {
             Activity::Driven { setpoint } => format!("Goal {}", format::goal(setpoint)),
             Activity::Stopping { .. } => "Braking to a standstill".to_owned(),
+            Activity::DrivenRaw => "Driven by raw frames".to_owned(),
             Activity::Switching { to } => format!("Changing to the {to}"),
             Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
         })

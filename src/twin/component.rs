@@ -7,10 +7,10 @@ use leptos::svg::Svg;
 use leptos::web_sys::Element;
 
 use super::feed::{TwinFeed, View};
-use super::frames::{Frames, Next};
 use super::painter::Painter;
 use super::picture::{VIEW_BOX, picture};
 use super::words::{Figures, Motion};
+use crate::frames::{Frames, Next};
 
 /// Figures change ten times a second at most: faster, nobody can read them.
 const FIGURES_PERIOD_MS: f64 = 100.0;

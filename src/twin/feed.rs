@@ -20,8 +20,19 @@ pub struct TwinFeed {
     angle_known: bool,
     goal: Option<Setpoint>,
     activity: Option<Activity>,
+    drawn: Option<Drawn>,
     /// Wakes the component, which sleeps while nothing moves.
     wake: Option<Rc<dyn Fn()>>,
+}
+
+/// The wheel as it was drawn last, for others that show its angle too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// The angle in degrees, unwrapped: it may be any number. As a clockwise rotation it turns a
+    /// drawing the right way.
+    pub angle_deg: f64,
+    /// The figures that go with it.
+    pub figures: Figures,
 }
 
 /// Everything that one frame shows.
@@ -85,7 +96,14 @@ impl TwinFeed {
         self.angle_known = false;
         self.goal = None;
         self.activity = None;
+        self.drawn = None;
         self.wake();
+    }
+
+    /// What was drawn last; `None` before the first reported angle.
+    #[must_use]
+    pub const fn drawn(&self) -> Option<Drawn> {
+        self.drawn
     }
 
     /// Calls `wake` whenever there is something new. It must not touch the feed.
@@ -106,17 +124,21 @@ impl TwinFeed {
             .speed
             .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
             .map(|(_, speed)| speed);
+        let angle_deg = self.angle_known.then_some(pose.angle_deg);
+        let figures = self
+            .speed
+            .map(|(_, speed)| Figures::new(speed, angle_deg, self.estimator.turns()));
+        self.drawn = angle_deg
+            .zip(figures)
+            .map(|(angle_deg, figures)| Drawn { angle_deg, figures });
         let driven = match self.activity {
-            Some(Activity::Driven { .. } | Activity::Stopping { .. }) => true,
+            Some(Activity::Driven { .. } | Activity::DrivenRaw | Activity::Stopping { .. }) => true,
             Some(Activity::Idle | Activity::Switching { .. }) | None => false,
         };
         View {
             pose,
             motion: Motion::of(fresh, self.goal, self.activity),
-            figures: self.speed.map(|(_, speed)| {
-                let angle_deg = self.angle_known.then_some(pose.angle_deg);
-                Figures::new(speed, angle_deg, self.estimator.turns())
-            }),
+            figures,
             goal: self.goal,
             driven,
             fresh_until_ms: self.speed.map(|(at_ms, _)| at_ms + FRESH_MS),
@@ -175,6 +197,26 @@ mod tests {
         let view = feed.view(1.0);
         assert_eq!(view.motion, Motion::SpinningCw);
         assert_eq!(view.figures.unwrap().angle_text(), "–°");
+    }
+
+    /// One counts the turns of the drawn wheel, so that the page shows one number of them.
+    #[test]
+    fn what_was_drawn_last_tells_the_turns_through_many_of_them() {
+        let mut feed = TwinFeed::default();
+        feed.sample(0.0, Some(30.0), AngleQuality::Fine, 100);
+        assert_eq!(feed.drawn(), None, "nothing was drawn yet");
+        // 100 rpm make the angle fall by 12 degrees in 20 ms, and 3 turns in 1.8 s.
+        for place in 0..=90_u32 {
+            let at_ms = f64::from(place) * 20.0;
+            let angle = (30.0 - f64::from(place) * 12.0).rem_euclid(360.0);
+            feed.sample(at_ms, Some(angle), AngleQuality::Fine, 100);
+            feed.view(at_ms);
+        }
+        let drawn = feed.drawn().unwrap();
+        assert!((drawn.angle_deg - (30.0 - 1080.0)).abs() < 0.5, "{drawn:?}");
+        assert_eq!(drawn.figures.turns_text(), "+3.0 turns");
+        feed.clear();
+        assert_eq!(feed.drawn(), None);
     }
 
     #[test]

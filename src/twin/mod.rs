@@ -8,7 +8,7 @@
 //! | `blur`, `scale` | what a speed looks like: sharpness, and place on the ring |
 //! | `geometry`, `markup` | shapes as path data, elements as text |
 //! | `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
-//! | `painter`, `frames`, `component` | the browser: attributes, animation frames, the view |
+//! | `painter`, `component` | the browser: attributes, the view |
 //!
 //! Only the last row touches a browser; the rest is pure and tested natively.
 
@@ -17,7 +17,6 @@ mod blur;
 mod component;
 mod dial;
 mod feed;
-mod frames;
 mod geometry;
 mod gradients;
 mod markup;
@@ -29,5 +28,5 @@ mod scale;
 mod words;
 
 pub use component::DigitalTwin;
-pub use feed::TwinFeed;
+pub use feed::{Drawn, TwinFeed};
 pub use motion::AngleQuality;

@@ -4,47 +4,13 @@ use leptos::wasm_bindgen::JsCast;
 use leptos::web_sys::{CssStyleDeclaration, Element, SvgElement};
 use motorlink_messages::protocol::Setpoint;
 
+use crate::attribute::Attribute;
+
 use super::blur::{sharpness, trail_deg};
 use super::feed::View;
 use super::measures as mm;
 use super::scale::{bearing_deg, dash};
 use super::words::{Motion, description};
-
-/// One attribute of one element, written only when it changes.
-struct Attribute {
-    element: Element,
-    name: &'static str,
-    written: String,
-}
-
-impl Attribute {
-    /// Of the first element with this class; `None` where the picture has none.
-    fn find(picture: &SvgElement, selector: &str, name: &'static str) -> Option<Self> {
-        let element = picture.query_selector(selector).ok().flatten()?;
-        Some(Self {
-            element,
-            name,
-            written: String::new(),
-        })
-    }
-
-    fn set(&mut self, value: String) {
-        if self.written != value {
-            // It fails for names that are none, and these are ours.
-            let _ = self.element.set_attribute(self.name, &value);
-            self.written = value;
-        }
-    }
-
-    /// In steps of a twentieth: what changes inside the turning layer has it rastered again.
-    fn set_opacity(&mut self, opacity: f64) {
-        self.set(format!("{:.2}", (opacity * 20.0).round() / 20.0));
-    }
-
-    fn rotate(&mut self, clockwise_deg: f64) {
-        self.set(format!("rotate({clockwise_deg:.2})"));
-    }
-}
 
 /// What turns the wheel: the one thing that differs in every frame. As a style it moves a layer that
 /// is there already; as an attribute it would have the picture laid out again.
@@ -95,11 +61,7 @@ impl Painter {
     pub fn of(picture: &SvgElement) -> Option<Self> {
         let find = |selector, name| Attribute::find(picture, selector, name);
         Some(Self {
-            look: Attribute {
-                element: picture.clone().into(),
-                name: "data-look",
-                written: String::new(),
-            },
+            look: Attribute::of(picture.clone().into(), "data-look"),
             description: (
                 picture.query_selector("desc").ok().flatten()?,
                 String::new(),
@@ -138,11 +100,11 @@ impl Painter {
         // Frozen, the wheel is seen as it is.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
         let tread = sharpness(blurred_rpm, mm::TREAD_BLOCKS);
-        self.tread.set_opacity(tread);
-        self.tread_band.set_opacity(1.0 - tread);
+        self.tread.set(opacity(tread));
+        self.tread_band.set(opacity(1.0 - tread));
         let holes = sharpness(blurred_rpm, mm::HOLE_COUNT);
-        self.holes.set_opacity(holes);
-        self.hole_band.set_opacity(1.0 - holes);
+        self.holes.set(opacity(holes));
+        self.hole_band.set(opacity(1.0 - holes));
         // In steps of two degrees, as above.
         let trail = (trail_deg(blurred_rpm) / 2.0).round() * 2.0;
         self.trail.set(format!("{trail:.0} 360"));
@@ -197,4 +159,9 @@ fn look(view: &View) -> String {
     };
     let driven = if view.driven { " goal-driven" } else { "" };
     format!("{motion}{goal}{driven}")
+}
+
+/// In steps of a twentieth: what changes inside the turning layer has it rastered again.
+fn opacity(part: f64) -> String {
+    format!("{:.2}", (part * 20.0).round() / 20.0)
 }

@@ -29,7 +29,7 @@ impl Motion {
         let stopped = match activity {
             Some(Activity::Stopping { .. }) => true,
             Some(Activity::Driven { setpoint }) => setpoint == Setpoint::Brake,
-            Some(Activity::Idle | Activity::Switching { .. }) | None => {
+            Some(Activity::Idle | Activity::Switching { .. } | Activity::DrivenRaw) | None => {
                 goal == Some(Setpoint::Brake)
             }
         };

@@ -20,10 +20,13 @@ use web_sys::{
     HtmlInputElement, KeyboardEvent, KeyboardEventInit, MessageEvent, Url,
 };
 
-/// Passes on what it is told, and says what it is bidden.
+/// Passes on what it is told, and says what it is bidden: as the worker that owns the port, or as the
+/// journal.
 const WORKER: &str = r"
-    const bench = new BroadcastChannel('CHANNEL');
-    self.onmessage = (event) => bench.postMessage(event.data);
+    const bench = new BroadcastChannel('CHANNEL' + (self.name ? '-' + self.name : ''));
+    self.onmessage = (event) => {
+        bench.postMessage(event.data instanceof MessagePort ? 'line' : event.data);
+    };
     bench.onmessage = (event) => self.postMessage(event.data);
     bench.postMessage('up');
 ";
@@ -58,6 +61,11 @@ impl Bench {
         kind.set_type("text/javascript");
         let parts = Array::of1(&JsValue::from_str(&script));
         let blob = Blob::new_with_str_sequence_and_options(&parts, &kind).unwrap();
+        // A test that failed has left its own, and must not take this one with it.
+        let left = document().query_selector("meta[name=motorlink-worker]");
+        if let Ok(Some(left)) = left {
+            left.remove();
+        }
         let meta = document().create_element("meta").unwrap();
         meta.set_attribute("name", "motorlink-worker").unwrap();
         let url = Url::create_object_url_with_blob(&blob).unwrap();
@@ -109,6 +117,8 @@ impl Bench {
             connection: Connection::Connected(Adapter::Virtual),
             halted,
             motors: vec![motor],
+            survey: None,
+            raw: None,
             samples: vec![],
             notices: vec![],
         }));
@@ -153,8 +163,7 @@ impl Bench {
     }
 
     pub fn text(&self, role: &str, name: &str) -> String {
-        let text = self.find(role, name).text_content().unwrap_or_default();
-        text.split_whitespace().collect::<Vec<_>>().join(" ")
+        text_of(&self.find(role, name))
     }
 
     pub fn click(&self, name: &str) {
@@ -163,7 +172,11 @@ impl Bench {
 
     /// Replaces what is in a field.
     pub fn enter(&self, name: &str, text: &str) -> HtmlInputElement {
-        let field: HtmlInputElement = self.find("spinbutton", name).unchecked_into();
+        self.enter_into("spinbutton", name, text)
+    }
+
+    pub fn enter_into(&self, role: &str, name: &str, text: &str) -> HtmlInputElement {
+        let field: HtmlInputElement = self.find(role, name).unchecked_into();
         field.set_value(text);
         field.dispatch_event(&Event::new("input").unwrap()).unwrap();
         field
@@ -185,6 +198,12 @@ impl Drop for Bench {
         self.channel.close();
         self.meta.remove();
     }
+}
+
+/// Its words, with one space between them.
+pub fn text_of(element: &HtmlElement) -> String {
+    let text = element.text_content().unwrap_or_default();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Presses a key where the focus is.
@@ -263,9 +282,12 @@ fn role_of(element: &HtmlElement) -> String {
         ("BUTTON", _) => "button",
         ("OUTPUT", _) => "status",
         ("SELECT", _) => "combobox",
+        ("TEXTAREA", _) => "textbox",
         ("SECTION", _) => "region",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",
+        ("INPUT", "search") => "searchbox",
+        ("PROGRESS", _) => "progressbar",
         _ => "",
     }
     .to_owned()

@@ -6,7 +6,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use crate::bench::Bench;
 
 /// What is there whichever tab is open.
-const ALWAYS: [(&str, &str); 25] = [
+const ALWAYS: [(&str, &str); 40] = [
     ("button", "Connect"),
     ("button", "Choose another port"),
     ("button", "Virtual motor"),
@@ -23,6 +23,8 @@ const ALWAYS: [(&str, &str); 25] = [
     ("tab", "Velocity"),
     ("tab", "Current"),
     ("tab", "Position"),
+    ("tab", "ID Manager"),
+    ("tab", "Raw Hex"),
     ("region", "Telemetry"),
     ("status", "Speed"),
     ("status", "Current"),
@@ -32,6 +34,19 @@ const ALWAYS: [(&str, &str); 25] = [
     ("status", "Mode"),
     ("status", "Motion"),
     ("region", "Notices"),
+    ("region", "Packet log"),
+    ("log", "Packets"),
+    ("checkbox", "Collapse status polls"),
+    ("checkbox", "Auto-scroll"),
+    ("searchbox", "Filter"),
+    ("combobox", "Log ID"),
+    ("combobox", "Log direction"),
+    ("button", "Clear"),
+    ("button", "Export CSV"),
+    ("status", "Entries"),
+    ("region", "Recording"),
+    ("button", "Record telemetry"),
+    ("button", "Export telemetry CSV"),
 ];
 
 const VELOCITY: &[(&str, &str)] = &[
@@ -77,6 +92,26 @@ const POSITION: &[(&str, &str)] = &[
     ("button", "Stop"),
 ];
 
+const ID_MANAGER: &[(&str, &str)] = &[
+    ("button", "Scan"),
+    ("button", "Full scan"),
+    ("button", "Cancel"),
+    ("progressbar", "Scan"),
+    ("list", "Motors found"),
+    ("spinbutton", "New ID"),
+    ("button", "Set ID"),
+];
+
+const RAW_HEX: &[(&str, &str)] = &[
+    ("textbox", "Frame bytes"),
+    ("status", "Frame with CRC"),
+    ("checkbox", "Repeat"),
+    ("spinbutton", "Count"),
+    ("spinbutton", "Interval"),
+    ("button", "Send"),
+    ("button", "Stop"),
+];
+
 #[wasm_bindgen_test]
 async fn every_control_is_found_by_its_name() {
     let bench = Bench::new("contract").await;
@@ -87,6 +122,8 @@ async fn every_control_is_found_by_its_name() {
         ("Velocity", VELOCITY),
         ("Current", CURRENT),
         ("Position", POSITION),
+        ("ID Manager", ID_MANAGER),
+        ("Raw Hex", RAW_HEX),
     ] {
         bench.find("tab", tab).click();
         bench

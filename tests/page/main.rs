@@ -9,7 +9,15 @@
 
 mod bench;
 mod contract;
+mod fake_journal;
+mod graph;
+mod instruments;
+mod log;
+mod log_bench;
+mod log_list;
 mod operating;
+mod raw_hex;
 mod remembering;
+mod tools;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

@@ -18,6 +18,7 @@ async fn what_is_saved_is_there_after_a_reload() {
         rate: CommandRate::new(200).unwrap(),
         theme: Theme::Dark,
         keep_driving: false,
+        collapse_polls: false,
     };
     chosen.save();
     assert_eq!(Preferences::load(), chosen);

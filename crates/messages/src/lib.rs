@@ -1,16 +1,19 @@
-//! What crosses between the page and its worker: two enums, and nothing else.
+//! What crosses between the page and its workers: two enums each, and nothing else.
 //!
-//! The page sends [`ToWorker`], the worker [`ToPage`]. Both cross as one buffer of bytes
+//! The page sends [`ToWorker`], the worker that owns the port [`ToPage`]; for the worker that keeps the
+//! packet log see [`journal`]. Both cross as one buffer of bytes
 //! (`postcard`), so that nothing is shared and the page can build on nothing inside the worker. The
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
 use motorlink_bus::{
-    Command, IdQueryOutcome, MotorStatus, Refusal, Sample, StopReason, StopReport, WithdrawReason,
+    Command, IdChangeOutcome, IdQueryOutcome, MotorStatus, RawStatus, Refusal, Sample, ScanReport,
+    StopReason, StopReport, SurveyStatus, WithdrawReason,
 };
-use motorlink_protocol::{Instant, Mode, MotorId};
+use motorlink_protocol::{AssignableId, Instant, Mode, MotorId};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
+pub mod journal;
 
 pub use adapter::{Adapter, UsbId};
 pub use motorlink_bus as bus;
@@ -90,6 +93,10 @@ pub struct Update {
     pub halted: bool,
     /// Every motor that is asked for telemetry.
     pub motors: Vec<MotorStatus>,
+    /// The scan or ID change that is under way.
+    pub survey: Option<SurveyStatus>,
+    /// The last frame of the raw editor since the port was opened.
+    pub raw: Option<RawStatus>,
     /// Every reply since the last update, oldest first.
     pub samples: Vec<Sample>,
     /// What has happened since the last update, oldest first.
@@ -143,6 +150,17 @@ pub enum Notice {
     NotConnected,
     /// Who answered the ID query.
     IdQueryEnded(IdQueryOutcome),
+    /// A full scan has ended.
+    ScanEnded(ScanReport),
+    /// An ID change has ended.
+    IdChangeEnded {
+        /// The ID that the motor had.
+        from: MotorId,
+        /// The ID that it was to get.
+        to: AssignableId,
+        /// How it ended.
+        outcome: IdChangeOutcome,
+    },
     /// A motor reports the loop that was asked for.
     ModeSwitched {
         /// Which motor.
@@ -249,6 +267,8 @@ mod tests {
             connection: Connection::Failed(ConnectError::OpenFailed),
             halted: true,
             motors: vec![],
+            survey: None,
+            raw: None,
             samples: vec![],
             notices: vec![Notice::StopEnded(report)],
         }));

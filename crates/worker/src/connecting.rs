@@ -231,7 +231,7 @@ async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bo
         }
         left = left.saturating_sub(1);
         // A stop that was asked for meanwhile is not cut off; it ends by itself.
-        if left == 0 && !open.bus.is_active() {
+        if left == 0 && !open.bus.is_active(station.now()) {
             return Ok(false);
         }
     }

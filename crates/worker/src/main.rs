@@ -1,8 +1,10 @@
-//! The web worker that owns the port and the bus.
+//! The web workers: the one that owns the port and the bus, and the journal.
 //!
-//! Everything that touches the motors happens here, away from the page: a hidden page's timers
-//! crawl and a busy page is late, but a worker's loop goes on. What crosses to the page and back is
-//! in `motorlink-messages`.
+//! Everything that touches the motors happens in the first, away from the page: a hidden page's timers
+//! crawl and a busy page is late, but a worker's loop goes on. The journal keeps the packet log and the
+//! recording, away from both: what takes long there delays no frame and no screen. Both are one program,
+//! so that a visit loads no more; the name that the page gives a worker says which it is. What crosses
+//! to the page and back is in `motorlink-messages`.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -13,11 +15,14 @@
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
 //! | `outbox` | what goes to the page, at most once a frame |
+//! | `traffic` | what passed on the line, on its way to the journal |
 //! | `alarm` | one wake-up at a precise moment |
 //! | `scope` | the worker's global object: clock, messages |
+//! | `journal` | the other worker: `motorlink-journal` in the browser |
 
 mod alarm;
 mod connecting;
+mod journal;
 mod line;
 mod outbox;
 mod scope;
@@ -25,14 +30,27 @@ mod serial;
 mod session;
 mod station;
 mod telling;
+mod traffic;
 
 use motorlink_messages::ToPage;
 
+/// The name by which the page starts the journal.
+const JOURNAL: &str = "journal";
+
 fn main() {
-    std::panic::set_hook(Box::new(|panic| {
-        console_error_panic_hook::hook(panic);
+    if scope::global().name() == JOURNAL {
+        on_panic(journal::died);
+        journal::start();
+    } else {
         // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
-        scope::post(&ToPage::Died);
+        on_panic(|| scope::post(&ToPage::Died));
+        station::start();
+    }
+}
+
+fn on_panic(tell: impl Fn() + Send + Sync + 'static) {
+    std::panic::set_hook(Box::new(move |panic| {
+        console_error_panic_hook::hook(panic);
+        tell();
     }));
-    station::start();
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{MotorStatus, PAGE_SILENCE_MAX, Sample};
+use motorlink_bus::{MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample, SurveyStatus};
 use motorlink_messages::{Connection, Notice, ToPage, Update};
 use motorlink_protocol::Instant;
 
@@ -31,6 +31,8 @@ pub(crate) struct Present {
     pub(crate) connection: Connection,
     pub(crate) halted: bool,
     pub(crate) motors: Vec<MotorStatus>,
+    pub(crate) survey: Option<SurveyStatus>,
+    pub(crate) raw: Option<RawStatus>,
 }
 
 impl Outbox {
@@ -70,12 +72,16 @@ impl Outbox {
             connection,
             halted,
             motors,
+            survey,
+            raw,
         } = present;
         post(&ToPage::Update(Update {
             now,
             connection,
             halted,
             motors,
+            survey,
+            raw,
             samples: std::mem::take(&mut self.samples),
             notices: std::mem::take(&mut self.notices),
         }));

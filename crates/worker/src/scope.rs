@@ -4,7 +4,7 @@ use js_sys::{Array, Uint8Array};
 use motorlink_messages::{ToPage, encode};
 use motorlink_protocol::Instant;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
-use web_sys::{DedicatedWorkerGlobalScope, MessageEvent, Performance};
+use web_sys::{DedicatedWorkerGlobalScope, MessageEvent, MessagePort, Performance};
 
 /// The worker's global object.
 pub(crate) fn global() -> DedicatedWorkerGlobalScope {
@@ -38,26 +38,41 @@ impl Clock {
     }
 }
 
-/// Posts a message to the page as one buffer that changes hands.
+/// Posts a message to the page.
 pub(crate) fn post(message: &ToPage) {
     match encode(message) {
-        Ok(bytes) => {
-            let array = Uint8Array::from(bytes.as_slice());
-            let transfer = Array::of1(&array.buffer());
-            if let Err(error) = global().post_message_with_transfer(&array, &transfer) {
-                report("a message could not be posted to the page", &error);
-            }
-        }
+        Ok(bytes) => post_bytes(&bytes),
         Err(error) => report("a message could not be encoded", &error.to_string().into()),
     }
 }
 
-/// Hands every message of the page to `handle`, for as long as the worker lives.
-pub(crate) fn on_message(mut handle: impl FnMut(Vec<u8>) + 'static) {
+/// Posts bytes to the page as one buffer that changes hands.
+pub(crate) fn post_bytes(bytes: &[u8]) {
+    let array = Uint8Array::from(bytes);
+    let transfer = Array::of1(&array.buffer());
+    if let Err(error) = global().post_message_with_transfer(&array, &transfer) {
+        report("a message could not be posted to the page", &error);
+    }
+}
+
+/// What the page sends.
+pub(crate) enum Arrived {
+    /// A message of ours.
+    Message(Vec<u8>),
+    /// An end of the line between the two workers, on which the traffic goes to the journal.
+    Line(MessagePort),
+}
+
+/// Hands everything that the page sends to `handle`, for as long as the worker lives.
+pub(crate) fn on_message(mut handle: impl FnMut(Arrived) + 'static) {
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-        match event.data().dyn_into::<Uint8Array>() {
-            Ok(bytes) => handle(bytes.to_vec()),
-            Err(other) => report("the page sent something that is no buffer of bytes", &other),
+        let other = match event.data().dyn_into::<Uint8Array>() {
+            Ok(bytes) => return handle(Arrived::Message(bytes.to_vec())),
+            Err(other) => other,
+        };
+        match other.dyn_into::<MessagePort>() {
+            Ok(port) => handle(Arrived::Line(port)),
+            Err(other) => report("the page sent what is neither bytes nor a port", &other),
         }
     });
     global().set_onmessage(Some(handler.as_ref().unchecked_ref()));

@@ -2,9 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{
-    Activity, Bus, Command, CommandRate, Event, Output, Refusal, StopReason, StopReport,
-};
+use motorlink_bus::{Activity, Bus, Command, CommandRate, Event, Output, Refusal, StopReason};
 use motorlink_messages::{Notice, ToPage, ToWorker, decode};
 use motorlink_protocol::{Instant, MotorId};
 
@@ -12,22 +10,21 @@ use crate::{
     alarm::Alarm,
     connecting,
     outbox::{Outbox, Present},
-    scope::{self, Clock},
+    scope::{self, Arrived, Clock},
     serial::{self, ReadEvent},
     session::{Session, Stage, Then},
     telling::tell,
+    traffic::TrafficTape,
 };
 
-/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over
-/// at its end what was clicked at its beginning. Half of what the watchdog allows, and five times
-/// what a click takes on a slow machine.
-const COMMAND_AGE_MAX_MS: f64 = 500.0;
+mod acts;
 
 /// Everything that the worker is. Each callback of the browser borrows it once, briefly.
 pub(crate) struct Station {
     clock: Clock,
     alarm: Alarm,
     pub(crate) outbox: Outbox,
+    tape: TrafficTape,
     pub(crate) session: Session,
     /// Counts sessions, so that a task of an old one does nothing to a new one.
     pub(crate) generation: u32,
@@ -60,6 +57,7 @@ pub(crate) fn start() {
             clock,
             alarm,
             outbox: Outbox::default(),
+            tape: TrafficTape::default(),
             session: Session::Closed,
             generation: 0,
             selected: MotorId::FIRST,
@@ -69,13 +67,17 @@ pub(crate) fn start() {
         })
     });
     let station = Rc::clone(&shared);
-    scope::on_message(move |bytes| match decode(&bytes) {
-        Ok(message) => handle(&station, message),
-        Err(error) => {
-            scope::report(
-                "the page sent a message of another build",
-                &error.to_string().into(),
-            );
+    scope::on_message(move |arrived| match arrived {
+        Arrived::Message(bytes) => match decode(&bytes) {
+            Ok(message) => handle(&station, message),
+            Err(error) => {
+                let error = error.to_string().into();
+                scope::report("the page sent a message of another build", &error);
+            }
+        },
+        Arrived::Line(port) => {
+            station.borrow_mut().tape.connect(port);
+            pump(&station);
         }
     });
     serial::on_plugged(move || connecting::adapter_plugged(&shared));
@@ -99,11 +101,11 @@ fn handle(shared: &Shared, message: ToWorker) {
 
 /// Stops what is driven, closes the port, and then does what `then` asks.
 pub(crate) fn leave(shared: &Shared, then: Then) {
-    let (left, generation) = {
+    {
         let mut station = shared.borrow_mut();
         let now = station.now();
         if let Session::Open(open) = &mut station.session
-            && open.bus.is_active()
+            && open.bus.is_active(now)
         {
             open.stage = Stage::Closing(then);
             // A stop is never refused.
@@ -112,8 +114,13 @@ pub(crate) fn leave(shared: &Shared, then: Then) {
                 .command(now, Command::StopAll(StopReason::Disconnect));
             return;
         }
-        station.begin_session(Session::Closed)
-    };
+    }
+    close(shared, then);
+}
+
+/// Closes the port, and then does what `then` asks.
+fn close(shared: &Shared, then: Then) {
+    let (left, generation) = shared.borrow_mut().begin_session(Session::Closed);
     let shared = Rc::clone(shared);
     wasm_bindgen_futures::spawn_local(async move {
         if let Session::Open(open) = left {
@@ -136,7 +143,7 @@ pub(crate) fn leave(shared: &Shared, then: Then) {
 pub(crate) fn pump(shared: &Shared) {
     let left = shared.borrow_mut().turn();
     if let Some(then) = left {
-        leave(shared, then);
+        close(shared, then);
         shared.borrow_mut().turn();
     }
 }
@@ -186,10 +193,19 @@ impl Station {
     pub(crate) fn begin_session(&mut self, session: Session) -> (Session, u32) {
         self.generation += 1;
         self.outbox.touch();
-        (
-            std::mem::replace(&mut self.session, session),
-            self.generation,
-        )
+        let now = self.now();
+        let mut left = std::mem::replace(&mut self.session, session);
+        if let Session::Open(open) = &mut left {
+            // A scan or an ID change that ends with its port is told as cancelled.
+            let last_events: Vec<Event> = open.bus.close(now).collect();
+            for event in last_events {
+                match event {
+                    Event::Traffic(traffic) => self.tape.push(traffic),
+                    event => tell(&mut self.outbox, open, event),
+                }
+            }
+        }
+        (left, self.generation)
     }
 
     /// The adapter is gone: what was driven coasts, and the adapter is waited for.
@@ -222,74 +238,6 @@ impl Station {
         leaving
     }
 
-    fn select(&mut self, id: MotorId) {
-        let now = self.now();
-        self.selected = id;
-        self.outbox.touch();
-        if let Session::Open(open) = &mut self.session {
-            let never_heard: Vec<_> = open
-                .bus
-                .motors(now)
-                .filter(|motor| motor.last.is_none())
-                .map(|m| m.id)
-                .collect();
-            let forget = never_heard.into_iter().map(Command::Forget);
-            for command in forget.chain([Command::Watch(id)]) {
-                // A motor that is driven stays watched, which is what its refusal means.
-                let _: Result<(), Refusal> = open.bus.command(now, command);
-            }
-        }
-    }
-
-    fn command(&mut self, command: Command, given_ms: f64) {
-        let now = self.now();
-        // Before the page has said what time it is, nothing is open to be driven.
-        let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
-        if command.may_move() && age_ms > COMMAND_AGE_MAX_MS {
-            self.outbox.notice(Notice::TooLate(command));
-            return;
-        }
-        match command {
-            Command::SetRate(rate) => self.rate = rate,
-            Command::StopAll(_) => self.halted = true,
-            Command::Release => self.halted = false,
-            _ => {}
-        }
-        self.outbox.touch();
-        match &mut self.session {
-            Session::Open(open) => {
-                if command.may_move() && !matches!(open.stage, Stage::Settled) {
-                    self.outbox.notice(Notice::NotConnected);
-                } else if let Err(refusal) = open.bus.command(now, command) {
-                    self.outbox.notice(Notice::Refused { command, refusal });
-                }
-            }
-            _ => match command {
-                // There is nothing to stop, and nothing will drive before it is released.
-                Command::StopAll(reason) => {
-                    self.outbox.notice(Notice::StopBegan(reason));
-                    let report = StopReport {
-                        reason,
-                        motors: Vec::new(),
-                    };
-                    self.outbox.notice(Notice::StopEnded(report));
-                }
-                Command::Release | Command::SetRate(_) => {}
-                _ => self.outbox.notice(Notice::NotConnected),
-            },
-        }
-    }
-
-    fn page_answered(&mut self, page_ms: f64) {
-        let now = self.now();
-        let ahead_ms = now_ms(now) - page_ms;
-        self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
-        self.outbox.page_answered();
-        if let Session::Open(open) = &mut self.session {
-            open.bus.page_answered(now);
-        }
-    }
-
     /// Lets everything that is due happen. Gives back what to do after closing, once the motors
     /// stand and the port can be closed.
     fn turn(&mut self) -> Option<Then> {
@@ -304,6 +252,8 @@ impl Station {
                 match open.bus.poll(now) {
                     Output::Transmit(frame) => open.line.write(now, frame),
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
+                    // Of a port on trial too: the log shows what passed, whoever it came from.
+                    Output::Event(Event::Traffic(traffic)) => self.tape.push(traffic),
                     Output::Event(event) => {
                         self.halted |= matches!(event, Event::StopBegan(StopReason::PageSilent));
                         if let Event::StopEnded(_) = event
@@ -322,28 +272,30 @@ impl Station {
             let present = self.present(now);
             self.outbox.send(now, present);
         }
-        if let Some(at) = self.outbox.due(now).into_iter().chain(wake).min() {
+        if self.tape.due().is_some_and(|due| due <= now) {
+            self.tape.send(now);
+        }
+        let outbox_due = self.outbox.due(now);
+        let tape_due = self.tape.due();
+        // The journal can wait for the next frame of the screen: one wake-up for both.
+        let tape_due = tape_due.map(|due| outbox_due.map_or(due, |frame| frame.max(due)));
+        if let Some(at) = wake.into_iter().chain(outbox_due).chain(tape_due).min() {
             self.alarm.arm(now, at);
         }
         left
     }
 
     fn present(&self, now: Instant) -> Present {
-        let motors = match &self.session {
-            Session::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => {
-                open.bus.motors(now).collect()
-            }
-            _ => Vec::new(),
+        let bus = match &self.session {
+            Session::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => Some(&open.bus),
+            _ => None,
         };
         Present {
             connection: self.session.connection(),
             halted: self.halted,
-            motors,
+            motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
+            survey: bus.and_then(Bus::survey),
+            raw: bus.and_then(Bus::raw),
         }
     }
-}
-
-/// A moment in milliseconds, as browsers count.
-fn now_ms(now: Instant) -> f64 {
-    now.since(Instant::ZERO).as_secs_f64() * 1000.0
 }

@@ -17,8 +17,11 @@ pub(crate) fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
     }
     let notice = match event {
         Event::Telemetry(sample) => return outbox.sample(sample),
-        Event::PingPage => return,
+        // Traffic went to the journal.
+        Event::PingPage | Event::Traffic(_) => return,
         Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
+        Event::ScanEnded(report) => Notice::ScanEnded(report),
+        Event::IdChangeEnded { from, to, outcome } => Notice::IdChangeEnded { from, to, outcome },
         Event::ModeSwitched { id, mode } => Notice::ModeSwitched { id, mode },
         Event::ModeSwitchFailed {
             id,

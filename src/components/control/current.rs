@@ -9,11 +9,13 @@ use motorlink_messages::{
 use crate::components::live::live;
 
 use super::{
-    Foot, closed, loop_head::LoopHead, number_field::NumberField, panel_id, slider::Slider, tab_id,
-    why_not_in, why_not_with,
+    number_field::NumberField,
+    panel::{loop_panel, why_not_in, why_not_with},
+    slider::Slider,
 };
 use crate::{
     components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
+    tab::Tab,
 };
 
 const MODE: Mode = Mode::Current;
@@ -60,15 +62,7 @@ pub(super) fn CurrentTab() -> impl IntoView {
             />
         }
     };
-    view! {
-        <div
-            class="tab-panel"
-            role="tabpanel"
-            id=panel_id(MODE)
-            aria-labelledby=tab_id(MODE)
-            class:closed=closed(desk, MODE)
-        >
-        <LoopHead mode=MODE />
+    let body = view! {
         <NumberField
             name="Target current"
             unit="raw"
@@ -98,7 +92,7 @@ pub(super) fn CurrentTab() -> impl IntoView {
                 class="button halt"
                 hint="Sets 0 A: the wheel coasts"
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(MODE)
+                on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label="Start"
@@ -107,7 +101,6 @@ pub(super) fn CurrentTab() -> impl IntoView {
                 on_press=move || desk.start(MODE)
             />
         </div>
-        <Foot why_not=why_not_start hint=HINT />
-        </div>
-    }
+    };
+    loop_panel(MODE, why_not_start, HINT, body)
 }

@@ -25,6 +25,9 @@ pub(crate) fn NumberField(
     target: Target,
     /// How it is read and shown.
     entry: Entry,
+    /// What is wrong with the value though it is in its range.
+    #[prop(optional, into)]
+    objection: Signal<Option<String>>,
     /// Called when a person has entered a value here: by Enter, by leaving the field, or in steps.
     /// Not while it is typed, since a wheel that follows would pass 1 and 15 on its way to 150.
     #[prop(into)]
@@ -32,7 +35,7 @@ pub(crate) fn NumberField(
 ) -> impl IntoView {
     let slug: String = name.to_ascii_lowercase().replace(' ', "-");
     let words_id = format!("{slug}-words");
-    let trouble = Memo::new(move |_| target.trouble_in(name));
+    let trouble = Memo::new(move |_| target.trouble_in(name).or_else(|| objection.get()));
     let wrong = move || trouble.with(Option::is_some);
     view! {
         <div class="field" class:wrong=live(wrong)>

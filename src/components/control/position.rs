@@ -4,10 +4,14 @@ use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, PositionTarget};
 
 use super::{
-    Foot, closed, dial::Dial, loop_head::LoopHead, number_field::NumberField, panel_id,
-    slider::Slider, tab_id, why_not_in, why_not_with,
+    dial::Dial,
+    number_field::NumberField,
+    panel::{loop_panel, why_not_in, why_not_with},
+    slider::Slider,
 };
-use crate::{components::button::PressButton, desk::use_desk, entry, permission::why_not_stop};
+use crate::{
+    components::button::PressButton, desk::use_desk, entry, permission::why_not_stop, tab::Tab,
+};
 
 const MODE: Mode = Mode::Position;
 
@@ -35,15 +39,7 @@ pub(super) fn PositionTab() -> impl IntoView {
             />
         }
     };
-    view! {
-        <div
-            class="tab-panel"
-            role="tabpanel"
-            id=panel_id(MODE)
-            aria-labelledby=tab_id(MODE)
-            class:closed=closed(desk, MODE)
-        >
-        <LoopHead mode=MODE />
+    let body = view! {
         <div class="dial-and-fields">
             <Dial target=position on_edit=move || desk.adjust(MODE) />
             <div class="fields">
@@ -80,7 +76,7 @@ pub(super) fn PositionTab() -> impl IntoView {
                 class="button halt"
                 hint="Holds the present angle"
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(MODE)
+                on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label="Go"
@@ -89,7 +85,6 @@ pub(super) fn PositionTab() -> impl IntoView {
                 on_press=move || desk.start(MODE)
             />
         </div>
-        <Foot why_not=why_not_go hint=HINT />
-        </div>
-    }
+    };
+    loop_panel(MODE, why_not_go, HINT, body)
 }

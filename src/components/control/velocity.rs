@@ -4,11 +4,13 @@ use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, Setpoint};
 
 use super::{
-    Foot, closed, loop_head::LoopHead, number_field::NumberField, panel_id, slider::Slider, tab_id,
-    why_not_in, why_not_with,
+    number_field::NumberField,
+    panel::{loop_panel, why_not_in, why_not_with},
+    slider::Slider,
 };
 use crate::{
     components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
+    tab::Tab,
 };
 
 const MODE: Mode = Mode::Velocity;
@@ -36,15 +38,7 @@ pub(super) fn VelocityTab() -> impl IntoView {
             />
         }
     };
-    view! {
-        <div
-            class="tab-panel"
-            role="tabpanel"
-            id=panel_id(MODE)
-            aria-labelledby=tab_id(MODE)
-            class:closed=closed(desk, MODE)
-        >
-        <LoopHead mode=MODE />
+    let body = view! {
         <NumberField
             name="Target speed"
             unit="rpm"
@@ -76,7 +70,7 @@ pub(super) fn VelocityTab() -> impl IntoView {
                 class="button halt"
                 hint="Brakes to a standstill, then lets go"
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(MODE)
+                on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label="Start"
@@ -94,7 +88,6 @@ pub(super) fn VelocityTab() -> impl IntoView {
             {preset(50, "+50")}
             {preset(100, "+100")}
         </div>
-        <Foot why_not=why_not_start hint=HINT />
-        </div>
-    }
+    };
+    loop_panel(MODE, why_not_start, HINT, body)
 }

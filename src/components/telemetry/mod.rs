@@ -1,16 +1,27 @@
 //! What the motor feels.
 
+mod angle_dial;
+mod fault_record;
+mod gauge;
+mod instruments;
 mod read_out;
+mod scale;
+mod sparkline;
 
-use leptos::prelude::*;
+use leptos::{html, prelude::*};
 use motorlink_messages::protocol::{Faults, MotorId};
 
-use self::read_out::{ReadOut, Shown};
+use self::{
+    fault_record::FaultRecord,
+    gauge::Band,
+    read_out::{ReadOut, Shown},
+};
 use super::wheel_panel::loop_name;
 use crate::{
     desk::use_desk,
     format,
     session::{Angle, Reading, Session},
+    twin::TwinFeed,
 };
 
 /// Region `Telemetry`.
@@ -21,14 +32,42 @@ pub(crate) fn Telemetry() -> impl IntoView {
         let (id, asked) = (desk.selected.get(), desk.asked.get());
         desk.shown.with(|session| mode(session, id, asked))
     });
+    let position = desk.of_motor(move |session, id| {
+        // Counted where the wheel is drawn, so that the page shows one number of turns.
+        let drawn = desk.feed.with_value(TwinFeed::drawn);
+        position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
+    });
+    let section = NodeRef::<html::Section>::new();
+    instruments::keep_drawing(desk, section);
     view! {
-        <section class="telemetry" aria-label="Telemetry">
-            <ReadOut name="Speed" class="speed" shown=desk.of_motor(speed) />
-            <ReadOut name="Current" class="current" shown=desk.of_motor(current) />
-            <ReadOut name="Position" class="position" shown=desk.of_motor(position) />
-            <ReadOut name="Temperature" class="temperature" shown=desk.of_motor(temperature) />
-            <ReadOut name="Faults" class="faults" shown=desk.of_motor(faults) />
-            <ReadOut name="Mode" class="mode" shown=mode />
+        <section class="telemetry" aria-label="Telemetry" node_ref=section>
+            <ReadOut
+                name="Speed"
+                class="speed"
+                shown=desk.of_motor(speed)
+                drawing=instruments::sparkline_markup()
+            />
+            <ReadOut
+                name="Current"
+                class="current"
+                shown=desk.of_motor(current)
+                drawing=instruments::sparkline_markup()
+            />
+            <ReadOut
+                name="Position"
+                class="position"
+                shown=position
+                drawing=angle_dial::MARKUP
+            />
+            <ReadOut
+                name="Temperature"
+                class="temperature"
+                shown=desk.of_motor(temperature)
+                drawing=gauge::MARKUP
+            />
+            <ReadOut name="Faults" class="faults" shown=desk.of_motor(faults) drawing="" />
+            <FaultRecord />
+            <ReadOut name="Mode" class="mode" shown=mode drawing="" />
         </section>
     }
 }
@@ -43,20 +82,30 @@ fn current(session: &Session, id: MotorId) -> Option<Shown> {
     Some(Shown::new(&reading, format::current(reading.value), "A"))
 }
 
-fn position(session: &Session, id: MotorId) -> Option<Shown> {
+fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
     let reading = session.angle(id)?;
     let degrees = format!("{:.1}", reading.value.degrees());
     let raw = match reading.value {
         Angle::Fine(position) => format!("raw {}", position.raw()),
         Angle::Coarse(position) => format!("raw {}/255", position.raw()),
     };
-    Some(Shown::new(&reading, degrees, "°").with_detail(raw))
+    let detail = match turns {
+        Some(turns) => format!("{raw}\n{turns}"),
+        None => raw,
+    };
+    Some(Shown::new(&reading, degrees, "°").with_detail(detail))
 }
 
 fn temperature(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.temperature(id)?;
     let degrees = reading.value.degrees().to_string();
-    Some(Shown::new(&reading, degrees, "°C"))
+    let band = Band::of(reading.value);
+    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words().to_owned());
+    Some(match band {
+        Band::Normal => shown,
+        Band::Warm => shown.warm(),
+        Band::Hot => shown.bad(),
+    })
 }
 
 fn faults(session: &Session, id: MotorId) -> Option<Shown> {
@@ -89,7 +138,7 @@ fn mode(
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::Mode;
+    use motorlink_messages::protocol::{Celsius, Mode};
 
     use super::*;
     use crate::session::tests::{ID, session, status};
@@ -104,12 +153,32 @@ mod tests {
         let mut session = session(1_016, status(1_000, Mode::Velocity, -100));
         assert_eq!(text(speed(&session, ID)), "\u{2212}100rpm ");
         assert_eq!(text(current(&session, ID)), "+0.02A ");
-        assert_eq!(text(position(&session, ID)), "66.4° raw 47/255");
-        assert_eq!(text(temperature(&session, ID)), "33°C ");
+        assert_eq!(text(position(&session, ID, None)), "66.4° raw 47/255");
+        let turns = Some("+12.4 turns".to_owned());
+        assert_eq!(
+            text(position(&session, ID, turns)),
+            "66.4° raw 47/255\n+12.4 turns"
+        );
+        assert_eq!(text(temperature(&session, ID)), "33°C limit 80 °C");
         assert_eq!(text(faults(&session, ID)), "OK 0x00");
         let sample = session.motors[0].last.as_mut().unwrap();
         sample.reply.faults = Faults::from_byte(0x18);
         assert_eq!(text(faults(&session, ID)), "Stall, over-temperature 0x18");
+    }
+
+    #[test]
+    fn a_hot_winding_is_told_by_its_look_and_in_words() {
+        for (degrees, look, words) in [
+            (69, "", "limit 80 °C"),
+            (70, "warm", "warm\nlimit 80 °C"),
+            (79, "warm", "warm\nlimit 80 °C"),
+            (80, "bad", "too hot\nlimit 80 °C"),
+        ] {
+            let mut motor = status(1_000, Mode::Velocity, 0);
+            motor.temperature = motor.temperature.map(|(at, _)| (at, Celsius::new(degrees)));
+            let shown = temperature(&session(1_016, motor), ID).unwrap();
+            assert_eq!((shown.look(), shown.detail.as_str()), (look, words));
+        }
     }
 
     #[test]

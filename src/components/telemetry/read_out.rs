@@ -9,6 +9,9 @@ use crate::{
     session::Reading,
 };
 
+/// Words longer than this are set smaller, or several faults would not have room.
+const LONG: usize = 24;
+
 /// What a read-out shows of one reading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Shown {
@@ -25,6 +28,7 @@ pub(super) struct Shown {
 enum Verdict {
     None,
     Good,
+    Warm,
     Bad,
 }
 
@@ -51,10 +55,30 @@ impl Shown {
         }
     }
 
+    pub(super) fn warm(self) -> Self {
+        Self {
+            verdict: Verdict::Warm,
+            ..self
+        }
+    }
+
     pub(super) fn bad(self) -> Self {
         Self {
             verdict: Verdict::Bad,
             ..self
+        }
+    }
+
+    /// How the style sheet names what it looks like.
+    pub(super) fn look(&self) -> &'static str {
+        // Old words are grey, whatever they say.
+        match self.verdict {
+            _ if !self.fresh => "stale",
+            Verdict::None => "",
+            Verdict::Good => "good",
+            Verdict::Warm => "warm",
+            Verdict::Bad if self.figure.len() > LONG => "bad long",
+            Verdict::Bad => "bad",
         }
     }
 }
@@ -65,15 +89,20 @@ pub(super) fn ReadOut(
     name: &'static str,
     class: &'static str,
     shown: Memo<Option<Shown>>,
+    /// What is drawn below them, as HTML; for those who see it, since the figures say the same.
+    #[prop(into)]
+    drawing: String,
 ) -> impl IntoView {
     let age_id = format!("age-{class}");
     let part = move |read: fn(&Shown) -> String| {
         move || shown.with(|shown| shown.as_ref().map(read).unwrap_or_default())
     };
-    let verdict = move |wanted| {
-        shown.with(|shown| shown.as_ref().is_some_and(|shown| shown.verdict == wanted))
+    let look = move || {
+        shown.with(|shown| {
+            let look = shown.as_ref().map_or("stale", Shown::look);
+            format!("panel read-out {class} {look}")
+        })
     };
-    let stale = move || shown.with(|shown| !shown.as_ref().is_some_and(|shown| shown.fresh));
     let figure = move || {
         shown.with(|shown| {
             let figure = shown.as_ref().map(|shown| shown.figure.clone());
@@ -92,10 +121,7 @@ pub(super) fn ReadOut(
     });
     view! {
         <div
-            class=format!("panel read-out {class}")
-            class:stale=live(stale)
-            class:good=live(move || verdict(Verdict::Good))
-            class:bad=live(move || verdict(Verdict::Bad))
+            class=live(look)
         >
             <div class="read-out-head">
                 <span class="read-out-name" aria-hidden="true">
@@ -110,6 +136,7 @@ pub(super) fn ReadOut(
                 <span class="unit">{live(unit)}</span>
                 <span class="detail">{live(detail)}</span>
             </output>
+            <div class="drawing" aria-hidden="true" inner_html=drawing></div>
         </div>
     }
 }

@@ -1,4 +1,4 @@
-//! The clock of the twin: calls back once a frame while something moves, and not at all while
+//! The clock of whatever is drawn: calls back once a frame while something moves, and not at all while
 //! nothing does.
 
 use std::cell::{Cell, RefCell};

@@ -1,0 +1,116 @@
+//! A sample of telemetry as a line, in the columns of the article's monitor script.
+//!
+//! | column | content |
+//! |---|---|
+//! | `timestamp` | ISO 8601, UTC, to the millisecond |
+//! | `motor_id` | 1-254 |
+//! | `mode` | `Current`, `Velocity` or `Position` |
+//! | `speed_rpm` | signed |
+//! | `current_a` | signed, three decimals |
+//! | `temp_c` | of replies to a feedback query; empty in others, which do not carry it |
+//! | `position_deg` | two decimals of replies to a drive frame, one decimal of replies to a query, as fine as either is; empty where it is not certain what was asked |
+//! | `error_code` | byte 8, `0x00` |
+//! | `error_str` | `OK`, or names with <code> &#124; </code> between |
+//! | `raw_hex` | the ten bytes |
+
+use motorlink_protocol::{Detail, Faults, Mode, Reply, Scaled};
+
+use super::cells::Cells;
+use crate::{
+    digits::{push_0x, push_decimal, push_hex, push_padded},
+    recording::Sample,
+    wall_clock::{IsoWriter, WallClock},
+};
+
+pub(super) const HEAD: [&str; 10] = [
+    "timestamp",
+    "motor_id",
+    "mode",
+    "speed_rpm",
+    "current_a",
+    "temp_c",
+    "position_deg",
+    "error_code",
+    "error_str",
+    "raw_hex",
+];
+
+#[derive(Debug, Default)]
+pub(super) struct TelemetryLines {
+    times: IsoWriter,
+}
+
+impl TelemetryLines {
+    pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample, clock: WallClock) {
+        // What is no reply was not recorded.
+        let Ok(reply) = Reply::decode(&sample.frame, sample.asked) else {
+            return;
+        };
+        cells.value(|out| self.times.push(out, clock.utc(sample.at)));
+        cells.value(|out| push_decimal(out, reply.id.get().into()));
+        cells.plain(match reply.mode {
+            Mode::Current => "Current",
+            Mode::Velocity => "Velocity",
+            Mode::Position => "Position",
+        });
+        cells.value(|out| {
+            push_minus(out, reply.speed.rpm());
+            push_decimal(out, reply.speed.magnitude().into());
+        });
+        cells.value(|out| {
+            push_minus(out, reply.current.raw());
+            push_scaled(out, reply.current.scaled());
+        });
+        match reply.detail {
+            Detail::Drive { position } => {
+                cells.unknown();
+                cells.value(|out| push_scaled(out, position.scaled()));
+            }
+            Detail::Query {
+                temperature,
+                position,
+            } => {
+                cells.value(|out| push_decimal(out, temperature.degrees().into()));
+                cells.value(|out| push_scaled(out, position.scaled()));
+            }
+            Detail::Undetermined(_) => {
+                cells.unknown();
+                cells.unknown();
+            }
+        }
+        cells.value(|out| push_0x(out, reply.faults.byte()));
+        cells.text(|out| push_faults(out, reply.faults));
+        cells.value(|out| push_hex(out, sample.frame.bytes()));
+    }
+}
+
+/// The minus of a keyboard, which a spreadsheet reads.
+fn push_minus(out: &mut String, value: i16) {
+    if value < 0 {
+        out.push('-');
+    }
+}
+
+fn push_scaled<const DECIMALS: usize>(out: &mut String, value: Scaled<DECIMALS>) {
+    push_decimal(out, value.whole.into());
+    out.push('.');
+    push_padded(out, value.fraction.into(), DECIMALS);
+}
+
+fn push_faults(out: &mut String, faults: Faults) {
+    if faults.is_none() {
+        out.push_str("OK");
+        return;
+    }
+    let mut separator = "";
+    for fault in faults.iter() {
+        out.push_str(separator);
+        out.push_str(fault.name());
+        separator = " | ";
+    }
+    if faults.unknown_bits() != 0 {
+        out.push_str(separator);
+        out.push_str("unknown bits ");
+        push_0x(out, faults.unknown_bits());
+    }
+}

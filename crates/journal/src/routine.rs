@@ -1,0 +1,222 @@
+//! Which exchanges are routine: what a driven motor says a hundred times a second and nobody reads.
+//!
+//! It is decided once, as an entry comes, from what passed before it. A change is never routine: a
+//! drive frame that says something new, a reply with another loop or other faults, and everything
+//! that went wrong.
+
+use motorlink_bus::Passed;
+use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
+
+/// Addresses, and one to spare for an index by the address itself.
+const MOTORS: usize = 255;
+
+/// What passed before.
+#[derive(Debug)]
+pub(crate) struct Routine {
+    motors: Vec<Before>,
+    /// The motor that the last frame of ours asked something routine of.
+    asked: Option<MotorId>,
+}
+
+/// What passed to and from one motor before.
+#[derive(Clone, Copy, Debug, Default)]
+struct Before {
+    /// The last drive frame and the loop in which it was read: in another loop, the same bytes say
+    /// something else.
+    driven: Option<(Frame, Option<Mode>)>,
+    replied: Option<(Mode, Faults)>,
+}
+
+impl Default for Routine {
+    fn default() -> Self {
+        Self {
+            motors: vec![Before::default(); MOTORS],
+            asked: None,
+        }
+    }
+}
+
+impl Routine {
+    /// Whether this is routine after all that was given before.
+    pub(crate) fn is_next(&mut self, passed: &Passed) -> bool {
+        match passed {
+            Passed::Sent { frame, mode } => {
+                let routine = match Request::parse(frame) {
+                    Ok(Request::Query { id }) => Some(id),
+                    Ok(Request::Drive { id, .. }) => self
+                        .before(id)
+                        .and_then(|before| before.driven.replace((*frame, *mode)))
+                        .filter(|driven| *driven == (*frame, *mode))
+                        .map(|_| id),
+                    _ => None,
+                };
+                self.asked = routine;
+                routine.is_some()
+            }
+            Passed::Heard { frame, .. } => {
+                let asked = self.asked.take();
+                let Ok(reply) = Reply::decode(frame, None) else {
+                    return false;
+                };
+                let now = (reply.mode, reply.faults);
+                let before = self.before(reply.id);
+                let before = before.and_then(|before| before.replied.replace(now));
+                asked == Some(reply.id) && before == Some(now)
+            }
+            Passed::Junk(_) | Passed::Silence { .. } => false,
+        }
+    }
+
+    fn before(&mut self, id: MotorId) -> Option<&mut Before> {
+        self.motors.get_mut(usize::from(id.get()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_bus::JunkBytes;
+    use motorlink_protocol::{
+        Current, Detail, Fault, Layout, Position, Rpm, Setpoint, SpeedTarget,
+    };
+
+    use super::*;
+
+    fn query(id: u8) -> Passed {
+        let id = MotorId::new(id).unwrap();
+        sent(Request::Query { id }, None)
+    }
+
+    fn drive(id: u8, rpm: i32) -> Passed {
+        let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
+        sent(
+            Request::drive(MotorId::new(id).unwrap(), setpoint),
+            Some(Mode::Velocity),
+        )
+    }
+
+    fn sent(request: Request, mode: Option<Mode>) -> Passed {
+        let frame = request.frame();
+        Passed::Sent { frame, mode }
+    }
+
+    fn reply(id: u8, faults: Faults, mode: Mode, position: u16) -> Passed {
+        let reply = Reply {
+            id: MotorId::new(id).unwrap(),
+            mode,
+            current: Current::from_raw(5),
+            speed: Rpm::new(50),
+            detail: Detail::Drive {
+                position: Position::from_raw(position),
+            },
+            faults,
+        };
+        Passed::Heard {
+            frame: reply.frame(),
+            asked: Some(Layout::Drive),
+        }
+    }
+
+    fn good(id: u8, position: u16) -> Passed {
+        reply(id, Faults::NONE, Mode::Velocity, position)
+    }
+
+    fn verdicts(passed: &[Passed]) -> Vec<bool> {
+        let mut routine = Routine::default();
+        passed.iter().map(|one| routine.is_next(one)).collect()
+    }
+
+    #[test]
+    fn a_query_is_routine_and_so_are_all_but_the_first_of_its_replies() {
+        let passed = [query(1), good(1, 7), query(1), good(1, 9)];
+        assert_eq!(verdicts(&passed), [true, false, true, true]);
+    }
+
+    #[test]
+    fn a_drive_frame_is_routine_only_where_it_repeats_the_last_to_its_motor() {
+        let passed = [
+            drive(1, 50),
+            good(1, 1),
+            drive(2, 50),
+            good(2, 1),
+            drive(1, 50),
+            good(1, 2),
+            drive(1, 60),
+            good(1, 3),
+            drive(1, 60),
+            good(1, 4),
+        ];
+        let expected = [
+            false, false, false, false, true, true, false, false, true, true,
+        ];
+        assert_eq!(verdicts(&passed), expected);
+    }
+
+    #[test]
+    fn the_same_bytes_read_in_another_loop_are_not_routine() {
+        let Passed::Sent { frame, .. } = drive(1, 0) else {
+            panic!("a drive frame is sent")
+        };
+        let current = Passed::Sent {
+            frame,
+            mode: Some(Mode::Current),
+        };
+        assert_eq!(
+            verdicts(&[drive(1, 0), current, current]),
+            [false, false, true]
+        );
+    }
+
+    #[test]
+    fn other_faults_or_another_loop_are_shown_once_each() {
+        let stalled = Faults::NONE.with(Fault::Stall);
+        let passed = [
+            query(1),
+            good(1, 1),
+            query(1),
+            reply(1, stalled, Mode::Velocity, 1),
+            query(1),
+            reply(1, stalled, Mode::Velocity, 2),
+            query(1),
+            reply(1, stalled, Mode::Current, 2),
+            query(1),
+            reply(1, Faults::NONE, Mode::Current, 2),
+        ];
+        let expected = [
+            true, false, true, false, true, true, true, false, true, false,
+        ];
+        assert_eq!(verdicts(&passed), expected);
+    }
+
+    #[test]
+    fn what_nobody_asked_for_and_what_went_wrong_is_not_routine() {
+        let silence = Passed::Silence {
+            id: MotorId::FIRST,
+            waited_us: 6_000,
+        };
+        let junk = Passed::Junk(JunkBytes::new(&[1; 10]));
+        let passed = [
+            query(1),
+            good(1, 1),
+            good(1, 2),
+            silence,
+            junk,
+            query(2),
+            good(1, 3),
+        ];
+        let expected = [true, false, false, false, false, true, false];
+        assert_eq!(verdicts(&passed), expected);
+    }
+
+    #[test]
+    fn the_id_query_a_mode_switch_and_what_does_not_parse_are_not_routine() {
+        let switch = Request::SwitchMode {
+            id: MotorId::FIRST,
+            mode: Mode::Current,
+        };
+        let spoilt = Request::Raw(Frame::new([1; 10]));
+        for request in [Request::IdQuery, switch, spoilt] {
+            let passed = sent(request, None);
+            assert_eq!(verdicts(&[passed, passed]), [false, false]);
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! What the page has said, beside the entries, which are all of one size.
+
+/// Bytes that a line may have. What the page says is a sentence or two.
+const LINE_MAX: usize = 1_000;
+
+/// Stands for one text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct TextRef(u32);
+
+/// Every text of the log.
+#[derive(Debug, Default)]
+pub(crate) struct Texts {
+    slots: Vec<Option<Box<str>>>,
+    free: Vec<u32>,
+    bytes: usize,
+}
+
+impl Texts {
+    /// Keeps a text, cut where it is longer than any that the page says.
+    pub(crate) fn keep(&mut self, text: &str) -> TextRef {
+        let ends = text
+            .char_indices()
+            .map(|(start, one)| start + one.len_utf8());
+        let end = ends.take_while(|end| *end <= LINE_MAX).last();
+        let text: Box<str> = text.get(..end.unwrap_or(0)).unwrap_or_default().into();
+        self.bytes += text.len();
+        let free = self.free.pop();
+        let slot = free.and_then(|number| {
+            let slot = self.slots.get_mut(usize::try_from(number).ok()?)?;
+            Some((number, slot))
+        });
+        if let Some((number, slot)) = slot {
+            *slot = Some(text);
+            return TextRef(number);
+        }
+        // The log holds fewer entries than a u32 counts.
+        let number = u32::try_from(self.slots.len()).unwrap_or(u32::MAX);
+        self.slots.push(Some(text));
+        TextRef(number)
+    }
+
+    pub(crate) fn get(&self, TextRef(number): TextRef) -> &str {
+        let slot = usize::try_from(number).ok().and_then(|n| self.slots.get(n));
+        slot.and_then(Option::as_deref).unwrap_or_default()
+    }
+
+    pub(crate) fn forget(&mut self, TextRef(number): TextRef) {
+        let slot = usize::try_from(number).ok();
+        let slot = slot.and_then(|number| self.slots.get_mut(number));
+        if let Some(text) = slot.and_then(Option::take) {
+            self.bytes -= text.len();
+            self.free.push(number);
+        }
+    }
+
+    /// Bytes of all texts.
+    pub(crate) const fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slot_is_used_again() {
+        let mut texts = Texts::default();
+        let one = texts.keep("one");
+        let two = texts.keep("two");
+        texts.forget(one);
+        assert_eq!((texts.get(one), texts.bytes()), ("", 3));
+        assert_eq!(texts.keep("three"), one);
+        assert_eq!((texts.get(one), texts.get(two)), ("three", "two"));
+        assert_eq!(texts.slots.len(), 2);
+    }
+
+    #[test]
+    fn a_long_text_is_cut_between_letters() {
+        let mut texts = Texts::default();
+        let long = texts.keep(&format!("{}°°", "x".repeat(LINE_MAX - 1)));
+        assert_eq!(texts.get(long), "x".repeat(LINE_MAX - 1));
+    }
+}

@@ -1,0 +1,157 @@
+//! The journal in the browser: messages, the line from the other worker, and turns that end early enough
+//! for both.
+
+mod again;
+mod files;
+
+use std::{cell::RefCell, rc::Rc, time::Duration};
+
+use js_sys::{Date, Uint8Array};
+use motorlink_journal::{Journal, Output, WallClock};
+use motorlink_messages::{
+    decode, encode,
+    journal::{FromJournal, traffic},
+};
+use motorlink_protocol::Instant;
+use wasm_bindgen::{JsCast, prelude::Closure};
+use web_sys::{MessageEvent, MessagePort};
+
+use self::{again::Again, files::Parts};
+use crate::scope::{self, Arrived, Clock, report};
+
+/// A turn ends after this long, so that messages and traffic are taken in.
+const TURN: Duration = Duration::from_millis(8);
+/// Entries between two looks at the clock: half a millisecond, on a slow machine two.
+const STEP: u64 = 500;
+/// Summer time begins and ends on the minute.
+const UTC_OFFSET_PERIOD: Duration = Duration::from_secs(60);
+
+/// Everything that this worker is. Each callback of the browser borrows it once, briefly.
+struct Desk {
+    clock: Clock,
+    journal: Journal,
+    parts: Parts,
+    again: Again,
+    utc_offset_asked: Instant,
+}
+
+type Shared = Rc<RefCell<Desk>>;
+
+/// Starts the worker.
+pub(crate) fn start() {
+    let clock = Clock::new();
+    let now = clock.now();
+    let own_clock = WallClock::new(clock.origin_ms(), utc_offset_minutes());
+    let shared: Shared = Rc::new_cyclic(|desk| {
+        let desk = desk.clone();
+        let again = Again::new(move || {
+            if let Some(shared) = desk.upgrade() {
+                turn(&shared);
+            }
+        });
+        RefCell::new(Desk {
+            clock,
+            journal: Journal::new(own_clock),
+            parts: Parts::default(),
+            again,
+            utc_offset_asked: now,
+        })
+    });
+    scope::on_message(move |arrived| match arrived {
+        Arrived::Message(bytes) => match decode(&bytes) {
+            Ok(message) => {
+                shared.borrow_mut().journal.handle(message);
+                turn(&shared);
+            }
+            Err(error) => {
+                let error = error.to_string().into();
+                report(
+                    "the page sent the journal a message of another build",
+                    &error,
+                );
+            }
+        },
+        Arrived::Line(port) => listen(&shared, &port),
+    });
+}
+
+/// The page is told that nothing comes any more.
+pub(crate) fn died() {
+    tell(&FromJournal::Died);
+}
+
+fn tell(message: &FromJournal) {
+    match encode(message) {
+        Ok(bytes) => scope::post_bytes(&bytes),
+        Err(error) => report("a message could not be encoded", &error.to_string().into()),
+    }
+}
+
+/// Gives the page a file. Where the browser has no room for it, there is none.
+fn post_file(parts: &mut Parts, message: &FromJournal) {
+    let encoded = encode(message).map_err(|error| error.to_string().into());
+    if let Err(error) = encoded.and_then(|bytes| parts.post_as_file(&bytes)) {
+        report("a file could not be posted to the page", &error);
+        if let FromJournal::Exported { what, .. } = *message {
+            let cancelled = false;
+            tell(&FromJournal::NotExported { what, cancelled });
+        }
+    }
+}
+
+/// Takes in the traffic that comes on this line, for as long as the worker lives.
+fn listen(shared: &Shared, port: &MessagePort) {
+    let shared = Rc::clone(shared);
+    let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        let bytes = Uint8Array::new(&event.data()).to_vec();
+        {
+            let journal = &mut shared.borrow_mut().journal;
+            traffic(&bytes).for_each(|traffic| journal.passed(&traffic));
+        }
+        turn(&shared);
+    });
+    port.set_onmessage(Some(handler.as_ref().unchecked_ref()));
+    handler.forget();
+}
+
+/// Does what is to be done, as far as a turn goes, and sees to it that the rest is done.
+fn turn(shared: &Shared) {
+    let mut desk = shared.borrow_mut();
+    let Desk {
+        clock,
+        journal,
+        parts,
+        again,
+        utc_offset_asked,
+    } = &mut *desk;
+    let began = clock.now();
+    if began.since(*utc_offset_asked) > UTC_OFFSET_PERIOD {
+        *utc_offset_asked = began;
+        journal.set_utc_offset(utc_offset_minutes());
+    }
+    loop {
+        let now = clock.now();
+        match journal.poll(now) {
+            Output::Tell(message) => tell(&message),
+            Output::Part(bytes) => parts.push(&bytes),
+            Output::File(message) => post_file(parts, &message),
+            Output::NoFile(message) => {
+                parts.clear();
+                tell(&message);
+            }
+            Output::Work if now.since(began) < TURN => journal.work(now, STEP),
+            Output::Work => return again.soon(),
+            Output::Wait(None) => return,
+            Output::Wait(Some(at)) => return again.after(at.since(now)),
+        }
+    }
+}
+
+/// How far local time is ahead of UTC now.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, and no place is a day ahead"
+)]
+fn utc_offset_minutes() -> i32 {
+    -Date::new_0().get_timezone_offset() as i32
+}

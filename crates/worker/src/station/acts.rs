@@ -1,0 +1,91 @@
+//! What the page asks of the station: a motor to watch, an operator's act, a sign of life.
+
+use motorlink_bus::{Command, Refusal, StopReason, StopReport};
+use motorlink_messages::Notice;
+use motorlink_protocol::{Instant, MotorId};
+
+use super::Station;
+use crate::session::{Session, Stage};
+
+/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over
+/// at its end what was clicked at its beginning. Half of what the watchdog allows, and five times
+/// what a click takes on a slow machine.
+const COMMAND_AGE_MAX_MS: f64 = 500.0;
+
+impl Station {
+    pub(super) fn select(&mut self, id: MotorId) {
+        let now = self.now();
+        self.selected = id;
+        self.outbox.touch();
+        if let Session::Open(open) = &mut self.session {
+            let never_heard: Vec<_> = open
+                .bus
+                .motors(now)
+                .filter(|motor| motor.last.is_none())
+                .map(|m| m.id)
+                .collect();
+            let forget = never_heard.into_iter().map(Command::Forget);
+            for command in forget.chain([Command::Watch(id)]) {
+                // A motor that is driven stays watched, which is what its refusal means.
+                let _: Result<(), Refusal> = open.bus.command(now, command);
+            }
+        }
+    }
+
+    pub(super) fn command(&mut self, command: Command, given_ms: f64) {
+        let now = self.now();
+        // Before the page has said what time it is, nothing is open to be driven.
+        let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
+        if command.may_move() && age_ms > COMMAND_AGE_MAX_MS {
+            self.outbox.notice(Notice::TooLate(command));
+            return;
+        }
+        match command {
+            Command::SetRate(rate) => self.rate = rate,
+            Command::StopAll(_) => self.halted = true,
+            Command::Release => self.halted = false,
+            _ => {}
+        }
+        if matches!(command, Command::StopAll(StopReason::PageGone)) {
+            self.tape.hurry();
+        }
+        self.outbox.touch();
+        match &mut self.session {
+            Session::Open(open) => {
+                if command.may_move() && !matches!(open.stage, Stage::Settled) {
+                    self.outbox.notice(Notice::NotConnected);
+                } else if let Err(refusal) = open.bus.command(now, command) {
+                    self.outbox.notice(Notice::Refused { command, refusal });
+                }
+            }
+            _ => match command {
+                // There is nothing to stop, and nothing will drive before it is released.
+                Command::StopAll(reason) => {
+                    self.outbox.notice(Notice::StopBegan(reason));
+                    let report = StopReport {
+                        reason,
+                        motors: Vec::new(),
+                    };
+                    self.outbox.notice(Notice::StopEnded(report));
+                }
+                Command::Release | Command::SetRate(_) => {}
+                _ => self.outbox.notice(Notice::NotConnected),
+            },
+        }
+    }
+
+    pub(super) fn page_answered(&mut self, page_ms: f64) {
+        let now = self.now();
+        let ahead_ms = now_ms(now) - page_ms;
+        self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
+        self.outbox.page_answered();
+        if let Session::Open(open) = &mut self.session {
+            open.bus.page_answered(now);
+        }
+    }
+}
+
+/// A moment in milliseconds, as browsers count.
+fn now_ms(now: Instant) -> f64 {
+    now.since(Instant::ZERO).as_secs_f64() * 1000.0
+}

@@ -1,0 +1,204 @@
+//! Tab `ID Manager`.
+
+use leptos::{html::Ul, prelude::*};
+use motorlink_messages::bus::SurveyStatus;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement, MouseEvent};
+
+use super::{number_field::NumberField, panel::tab_panel};
+use crate::{
+    components::{
+        button::PressButton,
+        live::{heard, live},
+    },
+    desk::{Desk, use_desk},
+    found_motors::{found_motors, list_html, objection},
+    id_manager::IdManager,
+    notice_board::{Tone, Words},
+    permission::{why_not_cancel, why_not_scan, why_not_stop},
+    scan_words::of_progress,
+    tab::Tab,
+    tool_entry::{self, assignable},
+};
+
+#[component]
+pub(super) fn IdManagerTab() -> impl IntoView {
+    let desk = use_desk();
+    let new_id = desk.targets.new_id;
+    let blocked = desk.of_motor(|session, _| why_not_scan(session));
+    let why_not_cancel = desk.of_motor(|session, _| why_not_cancel(session));
+    let objection = Memo::new(move |_| {
+        let to = assignable(new_id.get())?;
+        desk.shown.with(|session| objection(session, to))
+    });
+    let why_not_set = Signal::derive(move || {
+        let missing = || {
+            let nothing = assignable(new_id.get()).is_none();
+            nothing.then(|| "Enter the new ID.".to_owned())
+        };
+        let entered = || new_id.trouble().or_else(|| objection.get());
+        blocked.get().or_else(entered).or_else(missing)
+    });
+    let offers_full_scan = Memo::new(move |_| desk.ids.with(IdManager::offers_full_scan));
+    let hint = Signal::derive(move || match assignable(new_id.get()) {
+        Some(to) => format!("{} is {}", to.id().get(), to.id()),
+        None => "1 to 254, decimal or in hex with 0x".to_owned(),
+    });
+    tab_panel(
+        Tab::IdManager,
+        view! {
+            <div class="button-row three" class:offers-full-scan=offers_full_scan>
+                <PressButton
+                    label="Scan"
+                    hint="Asks all motors at once: enough for one"
+                    why_not=blocked
+                    on_press=move || desk.scan()
+                />
+                <PressButton
+                    label="Full scan"
+                    class="button full-scan"
+                    hint="Asks each of 254 addresses"
+                    why_not=blocked
+                    on_press=move || desk.full_scan()
+                />
+                <PressButton
+                    label="Cancel"
+                    why_not=why_not_cancel
+                    on_press=move || desk.cancel_scan()
+                />
+            </div>
+            <Progress />
+            <Said />
+            <FoundList />
+            <div class="new-id">
+                <NumberField
+                    name="New ID"
+                    hint=hint
+                    target=new_id
+                    entry=tool_entry::NEW_ID
+                    objection=objection
+                    on_edit=|| ()
+                />
+                <PressButton
+                    label="Set ID"
+                    class="button primary"
+                    hint="Scans first, then asks"
+                    why_not=why_not_set
+                    on_press=move || desk.set_id()
+                />
+            </div>
+        },
+    )
+}
+
+/// Progressbar `Scan`, in its place while nothing is scanned.
+#[component]
+fn Progress() -> impl IntoView {
+    let desk = use_desk();
+    let asked = desk.of_motor(|session, _| match session.survey {
+        Some(SurveyStatus::Scanning { asked, .. }) => asked,
+        _ => 0,
+    });
+    let words = desk.of_motor(|session, _| of_progress(session.survey.as_ref()));
+    view! {
+        <div
+            class="scan-progress"
+            role="progressbar"
+            aria-label="Scan"
+            aria-valuemin="0"
+            aria-valuemax="254"
+            aria-valuenow=live(move || asked.get().to_string())
+            aria-valuetext=words
+        >
+            <span
+                class="scan-bar"
+                style=("--asked", live(move || asked.get().to_string()))
+            ></span>
+            <span class="quiet">{words}</span>
+        </div>
+    }
+}
+
+/// How the last scan or change ended, or what can be done here.
+#[component]
+fn Said() -> impl IntoView {
+    let desk = use_desk();
+    let unconnected = desk.of_motor(|session, _| why_not_stop(session));
+    let words = Memo::new(move |_| desk.ids.with(IdManager::words));
+    let of_words = move |read: fn(&Words) -> String| live(move || words.with(read));
+    let title = move || {
+        let words = || words.with(|words| words.title.clone());
+        unconnected.get().unwrap_or_else(words)
+    };
+    view! {
+        <div
+            class=of_words(|words| {
+                let tone = match words.tone {
+                    Tone::Calm => "tool-words",
+                    Tone::Warning => "tool-words warning",
+                    Tone::Error => "tool-words error",
+                };
+                tone.to_owned()
+            })
+            role="status"
+            aria-label="Scan result"
+        >
+            <p class="notice-title">{live(title)}</p>
+            <p class="notice-advice">{of_words(|words| words.advice.join(" "))}</p>
+        </div>
+    }
+}
+
+/// List `Motors found`.
+#[component]
+fn FoundList() -> impl IntoView {
+    let desk = use_desk();
+    let list = NodeRef::<Ul>::new();
+    let html = Memo::new(move |_| {
+        let selected = desk.selected.get();
+        desk.ids.with(|ids| {
+            desk.shown
+                .with(|session| list_html(&found_motors(session, ids.found(), selected)))
+        })
+    });
+    Effect::new(move |_| {
+        if let Some(list) = list.get() {
+            html.with(|html| replace_keeping_focus(&list, html));
+        }
+    });
+    view! {
+        <ul
+            class="found-list"
+            role="list"
+            aria-label="Motors found"
+            node_ref=list
+            on:click=heard(move |event: MouseEvent| choose_clicked(desk, &event))
+        ></ul>
+    }
+}
+
+/// A list that changes under somebody who goes through it by keyboard does not throw the person out.
+fn replace_keeping_focus(list: &HtmlElement, html: &str) {
+    let held = document()
+        .active_element()
+        .filter(|focused| list.contains(Some(focused)))
+        .and_then(|button| button.get_attribute("value"));
+    list.set_inner_html(html);
+    let Some(id) = held else { return };
+    let again = list.query_selector(&format!("[value='{id}']"));
+    if let Some(button) = again.ok().flatten()
+        && let Ok(button) = button.dyn_into::<HtmlElement>()
+    {
+        // Without the focus it is in the list all the same.
+        let _ = button.focus();
+    }
+}
+
+fn choose_clicked(desk: Desk, event: &MouseEvent) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let button = target.and_then(|at| at.closest("button").ok().flatten());
+    let id = button.and_then(|button| button.get_attribute("value"));
+    if let Some(Ok(id)) = id.map(|id| id.parse()) {
+        desk.choose(id);
+    }
+}

@@ -1,0 +1,96 @@
+//! Region `Speed and current`: what was reported over the last minutes, and what was asked for.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `state` | what is shown, and what a person can do to it |
+//! | `controls` | traces, windows, pause and picture |
+//! | `pointer` | pointer, wheel and keys on the graph itself |
+//! | `stage` | the canvases, and when they are drawn |
+//! | `traces`, `axes` | drawing the one and the other |
+//! | `overlay` | the crosshair and its values |
+//! | `spoken` | the values in words |
+//! | `watchers` | size, sight and theme |
+//! | `picture` | the PNG |
+//!
+//! What can be decided without a browser is in [`crate::graph`].
+
+mod axes;
+mod controls;
+mod overlay;
+mod picture;
+mod pointer;
+mod spoken;
+mod stage;
+mod state;
+mod traces;
+mod watchers;
+
+use leptos::{html::Div, prelude::*};
+use motorlink_messages::protocol::Instant;
+
+use self::{controls::Controls, state::Chart};
+use crate::{
+    components::live::{heard, live},
+    desk::use_desk,
+    graph::words,
+};
+
+/// Read aloud after the values.
+const KEYS: &str = "Plus and minus zoom, the arrow keys move, Home shows the oldest and End the \
+                    newest. While paused the arrow keys move a crosshair that reads values.";
+
+/// The section `Speed and current` with its graph, the img of the same name.
+#[component]
+pub(crate) fn Graph() -> impl IntoView {
+    let chart = Chart::new(use_desk());
+    let place = NodeRef::<Div>::new();
+    let view = chart.view;
+    let clock = chart.desk.clock;
+    // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
+    Effect::new(move |_| {
+        if let Some(place) = place.get() {
+            stage::raise(chart, &place);
+        }
+    });
+    let name = move || {
+        let clock = clock.get_value();
+        words::name(view.get(), &|at_us| {
+            clock.day_us(Instant::from_micros(at_us)) / 1_000
+        })
+    };
+    view! {
+        <section class="panel graph-panel" aria-label="Speed and current">
+            <Controls chart />
+            <div class="graph-box" node_ref=place>
+                <div
+                    class="graph-plot"
+                    role="img"
+                    aria-label=live(name)
+                    aria-describedby="graph-words graph-keys"
+                    tabindex="0"
+                    on:pointerdown=heard(move |event| pointer::down(chart, &event))
+                    on:pointermove=heard(move |event| pointer::moved(chart, &event))
+                    on:pointerup=heard(move |_| pointer::up(chart))
+                    on:pointercancel=heard(move |_| pointer::left(chart))
+                    on:pointerleave=heard(move |_| pointer::left(chart))
+                    on:wheel=heard(move |event| pointer::wheel(chart, &event))
+                    on:dblclick=heard(move |_| chart.follow())
+                    on:keydown=heard(move |event| pointer::key(chart, &event))
+                    inner_html=overlay::PLOT
+                ></div>
+                // Not in the img, of which nobody reads the inside aloud.
+                <output
+                    class="graph-values absent"
+                    aria-label="Crosshair"
+                    aria-live="off"
+                    aria-atomic="true"
+                    inner_html=overlay::rows()
+                ></output>
+                <p hidden id="graph-words"></p>
+                <p hidden id="graph-keys">
+                    {KEYS}
+                </p>
+            </div>
+        </section>
+    }
+}

@@ -1,0 +1,58 @@
+//! The values in words, for those who do not see the lines.
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::Instant;
+use web_sys::Element;
+
+use super::{overlay::Text, state::Chart};
+use crate::{
+    frames::Next,
+    graph::{crosshair, ticks, view::View, words},
+    history::Track,
+};
+
+/// They change this often at most: faster, they would be read aloud over one another.
+const SAID_EVERY_MS: f64 = 3_000.0;
+
+/// The text that describes the graph.
+pub(super) struct Spoken {
+    text: Text,
+    said_ms: f64,
+}
+
+impl Spoken {
+    pub(super) fn of(element: Element) -> Self {
+        Self {
+            text: Text::of(element),
+            said_ms: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Says the newest values in view, unless it has said some just now. When it has to be asked again.
+    pub(super) fn say(
+        &mut self,
+        chart: Chart,
+        view: View,
+        track: Option<&Track>,
+        now_us: u64,
+        frame_ms: f64,
+    ) -> Next {
+        let due_ms = self.said_ms + SAID_EVERY_MS - frame_ms;
+        if due_ms > 0.0 {
+            return Next::After(due_ms);
+        }
+        self.said_ms = frame_ms;
+        let at = Instant::from_micros(view.right_us(now_us));
+        let values = track.map(|track| crosshair::values(track, at));
+        let when = if view.is_live() {
+            "Now".to_owned()
+        } else {
+            let day_us = chart.desk.clock.get_value().day_us(at);
+            format!("At {}", ticks::time_of_day(day_us / 1_000, 1_000))
+        };
+        let traces = chart.traces.get_untracked();
+        self.text
+            .set(words::sentence(&when, values.as_ref(), traces));
+        Next::Woken
+    }
+}

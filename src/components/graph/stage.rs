@@ -1,0 +1,306 @@
+//! The canvases, and when they are drawn: with the screen, at most 60 times a second, and only when
+//! something to be seen has changed.
+
+use std::rc::Rc;
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::{Instant, MotorId};
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlCanvasElement, HtmlElement};
+
+use super::{
+    axes::Axes,
+    overlay::Overlay,
+    spoken::Spoken,
+    state::{Chart, Crosshair},
+    traces::TraceCanvas,
+    watchers::{self, Watchers},
+};
+use crate::{
+    frames::{Frames, Next},
+    graph::{
+        columns::Grid,
+        crosshair,
+        ink::{Inks, ink},
+        layout::Layout,
+        scale::Scale,
+        ticks,
+        trace::Traces,
+        view::View,
+        words,
+    },
+    history::Track,
+};
+
+/// Two drawings are at least this far apart: a little less than a frame at 60 Hz, whose clock is not
+/// quite even.
+const DRAWN_EVERY_MS: f64 = 15.0;
+
+/// A column that lasts less is waited for by frames, a longer one by a timer.
+const FRAMES_BELOW_US: u64 = 25_000;
+
+/// What was reported reaches the page this late at most, unless it is busy: a slow adapter holds it for
+/// 16 ms, the worker for a frame. A view that was paused is drawn once more then.
+const SETTLED_AFTER_US: u64 = 200_000;
+
+/// Everything that the lines depend on but the colours. What is equal needs no drawing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scene {
+    /// `None` while there is nothing in the view.
+    grid: Option<Grid>,
+    motor: MotorId,
+    traces: Traces,
+    view: View,
+    /// Whether every reply of these columns has come.
+    settled: bool,
+}
+
+/// The mounted graph.
+pub(super) struct Stage {
+    plot: HtmlElement,
+    pub(super) axes: Axes,
+    pub(super) lines: TraceCanvas,
+    overlay: Overlay,
+    spoken: Spoken,
+    pub(super) inks: Inks,
+    pub(super) layout: Layout,
+    scene: Option<Scene>,
+    drawn_ms: f64,
+    stopwatch: watchers::Stopwatch,
+    _watchers: Watchers,
+}
+
+/// Brings the graph in this element to life, for as long as its owner lives.
+pub(super) fn raise(chart: Chart, place: &HtmlElement) {
+    let Some(stage) = Stage::of(chart, place) else {
+        return;
+    };
+    *chart.stage.borrow_mut() = Some(stage);
+    let frames = Frames::new(move |frame_ms| step(chart, frame_ms));
+    let waker = Rc::new(frames.waker());
+    chart.on_change({
+        let waker = Rc::clone(&waker);
+        move || waker()
+    });
+    chart.desk.history.update_value(|history| {
+        history.on_news(Rc::new(move || {
+            if chart.asleep.get() {
+                waker();
+            }
+        }));
+    });
+    // Another motor, another theme.
+    Effect::new(move |_| {
+        let _ = (chart.desk.selected.get(), chart.desk.preferences.get());
+        chart.inks_stale.set(true);
+        chart.wake();
+    });
+    let frames = StoredValue::new_local(Some(frames));
+    on_cleanup(move || {
+        let _ = frames.try_update_value(Option::take);
+        // With it the observers.
+        let _ = chart.stage.take();
+    });
+}
+
+fn step(chart: Chart, frame_ms: f64) -> Next {
+    chart.asleep.set(false);
+    if !chart.in_sight.get() || document().hidden() {
+        return Next::Woken;
+    }
+    let Ok(mut stage) = chart.stage.try_borrow_mut() else {
+        return Next::Woken;
+    };
+    let next = stage.as_mut().map(|stage| stage.step(chart, frame_ms));
+    next.unwrap_or(Next::Woken)
+}
+
+impl Stage {
+    /// `None` where the element does not hold what the view has put there.
+    fn of(chart: Chart, place: &HtmlElement) -> Option<Self> {
+        let find = |selector: &str| place.query_selector(selector).ok().flatten();
+        let canvas = |selector: &str| find(selector)?.dyn_into::<HtmlCanvasElement>().ok();
+        let plot: HtmlElement = find(".graph-plot")?.dyn_into().ok()?;
+        Some(Self {
+            axes: Axes::of(canvas(".graph-axes")?)?,
+            lines: TraceCanvas::of(canvas(".graph-lines")?)?,
+            overlay: Overlay::of(place)?,
+            spoken: Spoken::of(find("#graph-words")?),
+            inks: Inks::default(),
+            layout: Layout::default(),
+            scene: None,
+            drawn_ms: f64::NEG_INFINITY,
+            stopwatch: watchers::Stopwatch::new(),
+            _watchers: Watchers::of(chart, &plot),
+            plot,
+        })
+    }
+
+    fn step(&mut self, chart: Chart, frame_ms: f64) -> Next {
+        let early_ms = self.drawn_ms + DRAWN_EVERY_MS - frame_ms;
+        if early_ms > 0.0 {
+            return Next::Frame;
+        }
+        if chart.size_stale.take() && self.resize(chart) {
+            self.scene = None;
+        }
+        if chart.inks_stale.take() && self.dip() {
+            self.scene = None;
+        }
+        if self.layout.is_empty() {
+            return Next::Woken;
+        }
+        let clock = chart.desk.clock.get_value();
+        let now_us = clock.instant(frame_ms).as_micros();
+        let view = chart.view.get_untracked();
+        let id = chart.desk.selected.get_untracked();
+        let grid = Grid::new(view.span_us, view.right_us(now_us), self.layout.columns());
+        chart.grid.set(grid);
+        chart.desk.history.with_value(|history| {
+            let track = history.track(id);
+            let scene = Scene {
+                grid: Some(grid).filter(|_| shows_anything(track, grid)),
+                motor: id,
+                traces: chart.traces.get_untracked(),
+                view,
+                settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
+            };
+            if self.scene != Some(scene) {
+                self.scene = Some(scene);
+                self.drawn_ms = frame_ms;
+                self.stopwatch.start();
+                self.lines
+                    .draw(history, track, scene.traces, grid, now_us, self.inks);
+                self.draw_axes(chart, view, grid, scene.traces);
+                self.stopwatch.stop();
+            }
+            self.show_crosshair(chart, view, grid, track, now_us);
+            let said = self.spoken.say(chart, view, track, now_us, frame_ms);
+            chart.asleep.set(view.is_live() && scene.grid.is_none());
+            match scene.grid {
+                Some(grid) if view.is_live() => next_column(grid, now_us),
+                Some(grid) if !scene.settled => after(grid.right_us() + SETTLED_AFTER_US, now_us),
+                _ => said,
+            }
+        })
+    }
+
+    /// Takes the size of its place. Whether it has changed.
+    fn resize(&mut self, chart: Chart) -> bool {
+        let place = self.plot.get_bounding_client_rect();
+        let layout = Layout::new(place.width(), place.height(), window().device_pixel_ratio());
+        if layout == self.layout {
+            return false;
+        }
+        self.layout = layout;
+        chart.layout.set(layout);
+        self.axes.resize(layout);
+        self.lines.resize(layout);
+        self.overlay.measure();
+        true
+    }
+
+    /// Takes the colours of the style sheet, which the graph's own element has as its colours. Whether
+    /// they have changed.
+    fn dip(&mut self) -> bool {
+        let Some(style) = computed_style(&self.plot) else {
+            return false;
+        };
+        let of = |property: &str| ink(&style.get_property_value(property).unwrap_or_default());
+        let inks = Inks {
+            surface: of("background-color"),
+            line: of("border-top-color"),
+            text: of("color"),
+            speed: of("border-right-color"),
+            current: of("border-bottom-color"),
+            temperature: of("border-left-color"),
+            position: of("column-rule-color"),
+        };
+        self.axes
+            .set_font(&style.get_property_value("font-family").unwrap_or_default());
+        let changed = inks != self.inks;
+        self.inks = inks;
+        changed
+    }
+
+    fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid, traces: Traces) {
+        let marks = self.layout.marks(view.is_live());
+        let marks = if view.is_live() {
+            ticks::ago(view.span_us, marks)
+        } else {
+            let clock = chart.desk.clock.get_value();
+            let right_us = clock.day_us(Instant::from_micros(grid.right_us()));
+            ticks::of_day(right_us, grid.span_us(), marks)
+        };
+        let scales: [Scale; 2] = self.lines.scales();
+        let hot = self.lines.temperature_end();
+        self.axes
+            .draw(self.layout, self.inks, traces, scales, hot, marks);
+    }
+
+    fn show_crosshair(
+        &mut self,
+        chart: Chart,
+        view: View,
+        grid: Grid,
+        track: Option<&Track>,
+        now_us: u64,
+    ) {
+        let width = f64::from(self.layout.columns());
+        let column = match chart.crosshair.get() {
+            Crosshair::None => None,
+            Crosshair::Pointer(x) => Some(self.layout.column(x)),
+            Crosshair::Moment(at_us) => Some(grid.place(at_us)),
+        };
+        let column = column.filter(|column| (0.0..=width).contains(column));
+        let (Some(column), Some(track)) = (column, track) else {
+            self.overlay.hide();
+            return;
+        };
+        let at_us = match chart.crosshair.get() {
+            Crosshair::Moment(at_us) => at_us,
+            _ => grid.moment_us(column),
+        };
+        let when = if view.is_live() {
+            words::ago(now_us.saturating_sub(at_us))
+        } else {
+            let clock = chart.desk.clock.get_value();
+            let day_us = clock.day_us(Instant::from_micros(at_us));
+            ticks::time_of_day(day_us / 1_000, 1)
+        };
+        let values = crosshair::values(track, Instant::from_micros(at_us));
+        let traces = chart.traces.get_untracked();
+        let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
+        let place = (
+            self.layout.x(column),
+            f64::from(self.layout.width) / self.layout.ratio,
+        );
+        self.overlay.show(place, when, &values, traces, by_keys);
+    }
+}
+
+/// When the right edge will be in another column.
+fn next_column(grid: Grid, now_us: u64) -> Next {
+    if grid.column_us < FRAMES_BELOW_US {
+        return Next::Frame;
+    }
+    after(grid.right_us(), now_us)
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "no more microseconds than a window is long"
+)]
+fn after(at_us: u64, now_us: u64) -> Next {
+    Next::After(at_us.saturating_sub(now_us) as f64 / 1_000.0)
+}
+
+/// Whether a motor has said anything in these columns.
+fn shows_anything(track: Option<&Track>, grid: Grid) -> bool {
+    let newest = track.and_then(Track::newest);
+    newest.is_some_and(|newest| newest.at.as_micros() >= grid.left_us())
+}
+
+fn computed_style(element: &Element) -> Option<web_sys::CssStyleDeclaration> {
+    window().get_computed_style(element).ok().flatten()
+}

@@ -1,0 +1,209 @@
+//! What the graph shows, and what a person can do to it.
+
+use std::{
+    cell::{Cell, RefCell},
+    ops::Deref,
+};
+
+use leptos::prelude::*;
+
+use super::stage::Stage;
+use crate::{
+    clock::page_now_ms,
+    desk::Desk,
+    graph::{
+        columns::Grid,
+        keys::Act,
+        layout::Layout,
+        trace::Traces,
+        view::{Reach, View},
+    },
+};
+
+/// Where the crosshair is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Crosshair {
+    None,
+    /// Under the pointer, so many pixels of the style sheet from the left of the graph.
+    Pointer(f64),
+    /// Moved by keys, at this moment of the worker's clock.
+    Moment(u64),
+}
+
+/// A drag: where it began, in pixels of the style sheet, and with which view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Drag {
+    pub(super) from_x: f64,
+    pub(super) view: View,
+    /// Whether the pointer has moved far enough for it to be no click.
+    pub(super) begun: bool,
+}
+
+/// The graph: a pointer, as the desk is one, for as long as the page lives. It stays on the thread of
+/// the page, which is what the store is for.
+#[derive(Clone, Copy)]
+pub(super) struct Chart(StoredValue<&'static Parts, LocalStorage>);
+
+impl Deref for Chart {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        self.0.get_value()
+    }
+}
+
+/// What makes up the graph. What changes with the pointer or with the time is no signal.
+pub(super) struct Parts {
+    pub(super) desk: Desk,
+    pub(super) view: RwSignal<View>,
+    pub(super) traces: RwSignal<Traces>,
+    pub(super) crosshair: Cell<Crosshair>,
+    pub(super) drag: Cell<Option<Drag>>,
+    /// As it was drawn last.
+    pub(super) layout: Cell<Layout>,
+    /// The columns that were drawn last.
+    pub(super) grid: Cell<Grid>,
+    /// Whether any of it is on the screen.
+    pub(super) in_sight: Cell<bool>,
+    /// Whether its size may have changed.
+    pub(super) size_stale: Cell<bool>,
+    /// Whether its colours may have changed.
+    pub(super) inks_stale: Cell<bool>,
+    /// Whether nothing but news can change it.
+    pub(super) asleep: Cell<bool>,
+    pub(super) stage: RefCell<Option<Stage>>,
+    wake: RefCell<Option<Box<dyn Fn()>>>,
+}
+
+impl Chart {
+    pub(super) fn new(desk: Desk) -> Self {
+        let parts: &'static Parts = Box::leak(Box::new(Parts {
+            desk,
+            view: RwSignal::new(View::default()),
+            traces: RwSignal::new(Traces::default()),
+            crosshair: Cell::new(Crosshair::None),
+            drag: Cell::new(None),
+            layout: Cell::new(Layout::default()),
+            grid: Cell::new(Grid::default()),
+            in_sight: Cell::new(true),
+            size_stale: Cell::new(true),
+            inks_stale: Cell::new(true),
+            asleep: Cell::new(false),
+            stage: RefCell::new(None),
+            wake: RefCell::new(None),
+        }));
+        Self(StoredValue::new_local(parts))
+    }
+
+    /// From now on, `wake` has the next frame drawn.
+    pub(super) fn on_change(self, wake: impl Fn() + 'static) {
+        *self.wake.borrow_mut() = Some(Box::new(wake));
+    }
+
+    /// Something to be seen may have changed.
+    pub(super) fn wake(self) {
+        if let Some(wake) = self.wake.borrow().as_ref() {
+            wake();
+        }
+    }
+
+    /// The worker's clock, in microseconds.
+    pub(super) fn now_us(self) -> u64 {
+        let clock = self.desk.clock.get_value();
+        clock.instant(page_now_ms()).as_micros()
+    }
+
+    /// What there is to see of the chosen motor.
+    pub(super) fn reach(self) -> Reach {
+        let now_us = self.now_us();
+        let id = self.desk.selected.get_untracked();
+        let oldest_us = self.desk.history.with_value(|history| {
+            let oldest = history.track(id).and_then(|track| track.oldest());
+            oldest.map_or(now_us, |oldest| oldest.at.as_micros())
+        });
+        Reach { oldest_us, now_us }
+    }
+
+    pub(super) fn show(self, view: View) {
+        if self.view.get_untracked() != view {
+            self.view.set(view);
+            self.wake();
+        }
+    }
+
+    /// Pauses, or follows the time again.
+    pub(super) fn pause_or_resume(self) {
+        let view = self.view.get_untracked();
+        if view.is_paused() {
+            self.follow();
+        } else {
+            self.show(view.paused(self.now_us()));
+        }
+    }
+
+    /// Follows the time again.
+    pub(super) fn follow(self) {
+        if let Crosshair::Moment(_) = self.crosshair.get() {
+            self.crosshair.set(Crosshair::None);
+        }
+        self.show(self.view.get_untracked().live());
+    }
+
+    pub(super) fn act(self, act: Act) {
+        let view = self.view.get_untracked();
+        let reach = self.reach();
+        match act {
+            Act::ZoomIn => self.zoom(80, self.zoom_place()),
+            Act::ZoomOut => self.zoom(125, self.zoom_place()),
+            Act::Pan(percent) => {
+                let by_us = view.part_us(f64::from(percent) / 100.0);
+                self.show(view.panned(by_us, reach));
+            }
+            Act::Cross(columns) => self.move_crosshair(columns),
+            Act::Oldest => self.show(view.at_oldest(reach)),
+            Act::Newest => self.show(view.at_now(reach)),
+        }
+    }
+
+    /// To so many percent of its length; `place` stays where it is, 0 at the left edge, 1 at the right.
+    pub(super) fn zoom(self, percent: u64, place: f64) {
+        let view = self.view.get_untracked();
+        self.show(view.zoomed(percent, place, self.reach()));
+    }
+
+    /// Keys zoom round the crosshair; without one, round the newest.
+    fn zoom_place(self) -> f64 {
+        match self.crosshair.get() {
+            Crosshair::Moment(at_us) => {
+                let layout = self.layout.get();
+                layout.part(layout.x(self.grid.get().place(at_us)))
+            }
+            Crosshair::None | Crosshair::Pointer(_) => 1.0,
+        }
+    }
+
+    /// The crosshair begins in the middle, and takes the view along at its edges.
+    fn move_crosshair(self, columns: i8) {
+        let (grid, layout) = (self.grid.get(), self.layout.get());
+        let width = f64::from(layout.columns());
+        let place = match self.crosshair.get() {
+            Crosshair::None => width / 2.0,
+            Crosshair::Pointer(x) => layout.column(x),
+            Crosshair::Moment(at_us) => grid.place(at_us),
+        };
+        let reach = self.reach();
+        let place = place.clamp(0.0, width) + f64::from(columns);
+        let at_us = grid.moment_us(place);
+        let at_us = at_us.clamp(reach.oldest_us.min(reach.now_us), reach.now_us);
+        self.crosshair.set(Crosshair::Moment(at_us));
+        let beyond = if place < 0.0 {
+            place
+        } else {
+            (place - width).max(0.0)
+        };
+        let view = self.view.get_untracked();
+        let by_us = view.part_us(beyond / width.max(1.0));
+        self.show(view.panned(by_us, reach));
+        self.wake();
+    }
+}

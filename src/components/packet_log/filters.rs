@@ -1,0 +1,155 @@
+//! Which entries the log shows, and whether it follows the newest.
+
+use std::{fmt::Write, time::Duration};
+
+use leptos::prelude::*;
+use motorlink_messages::{journal::Kind, protocol::MotorId};
+
+use crate::{
+    components::live::{heard, live},
+    desk::{Desk, use_desk},
+    session::Session,
+};
+
+/// A filter is sent when nothing has been typed for so long: each one has a million entries looked
+/// at anew.
+const TYPED_OUT: Duration = Duration::from_millis(150);
+
+/// The kinds as the list `Log direction` has them.
+const KINDS: [(&str, Option<Kind>); 5] = [
+    ("All", None),
+    ("TX", Some(Kind::Tx)),
+    ("RX", Some(Kind::Rx)),
+    ("System", Some(Kind::System)),
+    ("Error", Some(Kind::Error)),
+];
+
+/// Searchbox `Filter`, comboboxes `Log ID` and `Log direction`, checkboxes `Collapse status polls`
+/// and `Auto-scroll`.
+#[component]
+pub(super) fn Filters() -> impl IntoView {
+    let desk = use_desk();
+    let found = Memo::new(move |_| desk.shown.with(Session::found));
+    let id = RwSignal::new(None::<MotorId>);
+    let typed = StoredValue::new(0_u32);
+    let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
+    let following = Memo::new(move |_| desk.journal.log.with(|log| log.following));
+    let stopped = move || !desk.journal.alive.get();
+    view! {
+        <div class="packet-filters">
+            <input
+                type="search"
+                class="packet-filter"
+                aria-label="Filter"
+                placeholder="Filter"
+                title="Shows entries with this in their time, ID, hex or meaning"
+                autocomplete="off"
+                spellcheck="false"
+                disabled=live(stopped)
+                on:input=heard(move |event| type_in(desk, typed, event_target_value(&event)))
+            />
+            <select
+                class="select"
+                aria-label="Log ID"
+                title="Entries of one motor"
+                disabled=live(stopped)
+                inner_html=live(move || id_options(&found.get(), id.get()))
+                on:change=heard(move |event| {
+                    let chosen = event_target_value(&event).parse().ok();
+                    id.set(chosen);
+                    desk.refilter(|filter| filter.id = chosen);
+                })
+            ></select>
+            <select
+                class="select"
+                aria-label="Log direction"
+                title="Entries of one kind"
+                disabled=live(stopped)
+                inner_html=kind_options()
+                on:change=heard(move |event| {
+                    let chosen = kind_named(&event_target_value(&event));
+                    desk.refilter(|filter| filter.kind = chosen);
+                })
+            ></select>
+            <label class="check" title="Hides queries, unchanged drive frames and their good replies">
+                <input
+                    type="checkbox"
+                    prop:checked=live(collapse)
+                    on:change=heard(move |event| {
+                        let checked = event_target_checked(&event);
+                        desk.prefer(|preferences| preferences.collapse_polls = checked);
+                        desk.refilter(|filter| filter.collapse = checked);
+                    })
+                />
+                "Collapse status polls"
+            </label>
+            <label class="check" title="Stays with the newest entries">
+                <input
+                    type="checkbox"
+                    prop:checked=live(move || following.get())
+                    on:change=heard(move |event| desk.follow_log(event_target_checked(&event)))
+                />
+                "Auto-scroll"
+            </label>
+        </div>
+    }
+}
+
+/// Sends what is typed once the person pauses.
+fn type_in(desk: Desk, typed: StoredValue<u32>, text: String) {
+    let Some(mine) = typed.try_update_value(|count| {
+        *count = count.wrapping_add(1);
+        *count
+    }) else {
+        return;
+    };
+    set_timeout(
+        move || {
+            if typed.try_get_value() == Some(mine) {
+                desk.refilter(|filter| filter.text = text);
+            }
+        },
+        TYPED_OUT,
+    );
+}
+
+/// All, the motors that have answered, and the one that is chosen.
+fn id_options(found: &[MotorId], chosen: Option<MotorId>) -> String {
+    let mut html = String::from("<option value=\"\">All IDs</option>");
+    let gone = chosen.filter(|id| !found.contains(id));
+    for id in found.iter().copied().chain(gone) {
+        let mark = if Some(id) == chosen { " selected" } else { "" };
+        let _ = write!(html, "<option value=\"{}\"{mark}>{id}</option>", id.get());
+    }
+    html
+}
+
+fn kind_options() -> String {
+    let option = |(name, _)| format!("<option>{name}</option>");
+    KINDS.into_iter().map(option).collect()
+}
+
+fn kind_named(name: &str) -> Option<Kind> {
+    KINDS.into_iter().find(|(it, _)| *it == name)?.1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chosen_motor_stays_in_the_list_when_it_is_gone() {
+        let two = MotorId::new(2).unwrap();
+        let html = id_options(&[MotorId::FIRST], Some(two));
+        assert!(html.starts_with("<option value=\"\">All IDs</option><option value=\"1\">0x01<"));
+        assert!(html.ends_with("<option value=\"2\" selected>0x02</option>"));
+        assert_eq!(id_options(&[two], Some(two)).matches("0x02").count(), 1);
+    }
+
+    #[test]
+    fn every_kind_is_named_once() {
+        assert_eq!(kind_named("All"), None);
+        assert_eq!(kind_named("System"), Some(Kind::System));
+        assert_eq!(kind_options().matches("<option>").count(), 5);
+    }
+}

@@ -1,0 +1,67 @@
+//! The packet log: what was said on the line, to the millisecond.
+
+mod filters;
+mod list;
+mod painter;
+mod slot;
+
+use leptos::prelude::*;
+use motorlink_messages::journal::Export;
+
+use self::{filters::Filters, list::PacketList};
+use super::{button::PressButton, export_button::ExportButton, live::live};
+use crate::{
+    desk::use_desk,
+    words::journal::{self as words, NO_JOURNAL},
+};
+
+/// Region `Packet log`.
+#[component]
+pub(crate) fn PacketLog() -> impl IntoView {
+    let desk = use_desk();
+    let log = desk.journal.log;
+    let lines = Memo::new(move |_| log.with(words::of_entries));
+    let title = Memo::new(move |_| log.with(words::of_entries_at_length));
+    let empty = Memo::new(move |_| log.with(|log| log.kept == 0));
+    let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
+    let why_empty = move || empty.get().then(|| "There are no entries yet.".to_owned());
+    let why_not_clear = move || {
+        if desk.journal.alive.get() {
+            why_empty()
+        } else {
+            Some(NO_JOURNAL.to_owned())
+        }
+    };
+    view! {
+        <section class="panel packet-log" aria-label="Packet log">
+            <div class="packet-head">
+                <h2>"Packet log"</h2>
+                <output
+                    class="entries"
+                    aria-label="Entries"
+                    aria-live="off"
+                    title=live(move || title.get())
+                >
+                    <span>{live(move || lines.with(|(entries, _)| entries.clone()))}</span>
+                    <span class="comma">{live(comma)}</span>
+                    <span>{live(move || lines.with(|(_, others)| others.clone()))}</span>
+                </output>
+                <PressButton
+                    label="Clear"
+                    class="button small"
+                    hint="Forget every entry of the log"
+                    why_not=Signal::derive(why_not_clear)
+                    on_press=move || desk.ask_to_clear_log()
+                />
+                <ExportButton
+                    what=Export::Log
+                    label="Export CSV"
+                    hint="Every entry that is kept, shown or not"
+                    why_empty=Signal::derive(why_empty)
+                />
+            </div>
+            <Filters />
+            <PacketList />
+        </section>
+    }
+}

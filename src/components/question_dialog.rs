@@ -1,0 +1,49 @@
+//! One dialog for every question: only one is asked at a time.
+
+use leptos::{html::Div, prelude::*};
+
+use super::{button::PressButton, focus::focus_when, live::live};
+use crate::{
+    desk::{Dialog, use_desk},
+    question::Question,
+};
+
+#[component]
+pub(crate) fn QuestionDialog() -> impl IntoView {
+    let desk = use_desk();
+    let dialog = NodeRef::<Div>::new();
+    let asked = Memo::new(move |_| desk.dialog.get().and_then(Dialog::question));
+    let open = Memo::new(move |_| asked.with(Option::is_some));
+    focus_when(open, dialog);
+    let of_question = move |read: fn(&Question) -> String| {
+        live(move || asked.with(|asked| asked.as_ref().map(read).unwrap_or_default()))
+    };
+    let yes = move || {
+        let yes = asked.with(|asked| asked.as_ref().map(|question| question.yes.clone()));
+        yes.unwrap_or_default()
+    };
+    view! {
+        <div class="scrim" hidden=live(move || !open.get())>
+            <div
+                class="dialog consent"
+                role="alertdialog"
+                aria-modal="true"
+                aria-label=of_question(|question| question.name.to_owned())
+                aria-describedby="question-words"
+                tabindex="-1"
+                node_ref=dialog
+            >
+                <h2>{of_question(|question| question.title.clone())}</h2>
+                <p id="question-words">{of_question(|question| question.words.clone())}</p>
+                <div class="dialog-foot">
+                    <PressButton label="Cancel" on_press=move || desk.decline() />
+                    <PressButton
+                        label=Signal::derive(yes)
+                        class="button primary"
+                        on_press=move || desk.agree()
+                    />
+                </div>
+            </div>
+        </div>
+    }
+}

@@ -1,0 +1,151 @@
+//! Stories of faults.
+
+use super::*;
+
+const ID: MotorId = MotorId::FIRST;
+
+fn other() -> MotorId {
+    MotorId::new(2).unwrap()
+}
+
+fn with(faults: &[Fault]) -> Faults {
+    faults
+        .iter()
+        .fold(Faults::NONE, |all, fault| all.with(*fault))
+}
+
+/// Name, when it came, and how it ended.
+fn told(history: &FaultHistory, id: MotorId) -> Vec<(String, f64, End)> {
+    let of = history.of(id);
+    of.iter()
+        .map(|one| (one.name(), one.came_ms, one.end))
+        .collect()
+}
+
+fn stall(came_ms: f64, end: End) -> (String, f64, End) {
+    ("stall".to_owned(), came_ms, end)
+}
+
+#[test]
+fn a_fault_of_a_single_reply_is_kept_with_both_its_times() {
+    let mut history = FaultHistory::default();
+    assert!(!history.hear(ID, Faults::NONE, 1.0));
+    assert!(history.hear(ID, with(&[Fault::Stall]), 2.0));
+    assert!(history.hear(ID, Faults::NONE, 4.0));
+    for at_ms in [6.0, 8.0] {
+        assert!(!history.hear(ID, Faults::NONE, at_ms), "no news");
+    }
+    assert_eq!(told(&history, ID), [stall(2.0, End::Gone(4.0))]);
+    assert!(history.has_unseen(ID));
+}
+
+#[test]
+fn two_faults_that_overlap_come_and_go_each_by_itself() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    history.hear(ID, with(&[Fault::Stall, Fault::OverTemperature]), 2.0);
+    history.hear(ID, with(&[Fault::OverTemperature]), 3.0);
+    let heat = |end| ("over-temperature".to_owned(), 2.0, end);
+    assert_eq!(
+        told(&history, ID),
+        [heat(End::Active), stall(1.0, End::Gone(3.0))]
+    );
+    history.hear(ID, Faults::NONE, 4.0);
+    assert_eq!(
+        told(&history, ID),
+        [heat(End::Gone(4.0)), stall(1.0, End::Gone(3.0))]
+    );
+}
+
+#[test]
+fn what_is_still_there_stands_before_what_came_later_and_went() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    history.hear(ID, with(&[Fault::Stall, Fault::Sensor]), 2.0);
+    history.hear(ID, with(&[Fault::Stall]), 3.0);
+    assert_eq!(told(&history, ID)[0], stall(1.0, End::Active));
+}
+
+#[test]
+fn seen_while_it_is_there_a_fault_stays_until_it_goes() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    assert!(history.mark_seen(ID));
+    assert!(!history.has_unseen(ID));
+    assert!(!history.mark_seen(ID), "nothing more to be seen");
+    assert!(!history.hear(ID, with(&[Fault::Stall]), 2.0));
+    assert_eq!(told(&history, ID), [stall(1.0, End::Active)]);
+    assert!(history.hear(ID, Faults::NONE, 3.0));
+    assert_eq!(told(&history, ID), []);
+    // The next is news again.
+    history.hear(ID, with(&[Fault::Stall]), 4.0);
+    assert!(history.has_unseen(ID));
+}
+
+#[test]
+fn what_has_ended_is_forgotten_once_seen_and_not_before() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    history.hear(ID, Faults::NONE, 2.0);
+    assert_eq!(told(&history, ID).len(), 1);
+    assert!(history.mark_seen(ID));
+    assert_eq!(told(&history, ID), []);
+}
+
+#[test]
+fn the_faults_of_another_motor_are_its_own() {
+    let mut history = FaultHistory::default();
+    history.hear(other(), with(&[Fault::Stall]), 1.0);
+    history.hear(ID, Faults::NONE, 2.0);
+    assert_eq!(told(&history, ID), []);
+    assert!(!history.has_unseen(ID));
+    assert!(!history.mark_seen(ID));
+    assert_eq!(told(&history, other()), [stall(1.0, End::Active)]);
+}
+
+#[test]
+fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    assert!(!history.unheard(Some(other())));
+    assert!(history.unheard(None));
+    assert!(!history.unheard(Some(ID)));
+    assert_eq!(told(&history, ID), [stall(1.0, End::Unknown)]);
+    history.hear(ID, with(&[Fault::Stall]), 9.0);
+    assert_eq!(
+        told(&history, ID),
+        [stall(9.0, End::Active), stall(1.0, End::Unknown)]
+    );
+}
+
+#[test]
+fn a_bit_without_a_name_is_kept_by_its_number() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, Faults::from_byte(0x20), 1.0);
+    assert_eq!(told(&history, ID)[0].0, "bit 0x20");
+}
+
+#[test]
+fn the_record_is_bounded_and_says_how_many_gave_way() {
+    let mut history = FaultHistory::default();
+    history.hear(ID, with(&[Fault::OverTemperature]), 0.0);
+    for place in 0..30_u8 {
+        let at_ms = f64::from(place);
+        history.hear(
+            ID,
+            with(&[Fault::OverTemperature, Fault::Stall]),
+            at_ms + 0.2,
+        );
+        history.hear(ID, with(&[Fault::OverTemperature]), at_ms + 0.7);
+    }
+    let told = told(&history, ID);
+    assert_eq!(told.len(), FaultHistory::KEPT_MAX);
+    assert_eq!(
+        told[0].0, "over-temperature",
+        "what is still there does not give way"
+    );
+    assert_eq!(told[1], stall(29.2, End::Gone(29.7)));
+    assert_eq!(history.dropped(ID), 31 - FaultHistory::KEPT_MAX);
+    history.mark_seen(ID);
+    assert_eq!(history.dropped(ID), 0);
+}

@@ -1,0 +1,230 @@
+//! From every reply to what can be seen of it: the least and the greatest value of each column of
+//! pixels, in the order of time.
+//!
+//! A column is a stretch of absolute time and not of the view: while the graph scrolls by whole
+//! columns, each keeps its values, and the line moves without shimmering.
+
+/// A point of a line: columns from the left edge of the view, and the value in its unit.
+pub(crate) type Dot = (f64, f64);
+
+/// The columns of the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    /// How long a column is: at least a microsecond.
+    pub(crate) column_us: u64,
+    /// The number of the leftmost column, counted from the beginning of the worker's time.
+    first: i64,
+    /// How many there are.
+    count: u32,
+}
+
+impl Default for Grid {
+    /// Before anything was drawn: no columns.
+    fn default() -> Self {
+        Self::new(0, 0, 0)
+    }
+}
+
+impl Grid {
+    /// So many columns over this long, of which the last holds the moment at the right edge.
+    ///
+    /// A column is whole microseconds long, so a view may be a little shorter or longer than it was
+    /// asked for: half a microsecond a column.
+    pub(crate) fn new(span_us: u64, right_us: u64, count: u32) -> Self {
+        let columns = u64::from(count.max(1));
+        let column_us = ((span_us + columns / 2) / columns).max(1);
+        let end = whole(right_us / column_us) + 1;
+        Self {
+            column_us,
+            first: end - i64::from(count),
+            count,
+        }
+    }
+
+    /// The moment at the left edge; the beginning of time where that lies before it.
+    pub(crate) fn left_us(self) -> u64 {
+        u64::try_from(self.first).unwrap_or(0) * self.column_us
+    }
+
+    /// The moment at the right edge, which is the end of the last column.
+    pub(crate) fn right_us(self) -> u64 {
+        u64::try_from(self.first + i64::from(self.count)).unwrap_or(0) * self.column_us
+    }
+
+    /// How long all of it is.
+    pub(crate) fn span_us(self) -> u64 {
+        u64::from(self.count) * self.column_us
+    }
+
+    /// Where a moment lies, in columns from the left edge.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "only moments near the view are asked for"
+    )]
+    pub(crate) fn place(self, at_us: u64) -> f64 {
+        let columns = (whole(at_us / self.column_us) - self.first) as f64;
+        columns + (at_us % self.column_us) as f64 / self.column_us as f64
+    }
+
+    /// The moment at a place, in columns from the left edge.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "microseconds of a session are exact in a double, and a cast back saturates"
+    )]
+    pub(crate) fn moment_us(self, place: f64) -> u64 {
+        ((self.first as f64 + place) * self.column_us as f64) as u64
+    }
+
+    /// The middle of the column of this moment.
+    #[allow(clippy::cast_precision_loss, reason = "as above")]
+    fn middle(self, at_us: u64) -> f64 {
+        (whole(at_us / self.column_us) - self.first) as f64 + 0.5
+    }
+}
+
+/// A number of columns; there are fewer than 2^63 microseconds.
+fn whole(columns: u64) -> i64 {
+    i64::try_from(columns).unwrap_or(i64::MAX)
+}
+
+/// Takes values in the order of time and makes lines of them.
+pub(crate) struct Lines {
+    grid: Grid,
+    done: Vec<Vec<Dot>>,
+    line: Vec<Dot>,
+    column: Option<Column>,
+}
+
+/// The extremes of one column, in the order in which they came.
+#[derive(Clone, Copy)]
+struct Column {
+    /// Where the next one begins, on the worker's clock.
+    end_us: u64,
+    middle: f64,
+    least: f32,
+    greatest: f32,
+    /// Whether the greatest came after the least.
+    rising: bool,
+}
+
+impl Lines {
+    pub(crate) fn new(grid: Grid) -> Self {
+        Self {
+            grid,
+            done: Vec::new(),
+            line: Vec::new(),
+            column: None,
+        }
+    }
+
+    /// Goes on with a value. This is done tens of thousands of times a frame, so a value in the column
+    /// of the last one costs no more than a look.
+    pub(crate) fn to(&mut self, at_us: u64, value: f32) {
+        match &mut self.column {
+            Some(column) if at_us < column.end_us => {
+                if value < column.least {
+                    column.least = value;
+                    column.rising = false;
+                } else if value > column.greatest {
+                    column.greatest = value;
+                    column.rising = true;
+                }
+            }
+            _ => self.begin_column(at_us, value),
+        }
+    }
+
+    fn begin_column(&mut self, at_us: u64, value: f32) {
+        self.end_column();
+        let Grid { column_us, .. } = self.grid;
+        self.column = Some(Column {
+            end_us: (at_us / column_us + 1) * column_us,
+            middle: self.grid.middle(at_us),
+            least: value,
+            greatest: value,
+            rising: true,
+        });
+    }
+
+    /// Ends the line: what follows is not joined to it.
+    pub(crate) fn cut(&mut self) {
+        self.end_column();
+        let mut line = std::mem::take(&mut self.line);
+        let right = f64::from(self.grid.count);
+        match line.as_mut_slice() {
+            [] => {}
+            // All of it lies before the view.
+            [.., (x, _)] if *x < 0.0 => {}
+            [(x, _), ..] if *x > right => {}
+            // One value alone is as wide as its column, so that it is seen.
+            [(x, y)] => {
+                let (from, to) = ((*x - 0.5, *y), (*x + 0.5, *y));
+                self.done.push(vec![from, to]);
+            }
+            _ => self.done.push(line),
+        }
+    }
+
+    /// The lines, within the view's edges.
+    pub(crate) fn finish(mut self) -> Vec<Vec<Dot>> {
+        self.cut();
+        self.done
+    }
+
+    fn end_column(&mut self) {
+        let Some(column) = self.column.take() else {
+            return;
+        };
+        let (least, greatest) = (f64::from(column.least), f64::from(column.greatest));
+        if column.least.to_bits() == column.greatest.to_bits() {
+            self.dot((column.middle, least));
+        } else if column.rising {
+            self.dot((column.middle, least));
+            self.dot((column.middle, greatest));
+        } else {
+            self.dot((column.middle, greatest));
+            self.dot((column.middle, least));
+        }
+    }
+
+    /// Adds a dot; one before the view moves to its left edge, one behind it to its right.
+    fn dot(&mut self, dot: Dot) {
+        let right = f64::from(self.grid.count);
+        let mut dot = dot;
+        if let Some(last) = self.line.last_mut() {
+            if last.0 < 0.0 && dot.0 >= 0.0 {
+                *last = crossing(*last, dot, 0.0);
+            }
+            if last.0 <= right && dot.0 > right {
+                dot = crossing(*last, dot, right);
+            }
+        }
+        match self.line.as_mut_slice() {
+            // Where a value stays, the line goes on without a new dot.
+            [.., before, last] if same(before.1, last.1) && same(last.1, dot.1) => last.0 = dot.0,
+            _ => self.line.push(dot),
+        }
+    }
+}
+
+fn same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits()
+}
+
+/// Where the way from one dot to another crosses an edge.
+fn crossing(from: Dot, to: Dot, edge: f64) -> Dot {
+    let part = (edge - from.0) / (to.0 - from.0);
+    (edge, from.1 + (to.1 - from.1) * part)
+}
+
+/// The greatest distance from zero.
+pub(crate) fn extent(lines: &[Vec<Dot>]) -> f64 {
+    let values = lines.iter().flatten().map(|(_, value)| value.abs());
+    values.fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+#[path = "columns_tests.rs"]
+mod tests;

@@ -1,0 +1,154 @@
+//! Which pixels of the graph are the plot's, and which the labels'.
+
+/// Room for the labels of the speed axis, in pixels of the style sheet: `−40000`.
+const LEFT: f64 = 44.0;
+/// Room for those of the current axis: `−0.25`.
+const RIGHT: f64 = 42.0;
+/// Half a line of text above the uppermost line.
+const TOP: f64 = 8.0;
+/// Room for the time axis.
+const BOTTOM: f64 = 22.0;
+
+/// Room for a mark of the time axis while it says how long ago: `60 s`, and air.
+const AGO_WIDTH: f64 = 72.0;
+/// And while it says the time of day: `13:15:36.95`.
+const DAY_WIDTH: f64 = 92.0;
+/// Height of a row of labels with air.
+const ROW: f64 = 24.0;
+
+/// A rectangle in pixels of the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Rectangle {
+    pub(crate) left: i32,
+    pub(crate) top: i32,
+    pub(crate) width: i32,
+    pub(crate) height: i32,
+}
+
+/// How the graph is divided. On a screen of high density a pixel of the style sheet is several of the
+/// screen; everything is drawn in pixels of the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub(crate) struct Layout {
+    /// Pixels of the screen to one of the style sheet.
+    pub(crate) ratio: f64,
+    /// The whole graph, in pixels of the screen.
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) plot: Rectangle,
+}
+
+impl Layout {
+    /// For a box of this size in pixels of the style sheet.
+    pub(crate) fn new(width: f64, height: f64, ratio: f64) -> Self {
+        let ratio = if ratio.is_finite() {
+            ratio.clamp(0.5, 8.0)
+        } else {
+            1.0
+        };
+        // A box that is too small for its labels has no plot.
+        let pixels = |length: f64| pixels((length * ratio).floor().clamp(0.0, 16_000.0));
+        let (all_width, all_height) = (pixels(width), pixels(height));
+        let (left, top) = (pixels(LEFT), pixels(TOP));
+        Self {
+            ratio,
+            width: all_width.unsigned_abs(),
+            height: all_height.unsigned_abs(),
+            plot: Rectangle {
+                left,
+                top,
+                width: (all_width - left - pixels(RIGHT)).max(0),
+                height: (all_height - top - pixels(BOTTOM)).max(0),
+            },
+        }
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.plot.width == 0 || self.plot.height == 0
+    }
+
+    /// Columns of pixels in the plot.
+    pub(crate) fn columns(self) -> u32 {
+        self.plot.width.unsigned_abs()
+    }
+
+    /// Where a place in the style sheet's pixels from the left of the graph lies in the plot: columns
+    /// from its left edge.
+    pub(crate) fn column(self, x: f64) -> f64 {
+        x * self.ratio - f64::from(self.plot.left)
+    }
+
+    /// The same the other way round.
+    pub(crate) fn x(self, column: f64) -> f64 {
+        (column + f64::from(self.plot.left)) / self.ratio
+    }
+
+    /// The part of the plot's width that lies left of a place: 0 to 1.
+    pub(crate) fn part(self, x: f64) -> f64 {
+        let width = f64::from(self.plot.width.max(1));
+        (self.column(x) / width).clamp(0.0, 1.0)
+    }
+
+    /// Whether there is room for a label at every quarter of the height, and not only at every half.
+    pub(crate) fn has_quarters(self) -> bool {
+        f64::from(self.plot.height) >= 4.0 * ROW * self.ratio
+    }
+
+    /// How many marks the time axis has room for.
+    pub(crate) fn marks(self, live: bool) -> u32 {
+        let width = if live { AGO_WIDTH } else { DAY_WIDTH };
+        let marks = f64::from(self.plot.width) / (width * self.ratio);
+        pixels(marks.floor()).unsigned_abs().max(1)
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "clamped to what a canvas can have"
+)]
+fn pixels(length: f64) -> i32 {
+    length as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twice_the_density_is_twice_the_pixels() {
+        let once = Layout::new(700.0, 200.0, 1.0);
+        let twice = Layout::new(700.0, 200.0, 2.0);
+        assert_eq!((once.width, once.height), (700, 200));
+        assert_eq!((twice.width, twice.height), (1_400, 400));
+        assert_eq!(twice.columns(), 2 * once.columns());
+        assert_eq!(twice.marks(true), once.marks(true));
+    }
+
+    #[test]
+    fn a_place_is_found_from_either_side() {
+        for ratio in [1.0, 1.25, 2.0, 3.0] {
+            let layout = Layout::new(703.4, 201.7, ratio);
+            for x in [44.0, 100.0, 655.5] {
+                assert!((layout.x(layout.column(x)) - x).abs() < 1e-9);
+            }
+            assert!(layout.column(44.0).abs() < 1.0);
+            assert_eq!((layout.part(0.0), layout.part(700.0)), (0.0, 1.0));
+        }
+    }
+
+    #[test]
+    fn a_box_without_room_has_no_plot() {
+        for (width, height, ratio) in [(0.0, 0.0, 1.0), (80.0, 500.0, 2.0), (500.0, 20.0, 1.0)] {
+            assert!(Layout::new(width, height, ratio).is_empty());
+        }
+        assert!(!Layout::new(300.0, 120.0, f64::NAN).is_empty());
+    }
+
+    #[test]
+    fn marks_have_room() {
+        assert_eq!(Layout::new(346.0, 150.0, 3.0).marks(true), 3);
+        assert_eq!(Layout::new(346.0, 150.0, 3.0).marks(false), 2);
+        assert_eq!(Layout::new(90.0, 150.0, 1.0).marks(true), 1);
+        assert!(Layout::new(500.0, 150.0, 2.0).has_quarters());
+        assert!(!Layout::new(500.0, 110.0, 2.0).has_quarters());
+    }
+}

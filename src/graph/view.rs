@@ -1,0 +1,231 @@
+//! Which stretch of time is shown.
+//!
+//! All moments are microseconds of the worker's clock.
+
+/// The windows that one button each chooses, in microseconds.
+pub(crate) const WINDOWS: [(u64, &str); 3] = [
+    (10_000_000, "10 s"),
+    (60_000_000, "60 s"),
+    (300_000_000, "5 min"),
+];
+
+/// The shortest stretch: a hundred replies at 500 Hz.
+const SPAN_MIN_US: u64 = 200_000;
+/// The longest: everything that is kept.
+const SPAN_MAX_US: u64 = 600_000_000;
+
+/// What the right edge of the graph does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Watch {
+    /// It is now.
+    Live,
+    /// A person has moved it to this moment.
+    Panned(u64),
+    /// A person has pressed Pause; it stays where it is put.
+    Paused(u64),
+}
+
+/// A stretch of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct View {
+    /// How long it is.
+    pub(crate) span_us: u64,
+    pub(crate) watch: Watch,
+}
+
+/// What there is to see at this moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Reach {
+    /// The oldest reply that is kept; now, where there is none.
+    pub(crate) oldest_us: u64,
+    pub(crate) now_us: u64,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        let [_, (span_us, _), _] = WINDOWS;
+        Self {
+            span_us,
+            watch: Watch::Live,
+        }
+    }
+}
+
+impl View {
+    /// The moment at the right edge.
+    pub(crate) const fn right_us(self, now_us: u64) -> u64 {
+        match self.watch {
+            Watch::Live => now_us,
+            Watch::Panned(right_us) | Watch::Paused(right_us) => right_us,
+        }
+    }
+
+    pub(crate) const fn is_live(self) -> bool {
+        matches!(self.watch, Watch::Live)
+    }
+
+    pub(crate) const fn is_paused(self) -> bool {
+        matches!(self.watch, Watch::Paused(_))
+    }
+
+    /// Another window up to the same right edge.
+    pub(crate) const fn with_span(self, span_us: u64) -> Self {
+        Self { span_us, ..self }
+    }
+
+    /// Held where it is.
+    pub(crate) const fn paused(self, now_us: u64) -> Self {
+        Self {
+            watch: Watch::Paused(self.right_us(now_us)),
+            ..self
+        }
+    }
+
+    /// Following the time again.
+    pub(crate) const fn live(self) -> Self {
+        Self {
+            watch: Watch::Live,
+            ..self
+        }
+    }
+
+    /// A stretch `percent` as long, of which the moment at `place` stays where it is: 0 is the left
+    /// edge, 1 the right.
+    pub(crate) fn zoomed(self, percent: u64, place: f64, reach: Reach) -> Self {
+        let span_us = (self.span_us.saturating_mul(percent) / 100).clamp(SPAN_MIN_US, SPAN_MAX_US);
+        let right_of_place = 1.0 - place.clamp(0.0, 1.0);
+        // What was between the place and the right edge has changed by this.
+        let moved_us = scaled(self.span_us, right_of_place) - scaled(span_us, right_of_place);
+        self.with_span(span_us).panned(-moved_us, reach)
+    }
+
+    /// Moved to a later stretch by so much, or to an earlier one; not beyond now and not before the
+    /// oldest. A view that arrives at now goes on with the time, unless it is paused.
+    pub(crate) fn panned(self, by_us: i64, reach: Reach) -> Self {
+        let Reach { oldest_us, now_us } = reach;
+        let earliest_us = oldest_us.saturating_add(self.span_us).min(now_us);
+        let right_us = self.right_us(now_us).saturating_add_signed(by_us);
+        let right_us = right_us.clamp(earliest_us, now_us);
+        let watch = match self.watch {
+            Watch::Paused(_) => Watch::Paused(right_us),
+            Watch::Live | Watch::Panned(_) if right_us == now_us => Watch::Live,
+            Watch::Live | Watch::Panned(_) => Watch::Panned(right_us),
+        };
+        Self { watch, ..self }
+    }
+
+    /// Moved to the oldest that there is.
+    pub(crate) fn at_oldest(self, reach: Reach) -> Self {
+        self.panned(i64::MIN, reach)
+    }
+
+    /// Moved to now.
+    pub(crate) fn at_now(self, reach: Reach) -> Self {
+        self.panned(i64::MAX, reach)
+    }
+
+    /// A part of the stretch: 1 is all of it.
+    pub(crate) fn part_us(self, part: f64) -> i64 {
+        scaled(self.span_us, part)
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "ten minutes in microseconds are exact in a double, and a cast back saturates"
+)]
+fn scaled(span_us: u64, by: f64) -> i64 {
+    (span_us as f64 * by) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = 1_000_000;
+    const REACH: Reach = Reach {
+        oldest_us: 100 * SECOND,
+        now_us: 400 * SECOND,
+    };
+
+    fn right_s(view: View) -> u64 {
+        view.right_us(REACH.now_us) / SECOND
+    }
+
+    #[test]
+    fn a_view_begins_live_with_a_minute() {
+        let view = View::default();
+        assert_eq!((view.span_us, right_s(view)), (60 * SECOND, 400));
+        assert!(view.is_live() && !view.is_paused());
+    }
+
+    #[test]
+    fn panning_ends_at_the_oldest_and_at_now() {
+        let back = View::default().panned(-10_000_000, REACH);
+        assert_eq!((right_s(back), back.is_live()), (390, false));
+        let oldest = back.at_oldest(REACH);
+        assert_eq!(right_s(oldest), 160, "the left edge is at the oldest");
+        assert_eq!(oldest.panned(-1, REACH), oldest);
+        assert!(back.panned(11_000_000, REACH).is_live());
+        assert!(oldest.at_now(REACH).is_live());
+    }
+
+    #[test]
+    fn what_is_shorter_than_the_window_cannot_be_panned() {
+        let reach = Reach {
+            oldest_us: 390 * SECOND,
+            ..REACH
+        };
+        assert!(View::default().panned(-5_000_000, reach).is_live());
+    }
+
+    #[test]
+    fn pause_holds_the_view_through_pan_and_zoom_until_it_is_live_again() {
+        let paused = View::default().paused(300 * SECOND);
+        assert_eq!(right_s(paused), 300);
+        let moved = paused.panned(-20_000_000, REACH).zoomed(50, 1.0, REACH);
+        assert_eq!((right_s(moved), moved.span_us), (280, 30 * SECOND));
+        assert!(moved.is_paused());
+        assert!(paused.at_now(REACH).is_paused(), "the newest, and held");
+        assert!(moved.live().is_live());
+        let panned = View::default().panned(-20_000_000, REACH);
+        assert_eq!(right_s(panned.paused(REACH.now_us)), 380);
+    }
+
+    #[test]
+    fn zooming_keeps_the_moment_under_the_pointer() {
+        let view = View::default().panned(-100_000_000, REACH);
+        for (percent, place) in [(50, 0.25), (80, 0.0), (125, 0.75), (50, 1.0)] {
+            let moment = |view: View| {
+                let right_us = i64::try_from(view.right_us(REACH.now_us)).unwrap();
+                right_us - view.part_us(1.0 - place)
+            };
+            let zoomed = view.zoomed(percent, place, REACH);
+            assert!(
+                (moment(zoomed) - moment(view)).abs() <= 1,
+                "{percent} {place}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_live_view_zoomed_at_its_right_edge_stays_live() {
+        assert!(View::default().zoomed(50, 1.0, REACH).is_live());
+        assert!(!View::default().zoomed(50, 0.5, REACH).is_live());
+        assert!(View::default().zoomed(200, 0.5, REACH).is_live());
+    }
+
+    #[test]
+    fn zooming_ends_at_a_fifth_of_a_second_and_at_ten_minutes() {
+        let mut view = View::default();
+        for _ in 0..50 {
+            view = view.zoomed(80, 1.0, REACH);
+        }
+        assert_eq!(view.span_us, SPAN_MIN_US);
+        for _ in 0..60 {
+            view = view.zoomed(125, 1.0, REACH);
+        }
+        assert_eq!(view.span_us, SPAN_MAX_US);
+    }
+}

@@ -1,0 +1,145 @@
+//! The graph's name, and what it shows in words, for those who do not see it.
+
+use super::{
+    crosshair::Values,
+    ticks::time_of_day,
+    trace::{Trace, Traces},
+    view::{View, Watch},
+};
+
+/// Before the first reply.
+const NOTHING: &str = "No data yet.";
+
+/// A moment in words, from its microseconds on the worker's clock.
+pub(crate) type TimeOfDay<'a> = &'a dyn Fn(u64) -> u64;
+
+/// `60 s`, `2.5 s`, `5 min`
+pub(crate) fn span(span_us: u64) -> String {
+    let tenths = (span_us + 50_000) / 100_000;
+    match (tenths / 10, tenths % 10) {
+        (seconds, 0) if seconds >= 120 && seconds.is_multiple_of(60) => {
+            format!("{} min", seconds / 60)
+        }
+        (seconds, 0) => format!("{seconds} s"),
+        (seconds, tenth) if seconds < 60 => format!("{seconds}.{tenth} s"),
+        (seconds, _) => format!("{seconds} s"),
+    }
+}
+
+/// `Speed and current, last 60 s`; while held: `Speed and current, 60 s up to 13:15:36`.
+///
+/// `day_ms` gives the time of day of a moment, in milliseconds since midnight.
+pub(crate) fn name(view: View, day_ms: TimeOfDay) -> String {
+    let span = span(view.span_us);
+    match view.watch {
+        Watch::Live => format!("Speed and current, last {span}"),
+        Watch::Panned(right_us) | Watch::Paused(right_us) => {
+            let until = time_of_day(day_ms(right_us), 1_000);
+            format!("Speed and current, {span} up to {until}")
+        }
+    }
+}
+
+/// The values of a moment as a sentence, of the traces that are on.
+pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> String {
+    let Some(values) = values else {
+        return NOTHING.to_owned();
+    };
+    let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
+    let words: Vec<String> = on
+        .map(|trace| {
+            let mut name = trace.name().to_owned();
+            name.make_ascii_lowercase();
+            format!("{name} {}", values.text(trace))
+        })
+        .collect();
+    format!("{when}: {}.", words.join(", "))
+}
+
+/// `14.1 s ago`
+pub(crate) fn ago(us: u64) -> String {
+    let tenths = us / 100_000;
+    match tenths {
+        0 => "now".to_owned(),
+        1..1_200 => format!("{}.{} s ago", tenths / 10, tenths % 10),
+        _ => format!("{}:{:02} min ago", tenths / 600, tenths / 10 % 60),
+    }
+}
+
+/// Local year, month, day, hour, minute, second.
+pub(crate) type LocalTime = [u32; 6];
+
+/// `motorlink-graph-20251121-131536.png`
+pub(crate) fn file_name([year, month, day, hour, minute, second]: LocalTime) -> String {
+    format!("motorlink-graph-{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}.png")
+}
+
+/// `2025-11-21 13:15:36`
+pub(crate) fn date_and_time([year, month, day, hour, minute, second]: LocalTime) -> String {
+    format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Current, Rpm};
+
+    use super::*;
+
+    const SECOND: u64 = 1_000_000;
+
+    #[test]
+    fn a_span_is_said_as_people_say_it() {
+        for (span_us, words) in [
+            (10 * SECOND, "10 s"),
+            (60 * SECOND, "60 s"),
+            (300 * SECOND, "5 min"),
+            (90 * SECOND, "90 s"),
+            (2_500_000, "2.5 s"),
+            (200_000, "0.2 s"),
+            (75_400_000, "75 s"),
+        ] {
+            assert_eq!(span(span_us), words);
+        }
+    }
+
+    #[test]
+    fn the_name_follows_the_window() {
+        let day_ms = |us: u64| 13 * 3_600_000 + us / 1_000;
+        let view = View::default();
+        assert_eq!(name(view, &day_ms), "Speed and current, last 60 s");
+        let view = view.with_span(10 * SECOND);
+        assert_eq!(name(view, &day_ms), "Speed and current, last 10 s");
+        let held = view.paused(936_500_000);
+        assert_eq!(
+            name(held, &day_ms),
+            "Speed and current, 10 s up to 13:15:36"
+        );
+    }
+
+    #[test]
+    fn the_values_are_a_sentence() {
+        let values = Values {
+            speed: Some(Rpm::new(-60)),
+            current: Some(Current::from_amps(-0.11)),
+            ..Values::default()
+        };
+        let traces = Traces::default();
+        let said = sentence("Now", Some(&values), traces);
+        assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, goal –.");
+        assert_eq!(sentence("Now", None, traces), NOTHING);
+    }
+
+    #[test]
+    fn how_long_ago_is_said_to_a_tenth() {
+        assert_eq!(ago(14_149_000), "14.1 s ago");
+        assert_eq!(ago(50_000), "now");
+        assert_eq!(ago(185_000_000), "3:05 min ago");
+    }
+
+    #[test]
+    fn a_picture_has_its_time_in_its_name() {
+        let time = [2025, 1, 9, 3, 15, 6];
+        assert_eq!(file_name(time), "motorlink-graph-20250109-031506.png");
+        assert_eq!(date_and_time(time), "2025-01-09 03:15:06");
+    }
+}

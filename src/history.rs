@@ -1,0 +1,281 @@
+//! What every motor has reported and what it was asked for, over the last minutes: plain buffers,
+//! fed with every reply, read by whatever draws.
+
+use std::{collections::VecDeque, rc::Rc, time::Duration};
+
+use motorlink_messages::{
+    Connection, Update,
+    bus::{Activity, Sample},
+    protocol::{Celsius, Current, Detail, Instant, MotorId, Rpm, Setpoint},
+};
+
+/// How long anything is kept.
+const KEPT_FOR: Duration = Duration::from_secs(600);
+
+/// Points that are kept of one motor. No line carries more in ten minutes: ten bytes each way take
+/// 868 us at 115200 baud, so there are at most 576 replies a second, of all motors together. 5.5 MB.
+const POINTS_MAX: usize = 600 * 576;
+
+/// Changes of a goal that are kept of one motor: one with every frame of the screen for ten minutes,
+/// as of somebody who never lets go of a slider. 600 KB.
+const GOALS_MAX: usize = 600 * 60;
+
+/// Beginnings of connections that are kept: one a second for ten minutes.
+const CUTS_MAX: usize = 600;
+
+/// Where a motor says nothing for longer than this, nobody knows what it did meanwhile. It is asked
+/// ten times a second.
+const GAP_US: u64 = 1_000_000;
+
+/// One reply, as far as it can be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Point {
+    /// When its last byte was read, on the worker's clock.
+    pub(crate) at: Instant,
+    pub(crate) speed: Rpm,
+    pub(crate) current: Current,
+    /// The angle, and the temperature where the reply holds one.
+    pub(crate) detail: Detail,
+}
+
+impl Point {
+    /// 0 to 360, as finely as the reply has it.
+    pub(crate) fn degrees(&self) -> Option<f32> {
+        match self.detail {
+            Detail::Drive { position } => Some(position.degrees()),
+            Detail::Query { position, .. } => Some(position.degrees()),
+            Detail::Undetermined(_) => None,
+        }
+    }
+
+    pub(crate) fn temperature(&self) -> Option<Celsius> {
+        match self.detail {
+            Detail::Query { temperature, .. } => Some(temperature),
+            Detail::Drive { .. } | Detail::Undetermined(_) => None,
+        }
+    }
+}
+
+/// From when on a motor was asked for what; `None` is for nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct GoalChange {
+    pub(crate) at: Instant,
+    pub(crate) goal: Option<Setpoint>,
+}
+
+/// What is kept of one motor, oldest first.
+#[derive(Debug, Default)]
+pub(crate) struct Track {
+    points: VecDeque<Point>,
+    goals: VecDeque<GoalChange>,
+}
+
+impl Track {
+    pub(crate) fn oldest(&self) -> Option<&Point> {
+        self.points.front()
+    }
+
+    pub(crate) fn newest(&self) -> Option<&Point> {
+        self.points.back()
+    }
+
+    /// The points of a stretch of time, and one on either side of it, where the lines begin and end
+    /// that cross its edges. In two pieces, of which the second goes on where the first ends.
+    pub(crate) fn between(&self, from: Instant, to: Instant) -> [&[Point]; 2] {
+        let first = self.points.partition_point(|point| point.at < from);
+        let end = self.points.partition_point(|point| point.at < to);
+        let end = (end + 1).min(self.points.len());
+        let first = first.saturating_sub(1).min(end);
+        let (older, newer) = self.points.as_slices();
+        // Of a piece that does not reach so far, nothing.
+        let part = |piece: &'_ [Point], begins: usize| {
+            let at = |place: usize| place.saturating_sub(begins).min(piece.len());
+            at(first)..at(end)
+        };
+        let (in_older, in_newer) = (part(older, 0), part(newer, older.len()));
+        [
+            older.get(in_older).unwrap_or_default(),
+            newer.get(in_newer).unwrap_or_default(),
+        ]
+    }
+
+    /// The points before a moment, latest first, and those from it on, oldest first.
+    pub(crate) fn around(
+        &self,
+        at: Instant,
+    ) -> (impl Iterator<Item = &Point>, impl Iterator<Item = &Point>) {
+        let place = self.points.partition_point(|point| point.at < at);
+        (self.points.range(..place).rev(), self.points.range(place..))
+    }
+
+    /// What the motor was asked for at a moment.
+    pub(crate) fn goal_at(&self, at: Instant) -> Option<Setpoint> {
+        let place = self.goals.partition_point(|change| change.at <= at);
+        self.goals.get(place.checked_sub(1)?)?.goal
+    }
+
+    /// The changes of the goal in a stretch of time, and the one before it.
+    pub(crate) fn goals_between(
+        &self,
+        from: Instant,
+        to: Instant,
+    ) -> impl Iterator<Item = &GoalChange> {
+        let first = self.goals.partition_point(|change| change.at < from);
+        let end = self.goals.partition_point(|change| change.at < to);
+        self.goals.range(first.saturating_sub(1)..end)
+    }
+
+    /// Replies come in the order in which they were read; an older one is passed over.
+    fn take(&mut self, point: Point) {
+        if self.newest().is_some_and(|newest| point.at < newest.at) {
+            return;
+        }
+        if self.points.len() == POINTS_MAX {
+            self.points.pop_front();
+        }
+        self.points.push_back(point);
+        while self
+            .oldest()
+            .is_some_and(|oldest| point.at.since(oldest.at) > KEPT_FOR)
+        {
+            self.points.pop_front();
+        }
+    }
+
+    fn set_goal(&mut self, at: Instant, goal: Option<Setpoint>) {
+        if self.goals.back().and_then(|change| change.goal) == goal {
+            return;
+        }
+        if self.goals.len() == GOALS_MAX {
+            self.goals.pop_front();
+        }
+        self.goals.push_back(GoalChange { at, goal });
+        // The last of the old ones still says what was asked for when the kept time begins.
+        while self
+            .goals
+            .get(1)
+            .is_some_and(|change| at.since(change.at) > KEPT_FOR)
+        {
+            self.goals.pop_front();
+        }
+    }
+}
+
+/// What is kept of every motor.
+#[derive(Default)]
+pub(crate) struct History {
+    tracks: Vec<(MotorId, Track)>,
+    /// The first reply of every connection but the first: nothing joins it to what was before.
+    cuts: VecDeque<Instant>,
+    /// Whether the next reply is the first of a connection.
+    cut_pending: bool,
+    connected: bool,
+    /// Wakes what draws, which sleeps while there is nothing to draw.
+    wake: Option<Rc<dyn Fn()>>,
+}
+
+impl History {
+    /// Takes in what the worker says.
+    pub(crate) fn take(&mut self, update: &Update) {
+        if !matches!(update.connection, Connection::Connected(_)) {
+            self.end(update.now);
+        } else if !self.connected {
+            self.connected = true;
+            self.cut_pending = true;
+        }
+        for sample in &update.samples {
+            self.take_sample(sample);
+        }
+        for motor in &update.motors {
+            let goal = goal(motor.activity);
+            if goal.is_some() || self.track(motor.id).is_some() {
+                self.on_track(motor.id, |track| track.set_goal(update.now, goal));
+            }
+        }
+        if !update.samples.is_empty()
+            && let Some(wake) = &self.wake
+        {
+            wake();
+        }
+    }
+
+    /// The connection has ended: nothing is asked of any motor.
+    pub(crate) fn end(&mut self, at: Instant) {
+        if self.connected {
+            self.connected = false;
+            for (_, track) in &mut self.tracks {
+                track.set_goal(at, None);
+            }
+        }
+    }
+
+    /// Calls `wake` whenever replies came. It must not touch the history.
+    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
+        self.wake = Some(wake);
+    }
+
+    pub(crate) fn track(&self, id: MotorId) -> Option<&Track> {
+        let (_, track) = self.tracks.iter().find(|(of, _)| *of == id)?;
+        Some(track)
+    }
+
+    /// Whether nothing is known of the time between two replies that follow each other.
+    pub(crate) fn is_gap(&self, from: Instant, to: Instant) -> bool {
+        // In whole microseconds: this is asked for every reply of every frame that is drawn.
+        to.as_micros().saturating_sub(from.as_micros()) > GAP_US
+            || (!self.cuts.is_empty() && self.is_cut(from, to))
+    }
+
+    fn is_cut(&self, from: Instant, to: Instant) -> bool {
+        let next = self.cuts.partition_point(|cut| *cut <= from);
+        self.cuts.get(next).is_some_and(|cut| *cut <= to)
+    }
+
+    fn take_sample(&mut self, sample: &Sample) {
+        if std::mem::take(&mut self.cut_pending) && !self.tracks.is_empty() {
+            if self.cuts.len() == CUTS_MAX {
+                self.cuts.pop_front();
+            }
+            self.cuts.push_back(sample.at);
+        }
+        let point = Point {
+            at: sample.at,
+            speed: sample.reply.speed,
+            current: sample.reply.current,
+            detail: sample.reply.detail,
+        };
+        self.on_track(sample.reply.id, |track| track.take(point));
+        while self
+            .cuts
+            .front()
+            .is_some_and(|cut| point.at.since(*cut) > KEPT_FOR)
+        {
+            self.cuts.pop_front();
+        }
+    }
+
+    /// Does this with what is kept of a motor; of one that is new, with nothing.
+    fn on_track(&mut self, id: MotorId, act: impl FnOnce(&mut Track)) {
+        if let Some((_, track)) = self.tracks.iter_mut().find(|(of, _)| *of == id) {
+            act(track);
+        } else {
+            let mut track = Track::default();
+            act(&mut track);
+            self.tracks.push((id, track));
+        }
+    }
+}
+
+/// What a motor is asked for while this is done with it. A stop is a goal too: it asks for the brake.
+fn goal(activity: Activity) -> Option<Setpoint> {
+    match activity {
+        Activity::Driven { setpoint } => Some(setpoint),
+        Activity::Stopping { .. } => Some(Setpoint::Brake),
+        // What a person wrote byte by byte may be anything.
+        Activity::Idle | Activity::Switching { .. } | Activity::DrivenRaw => None,
+    }
+}
+
+#[cfg(test)]
+#[path = "history_tests.rs"]
+pub(crate) mod tests;

@@ -1,0 +1,220 @@
+//! What the page has of the journal, and what it asks of it.
+
+use leptos::prelude::*;
+use motorlink_messages::{
+    journal::{Export, Filter, FromJournal, RecordingStatus, ToJournal},
+    protocol::Instant,
+};
+use web_sys::Blob;
+
+use crate::{
+    clock::page_origin_ms,
+    desk::{Desk, Dialog, WorkerState},
+    download::save_blob,
+    format::grouped,
+    journal_link::JournalLink,
+    log_feed::{LogFeed, LogState},
+    words::{
+        journal as words,
+        log_lines::{self, Line},
+    },
+};
+
+/// A file that is being written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Exporting {
+    pub(crate) what: Export,
+    /// How far it is.
+    pub(crate) per_mille: u64,
+}
+
+/// The page's side of the journal.
+#[derive(Clone, Copy)]
+pub(crate) struct Journal {
+    link: StoredValue<Option<JournalLink>, LocalStorage>,
+    /// Whether it runs, or is being started.
+    pub(crate) alive: RwSignal<bool>,
+    /// The rows at hand. They change thirty times a second and are no signal.
+    pub(crate) feed: StoredValue<LogFeed, LocalStorage>,
+    /// What is said of the log; it changes when the list does, at most once a frame.
+    pub(crate) log: RwSignal<LogState>,
+    pub(crate) recording: RwSignal<RecordingStatus>,
+    /// The file that is being written; one at a time.
+    pub(crate) exporting: RwSignal<Option<Exporting>>,
+}
+
+impl Journal {
+    pub(crate) fn new() -> Self {
+        Self {
+            link: StoredValue::new_local(None),
+            alive: RwSignal::new(true),
+            feed: StoredValue::new_local(LogFeed::default()),
+            log: RwSignal::new(LogState::default()),
+            recording: RwSignal::new(RecordingStatus::default()),
+            exporting: RwSignal::new(None),
+        }
+    }
+}
+
+/// As many entries are not forgotten without a question.
+const ASKED_ABOVE: u64 = 1000;
+
+impl Desk {
+    /// Starts the journal and lays the line from the worker that owns the port.
+    pub(crate) fn start_journal(self) {
+        let started = JournalLink::spawn(
+            move |message, file| self.hear_journal(message, file),
+            move || self.journal_lost(),
+        );
+        let Ok(journal) = started else {
+            self.journal_lost();
+            return;
+        };
+        self.link.with_value(|worker| {
+            if let Some(worker) = worker {
+                journal.connect(worker);
+            }
+        });
+        self.journal.link.set_value(Some(journal));
+        if self.worker.get_untracked() == WorkerState::Dead {
+            // No worker tells its epoch, and the page's moments are on its own clock.
+            self.set_epoch(page_origin_ms());
+        }
+        let collapse = self
+            .preferences
+            .with_untracked(|chosen| chosen.collapse_polls);
+        self.refilter(|filter| filter.collapse = collapse);
+    }
+
+    /// The wall clock at the zero of every [`Instant`].
+    pub(crate) fn set_epoch(self, unix_ms: f64) {
+        self.tell_journal(&ToJournal::Epoch { unix_ms });
+    }
+
+    /// Writes a line of the page's own into the log.
+    pub(crate) fn log(self, at: Instant, line: Line) {
+        let Line { error, text } = line;
+        self.tell_journal(&ToJournal::Say { at, error, text });
+    }
+
+    /// Changes which entries the log shows.
+    pub(crate) fn refilter(self, change: impl FnOnce(&mut Filter)) {
+        let filter = self
+            .journal
+            .feed
+            .try_update_value(|feed| feed.refilter(change));
+        if let Some(filter) = filter.flatten() {
+            self.tell_journal(&filter);
+            self.look();
+        }
+    }
+
+    /// Asks for the rows that are seen now, where they are others than before.
+    pub(crate) fn look(self) {
+        let look = self.journal.feed.try_update_value(LogFeed::look);
+        if let Some(look) = look.flatten() {
+            self.tell_journal(&look);
+        }
+    }
+
+    /// Forgets the log, after a question where it is long.
+    pub(crate) fn ask_to_clear_log(self) {
+        let kept = self.journal.log.with_untracked(|log| log.kept);
+        if kept > ASKED_ABOVE {
+            self.dialog.set(Some(Dialog::ClearLog(kept)));
+        } else {
+            self.clear_log();
+        }
+    }
+
+    pub(crate) fn clear_log(self) {
+        self.dialog.set(None);
+        if let Some(clear) = self.journal.feed.try_update_value(LogFeed::clear) {
+            self.tell_journal(&clear);
+            self.look();
+        }
+    }
+
+    /// Has a file made, or ends the one that is being made.
+    pub(crate) fn export_or_cancel(self, what: Export) {
+        if self.journal.exporting.get_untracked().is_some() {
+            self.tell_journal(&ToJournal::CancelExport);
+            return;
+        }
+        self.exporting(what, 0);
+        self.tell_journal(&match what {
+            Export::Log => ToJournal::ExportLog,
+            Export::Telemetry => ToJournal::ExportTelemetry,
+        });
+    }
+
+    pub(crate) fn record(self, on: bool) {
+        self.tell_journal(&ToJournal::Record(on));
+    }
+
+    fn exporting(self, what: Export, per_mille: u64) {
+        let exporting = Exporting { what, per_mille };
+        self.journal.exporting.set(Some(exporting));
+    }
+
+    fn tell_journal(self, message: &ToJournal) {
+        self.journal.link.with_value(|link| {
+            if let Some(link) = link {
+                link.post(message);
+            }
+        });
+    }
+
+    fn hear_journal(self, message: FromJournal, file: Option<Blob>) {
+        match message {
+            FromJournal::Log(page) => self.journal.feed.update_value(|feed| feed.take(page)),
+            FromJournal::Recording(status) => self.journal.recording.set(status),
+            FromJournal::Exporting { what, done, of } => {
+                self.exporting(what, (done * 1000).checked_div(of).unwrap_or(0));
+            }
+            FromJournal::Exported { name, rows, .. } => {
+                self.journal.exporting.set(None);
+                if let Some(file) = file {
+                    save_blob(&file, &name);
+                    self.log_now(log_lines::calm(format!(
+                        "Exported {} rows to {name}",
+                        grouped(rows)
+                    )));
+                }
+            }
+            FromJournal::NotExported { what, cancelled } => {
+                self.journal.exporting.set(None);
+                if cancelled {
+                    self.log_now(log_lines::calm("Export was cancelled"));
+                } else {
+                    self.say(words::of_nothing_to_export(what));
+                }
+            }
+            FromJournal::Died => self.journal_lost(),
+        }
+    }
+
+    /// The journal has failed: the log is lost, and nothing else.
+    fn journal_lost(self) {
+        if !self.journal.alive.get_untracked() {
+            return;
+        }
+        self.journal.alive.set(false);
+        self.journal.link.with_value(|link| {
+            if let Some(link) = link {
+                link.end();
+            }
+        });
+        self.journal.feed.update_value(LogFeed::lose);
+        self.journal.recording.set(RecordingStatus::default());
+        self.journal.exporting.set(None);
+        // Where the other worker has failed too, the page says that instead.
+        if self.worker.get_untracked() != WorkerState::Dead {
+            self.say(words::of_dead_journal());
+        }
+    }
+
+    fn log_now(self, line: Line) {
+        self.log(self.now(), line);
+    }
+}

@@ -1,0 +1,151 @@
+//! What the page asks before it does what cannot be taken back by a stop, or what needs care.
+
+use motorlink_messages::{
+    bus::Repeat,
+    protocol::{AssignableId, CurrentTarget, Frame, MotorId},
+};
+
+use crate::{desk::Dialog, format, words};
+
+/// A frame that a person wants to be sent, and how often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RawOrder {
+    pub(crate) frame: Frame,
+    pub(crate) repeat: Repeat,
+}
+
+/// A question in words.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Question {
+    /// The dialog's accessible name.
+    pub(crate) name: &'static str,
+    pub(crate) title: String,
+    /// What will happen, a paragraph a line.
+    pub(crate) words: String,
+    /// What the button of consent reads.
+    pub(crate) yes: String,
+}
+
+impl Dialog {
+    /// What this dialog asks; `None` where it asks nothing.
+    pub(crate) fn question(self) -> Option<Question> {
+        Some(match self {
+            Self::Help => return None,
+            Self::HighCurrent(target) => high_current(target, "Drive at "),
+            Self::ChangeId { from, to } => change_id(from, to),
+            Self::Hazard(order) => hazard(order),
+            Self::ClearLog(entries) => clear_log(entries),
+            Self::HighRawCurrent { current, .. } => high_current(current, "Send "),
+        })
+    }
+}
+
+fn high_current(target: CurrentTarget, verb: &str) -> Question {
+    let yes = format!("{verb}{}", format::amps_of(target));
+    Question {
+        name: "High current",
+        title: format!("{yes}?"),
+        words:
+            "This is above 6.1 A. The motor stalls at 2.7 A, and its protection trips at 4.6 A in \
+                a phase. Fasten the motor and keep fingers clear."
+                .to_owned(),
+        yes,
+    }
+}
+
+fn change_id(from: MotorId, to: AssignableId) -> Question {
+    let to = to.id();
+    Question {
+        name: "Change the ID?",
+        title: "Change the ID?".to_owned(),
+        words: format!(
+            "Motor {from} will answer as {to} ({}) from now on. It keeps that in its flash, through \
+             power-off.\nIt takes one new ID between two power-ups: to change it again, switch its power \
+             off and on first.\nOnly one motor may be connected. The scan has found one; others that \
+             are without power now would not be changed.",
+            to.get()
+        ),
+        yes: format!("Set ID {to}"),
+    }
+}
+
+fn clear_log(entries: u64) -> Question {
+    let yes = words::journal::of_clearing(entries);
+    Question {
+        name: "Clear the packet log",
+        title: format!("{yes}?"),
+        words:
+            "They cannot be brought back, and no CSV file that is made later will have them. The \
+                recording stays."
+                .to_owned(),
+        yes,
+    }
+}
+
+fn hazard(order: RawOrder) -> Question {
+    let often = match order.repeat {
+        Repeat::Times { count: 0, .. } => " It is repeated until you stop it.",
+        Repeat::Times { .. } | Repeat::Once => "",
+    };
+    Question {
+        name: "Send this frame?",
+        title: "Send this frame?".to_owned(),
+        words: format!(
+            "{}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
+             keep fingers clear.\nSTOP, Space and Escape stop it. You are asked this once, until the \
+             page is closed.",
+            order.frame
+        ),
+        yes: "Send it".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order(repeat: Repeat) -> RawOrder {
+        RawOrder {
+            frame: "01 64 00 64 00 00 00 00 00 4F".parse().unwrap(),
+            repeat,
+        }
+    }
+
+    #[test]
+    fn an_id_change_says_what_the_motor_keeps_and_what_must_be_connected() {
+        let to = AssignableId::new(MotorId::new(10).unwrap()).unwrap();
+        let from = MotorId::FIRST;
+        let question = Dialog::ChangeId { from, to }.question().unwrap();
+        assert_eq!(question.yes, "Set ID 0x0A");
+        for words in [
+            "Motor 0x01 will answer as 0x0A (10)",
+            "flash",
+            "power-off",
+            "Only one motor may be connected",
+        ] {
+            assert!(question.words.contains(words), "{}", question.words);
+        }
+    }
+
+    #[test]
+    fn a_frame_that_can_move_a_wheel_names_what_stops_it() {
+        let words = |repeat| Dialog::Hazard(order(repeat)).question().unwrap().words;
+        for stop in ["STOP", "Space", "Escape"] {
+            assert!(words(Repeat::Once).contains(stop));
+        }
+        assert!(!words(Repeat::Once).contains("until you stop it"));
+        let interval = motorlink_messages::bus::RawInterval::new(20).unwrap();
+        let endless = Repeat::Times { count: 0, interval };
+        assert!(words(endless).contains("until you stop it"));
+    }
+
+    #[test]
+    fn a_high_current_is_named_in_amps() {
+        let current = CurrentTarget::new(26_000).unwrap();
+        let yes = |dialog: Dialog| dialog.question().unwrap().yes;
+        assert_eq!(yes(Dialog::HighCurrent(current)), "Drive at +6.35 A");
+        let order = order(Repeat::Once);
+        let raw = Dialog::HighRawCurrent { order, current };
+        assert_eq!(yes(raw), "Send +6.35 A");
+    }
+}

@@ -1,0 +1,97 @@
+//! A worker of the page: started, posted to, listened to. What is said is for the links to know.
+
+use js_sys::{Array, Uint8Array};
+use leptos::logging;
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use web_sys::{ErrorEvent, Event, MessageEvent, MessagePort, Worker, WorkerOptions, WorkerType};
+
+/// Why there is no worker to speak to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum NoWorker {
+    /// The page does not name one.
+    NotNamed,
+    /// The browser does not start it.
+    NotStarted,
+}
+
+/// A worker and what hears it. All workers run one script, which tells by its name which it is.
+pub(crate) struct StartedWorker {
+    worker: Worker,
+    _on_message: Closure<dyn FnMut(MessageEvent)>,
+    _on_error: Closure<dyn FnMut(Event)>,
+}
+
+/// Hears the data of a message, and is given the worker for what must be answered at once.
+pub(crate) type Hear = Box<dyn FnMut(&Worker, &JsValue)>;
+
+impl StartedWorker {
+    /// Starts the worker that the page names, under this name. `lost` is called when it has failed.
+    pub(crate) fn start(
+        name: &str,
+        mut hear: Hear,
+        mut lost: Box<dyn FnMut()>,
+    ) -> Result<Self, NoWorker> {
+        let url = named_in_page().ok_or(NoWorker::NotNamed)?;
+        let options = WorkerOptions::new();
+        options.set_type(WorkerType::Module);
+        options.set_name(name);
+        let worker = Worker::new_with_options(&url, &options).map_err(|_| NoWorker::NotStarted)?;
+
+        let heard = worker.clone();
+        let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+            hear(&heard, &event.data());
+        });
+        worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+
+        let on_error = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
+            if let Some(error) = event.dyn_ref::<ErrorEvent>() {
+                logging::error!("a worker failed: {}", error.message());
+            }
+            lost();
+        });
+        worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
+
+        Ok(Self {
+            worker,
+            _on_message: on_message,
+            _on_error: on_error,
+        })
+    }
+
+    /// Sends the bytes of a message, at once.
+    pub(crate) fn post(&self, message: &[u8]) {
+        post(&self.worker, message);
+    }
+
+    /// Gives it an end of a line to another worker: a message that is nothing but the port.
+    pub(crate) fn hand_over(&self, port: &MessagePort) {
+        post_with(&self.worker, port, port);
+    }
+
+    /// Ends it, whatever it does.
+    pub(crate) fn end(&self) {
+        self.worker.terminate();
+    }
+}
+
+/// Sends the bytes of a message, at once.
+pub(crate) fn post(worker: &Worker, message: &[u8]) {
+    let bytes = Uint8Array::from(message);
+    post_with(worker, &bytes, &bytes.buffer());
+}
+
+fn post_with(worker: &Worker, message: &JsValue, transferred: &JsValue) {
+    let posted = worker.post_message_with_transfer(message, &Array::of1(transferred));
+    if let Err(error) = posted {
+        logging::error!("a message to a worker was not taken: {error:?}");
+    }
+}
+
+/// The address of the workers' script, which the build writes into the page.
+fn named_in_page() -> Option<String> {
+    let meta = web_sys::window()?
+        .document()?
+        .query_selector("meta[name=motorlink-worker]")
+        .ok()??;
+    meta.get_attribute("content")
+}

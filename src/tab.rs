@@ -1,0 +1,62 @@
+//! The tabs of the control panel.
+
+use motorlink_messages::protocol::Mode;
+
+/// A tab: a loop to drive in, or a tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tab {
+    /// Drives in this loop.
+    Loop(Mode),
+    /// Finds motors and changes their IDs.
+    IdManager,
+    /// Sends frames that a person writes.
+    RawHex,
+}
+
+impl Tab {
+    /// In the order of the tabs.
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Loop(Mode::Velocity),
+        Self::Loop(Mode::Current),
+        Self::Loop(Mode::Position),
+        Self::IdManager,
+        Self::RawHex,
+    ];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Loop(Mode::Velocity) => "Velocity",
+            Self::Loop(Mode::Current) => "Current",
+            Self::Loop(Mode::Position) => "Position",
+            Self::IdManager => "ID Manager",
+            Self::RawHex => "Raw Hex",
+        }
+    }
+
+    /// Whether it is none to drive in.
+    pub(crate) const fn is_tool(self) -> bool {
+        !matches!(self, Self::Loop(_))
+    }
+
+    /// The tab when the motor's loop has become this one. Nobody is torn out of a tool.
+    pub(crate) const fn following(self, mode: Mode) -> Self {
+        match self {
+            Self::Loop(_) => Self::Loop(mode),
+            Self::IdManager | Self::RawHex => self,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_loop_tab_follows_the_motor_and_a_tool_stays() {
+        for mode in Mode::ALL {
+            assert_eq!(Tab::Loop(Mode::Velocity).following(mode), Tab::Loop(mode));
+            assert_eq!(Tab::IdManager.following(mode), Tab::IdManager);
+            assert_eq!(Tab::RawHex.following(mode), Tab::RawHex);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! What a person does with the graph.
+
+use js_sys::Promise;
+use motorlink_messages::bus::{Command, StopReason};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_futures::JsFuture;
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{Blob, Element, Event, HtmlCanvasElement, ImageBitmap, Response};
+
+use super::{
+    bench, canvas, colour_of, context, graph, is_drawn, name, pixels, rows_of, steady, tell,
+};
+use crate::bench::{document, pause, press};
+
+#[wasm_bindgen_test]
+async fn the_graph_and_its_controls_are_found_by_their_names() {
+    let bench = bench("graph-names").await;
+    bench.find("region", "Speed and current");
+    bench.find("img", "Speed and current, last 60 s");
+    bench.find("radiogroup", "Window");
+    for window in ["10 s", "60 s", "5 min"] {
+        bench.find("radio", window);
+    }
+    for trace in ["speed", "current", "goal", "temperature", "position"] {
+        bench.find("checkbox", &format!("Show {trace}"));
+    }
+    for button in ["Pause", "Now", "PNG"] {
+        bench.find("button", button);
+    }
+    bench.find("status", "Crosshair");
+}
+
+#[wasm_bindgen_test]
+async fn keys_zoom_pan_and_still_stop_and_drive() {
+    let bench = bench("graph-keys").await;
+    tell(&bench, steady(40_000, 100));
+    graph(&bench).focus().unwrap();
+    press("+");
+    bench
+        .until("the zoom", || {
+            name(&bench) == "Speed and current, last 48 s"
+        })
+        .await;
+    press("-");
+    bench.find("radio", "10 s").click();
+    let live = "Speed and current, last 10 s";
+    bench.until("10 s", || name(&bench) == live).await;
+    graph(&bench).focus().unwrap();
+    press("Home");
+    bench
+        .until("the oldest", || name(&bench).contains("up to"))
+        .await;
+    press("End");
+    bench.until("now", || name(&bench) == live).await;
+    assert_eq!(bench.commands().await, []);
+
+    press("ArrowLeft");
+    press("2");
+    press(" ");
+    press("Escape");
+    let commands = bench.commands().await;
+    let stop = Command::StopAll(StopReason::Operator);
+    assert!(matches!(commands[0], Command::Drive { .. }), "{commands:?}");
+    assert_eq!(commands[1..], [stop, stop]);
+}
+
+#[wasm_bindgen_test]
+async fn while_paused_the_arrow_keys_read_values() {
+    let bench = bench("graph-crosshair").await;
+    tell(&bench, steady(40_000, 123));
+    bench.until("a line", || is_drawn(&canvas(&bench))).await;
+    bench.click("Pause");
+    bench
+        .until("the pause", || name(&bench).contains("up to"))
+        .await;
+    graph(&bench).focus().unwrap();
+    press("ArrowLeft");
+    let values = bench.find("status", "Crosshair");
+    let shown = |values: &Element| !values.class_list().contains("absent");
+    bench.until("the values", || shown(&values)).await;
+    let text = bench.text("status", "Crosshair");
+    assert!(text.contains("Speed +123 rpm"), "{text}");
+    assert!(text.contains("Current 0.00 A"), "{text}");
+    // By keys, it is read aloud.
+    assert_eq!(values.get_attribute("aria-live").unwrap(), "polite");
+}
+
+#[wasm_bindgen_test]
+async fn the_newest_values_are_there_in_words() {
+    let bench = bench("graph-words").await;
+    let words = bench.find("region", "Speed and current");
+    let words = words.query_selector("#graph-words").unwrap().unwrap();
+    // They are not said anew more often than every few seconds.
+    for _ in 0..60 {
+        tell(&bench, steady(100, 123));
+        pause(100).await;
+        let said = words.text_content().unwrap_or_default();
+        if said == "Now: speed +123 rpm, current 0.00 A, goal –." {
+            return;
+        }
+    }
+    panic!("{:?}", words.text_content());
+}
+
+#[wasm_bindgen_test]
+async fn the_picture_is_a_png_with_a_background() {
+    let bench = bench("graph-png").await;
+    tell(&bench, steady(9_000, 100));
+    let canvas = canvas(&bench);
+    bench.until("a line", || is_drawn(&canvas)).await;
+
+    // The link that the page presses is not followed: a test saves no files.
+    let pressed = Promise::new(&mut |resolve, _| {
+        let heard = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
+            let link: Element = event.target().unwrap().unchecked_into();
+            if link.has_attribute("download") {
+                event.prevent_default();
+                resolve.call1(&JsValue::NULL, &link).unwrap();
+            }
+        });
+        let heard = heard.into_js_value();
+        document()
+            .add_event_listener_with_callback("click", heard.unchecked_ref())
+            .unwrap();
+    });
+    bench.click("PNG");
+    let link: Element = JsFuture::from(pressed).await.unwrap().unchecked_into();
+    let file = link.get_attribute("download").unwrap();
+    let time = file.strip_prefix("motorlink-graph-20");
+    let time = time.and_then(|rest| rest.strip_suffix(".png"));
+    assert_eq!(time.map(str::len), Some(13), "{file}");
+
+    let window = web_sys::window().unwrap();
+    let fetched = window.fetch_with_str(&link.get_attribute("href").unwrap());
+    let response: Response = JsFuture::from(fetched).await.unwrap().unchecked_into();
+    let blob: Blob = JsFuture::from(response.blob().unwrap())
+        .await
+        .unwrap()
+        .unchecked_into();
+    assert_eq!(blob.type_(), "image/png");
+    let bitmap = window.create_image_bitmap_with_blob(&blob).unwrap();
+    let bitmap: ImageBitmap = JsFuture::from(bitmap).await.unwrap().unchecked_into();
+    assert_eq!(bitmap.width(), canvas.width());
+    assert!(bitmap.height() > canvas.height(), "with a legend above");
+
+    let copy: HtmlCanvasElement = document()
+        .create_element("canvas")
+        .unwrap()
+        .unchecked_into();
+    copy.set_width(bitmap.width());
+    copy.set_height(bitmap.height());
+    context(&copy)
+        .draw_image_with_image_bitmap(&bitmap, 0.0, 0.0)
+        .unwrap();
+    assert!(pixels(&copy).iter().all(|[.., opacity]| *opacity == 255));
+    let speed = colour_of(&bench, "border-right-color");
+    assert!(!rows_of(&copy, speed, 20).is_empty(), "the line");
+    assert_eq!(pixels(&copy)[0][..3], colour_of(&bench, "background-color"));
+}

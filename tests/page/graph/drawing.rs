@@ -1,0 +1,167 @@
+//! What is on the canvas, and when it is drawn.
+
+use motorlink_messages::protocol::Rpm;
+use wasm_bindgen::JsValue;
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::Event;
+
+use super::{
+    Pretence, bench, canvas, colour_of, context, is_drawn, name, rows_of, steady, tell, wipe,
+};
+use crate::bench::{document, pause};
+
+#[wasm_bindgen_test]
+async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike() {
+    let bench = bench("graph-drawn").await;
+    let canvas = canvas(&bench);
+    let speed = colour_of(&bench, "border-right-color");
+    let mut samples = steady(9_000, 100);
+    let middle = samples.len() / 2;
+    samples[middle].reply.speed = Rpm::new(300);
+    tell(&bench, samples);
+    bench
+        .until("a line", || !rows_of(&canvas, speed, 20).is_empty())
+        .await;
+    // From the top: +400 at 8 pixels, so 300 at an eighth of the plot and 100 at three eighths.
+    let height = canvas.height() as usize - 30;
+    let line = rows_of(&canvas, speed, 20)[0];
+    assert!(line.abs_diff(8 + height * 3 / 8) <= 2, "{line} of {height}");
+    let spike = rows_of(&canvas, speed, 1)[0];
+    assert!(spike.abs_diff(8 + height / 8) <= 2, "{spike} of {height}");
+}
+
+#[wasm_bindgen_test]
+async fn a_trace_that_is_switched_off_is_gone() {
+    let bench = bench("graph-traces").await;
+    let canvas = canvas(&bench);
+    tell(&bench, steady(9_000, 100));
+    let speed = colour_of(&bench, "border-right-color");
+    let seen = || !rows_of(&canvas, speed, 20).is_empty();
+    bench.until("the line", seen).await;
+    bench.find("checkbox", "Show speed").click();
+    bench.until("the line to go", || !seen()).await;
+    bench.find("checkbox", "Show speed").click();
+    bench.until("the line to come back", seen).await;
+}
+
+#[wasm_bindgen_test]
+async fn on_a_screen_of_twice_the_density_the_canvas_has_twice_the_pixels() {
+    let bench = bench("graph-density").await;
+    let canvas = canvas(&bench);
+    bench.until("a size", || canvas.width() > 400).await;
+    let (width, height) = (canvas.width(), canvas.height());
+    let shown = canvas.get_bounding_client_rect().width();
+    let window: JsValue = web_sys::window().unwrap().into();
+    let density = Pretence::new(&window, "devicePixelRatio", &2.into());
+    let resize = || {
+        let resize = Event::new("resize").unwrap();
+        web_sys::window().unwrap().dispatch_event(&resize).unwrap();
+    };
+    resize();
+    bench
+        .until("twice the pixels", || canvas.width() > width + 100)
+        .await;
+    assert!(canvas.width().abs_diff(2 * width) <= 1);
+    assert!(canvas.height().abs_diff(2 * height) <= 1);
+    assert!((canvas.get_bounding_client_rect().width() - shown).abs() <= 1.0);
+    drop(density);
+    resize();
+    bench.until("one again", || canvas.width() == width).await;
+}
+
+#[wasm_bindgen_test]
+async fn a_hidden_page_draws_nothing_and_loses_nothing() {
+    let bench = bench("graph-hidden").await;
+    let canvas = canvas(&bench);
+    tell(&bench, steady(5_000, 100));
+    bench.until("a line", || is_drawn(&canvas)).await;
+    let changed = || {
+        let changed = Event::new("visibilitychange").unwrap();
+        document().dispatch_event(&changed).unwrap();
+    };
+    let hidden = Pretence::new(&document().into(), "hidden", &true.into());
+    changed();
+    wipe(&canvas);
+    for _ in 0..5 {
+        tell(&bench, steady(20, 300));
+        pause(100).await;
+    }
+    assert!(!is_drawn(&canvas));
+    drop(hidden);
+    changed();
+    let speed = colour_of(&bench, "border-right-color");
+    bench.until("a line", || is_drawn(&canvas)).await;
+    // What came meanwhile has had the scale grow.
+    let lines = rows_of(&canvas, speed, 2);
+    assert!(
+        lines[0] < 8 + (canvas.height() as usize - 30) / 6,
+        "{lines:?}"
+    );
+}
+
+#[wasm_bindgen_test]
+async fn a_paused_graph_stands_still_and_goes_on_where_the_time_is() {
+    let bench = bench("graph-paused").await;
+    let canvas = canvas(&bench);
+    tell(&bench, steady(5_000, 100));
+    bench.until("a line", || is_drawn(&canvas)).await;
+    bench.click("Pause");
+    bench
+        .until("the name of a paused graph", || {
+            name(&bench).contains("up to")
+        })
+        .await;
+    // It is drawn once more when the last replies must have come.
+    pause(700).await;
+    wipe(&canvas);
+    for _ in 0..4 {
+        tell(&bench, steady(20, 100));
+        pause(100).await;
+    }
+    assert!(!is_drawn(&canvas));
+    bench.click("Resume");
+    bench.until("a line", || is_drawn(&canvas)).await;
+    assert_eq!(name(&bench), "Speed and current, last 60 s");
+}
+
+#[wasm_bindgen_test]
+async fn without_news_an_empty_graph_is_not_drawn() {
+    let bench = bench("graph-empty").await;
+    let canvas = canvas(&bench);
+    bench.until("a size", || canvas.width() > 400).await;
+    pause(200).await;
+    let context = context(&canvas);
+    context.fill_rect(4_000.0, 800.0, 400.0, 400.0);
+    assert!(is_drawn(&canvas));
+    pause(400).await;
+    assert!(is_drawn(&canvas), "somebody has drawn, and wiped before");
+    tell(&bench, steady(1_000, 100));
+    let speed = colour_of(&bench, "border-right-color");
+    bench
+        .until("a line", || !rows_of(&canvas, speed, 2).is_empty())
+        .await;
+}
+
+#[wasm_bindgen_test]
+async fn another_theme_has_other_colours() {
+    let bench = bench("graph-theme").await;
+    let canvas = canvas(&bench);
+    tell(&bench, steady(9_000, 100));
+    let drawn = || {
+        let speed = colour_of(&bench, "border-right-color");
+        !rows_of(&canvas, speed, 20).is_empty()
+    };
+    bench.until("a line", drawn).await;
+    let mut colours = Vec::new();
+    // All the way round, as it was before.
+    for _ in 0..3 {
+        bench.click("Theme");
+        pause(100).await;
+        bench
+            .until("a line in the colours of the theme", drawn)
+            .await;
+        colours.push(colour_of(&bench, "border-right-color"));
+    }
+    colours.dedup();
+    assert!(colours.len() > 1, "every theme has the same colours");
+}

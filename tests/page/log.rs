@@ -1,0 +1,305 @@
+//! What the page tells the journal, and what it does with what it hears.
+
+use std::{cell::RefCell, rc::Rc};
+
+use js_sys::Array;
+use motorlink_messages::{
+    bus::{Activity, Command},
+    journal::{Export, Filter, FromJournal, Kind, RecordingStatus, ToJournal},
+    protocol::Mode,
+};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_futures::JsFuture;
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{AddEventListenerOptions, Blob, Element, Event, Response};
+
+use crate::{
+    bench::{Bench, document, motor, press},
+    fake_journal::FakeJournal,
+    log_bench::{page, rows},
+};
+
+#[wasm_bindgen_test]
+async fn both_workers_get_an_end_of_one_line() {
+    let (journal, _bench, _style) = page("line", 0).await;
+    assert!(journal.is_connected());
+}
+
+#[wasm_bindgen_test]
+async fn a_filter_is_sent_when_one_has_typed() {
+    let (journal, bench, _style) = page("filter", 10).await;
+    bench.enter_into("searchbox", "Filter", "0x");
+    bench.enter_into("searchbox", "Filter", "0x05");
+    let filter = |text: &str, kind| {
+        ToJournal::Filter(Filter {
+            text: text.to_owned(),
+            id: None,
+            kind,
+            collapse: true,
+        })
+    };
+    assert_eq!(journal.told().await, [filter("0x05", None)]);
+
+    let list: web_sys::HtmlSelectElement = bench.find("combobox", "Log direction").unchecked_into();
+    list.set_value("RX");
+    list.dispatch_event(&Event::new("change").unwrap()).unwrap();
+    assert_eq!(journal.told().await, [filter("0x05", Some(Kind::Rx))]);
+}
+
+#[wasm_bindgen_test]
+async fn collapsing_is_on_at_first_and_remembered() {
+    let journal = FakeJournal::new("collapse");
+    let bench = Bench::new("collapse").await;
+    let collapse = |told: &[ToJournal]| match told {
+        [ToJournal::Filter(filter)] => Some(filter.collapse),
+        _ => None,
+    };
+    assert_eq!(collapse(&journal.told().await), Some(true));
+    bench.find("checkbox", "Collapse status polls").click();
+    assert_eq!(collapse(&journal.told().await), Some(false));
+    assert!(!motorlink::Preferences::load().collapse_polls);
+    motorlink::Preferences::default().save();
+}
+
+#[wasm_bindgen_test]
+async fn what_happens_on_the_page_is_logged() {
+    let journal = FakeJournal::new("lines");
+    let bench = Bench::with_motor("lines", Mode::Velocity).await;
+    let said = |told: Vec<ToJournal>| -> Vec<(bool, String)> {
+        let said = told.into_iter().filter_map(|message| match message {
+            ToJournal::Say { error, text, .. } => Some((error, text)),
+            _ => None,
+        });
+        said.collect()
+    };
+    let told = journal.told().await;
+    assert!(
+        told.iter()
+            .any(|message| matches!(message, ToJournal::Epoch { unix_ms } if *unix_ms > 1e12))
+    );
+    assert_eq!(
+        said(told),
+        [(false, "Connected to Virtual motor".to_owned())]
+    );
+    // Refused by the page already.
+    bench.report(motor(Mode::Velocity, Activity::Idle), true);
+    bench
+        .until("the halt", || {
+            bench.find("button", "+100").has_attribute("disabled")
+        })
+        .await;
+    press("2");
+    let said = said(journal.told().await);
+    let [(false, text)] = said.as_slice() else {
+        panic!("{said:?}");
+    };
+    assert!(text.starts_with("Motor 0x01 was not driven. "), "{text}");
+}
+
+#[wasm_bindgen_test]
+async fn a_long_log_is_cleared_after_a_question_only() {
+    let (journal, bench, _style) = page("clear", 1_001).await;
+    bench.click("Clear");
+    assert_eq!(journal.told().await, []);
+    bench.find("alertdialog", "Clear the packet log");
+    bench.click("Clear 1\u{202F}001 entries");
+    assert_eq!(journal.told().await, [ToJournal::Clear]);
+    assert!(
+        bench
+            .find_all("alertdialog", "Clear the packet log")
+            .is_empty()
+    );
+    assert_eq!(bench.text("status", "Entries"), "0 entries");
+
+    journal.log(5);
+    bench.until("rows", || rows(&bench).len() == 5).await;
+    bench.click("Clear");
+    assert_eq!(journal.told().await, [ToJournal::Clear]);
+}
+
+/// The next file that the page saves: its name, and what is in it.
+struct Saved(
+    Rc<RefCell<Option<(String, String)>>>,
+    Closure<dyn FnMut(Event)>,
+);
+
+impl Saved {
+    fn watch() -> Self {
+        let found = Rc::new(RefCell::new(None));
+        let on_click = Closure::<dyn FnMut(Event)>::new({
+            let found = found.clone();
+            move |event: Event| {
+                let link: Element = event.target().unwrap().unchecked_into();
+                if let Some(name) = link.get_attribute("download") {
+                    event.prevent_default();
+                    let url = link.get_attribute("href").unwrap();
+                    *found.borrow_mut() = Some((name, url));
+                }
+            }
+        });
+        let options = AddEventListenerOptions::new();
+        options.set_capture(true);
+        document()
+            .add_event_listener_with_callback_and_add_event_listener_options(
+                "click",
+                on_click.as_ref().unchecked_ref(),
+                &options,
+            )
+            .unwrap();
+        Self(found, on_click)
+    }
+
+    async fn file(&self) -> Option<(String, String)> {
+        let (name, url) = self.0.borrow_mut().take()?;
+        let window = web_sys::window().unwrap();
+        let response = JsFuture::from(window.fetch_with_str(&url)).await.unwrap();
+        let text = response.unchecked_into::<Response>().text().unwrap();
+        Some((
+            name,
+            JsFuture::from(text).await.unwrap().as_string().unwrap(),
+        ))
+    }
+}
+
+impl Drop for Saved {
+    fn drop(&mut self) {
+        let callback = self.1.as_ref().unchecked_ref();
+        let _ = document().remove_event_listener_with_callback_and_bool("click", callback, true);
+    }
+}
+
+#[wasm_bindgen_test]
+async fn an_export_shows_how_far_it_is_and_saves_a_file() {
+    let (journal, bench, _style) = page("export", 10).await;
+    let saved = Saved::watch();
+    bench.click("Export CSV");
+    assert_eq!(journal.told().await, [ToJournal::ExportLog]);
+    bench.find("button", "Cancel export");
+    let other = bench.find("button", "Export telemetry CSV");
+    assert!(other.has_attribute("disabled"));
+    let what = Export::Log;
+    journal.say(&FromJournal::Exporting {
+        what,
+        done: 5,
+        of: 10,
+    });
+    let progress = || bench.find("progressbar", "Export").get_attribute("value");
+    bench
+        .until("half", || progress().as_deref() == Some("500"))
+        .await;
+
+    let parts = Array::of1(&JsValue::from_str("time,elapsed_s\r\n"));
+    let file = Blob::new_with_str_sequence(&parts).unwrap();
+    let name = "motorlink-log.csv".to_owned();
+    journal.say_with(
+        &FromJournal::Exported {
+            what,
+            name,
+            rows: 10,
+        },
+        &file,
+    );
+    bench
+        .until("the button", || {
+            bench.find_all("button", "Export CSV").len() == 1
+        })
+        .await;
+    let (name, text) = saved.file().await.unwrap();
+    assert_eq!(
+        (name.as_str(), text.as_str()),
+        ("motorlink-log.csv", "time,elapsed_s\r\n")
+    );
+    let told = journal.told().await;
+    assert!(
+        matches!(&told[..], [ToJournal::Say { text, .. }] if text.contains("10 rows")),
+        "{told:?}"
+    );
+
+    bench.click("Export CSV");
+    bench
+        .until("the way to end it", || {
+            bench.find_all("button", "Cancel export").len() == 1
+        })
+        .await;
+    bench.click("Cancel export");
+    assert_eq!(
+        journal.told().await,
+        [ToJournal::ExportLog, ToJournal::CancelExport]
+    );
+    journal.say(&FromJournal::NotExported {
+        what,
+        cancelled: true,
+    });
+    bench
+        .until("the button", || {
+            bench.find_all("button", "Export CSV").len() == 1
+        })
+        .await;
+    assert_eq!(saved.file().await, None);
+}
+
+#[wasm_bindgen_test]
+async fn the_recording_says_what_it_holds() {
+    let (journal, bench, _style) = page("recording", 0).await;
+    let mut status = RecordingStatus {
+        rolling: 6_012,
+        ..RecordingStatus::default()
+    };
+    journal.say(&FromJournal::Recording(status));
+    let words = || bench.text("status", "Recorded").replace('\u{202F}', " ");
+    bench
+        .until("the samples", || words() == "Last 10 min: 6 012 samples")
+        .await;
+    bench.click("Record telemetry");
+    assert_eq!(journal.told().await, [ToJournal::Record(true)]);
+    status.recording = true;
+    status.recorded = 6_650;
+    status.recorded_ms = 133_000;
+    journal.say(&FromJournal::Recording(status));
+    bench
+        .until("the time", || {
+            words() == "Recording: 00:02:13, 6 650 samples"
+        })
+        .await;
+    let pressed = bench
+        .find("button", "Record telemetry")
+        .get_attribute("aria-pressed");
+    assert_eq!(pressed.as_deref(), Some("true"));
+    bench.click("Record telemetry");
+    bench.click("Export telemetry CSV");
+    assert_eq!(
+        journal.told().await,
+        [ToJournal::Record(false), ToJournal::ExportTelemetry]
+    );
+}
+
+#[wasm_bindgen_test]
+async fn a_dead_journal_is_told_and_driving_goes_on() {
+    let (journal, bench, _style) = page("dead", 10).await;
+    journal.say(&FromJournal::Died);
+    bench
+        .until("the words", || {
+            bench.text("region", "Notices").contains("packet log")
+        })
+        .await;
+    assert!(
+        bench
+            .text("region", "Packet log")
+            .contains("Driving goes on")
+    );
+    for name in [
+        "Clear",
+        "Export CSV",
+        "Record telemetry",
+        "Export telemetry CSV",
+    ] {
+        let button = bench.find("button", name);
+        assert!(button.has_attribute("disabled"), "{name}");
+        assert!(button.title().contains("has stopped"), "{name}");
+    }
+    bench.click("+100");
+    assert!(matches!(
+        &bench.commands().await[..],
+        [Command::Drive { .. }]
+    ));
+}

@@ -1,0 +1,130 @@
+//! The list `Packets`: rows, and what becomes of them while one scrolls.
+
+use motorlink_messages::journal::Kind;
+use wasm_bindgen::JsCast;
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::HtmlElement;
+
+use crate::{
+    bench::{Bench, pause, text_of},
+    log_bench::{numbers, page, rows},
+};
+
+fn scroller(bench: &Bench) -> HtmlElement {
+    bench.find("log", "Packets")
+}
+
+fn auto_scrolls(bench: &Bench) -> bool {
+    let checkbox = bench.find("checkbox", "Auto-scroll");
+    checkbox
+        .unchecked_into::<web_sys::HtmlInputElement>()
+        .checked()
+}
+
+async fn scroll_by(bench: &Bench, px: f64) {
+    let scroller = scroller(bench);
+    scroller.set_scroll_top(scroller.scroll_top() + px);
+    pause(100).await;
+}
+
+#[wasm_bindgen_test]
+async fn rows_appear_in_words_and_are_told_apart() {
+    let (journal, bench, _style) = page("rows", 2).await;
+    journal.log_row(|row| {
+        row.kind = Kind::Error;
+        row.meaning = String::from("<b>CRC</b> is 5B");
+        row.collapsed_before = 48;
+    });
+    journal.log_row(|row| {
+        row.kind = Kind::System;
+        row.hex.clear();
+        row.id.clear();
+        row.meaning = String::from("Disconnected");
+    });
+    bench.until("four rows", || rows(&bench).len() == 4).await;
+    let rows = rows(&bench);
+    let kinds: Vec<String> = rows.iter().map(|row| row.text("kind")).collect();
+    assert_eq!(kinds, ["TX", "TX", "ERR", "SYS"]);
+    assert_eq!(rows[1].text("time"), "13:15:36.962");
+    assert_eq!(rows[1].text("id"), "0x01");
+    assert_eq!(rows[1].text("hex"), "01 64 00 64 00 00 01 00 00 A1");
+    assert_eq!(rows[2].text("meaning"), "<b>CRC</b> is 5B");
+    assert_eq!(rows[2].text("before"), "+48");
+    assert_eq!(rows[2].0.class_name(), "packet error");
+    assert_eq!(rows[3].0.class_name(), "packet system wordy");
+    assert_eq!(bench.text("status", "Entries"), "4 entries");
+}
+
+#[wasm_bindgen_test]
+async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
+    let (journal, bench, _style) = page("virtual", 5_000).await;
+    assert_eq!(numbers(&bench), (4_990..5_000).collect::<Vec<_>>());
+    journal.log(3);
+    bench
+        .until("the newest", || numbers(&bench).last() == Some(&5_002))
+        .await;
+    assert_eq!(numbers(&bench), (4_993..5_003).collect::<Vec<_>>());
+    let scroller = scroller(&bench);
+    assert_eq!(scroller.scroll_height(), 5_003 * 22);
+    assert_eq!(scroller.client_height(), 220);
+    assert!((scroller.scroll_top() - f64::from(4_993 * 22)).abs() < 1.5);
+}
+
+#[wasm_bindgen_test]
+async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back() {
+    let (journal, bench, _style) = page("auto-scroll", 500).await;
+    assert!(auto_scrolls(&bench));
+    assert!(bench.find_all("button", "Back to the newest").is_empty());
+
+    scroll_by(&bench, -66.0).await;
+    assert!(!auto_scrolls(&bench));
+    assert_eq!(numbers(&bench), (487..497).collect::<Vec<_>>());
+    let top = rows(&bench)[0].top();
+    journal.log(12);
+    let back = || {
+        let button = bench.find_all("button", "Back to the newest");
+        button.first().map(text_of).unwrap_or_default()
+    };
+    bench.until("the count", || back().contains("12 new")).await;
+    assert_eq!(numbers(&bench), (487..497).collect::<Vec<_>>());
+    assert!((rows(&bench)[0].top() - top).abs() < 0.5);
+
+    bench.click("Back to the newest");
+    bench
+        .until("the newest", || numbers(&bench).last() == Some(&511))
+        .await;
+    assert!(auto_scrolls(&bench));
+
+    // By the scroll bar.
+    scroll_by(&bench, -300.0).await;
+    assert!(!auto_scrolls(&bench));
+    scroll_by(&bench, 10_000.0).await;
+    assert!(auto_scrolls(&bench));
+
+    // By the checkbox.
+    bench.find("checkbox", "Auto-scroll").click();
+    journal.log(1);
+    bench.until("one new", || back().contains("1 new")).await;
+    assert_eq!(numbers(&bench).last(), Some(&511));
+    bench.find("checkbox", "Auto-scroll").click();
+    bench
+        .until("the newest", || numbers(&bench).last() == Some(&512))
+        .await;
+}
+
+#[wasm_bindgen_test]
+async fn what_is_read_does_not_move_when_old_rows_give_way() {
+    let (journal, bench, _style) = page("give-way", 1_000).await;
+    scroll_by(&bench, -5_000.0).await;
+    let (before, top) = (numbers(&bench), rows(&bench)[0].top());
+    for _ in 0..3 {
+        journal.give_way(100);
+        pause(400).await;
+        assert_eq!(numbers(&bench), before);
+        assert!((rows(&bench)[0].top() - top).abs() < 0.5);
+    }
+    let entries = bench.text("status", "Entries");
+    assert_eq!(entries, "700 entries, 300 gave way");
+    let scroll_height = scroller(&bench).scroll_height();
+    assert_eq!(scroll_height, 700 * 22);
+}
