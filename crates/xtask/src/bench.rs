@@ -16,6 +16,9 @@ use crate::workspace::Workspace;
 /// Optimised for speed: these programs stand for a motor, which answers after 0.6 ms.
 const PROFILE: &str = "bench-native";
 
+/// Lines on which full scans are played; one run in a thousand may miss a motor.
+const SCAN_SEEDS: &str = "1000";
+
 /// Builds the virtual motor and the library that shows Chromium its serial line.
 pub fn build_programs(workspace: &Workspace) -> Result<()> {
     let mut cargo = process::cargo();
@@ -49,18 +52,33 @@ fn udev_shim(target: &Path) -> PathBuf {
 
 /// Measures the figures that the page is held to, and prints them.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
-    let dist = prepare_and_run(workspace, "figures", args)?;
+    let (browser, dist) = prepare(workspace)?;
+    // What one of them cannot measure keeps none of the others from it.
+    let driving = run(workspace, &browser, "figures", args);
+    let instruments = run(workspace, &browser, "instruments", args);
+    let scans = full_scans(workspace);
     let files = site::files_of(&dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
     let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
     println!("first visit, gzip: {bytes} bytes (at most {max})");
     println!("foreign hosts in the files: {}", list(&files));
-    Ok(())
+    driving.and(instruments).and(scans)
+}
+
+/// Plays full scans on bad lines in virtual time, and prints how many runs found every motor.
+fn full_scans(workspace: &Workspace) -> Result<()> {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args(["run", "--quiet", "--profile", PROFILE]);
+    cargo.args(["--package", "motorlink-bus", "--example", "full_scans"]);
+    cargo.args(["--", SCAN_SEEDS]);
+    process::run(&mut cargo)
 }
 
 /// Makes the README's screenshots.
 pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
-    prepare_and_run(workspace, "screenshots", args).map(|_| ())
+    let (browser, _) = prepare(workspace)?;
+    run(workspace, &browser, "screenshots", args)
 }
 
 /// Fails where the site is heavier than it may be or names another host.
@@ -89,25 +107,22 @@ fn list(files: &[site::SiteFile]) -> String {
     }
 }
 
-/// Builds everything, runs a program of `end-to-end` and gives the site's directory.
-fn prepare_and_run(workspace: &Workspace, program: &str, args: &[String]) -> Result<PathBuf> {
+/// Builds everything; gives the browser and the site's directory.
+fn prepare(workspace: &Workspace) -> Result<(Browser, PathBuf)> {
     ensure_linux()?;
     let browser = browser::ensure()?;
     let dist = site::build(workspace, Profile::Release)?;
     build_programs(workspace)?;
+    Ok((browser, dist))
+}
+
+/// Runs a program of `end-to-end`.
+fn run(workspace: &Workspace, browser: &Browser, program: &str, args: &[String]) -> Result<()> {
     let mut cargo = process::cargo();
-    cargo.args([
-        "run",
-        "--quiet",
-        "--package",
-        "end-to-end",
-        "--bin",
-        program,
-    ]);
-    cargo.arg("--").args(args);
-    equip(&mut cargo, workspace, &browser);
-    process::run(&mut cargo).map_err(refusal_of_flags)?;
-    Ok(dist)
+    cargo.args(["run", "--quiet", "--package", "end-to-end"]);
+    cargo.args(["--bin", program, "--"]).args(args);
+    equip(&mut cargo, workspace, browser);
+    process::run(&mut cargo).map_err(refusal_of_flags)
 }
 
 /// The bench shows Chromium a serial line through libudev, which only Linux has.

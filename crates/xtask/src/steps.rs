@@ -180,6 +180,8 @@ fn test_wasm(workspace: &Workspace) -> Result<()> {
     let mut command = wasm_command(workspace, "test", &["--lib", "--bins", "--tests"]);
     command
         .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", runner)
+        // In seconds, for all tests of a program together; the runner's own 20 are too few.
+        .env("WASM_BINDGEN_TEST_TIMEOUT", "300")
         .env("CHROMEDRIVER", browser.driver);
     process::run(&mut command)
 }

@@ -1,19 +1,12 @@
 //! A USB-RS485 adapter that can be plugged and pulled, with virtual motors on its wire.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::Duration;
 
-use anyhow::{Context, Result, bail, ensure};
-use rustix::process::{Pid, Signal, kill_process};
+use anyhow::{Context, Result, ensure};
 
-use crate::artefacts;
-use crate::wait::{PATIENCE, wait_until};
+use crate::motors::Motors;
 use crate::wire_log::WireLog;
-
-/// How long the program gets to end by itself: it has nothing to do but to remove its link.
-const FAREWELL: Duration = Duration::from_secs(2);
 
 /// What is on the wire: arguments of `virtual-motor`.
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +133,7 @@ pub struct Adapter {
     dir: PathBuf,
     /// Where the browser looks for adapters.
     udev_dir: PathBuf,
-    motors: Option<Child>,
+    motors: Option<Motors>,
     /// One log for each time that it was plugged, oldest first.
     logs: Vec<PathBuf>,
 }
@@ -168,7 +161,7 @@ impl Adapter {
         ensure!(self.motors.is_none(), "{} is plugged already", self.name);
         let node = self.dir.join("node");
         let log = self.dir.join(format!("wire-{}.log", self.logs.len()));
-        self.start_motors(&node, &log)?;
+        self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
         self.logs.push(log);
         let hidden = self.udev_dir.join(format!(".{}", self.name));
         // The node is given by its own path, as udev would: the link is only how we learn it.
@@ -184,7 +177,7 @@ impl Adapter {
     /// When it is not plugged.
     pub fn unplug(&mut self) -> Result<()> {
         ensure!(self.motors.is_some(), "{} is not plugged", self.name);
-        self.stop_motors();
+        self.motors = None;
         fs::remove_file(self.udev_dir.join(&self.name))?;
         Ok(())
     }
@@ -197,8 +190,21 @@ impl Adapter {
     /// When it is not plugged.
     pub fn take_node(&mut self) -> Result<()> {
         ensure!(self.motors.is_some(), "{} is not plugged", self.name);
-        self.stop_motors();
+        self.motors = None;
         Ok(())
+    }
+
+    /// Acts on a motor as a hand or the weather does: `block 1 on`, `load 1 0.5`, `temperature 1 85`,
+    /// `power 1 off`, `mute 1 on`. Gives the answer.
+    ///
+    /// # Errors
+    ///
+    /// When it is not plugged, or the motors do not know the command.
+    pub fn act(&mut self, command: &str) -> Result<String> {
+        let motors = self.motors.as_mut();
+        motors
+            .with_context(|| format!("{} is not plugged", self.name))?
+            .obey(command)
     }
 
     /// Everything that has been on its wire so far, over all the times that it was plugged.
@@ -221,65 +227,11 @@ impl Adapter {
         fs::canonicalize(self.dir.join("node"))
             .with_context(|| format!("{} has no node", self.name))
     }
-
-    fn start_motors(&mut self, node: &Path, log: &Path) -> Result<()> {
-        let program = artefacts::virtual_motor()?;
-        let ids: Vec<String> = self.line.ids.iter().map(ToString::to_string).collect();
-        let complaints = self.dir.join("virtual-motor.stderr");
-        let mut motors = Command::new(&program)
-            .args(["--ids", &ids.join(",")])
-            .args(["--turnaround-us", &self.line.turnaround_us.to_string()])
-            .arg("--link")
-            .arg(node)
-            .arg("--log")
-            .arg(log)
-            .args(&self.line.extra)
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(File::create(&complaints)?)
-            .spawn()
-            .with_context(|| format!("cannot start {}", program.display()))?;
-        let started = wait_until("virtual-motor to make its node", PATIENCE, || {
-            if let Some(status) = motors.try_wait()? {
-                let complaint = fs::read_to_string(&complaints).unwrap_or_default();
-                bail!(
-                    "{} ended, {status}: {}",
-                    program.display(),
-                    complaint.trim()
-                );
-            }
-            Ok(fs::canonicalize(node).map_err(|error| error.to_string()))
-        });
-        self.motors = Some(motors);
-        if started.is_err() {
-            self.stop_motors();
-        }
-        started.map(drop)
-    }
-
-    fn stop_motors(&mut self) {
-        let Some(mut motors) = self.motors.take() else {
-            return;
-        };
-        if let Some(pid) = i32::try_from(motors.id()).ok().and_then(Pid::from_raw) {
-            // If it is gone already, that is what is wanted.
-            let _ = kill_process(pid, Signal::TERM);
-        }
-        let ended = wait_until("virtual-motor to end", FAREWELL, || {
-            Ok(motors.try_wait()?.ok_or_else(|| "it runs on".to_owned()))
-        });
-        if ended.is_err() {
-            let _ = motors.kill();
-            let _ = motors.wait();
-        }
-        // It removes its link itself, unless it was killed.
-        let _ = fs::remove_file(self.dir.join("node"));
-    }
 }
 
 impl Drop for Adapter {
     fn drop(&mut self) {
-        self.stop_motors();
+        self.motors = None;
         let _ = fs::remove_file(self.udev_dir.join(&self.name));
     }
 }

@@ -1,6 +1,7 @@
 //! A world of its own for one test.
 
 use std::cell::Cell;
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,12 +42,16 @@ impl Bench {
     ///
     /// As for [`Bench::start`].
     pub fn serving(pages: &Path) -> Result<Self> {
-        let dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
+        let mut dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
+        // Whoever looks for why a story fails wants its wire and its files.
+        dir.disable_cleanup(env::var_os("MOTORLINK_BENCH_KEEP").is_some());
         let udev_dir = udev_dir(dir.path());
         fs::create_dir(&udev_dir)?;
         let server = Server::start(pages)?;
         let profile = dir.path().join("profile");
-        let chromium = Chromium::start(&profile, &udev_dir, &server.origin())?;
+        let downloads = downloads_dir(dir.path());
+        fs::create_dir(&downloads)?;
+        let chromium = Chromium::start(&profile, &udev_dir, &downloads, &server.origin())?;
         Ok(Self {
             chromium,
             server,
@@ -78,7 +83,8 @@ impl Bench {
     ///
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
-        Page::load(self.new_tab()?, &format!("{}{path}", self.server.origin()))
+        let url = format!("{}{path}", self.server.origin());
+        Page::load(self.new_tab()?, &url, downloads_dir(self.dir.path()))
     }
 
     /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.
@@ -125,4 +131,8 @@ impl Bench {
 
 fn udev_dir(dir: &Path) -> PathBuf {
     dir.join("udev")
+}
+
+fn downloads_dir(dir: &Path) -> PathBuf {
+    dir.join("downloads")
 }

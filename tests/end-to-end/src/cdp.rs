@@ -79,6 +79,11 @@ impl Blocking {
             .with_context(|| format!("Chromium refused {what}"))
     }
 
+    /// Waits for a `future` that bounds itself.
+    pub fn wait_plain<T>(&self, future: impl Future<Output = T>) -> T {
+        self.0.block_on(future)
+    }
+
     /// Lets `future` run beside everything else.
     pub fn spawn(&self, future: impl Future<Output = ()> + Send + 'static) {
         self.0.spawn(future);

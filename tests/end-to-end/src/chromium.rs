@@ -6,6 +6,9 @@ use std::{fs, io};
 
 use anyhow::{Context, Result, anyhow};
 use chromiumoxide::browser::{Browser, BrowserConfig};
+use chromiumoxide::cdp::browser_protocol::browser::{
+    SetDownloadBehaviorBehavior, SetDownloadBehaviorParams,
+};
 use chromiumoxide::cdp::browser_protocol::target::{CreateTargetParams, TargetId};
 use futures::StreamExt;
 use serde_json::{Map, Value, json};
@@ -48,8 +51,8 @@ pub struct Chromium {
 
 impl Chromium {
     /// Starts a browser with a fresh profile in `profile`, that finds its serial adapters in
-    /// `udev_dir` and lets `origin` use the permitted ones.
-    pub fn start(profile: &Path, udev_dir: &Path, origin: &str) -> Result<Self> {
+    /// `udev_dir`, lets `origin` use the permitted ones, and puts files into `downloads`.
+    pub fn start(profile: &Path, udev_dir: &Path, downloads: &Path, origin: &str) -> Result<Self> {
         permit_serial(profile, origin)?;
         let shim = artefacts::udev_shim()?;
         let blocking = Blocking::new()?;
@@ -73,6 +76,11 @@ impl Chromium {
             // An event that chromiumoxide does not know is an error here, but not to us.
             while connection.next().await.is_some() {}
         });
+        let downloading = SetDownloadBehaviorParams {
+            download_path: Some(downloads.to_string_lossy().into_owned()),
+            ..SetDownloadBehaviorParams::new(SetDownloadBehaviorBehavior::Allow)
+        };
+        blocking.wait("a place for files", browser.execute(downloading))?;
         Ok(Self { browser, blocking })
     }
 

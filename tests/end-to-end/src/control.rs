@@ -9,9 +9,9 @@ use crate::keyboard::Key;
 /// A node of the accessibility tree. It goes stale when the page replaces its element: find it
 /// again for every use.
 pub struct Control {
-    session: Session,
+    pub(crate) session: Session,
     /// The node's id in the `DevTools` protocol.
-    node: i64,
+    pub(crate) node: i64,
     /// Its role, as the browser calls it.
     pub role: String,
     /// Its accessible name.
@@ -65,47 +65,13 @@ impl Control {
     ///
     /// When it has left the page.
     pub fn text(&self) -> Result<String> {
-        let text = self.call("function () { return this.textContent; }", &[])?;
+        let text = self.ask("function () { return this.textContent; }", &[])?;
         Ok(text
             .as_str()
             .unwrap_or_default()
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" "))
-    }
-
-    /// Clicks it with the mouse, at its middle.
-    ///
-    /// # Errors
-    ///
-    /// When it is disabled, has no size, or something else lies over it: a person could not either.
-    pub fn click(&self) -> Result<()> {
-        let (x, y) = self.reachable_middle()?;
-        for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
-            self.mouse(kind, x, y)?;
-        }
-        Ok(())
-    }
-
-    /// Holds the mouse down on it until [`Control::release`].
-    ///
-    /// # Errors
-    ///
-    /// As for [`Control::click`].
-    pub fn hold(&self) -> Result<()> {
-        let (x, y) = self.reachable_middle()?;
-        self.mouse("mouseMoved", x, y)?;
-        self.mouse("mousePressed", x, y)
-    }
-
-    /// Lets the mouse go.
-    ///
-    /// # Errors
-    ///
-    /// When it has left the page.
-    pub fn release(&self) -> Result<()> {
-        let (x, y) = self.middle()?;
-        self.mouse("mouseReleased", x, y)
     }
 
     /// Gives it the keyboard's focus.
@@ -125,6 +91,16 @@ impl Control {
     ///
     /// When it is disabled, or no key types a character of `text`.
     pub fn fill(&self, text: &str) -> Result<()> {
+        self.type_over(text)?;
+        press(&self.session, &Key::named("Enter")?)
+    }
+
+    /// Replaces what is in a text field or spinbutton by typing.
+    ///
+    /// # Errors
+    ///
+    /// When it is disabled, or no key types a character of `text`.
+    pub fn type_over(&self, text: &str) -> Result<()> {
         ensure!(
             !self.disabled,
             "{} is disabled: {}",
@@ -132,12 +108,12 @@ impl Control {
             self.description
         );
         self.focus()?;
-        self.call("function () { this.select(); }", &[])?;
+        self.ask("function () { this.select(); }", &[])?;
         press(&self.session, &Key::named("Delete")?)?;
         for character in text.chars() {
             press(&self.session, &Key::named(&character.to_string())?)?;
         }
-        press(&self.session, &Key::named("Enter")?)
+        Ok(())
     }
 
     /// Moves a slider to a value, with the events of a drag that ends there. A mouse cannot hit
@@ -159,7 +135,7 @@ impl Control {
             this.dispatchEvent(new Event('input', { bubbles: true }));
             this.dispatchEvent(new Event('change', { bubbles: true }));
         }";
-        self.call(function, &[json!(value)]).map(drop)
+        self.ask(function, &[json!(value)]).map(drop)
     }
 
     /// Chooses the option of a combobox that reads `option`.
@@ -183,7 +159,7 @@ impl Control {
             this.dispatchEvent(new Event('change', { bubbles: true }));
             return null;
         }";
-        match self.call(function, &[json!(option)])? {
+        match self.ask(function, &[json!(option)])? {
             Value::Null => Ok(()),
             options => bail!("{} has no option {option:?}, only {options}", self.title()),
         }
@@ -195,63 +171,15 @@ impl Control {
         format!("{} {:?}", self.role, self.name)
     }
 
-    fn call(&self, function: &str, arguments: &[Value]) -> Result<Value> {
+    /// The value of a JavaScript function that is called with its element as `this`.
+    ///
+    /// # Errors
+    ///
+    /// When it throws, or the element has left the page.
+    pub fn ask(&self, function: &str, arguments: &[Value]) -> Result<Value> {
         self.session
             .call_on_node(self.node, function, arguments)
             .with_context(|| format!("at {}", self.title()))
-    }
-
-    fn reachable_middle(&self) -> Result<(f64, f64)> {
-        ensure!(
-            !self.disabled,
-            "{} is disabled: {}",
-            self.title(),
-            self.description
-        );
-        self.session
-            .call(
-                "DOM.scrollIntoViewIfNeeded",
-                json!({ "backendNodeId": self.node }),
-            )
-            .with_context(|| format!("cannot scroll to {}", self.title()))?;
-        let (x, y) = self.middle()?;
-        // A label over its own field passes the click on to it.
-        let function = "function (x, y) {
-            const hit = document.elementFromPoint(x, y);
-            const mine = this === hit || this.contains(hit) || hit?.closest('label')?.control === this;
-            return mine ? null : (hit ? hit.outerHTML.slice(0, 200) : 'nothing');
-        }";
-        match self.call(function, &[json!(x), json!(y)])? {
-            Value::Null => Ok((x, y)),
-            other => bail!("at the middle of {} there is {other} instead", self.title()),
-        }
-    }
-
-    /// The middle of its box in the window, in CSS pixels.
-    fn middle(&self) -> Result<(f64, f64)> {
-        let function = "function () {
-            const box = this.getBoundingClientRect();
-            return box.width && box.height
-                ? [box.x + box.width / 2, box.y + box.height / 2] : null;
-        }";
-        let middle = self.call(function, &[])?;
-        let [x, y] = [at(&middle, "/0"), at(&middle, "/1")].map(Value::as_f64);
-        x.zip(y)
-            .with_context(|| format!("{} has no size", self.title()))
-    }
-
-    fn mouse(&self, kind: &str, x: f64, y: f64) -> Result<()> {
-        let (button, count) = if kind == "mouseMoved" {
-            ("none", 0)
-        } else {
-            ("left", 1)
-        };
-        let event = json!({
-            "type": kind, "x": x, "y": y, "button": button, "clickCount": count,
-        });
-        self.session
-            .call("Input.dispatchMouseEvent", event)
-            .map(drop)
     }
 }
 

@@ -1,6 +1,6 @@
 //! A page in a tab, used as a person uses it.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
@@ -10,25 +10,43 @@ use crate::cdp::{Session, at};
 use crate::console::Console;
 use crate::control::{self, Control};
 use crate::keyboard::Key;
+use crate::main_thread::NOTE_WORK;
 use crate::stopwatch::{self, KeyPress};
-use crate::view::View;
 use crate::wait::{PATIENCE, wait_until};
 
 /// A page in a tab.
 pub struct Page {
     pub(crate) session: Session,
     console: Console,
+    /// Where the browser puts its files.
+    pub(crate) downloads: PathBuf,
 }
 
 impl Page {
-    /// Loads `url` into a tab.
-    pub(crate) fn load(session: Session, url: &str) -> Result<Self> {
+    /// Loads `url` into a tab whose files go to `downloads`.
+    pub(crate) fn load(session: Session, url: &str, downloads: PathBuf) -> Result<Self> {
         let console = Console::listen(&session)?;
-        let notes = json!({ "source": stopwatch::NOTE_KEYS });
-        session.call("Page.addScriptToEvaluateOnNewDocument", notes)?;
-        let page = Self { session, console };
+        let page = Self {
+            session,
+            console,
+            downloads,
+        };
+        page.before_load(stopwatch::NOTE_KEYS)?;
+        page.before_load(NOTE_WORK)?;
         page.go(url)?;
         Ok(page)
+    }
+
+    /// Has a script run before those of every page that is loaded into this tab from now on.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn before_load(&self, script: &str) -> Result<()> {
+        let source = json!({ "source": script });
+        self.session
+            .call("Page.addScriptToEvaluateOnNewDocument", source)
+            .map(drop)
     }
 
     /// Leaves this page for `url`, in the same tab.
@@ -216,43 +234,7 @@ impl Page {
         self.session.evaluate(expression)
     }
 
-    /// Looks at the page in a window of this size and these colours from now on.
-    ///
-    /// # Errors
-    ///
-    /// When Chromium does not answer.
-    pub fn look(&self, view: View) -> Result<()> {
-        let metrics = json!({
-            "width": view.width,
-            "height": view.height,
-            "deviceScaleFactor": 1,
-            "mobile": false,
-        });
-        self.session
-            .call("Emulation.setDeviceMetricsOverride", metrics)?;
-        let scheme = json!({ "name": "prefers-color-scheme", "value": view.scheme.name() });
-        self.session.call(
-            "Emulation.setEmulatedMedia",
-            json!({ "features": [scheme] }),
-        )?;
-        Ok(())
-    }
-
-    /// Saves what the window shows as a PNG file.
-    ///
-    /// # Errors
-    ///
-    /// When it cannot be taken or written.
-    pub fn screenshot(&self, file: &Path) -> Result<()> {
-        let params = chromiumoxide::page::ScreenshotParams::default();
-        let tab = self.session.tab();
-        self.session
-            .blocking()
-            .wait("a screenshot", tab.save_screenshot(params, file))
-            .map(drop)
-    }
-
-    fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
+    pub(crate) fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
         // Ids of nodes do not outlive a document, so the root is asked for each time.
         let document = self
             .session
@@ -282,7 +264,7 @@ impl Page {
 }
 
 /// What Chromium calls a role.
-fn browser_role(role: &str) -> &str {
+pub(crate) fn browser_role(role: &str) -> &str {
     match role {
         "output" => "status",
         "img" => "image",

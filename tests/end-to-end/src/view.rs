@@ -1,5 +1,13 @@
 //! How a page is looked at, for screenshots.
 
+use std::path::Path;
+
+use anyhow::Result;
+use chromiumoxide::page::ScreenshotParams;
+use serde_json::json;
+
+use crate::page::Page;
+
 /// The colours that a person's system asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
@@ -57,5 +65,56 @@ impl View {
             scheme: Scheme::Dark,
             ..self
         }
+    }
+}
+
+impl Page {
+    /// Looks at the page in a window of this size and these colours from now on.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn look(&self, view: View) -> Result<()> {
+        let metrics = json!({
+            "width": view.width,
+            "height": view.height,
+            "deviceScaleFactor": 1,
+            "mobile": false,
+        });
+        self.session
+            .call("Emulation.setDeviceMetricsOverride", metrics)?;
+        let scheme = json!({ "name": "prefers-color-scheme", "value": view.scheme.name() });
+        self.session.call(
+            "Emulation.setEmulatedMedia",
+            json!({ "features": [scheme] }),
+        )?;
+        Ok(())
+    }
+
+    /// Saves what the window shows as a PNG file.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be taken or written.
+    pub fn screenshot(&self, file: &Path) -> Result<()> {
+        self.save(ScreenshotParams::default(), file)
+    }
+
+    /// Saves the page from its top to its bottom as a PNG file.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be taken or written.
+    pub fn screenshot_whole(&self, file: &Path) -> Result<()> {
+        let whole = ScreenshotParams::builder().full_page(true).build();
+        self.save(whole, file)
+    }
+
+    fn save(&self, params: ScreenshotParams, file: &Path) -> Result<()> {
+        let tab = self.session.tab();
+        self.session
+            .blocking()
+            .wait("a screenshot", tab.save_screenshot(params, file))
+            .map(drop)
     }
 }

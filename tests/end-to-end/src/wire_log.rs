@@ -5,6 +5,8 @@ use std::{fmt, fs};
 
 use anyhow::{Context, Result};
 
+use crate::figures::percentile;
+
 /// Who sent a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -202,13 +204,11 @@ impl WireLog {
             .map(|(before, after)| after.at_us.saturating_sub(before.at_us))
             .collect();
         gaps.sort_unstable();
-        // The smallest gap that so many of a hundred do not exceed.
-        let percentile = |percent: usize| gaps.get((gaps.len() * percent).div_ceil(100).max(1) - 1);
         Some(Gaps {
             count: gaps.len(),
             min_us: *gaps.first()?,
-            median_us: *percentile(50)?,
-            p99_us: *percentile(99)?,
+            median_us: percentile(&gaps, 50)?,
+            p99_us: percentile(&gaps, 99)?,
             max_us: *gaps.last()?,
         })
     }

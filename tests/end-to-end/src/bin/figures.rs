@@ -2,10 +2,14 @@
 //!
 //! `cargo xtask bench` builds what is needed and runs this. `--seconds N` shortens the long runs.
 
-use std::{env, fmt::Display, fs, process::ExitCode, thread, time::Duration};
+use std::{env, process::ExitCode, thread, time::Duration};
 
 use anyhow::{Context, Result, bail, ensure};
-use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WireLog, now_us};
+use end_to_end::{
+    Adapter, Bench, Line, Page, Usb, View, WireLog,
+    figures::{Table, ms, ratio, row},
+    now_us,
+};
 
 /// How long a drive is watched, visible and hidden.
 const WATCHED_S: u64 = 60;
@@ -38,70 +42,11 @@ fn seconds() -> Result<u64> {
 }
 
 fn measure(seconds: u64) -> Result<()> {
-    println!("| figure | must | measured | reached |");
-    println!("|---|---|---|---|");
-    let before = Processor::now()?;
+    let table = Table::begin()?;
     driving(seconds)?;
     stopping()?;
     first_visit()?;
-    // A virtual machine that does not get its processor is late whatever runs on it.
-    println!(
-        "\ntime stolen by the host meanwhile: {:.1} %",
-        before.stolen_until(&Processor::now()?)
-    );
-    Ok(())
-}
-
-/// What the processors did since the machine started, in ticks.
-struct Processor {
-    all: u64,
-    stolen: u64,
-}
-
-impl Processor {
-    /// From the first line of `/proc/stat`: user, nice, system, idle, iowait, irq, softirq, steal.
-    fn now() -> Result<Self> {
-        let text = fs::read_to_string("/proc/stat")?;
-        let line = text.lines().next().context("/proc/stat is empty")?;
-        let ticks: Vec<u64> = line
-            .split_whitespace()
-            .skip(1)
-            .take(8)
-            .filter_map(|tick| tick.parse().ok())
-            .collect();
-        let stolen = ticks.get(7).copied().unwrap_or(0);
-        Ok(Self {
-            all: ticks.iter().sum(),
-            stolen,
-        })
-    }
-
-    fn stolen_until(&self, later: &Self) -> f64 {
-        ratio(
-            100 * (later.stolen - self.stolen),
-            (later.all - self.all).max(1),
-        )
-    }
-}
-
-/// One row of the table.
-fn row(figure: &str, must: &str, measured: impl Display, reached: bool) {
-    println!(
-        "| {figure} | {must} | {measured} | {} |",
-        if reached { "yes" } else { "NO" }
-    );
-}
-
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "counts and microseconds of minutes fit a double"
-)]
-fn ratio(dividend: u64, divisor: u64) -> f64 {
-    dividend as f64 / divisor as f64
-}
-
-fn ms(us: u64) -> String {
-    format!("{:.1} ms", ratio(us, 1_000))
+    table.end()
 }
 
 fn connected(bench: &Bench) -> Result<(Adapter, Page)> {

@@ -12,7 +12,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use end_to_end::{Bench, Page, View};
+use end_to_end::{Bench, Line, PATIENCE, Page, Usb, View, wait_until};
 
 fn main() -> ExitCode {
     let dir = env::args()
@@ -36,35 +36,113 @@ fn take(dir: &Path) -> Result<()> {
     ];
     for (name, view) in views {
         for (theme, view) in [("light", view), ("dark", view.dark())] {
-            let bench = Bench::start()?;
-            let page = bench.open("/")?;
-            page.look(view)?;
-            let shot = |page: &Page, what: &str| {
-                let file = dir.join(format!("{name}-{theme}-{what}.png"));
-                println!("{}", file.display());
-                page.screenshot(&file)
+            let album = Album {
+                prefix: dir.join(format!("{name}-{theme}")),
             };
-            thread::sleep(Duration::from_millis(500));
-            shot(&page, "empty")?;
-            page.click("button", "Virtual motor")?;
-            page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-            page.click("button", "+100")?;
-            page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
-            thread::sleep(Duration::from_millis(1_500));
-            shot(&page, "spinning")?;
-            page.press("Escape")?;
-            thread::sleep(Duration::from_millis(800));
-            shot(&page, "stopped")?;
-            page.click("button", "Release")?;
-            for tab in ["Current", "Position"] {
-                page.click("tab", tab)?;
-                thread::sleep(Duration::from_millis(300));
-                shot(&page, &tab.to_lowercase())?;
-            }
-            page.click("button", "Help")?;
-            thread::sleep(Duration::from_millis(300));
-            shot(&page, "help")?;
+            the_desk(&album, view)?;
+            the_tools(&album, view)?;
         }
     }
     Ok(())
+}
+
+/// Pictures of one view.
+struct Album {
+    prefix: PathBuf,
+}
+
+impl Album {
+    fn file(&self, what: &str) -> PathBuf {
+        let file = PathBuf::from(format!("{}-{what}.png", self.prefix.display()));
+        println!("{}", file.display());
+        file
+    }
+
+    fn shot(&self, page: &Page, what: &str) -> Result<()> {
+        page.screenshot(&self.file(what))
+    }
+
+    fn whole(&self, page: &Page, what: &str) -> Result<()> {
+        page.screenshot_whole(&self.file(what))
+    }
+}
+
+/// The desk with the built-in virtual motor: empty, driving, stopped, and in its dialogs.
+fn the_desk(album: &Album, view: View) -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    page.look(view)?;
+    pause(500);
+    album.shot(&page, "empty")?;
+    page.click("button", "Virtual motor")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    // Something for the graph to show.
+    for (button, speed) in [
+        ("-50", "50"),
+        ("+50", "50"),
+        ("-100", "100"),
+        ("+100", "100"),
+    ] {
+        page.click("button", button)?;
+        page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
+        pause(2_000);
+    }
+    album.shot(&page, "spinning")?;
+    album.whole(&page, "spinning-whole")?;
+    page.press("Escape")?;
+    pause(800);
+    album.shot(&page, "stopped")?;
+    page.click("button", "Release")?;
+    for tab in ["Current", "Position"] {
+        page.click("tab", tab)?;
+        pause(300);
+        album.shot(&page, &tab.to_lowercase())?;
+    }
+    page.click("button", "Help")?;
+    pause(300);
+    album.shot(&page, "help")
+}
+
+/// The tools with three motors on a line.
+fn the_tools(album: &Album, view: View) -> Result<()> {
+    let bench = Bench::start()?;
+    let _adapter = bench.plug(Line::with_motors(&[1, 2, 7]), Usb::default())?;
+    let page = bench.open("/")?;
+    page.look(view)?;
+    page.click("button", "Connect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.click("tab", "ID Manager")?;
+    page.click("button", "Full scan")?;
+    page.wait_for_text("list", "Motors found", |text| text.contains("0x07"))?;
+    album.shot(&page, "scanning")?;
+    wait_until("the end of the scan", PATIENCE, || {
+        let cancel = page.find("button", "Cancel")?;
+        Ok(if cancel.disabled {
+            Ok(())
+        } else {
+            Err("it goes on".to_owned())
+        })
+    })?;
+    pause(300);
+    album.shot(&page, "id-manager")?;
+    page.click("tab", "Raw Hex")?;
+    page.find("textbox", "Frame bytes")?
+        .type_over("01 74 00 00 00 00 00 00 00")?;
+    // On a busy machine an answer may be late, and is said to be none.
+    wait_until("an answer", PATIENCE, || {
+        page.click("button", "Send")?;
+        pause(300);
+        let answer = page.text("output", "Answer")?;
+        Ok(if answer.contains("0x01") {
+            Ok(())
+        } else {
+            Err(answer)
+        })
+    })?;
+    album.shot(&page, "raw-hex")
+}
+
+/// Until what moves has moved.
+fn pause(ms: u64) {
+    thread::sleep(Duration::from_millis(ms));
 }

@@ -6,10 +6,12 @@
     reason = "each story uses the part that it needs"
 )]
 
+pub mod exports;
+
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
-use end_to_end::{Adapter, Bench, Line, Page, Usb, WireLog, now_us};
+use end_to_end::{Adapter, Bench, Line, PATIENCE, Page, Usb, WireLog, now_us, wait_until};
 
 /// A page whose real Web Serial port leads to these virtual motors.
 pub struct Story {
@@ -85,6 +87,36 @@ pub fn wait_for_speed(page: &Page, rpm: std::ops::RangeInclusive<i32>) -> Result
     };
     page.wait_for_text("output", "Speed", within)?;
     Ok(())
+}
+
+/// Waits until the wire since a moment is as it should be, and gives it.
+pub fn wait_for_wire(
+    story: &Story,
+    since: u64,
+    what: &str,
+    wanted: impl Fn(&WireLog) -> bool,
+) -> Result<WireLog> {
+    wait_until(what, PATIENCE, || {
+        let wire = story.since(since)?;
+        Ok(if wanted(&wire) {
+            Ok(wire)
+        } else {
+            Err(format!("\n{wire}"))
+        })
+    })
+}
+
+/// Waits until a control can be pressed, or until it cannot.
+pub fn wait_until_enabled(page: &Page, role: &str, name: &str, enabled: bool) -> Result<()> {
+    let how = if enabled { "enabled" } else { "disabled" };
+    wait_until(&format!("{role} {name:?} to be {how}"), PATIENCE, || {
+        let control = page.find(role, name)?;
+        Ok(if control.disabled == enabled {
+            Err(control.description)
+        } else {
+            Ok(())
+        })
+    })
 }
 
 /// The console of a page that has nothing to complain about.

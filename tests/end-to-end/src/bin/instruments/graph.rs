@@ -1,0 +1,86 @@
+//! What drawing the graph costs, a frame.
+
+use std::{thread, time::Duration};
+
+use anyhow::{Context, Result, ensure};
+use end_to_end::{
+    Bench, Page, View,
+    figures::{ms, percentile, row},
+};
+
+use crate::{
+    samples::updates,
+    tap::{Taker, TappedPage},
+};
+
+/// How long the graph shows.
+const SHOWN_S: u64 = 60;
+/// How long it is watched then.
+const WATCHED_S: u64 = 20;
+/// How wide its canvas is to be, in CSS pixels.
+const WIDTH: i64 = 1_200;
+/// Script of one frame.
+const DRAW_US_MAX: u64 = 4_000;
+/// What the page calls the script of one frame.
+const MEASURE: &str = "graph-draw";
+
+pub fn measure() -> Result<()> {
+    let bench = Bench::start()?;
+    let tapped = TappedPage::open(&bench, View::DESKTOP)?;
+    let page = &tapped.page;
+    let width = widen(page)?;
+    tapped.mute_worker()?;
+    let from_us = tapped.now_us()? + 500_000;
+    let until_us = from_us + (SHOWN_S + WATCHED_S) * 1_000_000;
+    tapped.give(Taker::Page, &updates(from_us, until_us)?)?;
+    thread::sleep(Duration::from_secs(SHOWN_S + 1));
+    let filling = page.work()?.durations_of(MEASURE).len();
+    thread::sleep(Duration::from_secs(WATCHED_S - 2));
+    let draws = page.work()?.durations_of(MEASURE);
+    ensure!(tapped.waiting()? > 0, "the samples ran out before the end");
+    ensure!(
+        !draws.is_empty(),
+        "the page measured no {MEASURE:?} ({filling} before)"
+    );
+    let us = |percent| -> Result<u64> {
+        let draw = percentile(&draws, percent).context("no draw")?;
+        Ok(u64::try_from(draw.as_micros())?)
+    };
+    let (median, p99, longest) = (us(50)?, us(99)?, us(100)?);
+    row(
+        &format!("graph, {SHOWN_S} s at 500 Hz, two traces, {width} px"),
+        "at most 4 ms of script a frame",
+        format!(
+            "median {}, 99 of 100 at most {}, longest {} of {} frames",
+            ms(median),
+            ms(p99),
+            ms(longest),
+            draws.len()
+        ),
+        p99 <= DRAW_US_MAX && width >= WIDTH,
+    );
+    crate::ensure_quiet(page)
+}
+
+/// Makes the window so wide that the graph has the width that is asked for, where it ever has; gives
+/// the width that it has.
+fn widen(page: &Page) -> Result<i64> {
+    let mut view = View::DESKTOP;
+    let mut width = 0;
+    for _ in 0..4 {
+        page.look(view)?;
+        width = graph_width(page)?;
+        let missing = WIDTH - width;
+        if missing == 0 {
+            break;
+        }
+        view.width = u32::try_from(i64::from(view.width) + missing)?;
+    }
+    Ok(width)
+}
+
+fn graph_width(page: &Page) -> Result<i64> {
+    let graph = page.find_like("img", "Speed and current")?;
+    let width = graph.ask("function () { return Math.round(this.clientWidth); }", &[])?;
+    width.as_i64().context("the graph has no width")
+}

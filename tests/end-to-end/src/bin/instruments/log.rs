@@ -1,0 +1,196 @@
+//! A full packet log at 1,000 frames a second: what is lost, what stalls, what grows, and its export.
+
+use std::{
+    thread,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result, ensure};
+use end_to_end::{
+    Bench, Download, Memory, PATIENCE, Page, View,
+    figures::{ratio, row},
+    wait_until,
+};
+
+use crate::{
+    tap::{Taker, TappedPage},
+    traffic::{at_once, in_time, newest_without_gap},
+};
+
+/// Entries that a log keeps.
+const KEPT: u32 = 1_000_000;
+/// Frames before the measurement: more than fit, so that old ones give way already.
+const FILLED: u32 = 1_010_000;
+/// Frames of one buffer while the log is filled.
+const FILL_BUFFER: u32 = 2_000;
+/// Between two frames.
+const SPACING_US: u64 = 1_000;
+/// Frames that are given to the page at a time, and so made.
+const GIVEN: u32 = 2_000;
+/// A million entries take a while to be taken in.
+const FILL_PATIENCE: Duration = Duration::from_secs(120);
+/// For an export that does not come.
+const EXPORT_PATIENCE: Duration = Duration::from_secs(120);
+/// What the heap of script may be larger by: its own rubbish.
+const GROWTH_MAX: u64 = 1_000_000;
+
+pub fn measure(seconds: u64) -> Result<()> {
+    let bench = Bench::start()?;
+    let tapped = TappedPage::open(&bench, View::DESKTOP)?;
+    let page = &tapped.page;
+    if page.find("checkbox", "Collapse status polls")?.on {
+        page.click("checkbox", "Collapse status polls")?;
+    }
+    fill(&tapped)?;
+    let before = held(page)?;
+    page.work()?;
+    let fed = feed(&tapped, seconds)?;
+    let work = page.work()?;
+    let after = held(page)?;
+
+    let began = Instant::now();
+    let file = page.download_within(EXPORT_PATIENCE, "Export CSV")?;
+    let took = began.elapsed();
+    let exporting = page.work()?;
+    let rows = check(&file, fed);
+
+    let of_log = |what: &str| format!("log at 1,000 frames a second for {seconds} s: {what}");
+    row(
+        &of_log("frames lost"),
+        "none",
+        match &rows {
+            Ok(_) => format!("none of {}", fed - FILLED),
+            Err(error) => format!("{error:#}"),
+        },
+        rows.is_ok(),
+    );
+    row(
+        &of_log("longest main-thread task"),
+        "at most 50 ms",
+        in_words(work.longest_task(), work.long_tasks.len()),
+        work.long_tasks.is_empty(),
+    );
+    let grown = after.saturating_sub(before);
+    row(
+        &of_log("heap of page and journal once it is full"),
+        "flat",
+        format!("{} before, {} after", megabytes(before), megabytes(after)),
+        grown <= GROWTH_MAX,
+    );
+    let rows = rows.unwrap_or_default();
+    row(
+        "export of 1,000,000 log entries",
+        "at most 4 s",
+        format!("{:.2} s, {rows} rows", took.as_secs_f64()),
+        took <= Duration::from_secs(4) && rows == u64::from(KEPT),
+    );
+    row(
+        "longest main-thread task of that export",
+        "at most 100 ms",
+        in_words(exporting.longest_task(), exporting.long_tasks.len()),
+        exporting.longest_task() <= Duration::from_millis(100),
+    );
+    crate::ensure_quiet(page)
+}
+
+/// Fills the log.
+fn fill(tapped: &TappedPage) -> Result<()> {
+    // Times have to have been, so they lie close together.
+    let last_us = tapped.now_us()?;
+    for from in (0..FILLED).step_by(50_000) {
+        let until = FILLED.min(from + 50_000);
+        let last_us = last_us - u64::from(FILLED - until);
+        tapped.give(
+            Taker::Journal,
+            &at_once(from, until, FILL_BUFFER, 1, last_us),
+        )?;
+    }
+    wait_until("a full log", FILL_PATIENCE, || {
+        let entries = entries(&tapped.page)?;
+        let full = entries.contains(&u64::from(KEPT)) && tapped.waiting()? == 0;
+        Ok(if full {
+            Ok(())
+        } else {
+            Err(format!("{entries:?}"))
+        })
+    })
+}
+
+/// Gives frames for so long; the number behind that of the last one.
+fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
+    let until = FILLED + u32::try_from(seconds * 1_000_000 / SPACING_US)?;
+    let from_us = tapped.now_us()? + 1_000_000;
+    for from in (FILLED..until).step_by(usize::try_from(GIVEN)?) {
+        let behind = until.min(from + GIVEN);
+        let at_us = from_us + u64::from(from - FILLED) * SPACING_US;
+        // Half a second ahead.
+        while tapped.now_us()? + 500_000 < at_us {
+            thread::sleep(Duration::from_millis(50));
+        }
+        tapped.give(Taker::Journal, &in_time(from, behind, SPACING_US, at_us))?;
+    }
+    wait_until("everything to be given", PATIENCE, || {
+        let waiting = tapped.waiting()?;
+        Ok(if waiting == 0 {
+            Ok(())
+        } else {
+            Err(waiting.to_string())
+        })
+    })?;
+    // The counts follow when the last rows are taken in.
+    let shown = wait_until("the log to stand still", PATIENCE, || {
+        let before = entries(&tapped.page)?;
+        thread::sleep(Duration::from_millis(500));
+        let after = entries(&tapped.page)?;
+        Ok(if before == after {
+            Ok(after)
+        } else {
+            Err(format!("{after:?}"))
+        })
+    })?;
+    ensure!(!shown.is_empty(), "the page does not count its entries");
+    Ok(until)
+}
+
+/// The numbers in the output `Entries`.
+fn entries(page: &Page) -> Result<Vec<u64>> {
+    let text = page.text("output", "Entries")?;
+    // Thousands are set apart by spaces of some kind or by commas.
+    let is_gap = |c: char| c == ',' || c == '\u{202F}' || c == '\u{A0}' || c == '\u{2009}';
+    let text: String = text.chars().filter(|c| !is_gap(*c)).collect();
+    let numbers = text.split(|c: char| !c.is_ascii_digit());
+    Ok(numbers.filter_map(|digits| digits.parse().ok()).collect())
+}
+
+/// Bytes that page and journal hold.
+fn held(page: &Page) -> Result<u64> {
+    let all = |memory: Memory| memory.script + memory.wasm;
+    Ok(all(page.memory_of_worker("journal")?) + all(page.memory()?))
+}
+
+/// Reads the file; how many rows it has, where no frame is missing up to the last one.
+fn check(file: &Download, fed: u32) -> Result<u64> {
+    let bytes = file.bytes()?;
+    let mut reader = csv::Reader::from_reader(bytes.as_slice());
+    let records: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>()?;
+    let cell = |record: &csv::StringRecord, place| record.get(place).unwrap_or_default().to_owned();
+    let cells: Vec<(String, String)> = records
+        .iter()
+        .map(|record| (cell(record, 2), cell(record, 4)))
+        .collect();
+    let newest = newest_without_gap(cells.iter().map(|(a, b)| (a.as_str(), b.as_str())))?;
+    let last = fed.checked_sub(1).context("no frames")?;
+    ensure!(newest == last, "the newest frame is {newest}, not {last}");
+    Ok(records.len() as u64)
+}
+
+fn in_words(longest: Duration, long: usize) -> String {
+    match long {
+        0 => "none over 50 ms".to_owned(),
+        _ => format!("{} ms, {long} over 50 ms", longest.as_millis()),
+    }
+}
+
+fn megabytes(bytes: u64) -> String {
+    format!("{:.2} MB", ratio(bytes, 1_000_000))
+}

@@ -1,0 +1,110 @@
+//! Files that the page gives to a person.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+
+use crate::page::Page;
+use crate::wait::{PATIENCE, wait_until};
+
+/// What Chromium calls a file until it is complete.
+const INCOMPLETE: &str = "crdownload";
+
+/// A complete file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Download {
+    /// The name that the page gave it.
+    pub name: String,
+    /// Where it is, as long as the bench.
+    pub path: PathBuf,
+}
+
+impl Download {
+    /// What its name ends in, without the dot.
+    #[must_use]
+    pub fn extension(&self) -> &str {
+        let extension = Path::new(&self.name).extension();
+        extension.and_then(|it| it.to_str()).unwrap_or_default()
+    }
+
+    /// What is in it.
+    ///
+    /// # Errors
+    ///
+    /// When it cannot be read.
+    pub fn bytes(&self) -> Result<Vec<u8>> {
+        fs::read(&self.path).with_context(|| format!("cannot read {}", self.path.display()))
+    }
+}
+
+impl Page {
+    /// Clicks a button that makes a file, and waits until the file is complete.
+    ///
+    /// # Errors
+    ///
+    /// When the button cannot be clicked, or no file comes.
+    pub fn download(&self, button: &str) -> Result<Download> {
+        self.download_within(PATIENCE, button)
+    }
+
+    /// The same within another time.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Page::download`].
+    pub fn download_within(&self, patience: Duration, button: &str) -> Result<Download> {
+        self.click("button", button)?;
+        self.next_download(patience, button)
+    }
+
+    /// Waits for a file that is already on its way; `what` names it in messages.
+    ///
+    /// # Errors
+    ///
+    /// When it does not come.
+    pub fn next_download(&self, patience: Duration, what: &str) -> Result<Download> {
+        let complete = wait_until(&format!("the file of {what:?}"), patience, || {
+            let files = files_in(&self.downloads)?;
+            let complete = files.iter().find(|path| is_complete(path));
+            Ok(complete.cloned().ok_or_else(|| format!("{files:?}")))
+        })?;
+        self.put_away(&complete)
+    }
+
+    /// Moves a file out of the way of the next, which may have the same name.
+    fn put_away(&self, file: &Path) -> Result<Download> {
+        let name = file.file_name().context("a file without a name")?;
+        let place = tempfile::Builder::new()
+            .prefix("kept-")
+            .tempdir_in(
+                self.downloads
+                    .parent()
+                    .context("a directory without one above")?,
+            )?
+            .keep();
+        let path = place.join(name);
+        fs::rename(file, &path)?;
+        Ok(Download {
+            name: name.to_string_lossy().into_owned(),
+            path,
+        })
+    }
+}
+
+fn files_in(dir: &Path) -> Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(dir).with_context(|| format!("no {}", dir.display()))?;
+    entries.map(|entry| Ok(entry?.path())).collect()
+}
+
+/// Chromium writes under another name, some versions under a hidden one, and renames at the end.
+fn is_complete(path: &Path) -> bool {
+    let hidden = path
+        .file_name()
+        .is_none_or(|name| name.to_string_lossy().starts_with('.'));
+    !hidden
+        && path
+            .extension()
+            .is_none_or(|extension| extension != INCOMPLETE)
+}

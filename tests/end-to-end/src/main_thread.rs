@@ -1,0 +1,94 @@
+//! What keeps the page's main thread busy, as the browser itself measures it.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use crate::page::Page;
+
+/// Put into every page before its own scripts. The browser reports tasks of more than 50 ms and no
+/// others; the page may measure parts of its own work.
+pub(crate) const NOTE_WORK: &str = "
+    globalThis.benchWork = { tasks: [], measures: [] };
+    const benchObserver = (type, note) => {
+        const observer = new PerformanceObserver((list) => list.getEntries().forEach(note));
+        observer.observe({ type, buffered: true });
+        return observer;
+    };
+    benchWork.observers = [
+        [benchObserver('longtask', (entry) => benchWork.tasks.push(entry.duration)),
+            (entry) => benchWork.tasks.push(entry.duration)],
+        [benchObserver('measure', (entry) => benchWork.measures.push([entry.name, entry.duration])),
+            (entry) => benchWork.measures.push([entry.name, entry.duration])],
+    ];
+    benchWork.take = () => {
+        for (const [observer, note] of benchWork.observers) observer.takeRecords().forEach(note);
+        const { tasks, measures } = benchWork;
+        benchWork.tasks = [];
+        benchWork.measures = [];
+        return { tasks, measures };
+    };
+";
+
+/// What kept the main thread busy for a while.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Tasks of more than 50 ms, oldest first.
+    pub long_tasks: Vec<Duration>,
+    /// What the page measured of its own work (`performance.measure`), by name, oldest first.
+    pub measures: Vec<(String, Duration)>,
+}
+
+impl Work {
+    /// The longest task; zero where none took more than 50 ms.
+    #[must_use]
+    pub fn longest_task(&self) -> Duration {
+        self.long_tasks.iter().max().copied().unwrap_or_default()
+    }
+
+    /// How long each measure of this name took, shortest first.
+    #[must_use]
+    pub fn durations_of(&self, name: &str) -> Vec<Duration> {
+        let of_name = self.measures.iter().filter(|(of, _)| of == name);
+        let mut durations: Vec<Duration> = of_name.map(|(_, duration)| *duration).collect();
+        durations.sort_unstable();
+        durations
+    }
+}
+
+impl Page {
+    /// What kept the main thread busy since this was asked last, or since the page was loaded.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn work(&self) -> Result<Work> {
+        // The browser tells of a task when it is over and the next one has begun.
+        let taken = self.evaluate(
+            "new Promise((resolve) => setTimeout(() => setTimeout(() => resolve(benchWork.take()))))",
+        )?;
+        let list = |name: &str| {
+            let list = taken.get(name).and_then(Value::as_array);
+            list.with_context(|| format!("the page noted no {name}"))
+        };
+        let long_tasks = list("tasks")?.iter().map(duration).collect::<Result<_>>()?;
+        let measures = list("measures")?
+            .iter()
+            .map(|measure| {
+                let name = measure.get(0).and_then(Value::as_str);
+                let took = duration(measure.get(1).unwrap_or(&Value::Null))?;
+                Ok((name.context("a measure without a name")?.to_owned(), took))
+            })
+            .collect::<Result<_>>()?;
+        Ok(Work {
+            long_tasks,
+            measures,
+        })
+    }
+}
+
+fn duration(ms: &Value) -> Result<Duration> {
+    let ms = ms.as_f64().context("a time that is no number")?;
+    Duration::try_from_secs_f64(ms / 1e3).context("a time that is none")
+}

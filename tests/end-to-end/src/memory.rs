@@ -1,0 +1,171 @@
+//! How much memory a page and its workers hold.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result, anyhow};
+use chromiumoxide::cdp::browser_protocol::target::EventReceivedMessageFromTarget;
+use futures::{Stream, StreamExt};
+use serde_json::{Value, json};
+use tokio::time::timeout;
+
+use crate::cdp::{Session, at};
+use crate::page::Page;
+use crate::wait::PATIENCE;
+
+/// What a page or a worker holds, in bytes, once everything that can be freed has been.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Memory {
+    /// Of JavaScript: objects, and what they hold outside the heap.
+    pub script: u64,
+    /// Of WebAssembly: its linear memories, which never shrink.
+    pub wasm: u64,
+}
+
+impl Page {
+    /// What the page itself holds, without its workers.
+    ///
+    /// # Errors
+    ///
+    /// When it does not answer.
+    pub fn memory(&self) -> Result<Memory> {
+        memory(&mut |method, params| self.session.call(method, params.clone()))
+    }
+
+    /// What the worker of this name holds.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such worker, or it does not answer.
+    pub fn memory_of_worker(&self, name: &str) -> Result<Memory> {
+        // The reply of the page's own session; that of the browser lists all pages' workers.
+        let targets = self.session.call(
+            "Target.getTargets",
+            json!({ "filter": [{ "type": "worker" }] }),
+        )?;
+        let targets = at(&targets, "/targetInfos").as_array();
+        for target in targets.map(Vec::as_slice).unwrap_or_default() {
+            let mut worker = Worker::attach(&self.session, at(target, "/targetId"))?;
+            let memory = worker.memory_if_named(name);
+            worker.detach();
+            if let Some(memory) = memory? {
+                return Ok(memory);
+            }
+        }
+        Err(anyhow!("the page has no worker {name:?}"))
+    }
+}
+
+/// A line to one worker. chromiumoxide has sessions of pages only, so what is said to a worker is
+/// wrapped into messages of its page's session.
+struct Worker<'a> {
+    page: &'a Session,
+    session_id: String,
+    heard: Box<dyn Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin>,
+    next_call: u64,
+}
+
+impl<'a> Worker<'a> {
+    fn attach(page: &'a Session, target_id: &Value) -> Result<Self> {
+        let listening = page
+            .tab()
+            .event_listener::<EventReceivedMessageFromTarget>();
+        let heard = page.blocking().wait("a worker's messages", listening)?;
+        let params = json!({ "targetId": target_id, "flatten": false });
+        let attached = page.call("Target.attachToTarget", params)?;
+        let session_id = at(&attached, "/sessionId").as_str();
+        Ok(Self {
+            page,
+            session_id: session_id.context("a worker without a session")?.to_owned(),
+            heard: Box::new(heard),
+            next_call: 0,
+        })
+    }
+
+    fn detach(self) {
+        // A worker that has ended is detached already.
+        let params = json!({ "sessionId": self.session_id });
+        let _ = self.page.call("Target.detachFromTarget", params);
+    }
+
+    fn memory_if_named(&mut self, name: &str) -> Result<Option<Memory>> {
+        let own = self.call("Runtime.evaluate", &json!({ "expression": "self.name" }))?;
+        if at(&own, "/result/value") != name {
+            return Ok(None);
+        }
+        memory(&mut |method, params| self.call(method, params)).map(Some)
+    }
+
+    fn call(&mut self, method: &'static str, params: &Value) -> Result<Value> {
+        self.next_call += 1;
+        let id = self.next_call;
+        let message = json!({ "id": id, "method": method, "params": params });
+        let params = json!({ "sessionId": self.session_id, "message": message.to_string() });
+        self.page.call("Target.sendMessageToTarget", params)?;
+        let (heard, session_id) = (&mut self.heard, &self.session_id);
+        self.page.blocking().wait_plain(async {
+            let reply = timeout(PATIENCE, reply_to(id, session_id, heard)).await;
+            reply.map_err(|_| anyhow!("no answer from a worker to {method} in {PATIENCE:?}"))?
+        })
+    }
+}
+
+/// Calls a method of the protocol in a page or a worker.
+type Call<'a> = dyn FnMut(&'static str, &Value) -> Result<Value> + 'a;
+
+fn memory(call: &mut Call) -> Result<Memory> {
+    call("HeapProfiler.collectGarbage", &json!({}))?;
+    let heap = call("Runtime.getHeapUsage", &json!({}))?;
+    let bytes = |part: &str| at(&heap, part).as_f64().unwrap_or(0.0);
+    let script = bytes("/usedSize") + bytes("/embedderHeapUsedSize") + bytes("/backingStorageSize");
+    Ok(Memory {
+        script: whole(script),
+        wasm: wasm_bytes(call)?,
+    })
+}
+
+/// The browser counts linear memories in none of its figures, but finds them as objects.
+fn wasm_bytes(call: &mut Call) -> Result<u64> {
+    let prototype = json!({ "expression": "WebAssembly.Memory.prototype" });
+    let prototype = call("Runtime.evaluate", &prototype)?;
+    let prototype = json!({ "prototypeObjectId": at(&prototype, "/result/objectId") });
+    let memories = call("Runtime.queryObjects", &prototype)?;
+    let sum = "function () {
+        return this.reduce((sum, memory) => sum + memory.buffer.byteLength, 0);
+    }";
+    let sum = json!({
+        "objectId": at(&memories, "/objects/objectId"),
+        "functionDeclaration": sum,
+        "returnByValue": true,
+    });
+    let sum = call("Runtime.callFunctionOn", &sum)?;
+    let bytes = at(&sum, "/result/value").as_f64();
+    Ok(whole(bytes.context("it does not tell of its memories")?))
+}
+
+/// The result of a call, among everything that workers say.
+async fn reply_to(
+    id: u64,
+    session_id: &str,
+    heard: &mut (impl Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin),
+) -> Result<Value> {
+    while let Some(event) = heard.next().await {
+        if event.session_id.inner() != session_id {
+            continue;
+        }
+        let reply: Value = serde_json::from_str(&event.message)?;
+        if reply.get("id").and_then(Value::as_u64) == Some(id) {
+            let result = reply.get("result").cloned();
+            return result.with_context(|| format!("refused: {}", event.message));
+        }
+    }
+    Err(anyhow!("the connection to the worker has ended"))
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "sizes in bytes are whole and far under 2^53"
+)]
+fn whole(bytes: f64) -> u64 {
+    bytes as u64
+}

@@ -1,0 +1,112 @@
+//! The program at the far end of the wire, and a hand that acts on its motors.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail, ensure};
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::adapter::Line;
+use crate::artefacts;
+use crate::wait::{PATIENCE, wait_until};
+
+/// How long the program gets to end by itself: it has nothing to do but to remove its link.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// Running virtual motors; they end when dropped.
+pub(crate) struct Motors {
+    program: Child,
+    node: PathBuf,
+    /// What the program says: `ready ..` once, then an answer to each command.
+    said: PathBuf,
+}
+
+impl Motors {
+    /// Starts them with their terminal at `node` and their wire in `log`; `dir` is for what they say.
+    pub(crate) fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
+        let program = artefacts::virtual_motor()?;
+        let ids: Vec<String> = line.ids.iter().map(ToString::to_string).collect();
+        let complaints = dir.join("virtual-motor.stderr");
+        let said = dir.join("virtual-motor.stdout");
+        let child = Command::new(&program)
+            .args(["--ids", &ids.join(",")])
+            .args(["--turnaround-us", &line.turnaround_us.to_string()])
+            .arg("--link")
+            .arg(node)
+            .arg("--log")
+            .arg(log)
+            .args(&line.extra)
+            .stdin(Stdio::piped())
+            .stdout(File::create(&said)?)
+            .stderr(File::create(&complaints)?)
+            .spawn()
+            .with_context(|| format!("cannot start {}", program.display()))?;
+        let mut motors = Self {
+            program: child,
+            node: node.to_owned(),
+            said,
+        };
+        wait_until("virtual-motor to make its node", PATIENCE, || {
+            if let Some(status) = motors.program.try_wait()? {
+                let complaint = fs::read_to_string(&complaints).unwrap_or_default();
+                bail!(
+                    "{} ended, {status}: {}",
+                    program.display(),
+                    complaint.trim()
+                );
+            }
+            Ok(fs::canonicalize(node).map_err(|error| error.to_string()))
+        })?;
+        Ok(motors)
+    }
+
+    /// Gives a command and its answer.
+    pub(crate) fn obey(&mut self, command: &str) -> Result<String> {
+        let before = self.answers()?.len();
+        let stdin = self.program.stdin.as_mut().context("it hears nothing")?;
+        writeln!(stdin, "{command}")?;
+        let answer = wait_until(&format!("an answer to {command:?}"), PATIENCE, || {
+            let answer = self.answers()?.into_iter().nth(before);
+            Ok(answer.ok_or_else(|| "nothing".to_owned()))
+        })?;
+        ensure!(answer.starts_with("ok"), "{command:?}: {answer}");
+        Ok(answer)
+    }
+
+    /// All answers so far; a line still being written is left out.
+    fn answers(&self) -> Result<Vec<String>> {
+        let said = fs::read_to_string(&self.said)?;
+        let lines = said
+            .split_inclusive('\n')
+            .filter_map(|line| line.strip_suffix('\n'));
+        let answers = lines.filter(|line| line.starts_with("ok") || line.starts_with("error"));
+        Ok(answers.map(str::to_owned).collect())
+    }
+}
+
+impl Drop for Motors {
+    fn drop(&mut self) {
+        if let Some(pid) = i32::try_from(self.program.id())
+            .ok()
+            .and_then(Pid::from_raw)
+        {
+            // If it is gone already, that is what is wanted.
+            let _ = kill_process(pid, Signal::TERM);
+        }
+        let ended = wait_until("virtual-motor to end", FAREWELL, || {
+            Ok(self
+                .program
+                .try_wait()?
+                .ok_or_else(|| "it runs on".to_owned()))
+        });
+        if ended.is_err() {
+            let _ = self.program.kill();
+            let _ = self.program.wait();
+        }
+        // It removes its link itself, unless it was killed.
+        let _ = fs::remove_file(&self.node);
+    }
+}
