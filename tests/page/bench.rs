@@ -62,9 +62,10 @@ impl Bench {
         let parts = Array::of1(&JsValue::from_str(&script));
         let blob = Blob::new_with_str_sequence_and_options(&parts, &kind).unwrap();
         // A test that failed has left its own, and must not take this one with it.
-        let left = document().query_selector("meta[name=motorlink-worker]");
-        if let Ok(Some(left)) = left {
-            left.remove();
+        let left = document().query_selector_all("meta[name=motorlink-worker], .bench");
+        let left = left.unwrap();
+        for left in (0..left.length()).filter_map(|place| left.get(place)) {
+            left.unchecked_into::<Element>().remove();
         }
         let meta = document().create_element("meta").unwrap();
         meta.set_attribute("name", "motorlink-worker").unwrap();
@@ -73,6 +74,7 @@ impl Bench {
         document().head().unwrap().append_child(&meta).unwrap();
 
         let root: HtmlElement = document().create_element("div").unwrap().unchecked_into();
+        root.set_class_name("bench");
         document().body().unwrap().append_child(&root).unwrap();
         let page: UnmountHandle<_> = mount_to(root.clone(), App);
         let bench = Self {

@@ -25,6 +25,12 @@ async fn scroll_by(bench: &Bench, px: f64) {
     let scroller = scroller(bench);
     scroller.set_scroll_top(scroller.scroll_top() + px);
     pause(100).await;
+    // A row that the journal has not yet brought is number 0, as the first is.
+    bench
+        .until("the rows to be brought", || {
+            numbers(bench).iter().skip(1).all(|number| *number > 0)
+        })
+        .await;
 }
 
 #[wasm_bindgen_test]
