@@ -1,7 +1,9 @@
 //! One wake-up at a precise moment.
 //!
 //! `setTimeout` is clamped to 4 ms in workers too, half a drive period at 125 Hz.
-//! `scheduler.postTask` is late by 0.3 ms at the 99th percentile, and up to 0.4 ms early.
+//! `scheduler.postTask` is late by 0.3 ms at the 99th percentile, and up to 0.4 ms early. Its priority
+//! is that of messages: with a higher one, a bus that always has something due keeps the page's
+//! answers waiting, and the watchdog takes a page for dead that lives.
 
 use std::{cell::Cell, rc::Rc, time::Duration};
 
@@ -67,7 +69,7 @@ impl Alarm {
         if let Some(scheduler) = &self.scheduler {
             let options = SchedulerPostTaskOptions::new();
             options.set_delay_f64(delay.as_secs_f64() * 1000.0);
-            options.set_priority(TaskPriority::UserBlocking);
+            options.set_priority(TaskPriority::UserVisible);
             let _ = scheduler.post_task_with_options(self.task.as_ref().unchecked_ref(), &options);
         } else {
             let ring = Rc::clone(&self.ring_if_due);
