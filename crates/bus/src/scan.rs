@@ -37,7 +37,7 @@ const EXCHANGES_WANTED: u32 = 120;
 /// Every fifth exchange goes to a motor that was found: it stays fresh, and shows whether replies are
 /// lost. Where an exchange takes long, fewer do.
 const LOOKS_PER_SAMPLE: u8 = 4;
-const LOOKS_PER_SLOW_SAMPLE: u8 = 12;
+const LOOKS_PER_SLOW_SAMPLE: u8 = 20;
 const SLOW_EXCHANGE: Duration = Duration::from_millis(8);
 
 /// With one reply in twenty lost, four looks miss a motor once in 160,000 times.

@@ -103,7 +103,7 @@ pub(crate) const SCAN_MARGIN: Duration = Duration::from_millis(3);
 
 /// How long a scan asks the motors that it has found, behind its last address, only to learn whether
 /// the line loses replies.
-pub(crate) const SCAN_SAMPLING_MAX: Duration = Duration::from_millis(400);
+pub(crate) const SCAN_SAMPLING_MAX: Duration = Duration::from_millis(200);
 
 /// A full scan proves for so long who is on the bus. Long enough to read a question and answer it.
 pub(crate) const PROOF_LASTS: Duration = Duration::from_secs(60);
