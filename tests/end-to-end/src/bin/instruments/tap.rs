@@ -34,7 +34,8 @@ pub struct TappedPage {
 
 impl TappedPage {
     pub fn open(bench: &Bench, view: View) -> Result<Self> {
-        let page = bench.open("/")?;
+        // With which the page measures its drawings.
+        let page = bench.open("/?measure")?;
         page.look(view)?;
         page.before_load(TAP)?;
         page.reload()?;
