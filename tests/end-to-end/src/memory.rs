@@ -28,6 +28,10 @@ impl Page {
     ///
     /// When it does not answer.
     pub fn memory(&self) -> Result<Memory> {
+        // Controls are found in a tree that the browser makes for that, and that only grows. It lets go
+        // of it when it is told to, but only what was asked for by name.
+        self.session.call("Accessibility.enable", json!({}))?;
+        self.session.call("Accessibility.disable", json!({}))?;
         memory(&mut |method, params| self.session.call(method, params.clone()))
     }
 

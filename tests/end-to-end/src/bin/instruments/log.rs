@@ -1,7 +1,7 @@
 //! A full packet log at 1,000 frames a second: what is lost, what stalls, what grows, and its export.
 
 use std::{
-    thread,
+    fmt, thread,
     time::{Duration, Instant},
 };
 
@@ -42,11 +42,11 @@ pub fn measure(seconds: u64) -> Result<()> {
         page.click("checkbox", "Collapse status polls")?;
     }
     fill(&tapped)?;
-    let before = held(page)?;
+    let before = Held::by(page)?;
     page.work()?;
     let fed = feed(&tapped, seconds)?;
     let work = page.work()?;
-    let after = held(page)?;
+    let after = Held::by(page)?;
 
     let began = Instant::now();
     let file = page.download_within(EXPORT_PATIENCE, "Export CSV")?;
@@ -70,11 +70,11 @@ pub fn measure(seconds: u64) -> Result<()> {
         in_words(work.longest_task(), work.long_tasks.len()),
         work.long_tasks.is_empty(),
     );
-    let grown = after.saturating_sub(before);
+    let grown = after.bytes().saturating_sub(before.bytes());
     row(
         &of_log("heap of page and journal once it is full"),
         "flat",
-        format!("{} before, {} after", megabytes(before), megabytes(after)),
+        format!("{before} before, {after} after"),
         grown <= GROWTH_MAX,
     );
     let rows = rows.unwrap_or_default();
@@ -95,8 +95,14 @@ pub fn measure(seconds: u64) -> Result<()> {
 
 /// Fills the log.
 fn fill(tapped: &TappedPage) -> Result<()> {
-    // Times have to have been, so they lie close together.
-    let last_us = tapped.now_us()?;
+    // Times have to have been, so they lie close together, and the page has to be old enough.
+    let last_us = loop {
+        let now_us = tapped.now_us()?;
+        if now_us > u64::from(FILLED) {
+            break now_us;
+        }
+        thread::sleep(Duration::from_millis(100));
+    };
     for from in (0..FILLED).step_by(50_000) {
         let until = FILLED.min(from + 50_000);
         let last_us = last_us - u64::from(FILLED - until);
@@ -119,14 +125,14 @@ fn fill(tapped: &TappedPage) -> Result<()> {
 /// Gives frames for so long; the number behind that of the last one.
 fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
     let until = FILLED + u32::try_from(seconds * 1_000_000 / SPACING_US)?;
+    let began = Instant::now();
     let from_us = tapped.now_us()? + 1_000_000;
     for from in (FILLED..until).step_by(usize::try_from(GIVEN)?) {
         let behind = until.min(from + GIVEN);
         let at_us = from_us + u64::from(from - FILLED) * SPACING_US;
-        // Half a second ahead.
-        while tapped.now_us()? + 500_000 < at_us {
-            thread::sleep(Duration::from_millis(50));
-        }
+        // Half a second ahead. The page is not asked for the time: that, too, stays in its memory.
+        let ahead = Duration::from_micros(at_us - from_us) + Duration::from_millis(500);
+        thread::sleep(ahead.saturating_sub(began.elapsed()));
         tapped.give(Taker::Journal, &in_time(from, behind, SPACING_US, at_us))?;
     }
     wait_until("everything to be given", PATIENCE, || {
@@ -155,17 +161,46 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
 /// The numbers in the output `Entries`.
 fn entries(page: &Page) -> Result<Vec<u64>> {
     let text = page.text("output", "Entries")?;
-    // Thousands are set apart by spaces of some kind or by commas.
-    let is_gap = |c: char| c == ',' || c == '\u{202F}' || c == '\u{A0}' || c == '\u{2009}';
-    let text: String = text.chars().filter(|c| !is_gap(*c)).collect();
+    // Thousands are set apart by a space, and numbers by words.
+    let text: String = text.split_whitespace().collect();
     let numbers = text.split(|c: char| !c.is_ascii_digit());
     Ok(numbers.filter_map(|digits| digits.parse().ok()).collect())
 }
 
-/// Bytes that page and journal hold.
-fn held(page: &Page) -> Result<u64> {
-    let all = |memory: Memory| memory.script + memory.wasm;
-    Ok(all(page.memory_of_worker("journal")?) + all(page.memory()?))
+/// What page and journal hold.
+struct Held {
+    page: Memory,
+    journal: Memory,
+}
+
+impl Held {
+    fn by(page: &Page) -> Result<Self> {
+        Ok(Self {
+            page: page.memory()?,
+            journal: page.memory_of_worker("journal")?,
+        })
+    }
+
+    const fn bytes(&self) -> u64 {
+        let Self { page, journal } = self;
+        page.script + page.wasm + journal.script + journal.wasm
+    }
+}
+
+impl fmt::Display for Held {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { page, journal } = self;
+        let parts = [page.script, page.wasm, journal.script, journal.wasm].map(megabytes);
+        write!(
+            f,
+            "{} (page {} + {}, journal {} + {})",
+            megabytes(self.bytes()),
+            parts[0],
+            parts[1],
+            parts[2],
+            parts[3]
+        )
+    }
 }
 
 /// Reads the file; how many rows it has, where no frame is missing up to the last one.

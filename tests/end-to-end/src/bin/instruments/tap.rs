@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use anyhow::{Context, Result, ensure};
-use end_to_end::{Bench, PATIENCE, Page, View, wait_until};
+use end_to_end::{Bench, Control, PATIENCE, Page, View, wait_until};
 use motorlink_messages::{ToPage, decode};
 use serde_json::{Value, json};
 
@@ -28,6 +28,9 @@ pub struct Message {
 /// A page with a tap on its lines.
 pub struct TappedPage {
     pub page: Page,
+    /// By which the page takes what it is given: as arguments. The text of a script would stay in its
+    /// memory, which is measured.
+    hand: Control,
     /// Where the zero of the worker's clock is on the page's.
     worker_zero_ms: f64,
 }
@@ -50,8 +53,10 @@ impl TappedPage {
             anyhow::bail!("the worker says something before Hello");
         };
         let page_origin_ms = number(&page.evaluate("performance.timeOrigin")?)?;
+        let hand = page.find("button", "Help")?;
         Ok(Self {
             page,
+            hand,
             worker_zero_ms: time_origin_ms - page_origin_ms,
         })
     }
@@ -80,8 +85,9 @@ impl TappedPage {
             Taker::Page => "page",
             Taker::Journal => "journal",
         };
-        let script = format!("benchTap.give('{taker}', {})", Value::from(messages));
-        self.page.evaluate(&script).map(drop)
+        let give = "function (taker, messages) { benchTap.give(taker, messages); }";
+        let given = [Value::from(taker), Value::from(messages)];
+        self.hand.ask(give, &given).map(drop)
     }
 
     /// How many messages wait for their times.
