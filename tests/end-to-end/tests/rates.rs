@@ -48,10 +48,10 @@ fn a_motor_on_the_wire_is_driven_at_500_hz_until_it_is_stopped() -> Result<()> {
     })?;
     let page = &story.page;
     drive_at_500_hz(page)?;
-    let driven = now_us();
+    let from_us = now_us();
     thread::sleep(LONG);
     assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
-    let drives = story.since(driven)?.drives();
+    let drives = story.since(from_us)?.drives();
     assert!(
         drives
             .frames

@@ -108,7 +108,7 @@ impl Bus {
         match exchange.purpose {
             Purpose::Control => self.round_trip.lost(),
             Purpose::Survey if rest.is_silence() => {
-                self.survey_looked(now, exchange.sent, id, Look::Silence)
+                self.survey_looked(now, exchange.sent, id, Look::Silence);
             }
             Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Noise),
             Purpose::Raw if rest.is_silence() => {
