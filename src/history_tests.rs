@@ -40,6 +40,7 @@ pub(crate) fn update(now_ms: u64, samples: Vec<Sample>, motors: Vec<MotorStatus>
         motors,
         survey: None,
         raw: None,
+        line: None,
         samples,
         notices: vec![],
     }

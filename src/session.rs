@@ -4,7 +4,10 @@ use std::time::Duration;
 
 use motorlink_messages::{
     Connection, Notice, Update,
-    bus::{Activity, FRESH_FOR, MotorStatus, RawStatus, StopOutcome, StopReason, SurveyStatus},
+    bus::{
+        Activity, FRESH_FOR, LineStatus, MotorStatus, RawStatus, StopOutcome, StopReason,
+        SurveyStatus,
+    },
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
         Rpm,
@@ -26,6 +29,8 @@ pub(crate) struct Session {
     pub(crate) survey: Option<SurveyStatus>,
     /// The last frame of the raw editor.
     pub(crate) raw: Option<RawStatus>,
+    /// How the line works; `None` while no port is open.
+    pub(crate) line: Option<LineStatus>,
     /// The last Stop all motors, while it stands.
     pub(crate) stop: Option<StopRecord>,
 }
@@ -89,6 +94,7 @@ impl Default for Session {
             motors: Vec::new(),
             survey: None,
             raw: None,
+            line: None,
             stop: None,
         }
     }
@@ -104,6 +110,7 @@ impl Session {
         self.motors.clone_from(&update.motors);
         self.survey.clone_from(&update.survey);
         self.raw = update.raw;
+        self.line = update.line;
         for notice in &update.notices {
             match notice {
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
@@ -281,6 +288,7 @@ pub(crate) mod tests {
             halted,
             survey: None,
             raw: None,
+            line: None,
             motors: vec![],
             samples: vec![],
             notices,

@@ -151,6 +151,7 @@ mod tests {
             motors: vec![motor],
             survey: None,
             raw: None,
+            line: None,
             samples: vec![],
             notices: vec![],
         }

@@ -121,6 +121,7 @@ impl Bench {
             motors: vec![motor],
             survey: None,
             raw: None,
+            line: None,
             samples: vec![],
             notices: vec![],
         }));

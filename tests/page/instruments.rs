@@ -61,6 +61,7 @@ fn tell(bench: &Bench, motor: MotorStatus, samples: Vec<Sample>) {
         motors: vec![motor],
         survey: None,
         raw: None,
+        line: None,
         samples,
         notices: vec![],
     }));

@@ -53,6 +53,7 @@ pub fn tell(bench: &Bench, change: impl FnOnce(&mut Update)) {
         motors: vec![standing(1)],
         survey: None,
         raw: None,
+        line: None,
         samples: vec![],
         notices: vec![],
     };

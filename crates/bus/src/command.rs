@@ -6,7 +6,7 @@ use motorlink_protocol::{
     AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Request, Rpm, Setpoint,
 };
 
-use crate::{CommandRate, Repeat, StopReason};
+use crate::{CommandRate, Ramp, Repeat, StopReason, Together};
 
 /// An operator's act. Motion starts by [`Command::Drive`] and by nothing
 /// else.
@@ -71,6 +71,24 @@ pub enum Command {
         /// What the operator was asked and said yes to.
         consent: Consent,
     },
+    /// Drive several motors as one, until told otherwise. Where one of them may not be driven, none
+    /// is. When one of them is stopped, withdrawn or falls silent, all are stopped.
+    DriveTogether {
+        /// Which motors, and what each is to do.
+        parts: Together,
+        /// What the operator was asked and said yes to.
+        consent: Consent,
+    },
+    /// Change the setpoints of motors that are driven together; never starts one.
+    AdjustTogether {
+        /// All motors of the group, and what each is to do.
+        parts: Together,
+        /// What the operator was asked and said yes to.
+        consent: Consent,
+    },
+    /// Let commanded speeds change no faster than this; `None` is as fast as they are given. It does
+    /// not bound a stop.
+    SetRamp(Option<Ramp>),
     /// Hold the present angle of a motor that is driven in the position loop.
     Hold(MotorId),
     /// Brake this motor to a standstill; it can be driven again at once.
@@ -88,6 +106,8 @@ impl Command {
         match self {
             Self::Drive { .. }
             | Self::Adjust { .. }
+            | Self::DriveTogether { .. }
+            | Self::AdjustTogether { .. }
             | Self::SwitchMode { .. }
             | Self::SetId { .. } => true,
             Self::SendRaw { frame, .. } => is_hazardous(&frame),
@@ -98,6 +118,7 @@ impl Command {
             | Self::CancelSurvey
             | Self::StopRaw
             | Self::SetRate(_)
+            | Self::SetRamp(_)
             | Self::Hold(_)
             | Self::Stop(_)
             | Self::StopAll(_)
@@ -158,6 +179,10 @@ pub enum Refusal {
     NotDriven(MotorId),
     /// The page did not answer for a second, and has not answered since.
     PageSilent,
+    /// The motor is driven together with others.
+    Together(MotorId),
+    /// The motor changes its loop.
+    Switching(MotorId),
     /// A motor is driven, and this would disturb it.
     Driven(MotorId),
     /// A scan or an ID change is under way.
@@ -215,6 +240,14 @@ impl fmt::Display for Refusal {
             Self::PageSilent => {
                 f.write_str("The page had stopped answering when this was pressed. Press again.")
             }
+            Self::Together(id) => write!(
+                f,
+                "Motor {id} is driven together with others. Stop them first."
+            ),
+            Self::Switching(id) => write!(
+                f,
+                "Motor {id} is changing its loop. Press again when it has."
+            ),
             Self::Driven(id) => write!(f, "Motor {id} is driven. Stop it first."),
             Self::Surveying => f.write_str("The bus is being scanned. Wait for its end, or cancel it."),
             Self::NotProvedAlone => f.write_str(

@@ -41,8 +41,10 @@ mod counters;
 mod event;
 mod exchange;
 mod id_change;
+mod line_use;
 mod mode_switch;
 mod motor;
+mod ramp;
 mod rate;
 mod raw;
 mod receiver;
@@ -53,6 +55,7 @@ mod schedule;
 mod stop;
 mod survey;
 mod timing;
+mod together;
 mod traffic;
 mod watchdog;
 
@@ -62,12 +65,16 @@ pub use counters::{Counters, LinkQuality};
 pub use event::{
     Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,
 };
+pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};
+pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
+pub use round_trip::{ROUND_TRIP_CLASSES_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use survey::{
     IdChangeOutcome, IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat, ScanReport,
     SurveyStatus,
 };
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
+pub use together::{NotTogether, Together};
 pub use traffic::{JunkBytes, Passed, Traffic};

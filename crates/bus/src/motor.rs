@@ -10,10 +10,11 @@ use crate::{
     Counters, LinkQuality, Sample,
     counters::LossMeter,
     mode_switch::Switch,
+    ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
     stop::Stopping,
-    timing::{FRESH_FOR, LATE_REPLY_MAX, QUERY_PERIOD, SILENT_AFTER, SILENT_QUERY_PERIOD},
+    timing::{FRESH_FOR, LATE_REPLY_MAX, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
 };
 
 /// What the bus does with a motor.
@@ -36,16 +37,23 @@ pub(crate) struct Driven {
     pub(crate) next_frame: Instant,
     /// Whether the angle of the next reply is to be held.
     pub(crate) hold: bool,
+    /// The number of the group that it is driven in; none goes on without the others.
+    pub(crate) group: Option<u32>,
+    /// The speed that was sent last.
+    pub(crate) ramped: Ramped,
 }
 
 impl Driven {
-    pub(crate) const fn begin(now: Instant, goal: Setpoint) -> Self {
+    /// Driven from now on, from the speed that the wheel has.
+    pub(crate) fn begin(now: Instant, goal: Setpoint, speed: Option<Rpm>) -> Self {
         Self {
             goal,
             on_the_wire: None,
             since: now,
             next_frame: now,
             hold: false,
+            group: None,
+            ramped: Ramped::from(now, speed),
         }
     }
 }
@@ -117,6 +125,8 @@ pub(crate) struct Motor {
     /// The loop that was asked for since the motor last said which it is in.
     switched_to: Option<Mode>,
     pub(crate) next_query: Instant,
+    /// Queries since it fell silent while others were driven.
+    probes: u32,
     pub(crate) counters: Counters,
     pub(crate) round_trip: RoundTrip,
     pub(crate) loss: LossMeter,
@@ -139,6 +149,7 @@ impl Motor {
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
+            probes: 0,
             counters: Counters::default(),
             round_trip: RoundTrip::new(),
             loss: LossMeter::default(),
@@ -156,6 +167,22 @@ impl Motor {
             Detail::Undetermined(_) => {}
         }
         std::mem::take(&mut self.silent)
+    }
+
+    /// What it is driven to.
+    pub(crate) fn driven_mut(&mut self) -> Option<&mut Driven> {
+        match &mut self.control {
+            Control::Driven(driven) => Some(driven),
+            _ => None,
+        }
+    }
+
+    /// The number of the group that it is driven in.
+    pub(crate) const fn group(&self) -> Option<u32> {
+        match &self.control {
+            Control::Driven(driven) => driven.group,
+            _ => None,
+        }
     }
 
     /// The layout in which a reply to a request in `layout` can be read now: none while a late
@@ -274,12 +301,19 @@ impl Motor {
         now.since(self.quiet_since().max(driven.since))
     }
 
-    pub(crate) fn query_sent(&mut self, now: Instant) {
-        // A silent motor costs the others a window each time.
-        let period = if self.silent {
-            SILENT_QUERY_PERIOD
+    /// It was asked. `period` is how often a motor that answers is asked; `in_the_way` is whether
+    /// others are driven meanwhile.
+    pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, in_the_way: bool) {
+        // A silent motor costs the others a window each time: it is asked ever more rarely.
+        let period = if !self.silent {
+            self.probes = 0;
+            period
+        } else if in_the_way {
+            self.probes = (self.probes + 1).min(PROBE_DOUBLINGS_MAX);
+            SILENT_QUERY_PERIOD * (1 << self.probes)
         } else {
-            QUERY_PERIOD
+            self.probes = 0;
+            SILENT_QUERY_PERIOD
         };
         // On schedule where it is kept, without a burst where it was not.
         self.next_query = (self.next_query + period).max(now + period / 2);

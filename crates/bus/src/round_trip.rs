@@ -4,8 +4,27 @@ use std::time::Duration;
 
 use crate::timing::{FIRST_WINDOW, MAX_WINDOW, MIN_WINDOW};
 
-/// Samples kept for the median that the page shows.
-const KEPT: usize = 64;
+/// Samples kept for what the page shows: with fewer, one of a hundred would be chance.
+const KEPT: usize = 256;
+
+/// Upper ends of the classes of [`RoundTripStatus::histogram`], in microseconds; the last class has
+/// none. An exchange takes at least 1.7 ms on the wire; an FTDI adapter adds 16 ms.
+pub const ROUND_TRIP_CLASSES_US: [u32; 11] = [
+    2_000, 2_500, 3_000, 4_000, 5_000, 6_500, 8_000, 10_000, 14_000, 18_000, 25_000,
+];
+
+/// How long the last 256 replies took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RoundTripStatus {
+    /// From the first byte of a request to the last of its reply, in microseconds; `None` before the
+    /// first reply.
+    pub median_us: Option<u32>,
+    /// What 99 of 100 replies stay under, in microseconds.
+    pub p99_us: Option<u32>,
+    /// How many replies took so long: the classes end at [`ROUND_TRIP_CLASSES_US`].
+    pub histogram: [u16; ROUND_TRIP_CLASSES_US.len() + 1],
+}
 
 /// Round-trip statistics by the estimator of TCP (RFC 6298): a smoothed mean and deviation.
 #[derive(Clone, Debug)]
@@ -75,12 +94,41 @@ impl RoundTrip {
         }
     }
 
-    pub(crate) fn median_us(&self) -> Option<u32> {
-        let mut sorted = self.kept;
-        let samples = sorted.get_mut(..self.count.min(KEPT))?;
-        samples.sort_unstable();
-        samples.get(samples.len() / 2).copied()
+    /// How long an exchange that is answered takes; `None` before the first reply.
+    pub(crate) fn measured(&self) -> Option<Duration> {
+        (self.count > 0).then(|| Duration::from_micros(self.smoothed_us.into()))
     }
+
+    pub(crate) fn median_us(&self) -> Option<u32> {
+        let mut kept = self.kept;
+        let samples = kept.get_mut(..self.count.min(KEPT))?;
+        nth(samples, samples.len() / 2)
+    }
+
+    pub(crate) fn status(&self) -> RoundTripStatus {
+        let mut kept = self.kept;
+        let samples = kept.get_mut(..self.count.min(KEPT)).unwrap_or_default();
+        let mut histogram = [0_u16; ROUND_TRIP_CLASSES_US.len() + 1];
+        for took in &*samples {
+            let class = ROUND_TRIP_CLASSES_US.partition_point(|end| end <= took);
+            if let Some(count) = histogram.get_mut(class) {
+                *count += 1;
+            }
+        }
+        RoundTripStatus {
+            median_us: nth(samples, samples.len() / 2),
+            p99_us: nth(samples, samples.len() * 99 / 100),
+            histogram,
+        }
+    }
+}
+
+/// The sample that so many are no longer than; `None` of none.
+fn nth(samples: &mut [u32], place: usize) -> Option<u32> {
+    if place >= samples.len() {
+        return None;
+    }
+    Some(*samples.select_nth_unstable(place).1)
 }
 
 /// The old mean with one `weight`th of the sample.

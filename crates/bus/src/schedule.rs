@@ -42,17 +42,27 @@ pub(crate) enum Errand {
     Raw,
 }
 
+/// How fast the line is spoken on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// How long an exchange usually takes.
+    pub(crate) usual: Duration,
+    /// Between two drive frames to one motor.
+    pub(crate) period: Duration,
+    /// Whether the last frame was a query. No other makes a drive frame late then.
+    pub(crate) query_was_last: bool,
+}
+
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
 /// long, stops and drive frames by deadline, and queries where they make no drive frame late.
 ///
 /// `raw` is when the frame that a person wrote is due; it is scheduled as a drive frame is.
-pub(crate) fn next_turn(
-    motors: &[Motor],
-    raw: Option<Instant>,
-    now: Instant,
-    usual: Duration,
-    period: Duration,
-) -> Turn {
+pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pace: Pace) -> Turn {
+    let Pace {
+        usual,
+        period,
+        query_was_last,
+    } = pace;
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
     if let Some((_, id, false)) = stop {
@@ -75,7 +85,10 @@ pub(crate) fn next_turn(
     if let Some((_, errand)) = switch.filter(|(at, _)| due(*at)) {
         return Turn::Now(errand);
     }
-    if let Some((_, id)) = query.filter(|(at, _)| now >= *at + QUERY_PATIENCE) {
+    let forced = query.filter(|(at, _)| now >= *at + QUERY_PATIENCE);
+    if let Some((_, id)) =
+        forced.filter(|_| !query_was_last || !drive.is_some_and(|(at, _)| due(at)))
+    {
         return Turn::Now(Errand::Query(id));
     }
     // A stop that goes on does not take the line from the motors that are driven beside it.

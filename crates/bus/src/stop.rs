@@ -1,5 +1,7 @@
 //! Bringing motors to a standstill: velocity loop, zero, brake, until their replies say so.
 
+use std::time::Duration;
+
 use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
 
 use crate::{
@@ -74,10 +76,11 @@ impl Stopping {
             || (self.switches >= SWITCH_FRAMES && !self.in_position_loop)
     }
 
-    pub(crate) fn sent(&mut self, now: Instant, request: &Request) {
+    /// A frame was sent; the next round begins `period` later.
+    pub(crate) fn sent(&mut self, now: Instant, request: &Request, period: Duration) {
         self.round += 1;
         self.first_frame_sent = true;
-        self.next_frame = now + STOP_PERIOD;
+        self.next_frame = now + period;
         if matches!(request, Request::SwitchMode { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;

@@ -26,8 +26,16 @@ pub(crate) const PING_PERIOD: Duration = Duration::from_millis(250);
 /// Telemetry of a motor is asked for at 10 Hz, whether or not it is driven.
 pub(crate) const QUERY_PERIOD: Duration = Duration::from_millis(100);
 
+/// And at 5 Hz where drive frames need more than [`BUSY_PER_MILLE`] of the line.
+pub(crate) const BUSY_QUERY_PERIOD: Duration = Duration::from_millis(200);
+/// Six motors at 50 Hz need 700 to 850 of it.
+pub(crate) const BUSY_PER_MILLE: u32 = 500;
+
 /// A motor that has been silent for [`SILENT_AFTER`] is asked once a second.
 pub(crate) const SILENT_QUERY_PERIOD: Duration = Duration::from_secs(1);
+/// While others are driven it is asked after 2, 4 and then every 8 seconds: a window each time is a
+/// drive frame that comes late.
+pub(crate) const PROBE_DOUBLINGS_MAX: u32 = 3;
 
 /// A query is sent where the next drive frame is a usual round trip and half the usual distance of
 /// drive frames away, so that a slow reply does not make that frame late; but no more than this is
@@ -51,6 +59,10 @@ pub const POSITION_SWITCH_RPM: u16 = 10;
 /// A round of stop frames starts this long after the last: two exchanges of a fast adapter, 200
 /// frames a second, far above the 50 Hz that the brake wants.
 pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
+
+/// A motor that does not answer costs the motors that are driven beside it a window each time. It gets
+/// the brake at the 50 Hz that it wants, should it hear.
+pub(crate) const SILENT_STOP_PERIOD: Duration = Duration::from_millis(20);
 
 /// How long a stop goes on for a motor that does not report standstill. From 120 rpm unloaded the
 /// brake takes 250 ms; a heavy wheel gets twelve times that.

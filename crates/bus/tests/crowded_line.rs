@@ -9,6 +9,8 @@
 
 mod bench;
 
+use std::time::Duration;
+
 use bench::{Bench, ID, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Detail, Drive, Instant, MotorId, Request, Setpoint};
@@ -127,6 +129,86 @@ fn temperature_is_known_at_any_rate_and_no_motor_is_called_silent_for_want_of_as
             "{hertz} Hz"
         );
     }
+}
+
+/// A rover with a motor that answers after 0.2 ms.
+fn driven(addresses: &[u8]) -> Bench {
+    let ids: Vec<MotorId> = addresses.iter().map(|address| id(*address)).collect();
+    let config = WorldConfig {
+        turnaround: Duration::from_micros(200),
+        ..WorldConfig::with_ids(ids.clone())
+    };
+    let mut bench = Bench::watching(config, &ids);
+    for motor in ids {
+        drive(&mut bench, motor);
+    }
+    bench.run(ms(2_000));
+    bench.forget_the_past();
+    bench
+}
+
+fn queries(bench: &Bench, motor: MotorId) -> usize {
+    let asked = bench.sent.iter().map(bench::Sent::request);
+    asked
+        .filter(|request| *request == Request::Query { id: motor })
+        .count()
+}
+
+#[test]
+fn six_motors_are_held_at_50_hz_and_asked_five_times_a_second() {
+    let mut bench = driven(&[1, 2, 3, 4, 5, 6]);
+    bench.run(ms(10_000));
+    for address in 1..=6 {
+        let frames = bench.drive_times(id(address));
+        assert!(frames.len() >= 495, "{} frames to {address}", frames.len());
+        assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
+        let asked = queries(&bench, id(address));
+        assert!(asked >= 48, "{asked} queries of {address}");
+    }
+    assert_eq!(bench.bus.line_status(bench.now).carries_hz, None);
+}
+
+#[test]
+fn what_is_more_than_the_line_carries_is_said_and_shared() {
+    let addresses: Vec<u8> = (1..=12).collect();
+    let mut bench = driven(&addresses);
+    bench.run(ms(10_000));
+    let shares: Vec<usize> = addresses
+        .iter()
+        .map(|address| bench.drive_times(id(*address)).len())
+        .collect();
+    let (least, most) = (shares.iter().min().unwrap(), shares.iter().max().unwrap());
+    assert!(most - least <= most / 20, "{shares:?}");
+    let line = bench.bus.line_status(bench.now);
+    let carries = usize::from(line.carries_hz.expect("50 Hz is too much for twelve"));
+    let got = least / 10;
+    assert!(
+        carries.abs_diff(got) <= got / 10,
+        "{carries} Hz said, {got} Hz got"
+    );
+    let used = line.drive_per_mille + line.query_per_mille + line.waiting_per_mille;
+    assert!(used > 950, "{line:?}");
+    assert!(!bench.happened(|event| matches!(event, Event::Withdrawn { .. })));
+}
+
+#[test]
+fn one_of_four_that_falls_silent_costs_the_others_no_frame() {
+    let mut bench = driven(&[1, 2, 3, 4]);
+    bench.world.motor_mut(id(4)).unwrap().power(false);
+    bench.run(ms(30_000));
+    for address in 1..=3 {
+        let frames = bench.drive_times(id(address));
+        assert!(frames.len() >= 1_485, "{} to {address}", frames.len());
+        assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
+    }
+    // It is asked ever more rarely, and heard when it is back.
+    bench.forget_the_past();
+    bench.run(ms(16_000));
+    assert!((1..=3).contains(&queries(&bench, id(4))));
+    bench.world.motor_mut(id(4)).unwrap().power(true);
+    bench.run_until(ms(9_000), |bench| {
+        bench.happened(|event| *event == Event::MotorBack(id(4)))
+    });
 }
 
 #[test]

@@ -152,7 +152,8 @@ fn a_good_frame_of_another_motor_is_counted_and_not_taken() {
     let stranger = Frame::with_crc([9, 2, 0, 0, 0, 99, 30, 0, 0]);
     bench.bus.receive(bench.now, stranger.bytes());
     bench.run(ms(150));
-    let counted = bench.bus.unaddressed().wrong_ids + bench.status(ID).counters.wrong_ids;
+    let counted = bench.bus.line_status(bench.now).unaddressed.wrong_ids
+        + bench.status(ID).counters.wrong_ids;
     assert_eq!(counted, 1);
     assert_eq!(bench.status(ID).last.unwrap().reply.speed, speed);
     assert!(bench.bus.motors(bench.now).all(|motor| motor.id == ID));
@@ -287,7 +288,7 @@ fn a_late_reply_is_not_read_in_the_layout_of_the_next_request() {
         bench.status(ID).counters.late > 0,
         "{:?} {:?}",
         bench.status(ID).counters,
-        bench.bus.unaddressed()
+        bench.bus.line_status(bench.now).unaddressed
     );
 }
 

@@ -193,7 +193,7 @@ fn a_machine_that_is_held_up_now_and_then_makes_no_slow_scan() {
         );
         let motors = bench.bus.motors(bench.now);
         late += motors.map(|motor| motor.counters.late).sum::<u64>();
-        late += bench.bus.unaddressed().wrong_ids;
+        late += bench.bus.line_status(bench.now).unaddressed.wrong_ids;
     }
     assert!(late > 10, "{late} replies were late");
 }

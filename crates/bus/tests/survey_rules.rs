@@ -93,7 +93,7 @@ fn a_scan_does_not_rename_stop_all() {
 fn every_request_of_a_scan_is_counted_with_its_end() {
     let mut bench = Bench::new(WorldConfig::default());
     scan_report(&mut bench);
-    let u = bench.bus.unaddressed();
+    let u = bench.bus.line_status(bench.now).unaddressed;
     assert!(
         u.requests <= u.replies + u.silences + u.bad_crcs + u.fragments + 4,
         "{u:?}"

@@ -6,8 +6,8 @@
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
 use motorlink_bus::{
-    Command, IdChangeOutcome, IdQueryOutcome, MotorStatus, RawStatus, Refusal, Sample, ScanReport,
-    StopReason, StopReport, SurveyStatus, WithdrawReason,
+    Command, IdChangeOutcome, IdQueryOutcome, LineStatus, MotorStatus, RawStatus, Refusal, Sample,
+    ScanReport, StopReason, StopReport, SurveyStatus, WithdrawReason,
 };
 use motorlink_protocol::{AssignableId, Instant, Mode, MotorId};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -97,6 +97,8 @@ pub struct Update {
     pub survey: Option<SurveyStatus>,
     /// The last frame of the raw editor since the port was opened.
     pub raw: Option<RawStatus>,
+    /// How the line works; `None` while no port is open.
+    pub line: Option<LineStatus>,
     /// Every reply since the last update, oldest first.
     pub samples: Vec<Sample>,
     /// What has happened since the last update, oldest first.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample, SurveyStatus};
+use motorlink_bus::{LineStatus, MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample, SurveyStatus};
 use motorlink_messages::{Connection, Notice, ToPage, Update};
 use motorlink_protocol::Instant;
 
@@ -33,6 +33,7 @@ pub(crate) struct Present {
     pub(crate) motors: Vec<MotorStatus>,
     pub(crate) survey: Option<SurveyStatus>,
     pub(crate) raw: Option<RawStatus>,
+    pub(crate) line: Option<LineStatus>,
 }
 
 impl Outbox {
@@ -74,6 +75,7 @@ impl Outbox {
             motors,
             survey,
             raw,
+            line,
         } = present;
         post(&ToPage::Update(Update {
             now,
@@ -82,6 +84,7 @@ impl Outbox {
             motors,
             survey,
             raw,
+            line,
             samples: std::mem::take(&mut self.samples),
             notices: std::mem::take(&mut self.notices),
         }));

@@ -296,6 +296,7 @@ impl Station {
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
             survey: bus.and_then(Bus::survey),
             raw: bus.and_then(Bus::raw),
+            line: bus.map(|bus| bus.line_status(now)),
         }
     }
 }

@@ -100,6 +100,7 @@ fn tell(bench: &Bench, samples: Vec<Sample>) {
         motors: vec![motor(Mode::Velocity, Activity::Idle)],
         survey: None,
         raw: None,
+        line: None,
         samples,
         notices: vec![],
     }));

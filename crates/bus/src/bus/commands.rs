@@ -39,21 +39,36 @@ impl Bus {
             } => self.send_raw(now, frame, repeat, consent)?,
             Command::StopRaw => self.stop_raw(now),
             Command::SetRate(rate) => self.set_rate(now, rate),
+            Command::SetRamp(ramp) => self.ramp = ramp,
+            Command::DriveTogether { parts, consent } => {
+                self.drive_together(now, &parts, consent)?;
+            }
+            Command::AdjustTogether { parts, consent } => {
+                self.adjust_together(now, &parts, consent)?;
+            }
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
             Command::Drive {
                 id,
                 setpoint,
                 consent,
-            } => self.drive(now, id, setpoint, consent)?,
+            } => {
+                self.check_alone(id)?;
+                self.drive(now, id, setpoint, consent)?;
+            }
             Command::Adjust {
                 id,
                 setpoint,
                 consent,
-            } => self.adjust(now, id, setpoint, consent)?,
+            } => {
+                self.check_alone(id)?;
+                self.adjust(now, id, setpoint, consent)?;
+            }
             Command::Hold(id) => self.hold(now, id)?,
             Command::Stop(id) => {
                 self.watch(now, id);
-                self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+                let mut ids = vec![id];
+                self.add_companions(&mut ids);
+                self.begin_stop(now, StopReason::OneMotor, |motor| ids.contains(&motor.id));
             }
             Command::StopAll(reason) => self.stop_all(now, reason),
             Command::Release => self.halted = false,
@@ -81,6 +96,7 @@ impl Bus {
         self.check_not_halted()?;
         self.check_no_survey()?;
         self.check_no_raw_hazard()?;
+        self.check_alone(id)?;
         let motor = self.watch(now, id);
         if mode == Mode::Position {
             check_position_switch(id, motor.fresh_speed(now))?;
@@ -97,7 +113,7 @@ impl Bus {
         Ok(())
     }
 
-    fn drive(
+    pub(super) fn drive(
         &mut self,
         now: Instant,
         id: MotorId,
@@ -109,6 +125,7 @@ impl Bus {
         self.check_no_raw_hazard()?;
         let motor = self.watch(now, id);
         let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
+        let speed = motor.fresh_speed(now);
         match &mut motor.control {
             Control::Stopping(_) => return Err(Refusal::Stopping(id)),
             Control::Switching(switch) => {
@@ -130,14 +147,14 @@ impl Bus {
             }
             Control::Idle => {
                 check_drive(id, setpoint, consent, mode, faults)?;
-                motor.control = Control::Driven(Driven::begin(now, setpoint));
+                motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
                 motor.may_turn = true;
             }
         }
         Ok(())
     }
 
-    fn adjust(
+    pub(super) fn adjust(
         &mut self,
         now: Instant,
         id: MotorId,

@@ -8,6 +8,7 @@ use super::{Bus, surveying::Survey};
 use crate::{
     Counters, Event, Passed, RawAnswer, Sample,
     exchange::{Exchange, Expects, Line, Purpose},
+    line_use::Use,
     motor::{Control, Motor},
     receiver::{Found, Leftovers, Piece},
     scan::Look,
@@ -55,6 +56,8 @@ impl Bus {
                     self.line = Line::Free {
                         last: exchange.frame,
                     };
+                    let took = now.since(exchange.sent);
+                    self.line_use.add(now, Use::of(&exchange.frame), took);
                     self.replied(now, &exchange, id, layout, &frame);
                 }
             }
@@ -77,6 +80,11 @@ impl Bus {
         self.line = Line::Free {
             last: exchange.frame,
         };
+        let what = match exchange.expects {
+            Expects::Reply { .. } => Use::Waiting,
+            Expects::Everyone { .. } | Expects::Nothing => Use::Other,
+        };
+        self.line_use.add(now, what, now.since(exchange.sent));
         if exchange.expects == Expects::Nothing {
             // Its echo may still be coming in pieces: it is sorted before the next frame is sent.
             if exchange.purpose == Purpose::Raw {

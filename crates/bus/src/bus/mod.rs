@@ -5,8 +5,10 @@ mod commands;
 mod listening;
 mod logging;
 mod raw_frames;
+mod sharing;
 mod speaking;
 mod surveying;
+mod together;
 mod upkeep;
 
 use std::{collections::VecDeque, time::Duration};
@@ -14,14 +16,15 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 
 use crate::{
-    Activity, CommandRate, Counters, Event, MotorStatus, StopReason,
+    Activity, CommandRate, Counters, Event, MotorStatus, Ramp, StopReason,
     exchange::Line,
+    line_use::LineUse,
     motor::{Control, Motor},
     raw::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
     scan::Ask,
-    schedule::{Errand, Turn, next_turn},
+    schedule::{Errand, Pace, Turn, next_turn},
     stop::ActiveStop,
     timing::EARLY,
     watchdog::{Bark, Watchdog},
@@ -52,6 +55,12 @@ pub struct Bus {
     /// Round trips of all motors on this adapter.
     round_trip: RoundTrip,
     rate: CommandRate,
+    ramp: Option<Ramp>,
+    /// The number of the last group that was driven together.
+    last_group: u32,
+    line_use: LineUse,
+    /// Whether the last frame was a query.
+    query_was_last: bool,
     /// Set by Stop all motors; nothing drives until it is released.
     halted: bool,
     stop: Option<ActiveStop>,
@@ -79,6 +88,10 @@ impl Bus {
             receiver: Receiver::new(),
             round_trip: RoundTrip::new(),
             rate: CommandRate::default(),
+            ramp: None,
+            last_group: 0,
+            line_use: LineUse::default(),
+            query_was_last: false,
             halted: false,
             stop: None,
             id_query_wanted: false,
@@ -128,12 +141,6 @@ impl Bus {
             }
             status
         })
-    }
-
-    /// What happened on the line while no single motor was asked: the ID query.
-    #[must_use]
-    pub const fn unaddressed(&self) -> Counters {
-        self.counters
     }
 
     /// The page has answered its ping.
@@ -192,12 +199,16 @@ impl Bus {
         }
         // A stop has the line to itself but for what is driven beside it.
         let raw = self.raw.filter(|_| self.stop.is_none());
+        let pace = Pace {
+            usual: self.round_trip.usual(),
+            period: self.rate.period(),
+            query_was_last: self.query_was_last,
+        };
         next_turn(
             &self.motors,
             raw.and_then(|raw| raw.next_frame()),
             now,
-            self.round_trip.usual(),
-            self.rate.period(),
+            pace,
         )
     }
 

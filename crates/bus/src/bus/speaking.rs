@@ -6,20 +6,29 @@ use motorlink_protocol::{Frame, Instant, Request};
 
 use super::{Bus, surveying::request_of};
 use crate::{
-    Passed,
+    Passed, Ramp,
     exchange::{Exchange, Expects, Line, Purpose},
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
     safety::step_towards,
     schedule::Errand,
-    timing::{FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW},
+    timing::{
+        DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW, SILENT_STOP_PERIOD,
+        STOP_PERIOD,
+    },
 };
 
 impl Bus {
     /// Begins the exchange of an errand and hands out its frame.
     pub(super) fn speak(&mut self, now: Instant, errand: Errand) -> Frame {
         self.sort_unasked_bytes(now);
-        let period = self.rate.period();
+        let tempo = Tempo {
+            period: self.rate.period(),
+            query_period: self.query_period(),
+            ramp: self.ramp,
+            others_driven: self.anyone_driven(),
+        };
+        self.query_was_last = matches!(errand, Errand::Query(_));
         let (request, purpose) = match errand {
             Errand::Raw => return self.speak_raw(now),
             Errand::IdQuery => {
@@ -30,7 +39,7 @@ impl Bus {
             Errand::SetId(id) => (Request::SetId { id }, Purpose::Survey),
             Errand::Stop(id) | Errand::Switch(id) | Errand::Drive(id) | Errand::Query(id) => {
                 let motor = self.watch(now, id);
-                (next_request(motor, now, errand, period), Purpose::Control)
+                (next_request(motor, now, errand, tempo), Purpose::Control)
             }
         };
         self.begin_exchange(now, request.frame(), Expects::of(&request), purpose)
@@ -90,13 +99,30 @@ impl Bus {
     }
 }
 
+/// How often, and how fast.
+#[derive(Clone, Copy)]
+struct Tempo {
+    /// Between two drive frames to one motor.
+    period: Duration,
+    /// Between two queries of one motor that answers.
+    query_period: Duration,
+    ramp: Option<Ramp>,
+    others_driven: bool,
+}
+
 /// The request that an errand means now, with the motor's schedule moved on.
-fn next_request(motor: &mut Motor, now: Instant, errand: Errand, period: Duration) -> Request {
+fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -> Request {
     let id = motor.id;
+    let period = tempo.period;
+    let stop_period = if tempo.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
+        SILENT_STOP_PERIOD
+    } else {
+        STOP_PERIOD
+    };
     match (&mut motor.control, errand) {
         (Control::Stopping(stop), Errand::Stop(_)) => {
             let request = stop.next_request(now, id);
-            stop.sent(now, &request);
+            stop.sent(now, &request, stop_period);
             request
         }
         (Control::Switching(switch), Errand::Switch(_)) => {
@@ -110,8 +136,11 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, period: Duratio
             Request::SwitchMode { id, mode: to }
         }
         (Control::Driven(driven), Errand::Drive(_)) => {
-            let setpoint = step_towards(driven.goal, driven.on_the_wire);
+            let goal = step_towards(driven.goal, driven.on_the_wire);
+            let mut ramped = driven.ramped;
+            let setpoint = ramped.step(now, goal, tempo.ramp);
             *driven = Driven {
+                ramped,
                 on_the_wire: Some(setpoint),
                 next_frame: next_on_schedule(driven.next_frame, now, period),
                 ..*driven
@@ -134,7 +163,7 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, period: Duratio
             }
         }
         _ => {
-            motor.query_sent(now);
+            motor.query_sent(now, tempo.query_period, tempo.others_driven);
             Request::Query { id }
         }
     }

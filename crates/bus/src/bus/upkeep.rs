@@ -1,6 +1,6 @@
 //! What happens because time passes.
 
-use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Setpoint, SpeedTarget};
+use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Rpm, Setpoint, SpeedTarget};
 
 use super::Bus;
 use crate::{
@@ -42,7 +42,7 @@ impl Bus {
                 Control::Switching(switch) => match switch.progress(now) {
                     Progress::Underway => {}
                     Progress::Confirmed => {
-                        motor.control = after_switch(now, &switch);
+                        motor.control = after_switch(now, &switch, motor.fresh_speed(now));
                         motor.may_turn |= matches!(motor.control, Control::Driven(_));
                         self.events.push_back(Event::ModeSwitched {
                             id: motor.id,
@@ -66,6 +66,7 @@ impl Bus {
             }
         }
         if !to_stop.is_empty() {
+            self.add_companions(&mut to_stop);
             self.begin_stop(now, StopReason::OneMotor, |motor| {
                 to_stop.contains(&motor.id)
             });
@@ -123,7 +124,7 @@ impl Bus {
 
 /// A motor that was driven stays driven at zero, where the two loops share one; else it is left
 /// alone until an operator asks.
-fn after_switch(now: Instant, switch: &Switch) -> Control {
+fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>) -> Control {
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
@@ -131,6 +132,6 @@ fn after_switch(now: Instant, switch: &Switch) -> Control {
     };
     let goal = switch.then.or(zero.filter(|_| switch.was_driven));
     goal.map_or(Control::Idle, |goal| {
-        Control::Driven(Driven::begin(now, goal))
+        Control::Driven(Driven::begin(now, goal, speed))
     })
 }

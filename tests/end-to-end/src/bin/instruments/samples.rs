@@ -36,6 +36,7 @@ pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
             motors: vec![status(samples.last().copied())],
             survey: None,
             raw: None,
+            line: None,
             samples,
             notices: Vec::new(),
         };

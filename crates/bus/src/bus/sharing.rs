@@ -1,0 +1,78 @@
+//! What the line can carry, and how it is shared.
+
+use std::time::Duration;
+
+use motorlink_protocol::Instant;
+
+use super::Bus;
+use crate::{
+    LineStatus,
+    motor::{Control, Motor},
+    timing::{BUSY_PER_MILLE, BUSY_QUERY_PERIOD, QUERY_PERIOD},
+};
+
+impl Bus {
+    /// How the line is used and how well it works.
+    #[must_use]
+    pub fn line_status(&self, now: Instant) -> LineStatus {
+        let [drive, query, other, waiting] = self.line_use.shares(now);
+        LineStatus {
+            exchanges_hz: self.line_use.exchanges_hz(now),
+            drive_per_mille: drive,
+            query_per_mille: query,
+            other_per_mille: other,
+            waiting_per_mille: waiting,
+            round_trip: self.round_trip.status(),
+            carries_hz: self.carries_hz(),
+            unaddressed: self.counters,
+        }
+    }
+
+    pub(super) fn anyone_driven(&self) -> bool {
+        self.motors.iter().any(is_driven)
+    }
+
+    /// How often a motor that answers is asked: drive frames go first, so where they need much of
+    /// the line there are fewer queries.
+    pub(super) fn query_period(&self) -> Duration {
+        if self.drive_need() < BUSY_PER_MILLE {
+            QUERY_PERIOD
+        } else {
+            BUSY_QUERY_PERIOD
+        }
+    }
+
+    /// The share of the line that drive frames at the command rate would need, per mille; it may be
+    /// more than there is.
+    fn drive_need(&self) -> u32 {
+        let driven = self.motors.iter().filter(|motor| is_driven(motor));
+        let exchange_us: u64 = driven.map(|motor| self.exchange_us(motor)).sum();
+        let need = exchange_us * u64::from(self.rate.hertz()) / 1_000;
+        u32::try_from(need).unwrap_or(u32::MAX)
+    }
+
+    /// Drive frames a second that each driven motor gets, where it is less than the command rate.
+    fn carries_hz(&self) -> Option<u16> {
+        let need = u64::from(self.drive_need());
+        let period_us = u64::try_from(self.query_period().as_micros()).unwrap_or(u64::MAX);
+        let answering = self.motors.iter().filter(|motor| !motor.silent);
+        let asked: u64 = answering.map(|motor| self.exchange_us(motor)).sum();
+        let queries = asked * 1_000 / period_us.max(1);
+        let free = 1_000_u64.saturating_sub(queries);
+        if need <= free {
+            return None;
+        }
+        let hertz = u64::from(self.rate.hertz()) * free / need;
+        u16::try_from(hertz).ok()
+    }
+
+    fn exchange_us(&self, motor: &Motor) -> u64 {
+        let own = motor.round_trip.measured();
+        let usual = own.unwrap_or_else(|| self.round_trip.usual());
+        u64::try_from(usual.as_micros()).unwrap_or(u64::MAX)
+    }
+}
+
+fn is_driven(motor: &Motor) -> bool {
+    matches!(motor.control, Control::Driven(_))
+}

@@ -1,0 +1,108 @@
+//! Motors that are driven as one: all start, or none; and none goes on without the others.
+
+use motorlink_protocol::{Instant, MotorId};
+
+use super::Bus;
+use crate::{
+    Consent, Refusal, Together,
+    motor::{Control, Motor},
+    safety::check_drive,
+};
+
+impl Bus {
+    /// Drives all of them, or refuses and drives none.
+    pub(super) fn drive_together(
+        &mut self,
+        now: Instant,
+        parts: &Together,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        self.check_not_halted()?;
+        self.check_no_survey()?;
+        self.check_no_raw_hazard()?;
+        for (id, setpoint) in parts.parts() {
+            let motor = self.motor_mut(id).ok_or(Refusal::NotHeard(id))?;
+            match motor.control {
+                Control::Stopping(_) => return Err(Refusal::Stopping(id)),
+                Control::Switching(_) => return Err(Refusal::Switching(id)),
+                Control::Idle | Control::Driven(_) => {}
+            }
+            let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
+            check_drive(id, setpoint, consent, mode, faults)?;
+            self.check_takes_no_part_of_a_group(id, parts)?;
+        }
+        self.last_group += 1;
+        let number = self.last_group;
+        for (id, setpoint) in parts.parts() {
+            self.drive(now, id, setpoint, consent)?;
+            if let Some(driven) = self.motor_mut(id).and_then(Motor::driven_mut) {
+                driven.group = Some(number);
+            }
+        }
+        Ok(())
+    }
+
+    /// Changes the setpoints of a group that is driven.
+    pub(super) fn adjust_together(
+        &mut self,
+        now: Instant,
+        parts: &Together,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        let mut group = None;
+        for (id, setpoint) in parts.parts() {
+            let driven = self.motor_mut(id).and_then(Motor::driven_mut);
+            let driven = driven.ok_or(Refusal::NotDriven(id))?;
+            let own = driven.group.ok_or(Refusal::NotDriven(id))?;
+            if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
+                return Err(Refusal::NotDriven(id));
+            }
+            let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
+            let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
+            check_drive(id, setpoint, consent, mode, faults)?;
+            self.check_takes_no_part_of_a_group(id, parts)?;
+        }
+        for (id, setpoint) in parts.parts() {
+            self.adjust(now, id, setpoint, consent)?;
+        }
+        Ok(())
+    }
+
+    /// Refuses what would drive one motor of a group apart from the others.
+    pub(super) fn check_alone(&self, id: MotorId) -> Result<(), Refusal> {
+        let motor = self.motors.iter().find(|motor| motor.id == id);
+        match motor.and_then(Motor::group) {
+            Some(_) => Err(Refusal::Together(id)),
+            None => Ok(()),
+        }
+    }
+
+    fn check_takes_no_part_of_a_group(&self, id: MotorId, parts: &Together) -> Result<(), Refusal> {
+        let group = self
+            .motors
+            .iter()
+            .find(|motor| motor.id == id)
+            .and_then(Motor::group);
+        let left_out = |motor: &Motor| motor.group() == group && !parts.has(motor.id);
+        if group.is_some() && self.motors.iter().any(left_out) {
+            return Err(Refusal::Together(id));
+        }
+        Ok(())
+    }
+
+    /// Adds to motors that are to be stopped those that are driven together with one of them.
+    pub(super) fn add_companions(&self, ids: &mut Vec<MotorId>) {
+        let group_of = |id: &MotorId| {
+            let motor = self.motors.iter().find(|motor| motor.id == *id);
+            motor.and_then(Motor::group)
+        };
+        let groups: Vec<u32> = ids.iter().filter_map(group_of).collect();
+        for motor in &self.motors {
+            if motor.group().is_some_and(|group| groups.contains(&group))
+                && !ids.contains(&motor.id)
+            {
+                ids.push(motor.id);
+            }
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What the time of the line is spent on.
+
+use std::time::Duration;
+
+use motorlink_protocol::{Frame, Instant, Request};
+
+use crate::{Counters, rate::RateMeter, round_trip::RoundTripStatus};
+
+/// How the line is used and how well it works, whoever is spoken to.
+///
+/// The shares are of the last second, in per mille; what is missing to 1,000 is time in which nobody
+/// had the line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LineStatus {
+    /// Answered exchanges a second, over the last second.
+    pub exchanges_hz: u16,
+    /// Share of drive frames and their replies, per mille. Stops are among them.
+    pub drive_per_mille: u16,
+    /// Share of feedback queries and their replies, per mille.
+    pub query_per_mille: u16,
+    /// Share of all else that is sent, per mille: mode switches, ID queries, set ID, raw frames.
+    pub other_per_mille: u16,
+    /// Share of windows in which no reply came, per mille.
+    pub waiting_per_mille: u16,
+    /// How long replies take.
+    pub round_trip: RoundTripStatus,
+    /// Drive frames a second that each driven motor gets at most, where the line cannot carry the
+    /// command rate for all of them; `None` where it can.
+    pub carries_hz: Option<u16>,
+    /// What happened while no single motor was asked.
+    pub unaddressed: Counters,
+}
+
+/// Who used the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Use {
+    Drive,
+    Query,
+    Other,
+    Waiting,
+}
+
+impl Use {
+    /// The use of a request that was answered, or expects no answer.
+    pub(crate) fn of(frame: &Frame) -> Self {
+        match Request::parse(frame) {
+            Ok(Request::Drive { .. }) => Self::Drive,
+            Ok(Request::Query { .. }) => Self::Query,
+            _ => Self::Other,
+        }
+    }
+}
+
+const USES: usize = 4;
+const SLOTS: usize = 10;
+const SLOT_US: u64 = 100_000;
+
+/// Adds up what the line was used for, in ten slots of 100 ms.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LineUse {
+    slots: [[u32; USES]; SLOTS],
+    /// Number of the slot that was added to last, since the epoch.
+    newest: u64,
+    exchanges: RateMeter,
+}
+
+impl LineUse {
+    /// The line was used for this, for so long, until now.
+    pub(crate) fn add(&mut self, now: Instant, what: Use, took: Duration) {
+        self.advance(now);
+        let slot = self.slots.get_mut(place(self.newest));
+        if let Some(share) = slot.and_then(|slot| slot.get_mut(what as usize)) {
+            let micros = u32::try_from(took.as_micros()).unwrap_or(u32::MAX);
+            *share = share.saturating_add(micros);
+        }
+        if what != Use::Waiting {
+            self.exchanges.count(now);
+        }
+    }
+
+    /// Answered exchanges a second.
+    pub(crate) fn exchanges_hz(&self, now: Instant) -> u16 {
+        self.exchanges.hertz(now)
+    }
+
+    /// Shares of the last nine slots that are over, in per mille: drive, query, other, waiting.
+    pub(crate) fn shares(&self, now: Instant) -> [u16; USES] {
+        let mut moved = self.clone();
+        moved.advance(now);
+        let current = place(moved.newest);
+        let mut sums = [0_u32; USES];
+        for (number, slot) in moved.slots.iter().enumerate() {
+            if number == current {
+                continue;
+            }
+            for (sum, share) in sums.iter_mut().zip(slot) {
+                *sum = sum.saturating_add(*share);
+            }
+        }
+        let over_us = (SLOTS as u64 - 1) * SLOT_US;
+        sums.map(|sum| {
+            let per_mille = u64::from(sum) * 1_000 / over_us;
+            // An exchange belongs to the slot in which it ends, so a share may seem a little too large.
+            u16::try_from(per_mille.min(1_000)).unwrap_or(1_000)
+        })
+    }
+
+    fn advance(&mut self, now: Instant) {
+        let slot = now.as_micros() / SLOT_US;
+        let passed = slot.saturating_sub(self.newest).min(SLOTS as u64);
+        for back in 0..passed {
+            if let Some(stale) = self.slots.get_mut(place(slot - back)) {
+                *stale = [0; USES];
+            }
+        }
+        self.newest = self.newest.max(slot);
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "the remainder is below ten"
+)]
+const fn place(slot: u64) -> usize {
+    (slot % SLOTS as u64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_of_the_last_second_and_vanish_with_it() {
+        let mut line = LineUse::default();
+        let mut now = Instant::from_millis(5_000);
+        for step in 0..200_u64 {
+            now = now + Duration::from_millis(10);
+            let what = if step % 2 == 0 {
+                Use::Drive
+            } else {
+                Use::Query
+            };
+            line.add(now, what, Duration::from_millis(4));
+        }
+        let [drive, query, other, waiting] = line.shares(now);
+        assert!((190..=210).contains(&drive) && (190..=210).contains(&query));
+        assert_eq!((other, waiting), (0, 0));
+        assert!((98..=102).contains(&line.exchanges_hz(now)));
+        assert_eq!(line.shares(now + Duration::from_secs(1)), [0; 4]);
+    }
+
+    #[test]
+    fn waiting_is_no_exchange() {
+        let mut line = LineUse::default();
+        let now = Instant::from_millis(950);
+        line.add(now, Use::Waiting, Duration::from_millis(90));
+        let later = now + Duration::from_millis(100);
+        assert_eq!(line.shares(later), [0, 0, 0, 100]);
+        assert_eq!(line.exchanges_hz(later), 0);
+    }
+}

@@ -1,0 +1,212 @@
+//! Motors that are driven as one.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use bench::{Bench, id, ms, rpm};
+use motorlink_bus::{
+    Activity, Command, Consent, Event, NotTogether, Ramp, Refusal, StopReason, Together,
+};
+use motorlink_protocol::{Drive, Mode, MotorId, Setpoint};
+use motorlink_simulator::WorldConfig;
+
+fn rover() -> Bench {
+    let ids = [id(1), id(2), id(3)];
+    Bench::watching(WorldConfig::with_ids(ids), &ids)
+}
+
+fn parts(speeds: &[(u8, i32)]) -> Together {
+    let parts: Vec<(MotorId, Setpoint)> = speeds
+        .iter()
+        .map(|(motor, speed)| (id(*motor), rpm(*speed)))
+        .collect();
+    Together::new(&parts).unwrap()
+}
+
+fn drive(bench: &mut Bench, speeds: &[(u8, i32)]) -> Result<(), Refusal> {
+    bench.command(Command::DriveTogether {
+        parts: parts(speeds),
+        consent: Consent::None,
+    })
+}
+
+fn adjust(bench: &mut Bench, speeds: &[(u8, i32)]) -> Result<(), Refusal> {
+    bench.command(Command::AdjustTogether {
+        parts: parts(speeds),
+        consent: Consent::None,
+    })
+}
+
+fn speed(bench: &Bench, motor: u8) -> f32 {
+    bench.world.motor(id(motor)).unwrap().speed_rpm()
+}
+
+fn is_driven(bench: &Bench, motor: u8) -> bool {
+    matches!(bench.status(id(motor)).activity, Activity::Driven { .. })
+}
+
+#[test]
+fn all_of_a_group_start_and_each_has_its_own_setpoint() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100), (2, -100)]).unwrap();
+    bench.run(ms(2_000));
+    assert!((speed(&bench, 1) - 100.0).abs() < 5.0);
+    assert!((speed(&bench, 2) + 100.0).abs() < 5.0);
+    assert!(speed(&bench, 3).abs() < 1.0, "it was not asked");
+    adjust(&mut bench, &[(1, 50), (2, -60)]).unwrap();
+    bench.run(ms(2_000));
+    assert!((speed(&bench, 1) - 50.0).abs() < 5.0);
+    assert!((speed(&bench, 2) + 60.0).abs() < 5.0);
+}
+
+#[test]
+fn where_one_may_not_be_driven_none_is() {
+    let mut bench = rover();
+    bench
+        .command(Command::SwitchMode {
+            id: id(2),
+            mode: Mode::Current,
+        })
+        .unwrap();
+    assert_eq!(
+        drive(&mut bench, &[(1, 100), (2, 100)]),
+        Err(Refusal::Switching(id(2)))
+    );
+    bench.run(ms(500));
+    assert_eq!(
+        drive(&mut bench, &[(1, 100), (2, 100)]),
+        Err(Refusal::OtherLoop {
+            asked: Mode::Velocity,
+            reported: Mode::Current
+        })
+    );
+    assert_eq!(
+        drive(&mut bench, &[(1, 100), (9, 100)]),
+        Err(Refusal::NotHeard(id(9)))
+    );
+    bench.run(ms(500));
+    assert!(!is_driven(&bench, 1) && speed(&bench, 1).abs() < 1.0);
+}
+
+#[test]
+fn when_one_falls_silent_all_are_stopped() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+    bench
+        .command(Command::Drive {
+            id: id(3),
+            setpoint: rpm(60),
+            consent: Consent::None,
+        })
+        .unwrap();
+    bench.run(ms(2_000));
+    bench.world.motor_mut(id(2)).unwrap().power(false);
+    bench.run(ms(400));
+    assert!(!is_driven(&bench, 1), "no wheel goes on without the other");
+    bench.run(ms(4_000));
+    assert!(speed(&bench, 1).abs() < 1.0);
+    assert!(is_driven(&bench, 3), "it is none of theirs");
+    assert!((speed(&bench, 3) - 60.0).abs() < 5.0);
+}
+
+#[test]
+fn a_stop_of_one_is_a_stop_of_all_of_them_in_the_same_rounds() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+    bench.run(ms(2_000));
+    bench.forget_the_past();
+    bench.command(Command::Stop(id(1))).unwrap();
+    bench.run(ms(100));
+    let brake: Drive = Setpoint::Brake.into();
+    let brakes = |motor: u8| {
+        let of_motor = bench.sent.iter();
+        of_motor
+            .filter(|sent| sent.drive_of(id(motor)) == Some(brake))
+            .count()
+    };
+    assert!(brakes(1) > 5 && brakes(1).abs_diff(brakes(2)) <= 1);
+    bench.run(ms(3_000));
+    assert!(speed(&bench, 1).abs() < 1.0 && speed(&bench, 2).abs() < 1.0);
+    assert!(bench.happened(|event| *event == Event::StopBegan(StopReason::OneMotor)));
+}
+
+#[test]
+fn none_of_a_group_is_driven_apart_from_it() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+    bench.run(ms(500));
+    let together = Err(Refusal::Together(id(1)));
+    assert_eq!(
+        bench.command(Command::Drive {
+            id: id(1),
+            setpoint: rpm(50),
+            consent: Consent::None,
+        }),
+        together
+    );
+    assert_eq!(
+        bench.command(Command::SwitchMode {
+            id: id(1),
+            mode: Mode::Current
+        }),
+        together
+    );
+    assert_eq!(drive(&mut bench, &[(1, 50), (3, 50)]), together);
+    assert_eq!(adjust(&mut bench, &[(1, 50)]), together);
+    // All of them and another are a larger group.
+    drive(&mut bench, &[(1, 50), (2, 50), (3, 50)]).unwrap();
+}
+
+/// What a pad sends while it is held: it never starts a wheel.
+#[test]
+fn what_is_adjusted_after_a_stop_stays_stopped() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+    bench.run(ms(1_000));
+    bench
+        .command(Command::StopAll(StopReason::Operator))
+        .unwrap();
+    assert!(adjust(&mut bench, &[(1, 80), (2, 80)]).is_err());
+    bench.run(ms(2_000));
+    bench.command(Command::Release).unwrap();
+    assert_eq!(
+        adjust(&mut bench, &[(1, 80), (2, 80)]),
+        Err(Refusal::NotDriven(id(1)))
+    );
+    bench.run(ms(1_000));
+    assert!(speed(&bench, 1).abs() < 1.0);
+}
+
+#[test]
+fn a_group_is_of_different_motors_and_not_empty() {
+    assert_eq!(Together::new(&[]), Err(NotTogether::Nobody));
+    let twice = [(id(1), rpm(1)), (id(2), rpm(1)), (id(1), rpm(2))];
+    assert_eq!(Together::new(&twice), Err(NotTogether::Twice(id(1))));
+    let many: Vec<_> = (1..=17).map(|motor| (id(motor), rpm(1))).collect();
+    assert_eq!(Together::new(&many), Err(NotTogether::TooMany));
+}
+
+#[test]
+fn a_ramp_bounds_what_is_sent_but_no_stop() {
+    let mut bench = rover();
+    bench
+        .command(Command::SetRamp(Some(Ramp::new(100).unwrap())))
+        .unwrap();
+    drive(&mut bench, &[(1, 200), (2, -200)]).unwrap();
+    bench.run(ms(1_000));
+    for (motor, sign) in [(1, 1.0), (2, -1.0)] {
+        let along = speed(&bench, motor) * sign;
+        assert!((85.0..=102.0).contains(&along), "{along} after a second");
+    }
+    bench.run(ms(2_000));
+    assert!((speed(&bench, 1) - 200.0).abs() < 5.0);
+    bench.command(Command::Stop(id(1))).unwrap();
+    bench.run(ms(700));
+    assert!(speed(&bench, 1).abs() < 2.0, "no ramp holds a stop up");
+}
