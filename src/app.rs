@@ -5,8 +5,8 @@ use motorlink_messages::ToWorker;
 
 use crate::{
     components::{
-        ControlPanel, Graph, Header, HelpDialog, Notices, PacketLog, QuestionDialog, Recording,
-        StoppedDialog, Telemetry, WheelPanel,
+        ControlPanel, Graph, Header, HelpDialog, LinkPanel, MotorStrip, Notices, PacketLog,
+        QuestionDialog, Recording, StoppedDialog, Telemetry, TogetherPanel, WheelPanel,
     },
     desk::{Desk, WorkerState},
     keyboard, lifecycle,
@@ -32,6 +32,11 @@ pub fn App() -> impl IntoView {
     let behind_dialog = move || desk.dialog.with(Option::is_some);
     view! {
         <Header behind_dialog=Signal::derive(behind_dialog) />
+        <div class="above-desk" inert=behind_dialog>
+            <MotorStrip />
+            <LinkPanel />
+            <TogetherPanel />
+        </div>
         <main class="desk" inert=behind_dialog>
             <ControlPanel />
             <WheelPanel />

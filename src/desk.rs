@@ -12,6 +12,7 @@ use motorlink_messages::{
 
 use crate::{
     clock::{Clock, act_ms, page_now_ms},
+    drawer::Drawer,
     fault_history::FaultHistory,
     history::History,
     id_manager::IdManager,
@@ -126,6 +127,8 @@ pub(crate) struct Parts {
     pub(crate) asked: RwSignal<Option<Mode>>,
     pub(crate) targets: Targets,
     pub(crate) dialog: RwSignal<Option<Dialog>>,
+    /// The panel that lies over the right of the desk.
+    pub(crate) drawer: RwSignal<Option<Drawer>>,
     /// Scans, and the way to a new ID.
     pub(crate) ids: RwSignal<IdManager>,
     /// The frame that a person writes.
@@ -169,6 +172,7 @@ impl Desk {
                 new_id: Target::new(NO_NEW_ID),
             },
             dialog: RwSignal::new(None),
+            drawer: RwSignal::new(None),
             ids: RwSignal::new(IdManager::default()),
             raw: RawEntry::new(),
         })))

@@ -14,6 +14,7 @@ mod components;
 mod connecting;
 mod desk;
 mod download;
+mod drawer;
 mod entry;
 mod fault_history;
 mod format;
