@@ -56,13 +56,30 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     // What one of them cannot measure keeps none of the others from it.
     let driving = run(workspace, &browser, "figures", args);
     let instruments = run(workspace, &browser, "instruments", args);
+    let wire = run(workspace, &browser, "wire", args);
     let scans = full_scans(workspace);
+    let pure = pure_parts(workspace);
     let files = site::files_of(&dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
     let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
     println!("first visit, gzip: {bytes} bytes (at most {max})");
     println!("foreign hosts in the files: {}", list(&files));
-    driving.and(instruments).and(scans)
+    driving.and(instruments).and(wire).and(scans).and(pure)
+}
+
+/// Measures what one exchange costs in computing.
+fn pure_parts(workspace: &Workspace) -> Result<()> {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args([
+        "bench",
+        "--quiet",
+        "--package",
+        "motorlink-bus",
+        "--bench",
+        "exchange",
+    ]);
+    process::run(&mut cargo)
 }
 
 /// Plays full scans on bad lines in virtual time, and prints how many runs found every motor.

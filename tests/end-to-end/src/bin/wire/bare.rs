@@ -1,0 +1,66 @@
+//! How many exchanges the page gets out of a line, against a loop that does nothing else.
+
+use std::{path::Path, time::Duration};
+
+use anyhow::Result;
+use end_to_end::{
+    Bench, Line, Usb,
+    figures::{ratio, row},
+};
+
+use crate::driving::{connected, spin, watch};
+
+/// Of what the bare loop gets, the page is to get so much.
+const RATIO_MIN: f64 = 0.97;
+/// Turnarounds in microseconds: that of all figures, and the shortest.
+const TURNAROUNDS_US: [u32; 2] = [600, 100];
+
+pub fn measure(watched: Duration) -> Result<()> {
+    for turnaround_us in TURNAROUNDS_US {
+        let line = || Line {
+            turnaround_us,
+            ..Line::default()
+        };
+        // In turn, so that a machine that grows slower meanwhile favours neither.
+        let part = watched / 2;
+        let (mut bare, mut page) = (0, 0);
+        for _ in 0..2 {
+            bare += bare_exchanges(line(), part)?;
+            page += page_exchanges(line(), part)?;
+        }
+        let seconds = watched.as_secs().max(1);
+        let share = ratio(page, bare);
+        row(
+            &format!(
+                "exchanges a second at the 500 Hz setting, one motor, {turnaround_us} us turnaround, \
+                 against a bare loop"
+            ),
+            &format!("{RATIO_MIN} or more"),
+            format!(
+                "{share:.3} ({} of {} a second)",
+                page / seconds,
+                bare / seconds
+            ),
+            share >= RATIO_MIN,
+        );
+    }
+    Ok(())
+}
+
+fn bare_exchanges(line: Line, watched: Duration) -> Result<u64> {
+    let fixtures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures"));
+    let bench = Bench::serving(fixtures)?;
+    let adapter = bench.plug(line, Usb::default())?;
+    let page = bench.open("/bare.html")?;
+    page.wait_for_text("output", "Port of the loop", |text| text == "open")?;
+    Ok(watch(&adapter, watched)?.from_motors().len() as u64)
+}
+
+fn page_exchanges(line: Line, watched: Duration) -> Result<u64> {
+    let bench = Bench::start()?;
+    let (adapter, page) = connected(&bench, line)?;
+    spin(&page, 500)?;
+    let wire = watch(&adapter, watched)?;
+    crate::ensure_quiet(&page)?;
+    Ok(wire.from_motors().len() as u64)
+}

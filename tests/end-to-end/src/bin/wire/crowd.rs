@@ -1,0 +1,144 @@
+//! Many motors on one line, and one that falls silent.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use end_to_end::{
+    Bench, Line, Page, WireLog,
+    figures::{ms, ratio, row},
+};
+
+use crate::driving::{connected, has_digits, watch};
+
+/// Answers sooner than the motor of all other figures, as the issue has it.
+const TURNAROUND_US: u32 = 200;
+const GAP_MAX_US: u64 = 30_000;
+
+pub fn measure(watched: Duration) -> Result<()> {
+    six(watched)?;
+    twelve(watched)?;
+    silent(watched)
+}
+
+fn line(motors: u8) -> Line {
+    let ids: Vec<u8> = (1..=motors).collect();
+    Line {
+        turnaround_us: TURNAROUND_US,
+        ..Line::with_motors(&ids)
+    }
+}
+
+/// Finds so many motors and drives them together.
+fn drive(page: &Page, motors: u8) -> Result<()> {
+    page.click("tab", "ID Manager")?;
+    // Where several motors answered at once, a notice offers one, too.
+    let scan = page.find_all("button", "Full scan")?.pop();
+    scan.context("no button Full scan")?.click()?;
+    page.wait_for_text("status", "Scan result", |text| {
+        text.contains(&format!("{motors} motors"))
+    })?;
+    page.click("button", "Drive together")?;
+    for id in 1..=motors {
+        page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
+    }
+    page.fill("spinbutton", "Group speed", "100")?;
+    page.press("Enter")?;
+    page.click("button", "Start together")?;
+    page.wait_for_text("output", "Speed", has_digits)?;
+    Ok(())
+}
+
+fn gaps_of(wire: &WireLog, id: u8) -> Result<(usize, u64)> {
+    let drives = wire.of_motor(id).drives();
+    let gaps = drives.gaps().context("no drive frames")?;
+    Ok((drives.len(), gaps.max_us))
+}
+
+fn six(watched: Duration) -> Result<()> {
+    let bench = Bench::start()?;
+    let (adapter, page) = connected(&bench, line(6))?;
+    drive(&page, 6)?;
+    let wire = watch(&adapter, watched)?;
+    let mut least = u64::MAX;
+    let mut longest = 0;
+    for id in 1..=6 {
+        let (frames, gap) = gaps_of(&wire, id)?;
+        least = least.min(frames as u64);
+        longest = longest.max(gap);
+    }
+    let hertz = ratio(least, watched.as_secs().max(1));
+    row(
+        &format!(
+            "6 motors at 50 Hz each with 5 Hz queries each, {} s",
+            watched.as_secs()
+        ),
+        "all six held, no gap over 30 ms",
+        format!("{hertz:.1} Hz or more each, longest gap {}", ms(longest)),
+        hertz >= 49.5 && longest <= GAP_MAX_US,
+    );
+    crate::ensure_quiet(&page)
+}
+
+fn twelve(watched: Duration) -> Result<()> {
+    let bench = Bench::start()?;
+    let (adapter, page) = connected(&bench, line(12))?;
+    drive(&page, 12)?;
+    let wire = watch(&adapter, watched)?;
+    page.click("button", "Link")?;
+    let said = page.text("status", "What the line carries")?;
+    let mut shares = Vec::new();
+    for id in 1..=12 {
+        shares.push(wire.of_motor(id).drives().len() as u64);
+    }
+    let (least, most) = (
+        shares.iter().min().copied().context("no motor")?,
+        shares.iter().max().copied().context("no motor")?,
+    );
+    let fair = ratio(least, most);
+    row(
+        "12 motors, more than the line carries",
+        "the page says so; every motor gets its share within 5 %",
+        format!("{said:?}; the least share is {fair:.3} of the greatest"),
+        fair >= 0.95 && has_digits(&said),
+    );
+    crate::ensure_quiet(&page)
+}
+
+fn silent(watched: Duration) -> Result<()> {
+    let bench = Bench::start()?;
+    let (mut adapter, page) = connected(&bench, line(4))?;
+    drive_alone(&page)?;
+    adapter.act("power 4 off")?;
+    let wire = watch(&adapter, watched)?;
+    let mut longest = 0;
+    let mut least = u64::MAX;
+    for id in 1..=3 {
+        let (frames, gap) = gaps_of(&wire, id)?;
+        least = least.min(frames as u64);
+        longest = longest.max(gap);
+    }
+    let hertz = ratio(least, watched.as_secs().max(1));
+    row(
+        "one of 4 motors goes silent",
+        "the other three keep 50 Hz, no gap over 30 ms",
+        format!("{hertz:.1} Hz or more each, longest gap {}", ms(longest)),
+        hertz >= 49.5 && longest <= GAP_MAX_US,
+    );
+    crate::ensure_quiet(&page)
+}
+
+/// Drives motors 1 to 4 one by one: a group would be stopped as a whole.
+fn drive_alone(page: &Page) -> Result<()> {
+    page.click("tab", "ID Manager")?;
+    let scan = page.find_all("button", "Full scan")?.pop();
+    scan.context("no button Full scan")?.click()?;
+    page.wait_for_text("status", "Scan result", |text| text.contains("4 motors"))?;
+    page.click("tab", "Velocity")?;
+    for id in 1..=4 {
+        page.choose("Motor", &format!("0x{id:02X} · {id}"))?;
+        page.wait_for_text("output", "Speed", has_digits)?;
+        page.click("button", "+100")?;
+        page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
+    }
+    Ok(())
+}

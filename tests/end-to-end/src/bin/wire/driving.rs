@@ -1,0 +1,38 @@
+//! What the measurements share: a page that drives, and a wire that is watched.
+
+use std::{thread, time::Duration};
+
+use anyhow::Result;
+use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WireLog, now_us};
+
+/// A page that is connected to motors.
+pub fn connected(bench: &Bench, line: Line) -> Result<(Adapter, Page)> {
+    let adapter = bench.plug(line, Usb::default())?;
+    let page = bench.open("/")?;
+    page.look(View::DESKTOP)?;
+    page.click("button", "Connect")?;
+    page.wait_for_text("output", "Speed", has_digits)?;
+    Ok((adapter, page))
+}
+
+/// Has the chosen motor driven at +100 rpm.
+pub fn spin(page: &Page, hertz: u16) -> Result<()> {
+    page.fill("spinbutton", "Command rate", &hertz.to_string())?;
+    page.press("Enter")?;
+    page.click("button", "+100")?;
+    page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
+    Ok(())
+}
+
+/// What goes over the wire for so long, after a second for everything to settle.
+pub fn watch(adapter: &Adapter, watched: Duration) -> Result<WireLog> {
+    thread::sleep(Duration::from_secs(1));
+    let from_us = now_us();
+    thread::sleep(watched);
+    let until_us = now_us();
+    Ok(adapter.wire()?.since(from_us).until(until_us))
+}
+
+pub fn has_digits(text: &str) -> bool {
+    text.contains(|c: char| c.is_ascii_digit())
+}

@@ -1,0 +1,111 @@
+//! What 500 exchanges a second cost the page and its worker.
+//!
+//! No adapter carries so many; the built-in bus does. Its motor is simulated in the worker, which makes
+//! the worker's share larger than it is with a real one.
+
+use std::{thread, time::Duration};
+
+use anyhow::{Context, Result};
+use end_to_end::{
+    Bench, Page, View,
+    figures::{ratio, row},
+    threads_time,
+};
+
+use crate::driving::spin;
+
+/// The heap is looked at after this, and at the end.
+const WARM: Duration = Duration::from_secs(20);
+
+pub fn measure(watched: Duration) -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/?port=virtual")?;
+    page.look(View::DESKTOP)?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    spin(&page, 500)?;
+    thread::sleep(WARM);
+    let heap_before = heap(&page)?;
+    page.work()?;
+    let (main_before, workers_before) =
+        (page.script_and_layout()?, threads_time("DedicatedWorker")?);
+    let frames = page.evaluate(&count_frames(watched))?;
+    let (main_after, workers_after) = (page.script_and_layout()?, threads_time("DedicatedWorker")?);
+    let work = page.work()?;
+    let heap_after = heap(&page)?;
+
+    let seconds = watched.as_secs();
+    let of_page = |what: &str| format!("page at 500 exchanges a second, {seconds} s: {what}");
+    row(
+        &of_page("main-thread tasks over 50 ms"),
+        "none",
+        format!(
+            "{}, longest {} ms",
+            work.long_tasks.len(),
+            work.longest_task().as_millis()
+        ),
+        work.long_tasks.is_empty(),
+    );
+    let main = per_cent(main_after.saturating_sub(main_before), watched);
+    row(
+        &of_page("script and layout"),
+        "at most 25 % of a core",
+        format!("{main:.1} %"),
+        main <= 25.0,
+    );
+    let frames = frames.as_u64().context("no frames were counted")?;
+    let fps = ratio(frames, seconds.max(1));
+    row(
+        &of_page("frames"),
+        "60 a second where the machine can draw them",
+        format!("{fps:.1} a second"),
+        fps >= 59.0,
+    );
+    let workers = per_cent(workers_after.saturating_sub(workers_before), watched);
+    row(
+        &of_page("both workers, with the simulated motor"),
+        "at most 25 % of a core",
+        format!("{workers:.1} %"),
+        workers <= 25.0,
+    );
+    let grown = heap_after.saturating_sub(heap_before);
+    row(
+        &format!("heap of page and workers, {seconds} s later"),
+        "at most 5 MB more",
+        format!("{:.2} MB more", ratio(grown, 1_000_000)),
+        grown <= 5_000_000,
+    );
+    crate::ensure_quiet(&page)
+}
+
+fn per_cent(time: Duration, of: Duration) -> f64 {
+    100.0 * time.as_secs_f64() / of.as_secs_f64()
+}
+
+fn count_frames(watched: Duration) -> String {
+    format!(
+        "new Promise((resolve) => {{
+            let frames = 0;
+            const until = performance.now() + {};
+            const count = (now) => {{
+                if (now >= until) return resolve(frames);
+                frames += 1;
+                requestAnimationFrame(count);
+            }};
+            requestAnimationFrame(count);
+        }})",
+        watched.as_millis()
+    )
+}
+
+/// Bytes that page and workers hold.
+fn heap(page: &Page) -> Result<u64> {
+    let mut bytes = 0;
+    for memory in [
+        page.memory()?,
+        page.memory_of_worker("")?,
+        page.memory_of_worker("journal")?,
+    ] {
+        bytes += memory.script + memory.wasm;
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,85 @@
+//! Measures how much of a line the page uses, with one motor and with many, and what that costs, and
+//! prints it as a table.
+//!
+//! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how
+//! long each line is watched, `--only bare`, `rates`, `crowd` or `load` measures a part.
+
+mod bare;
+mod crowd;
+mod driving;
+mod load;
+mod rates;
+
+use std::{env, process::ExitCode, time::Duration};
+
+use anyhow::{Context, Result, bail, ensure};
+use end_to_end::{Page, figures::Table};
+
+/// How long a line is watched.
+const WATCHED_S: u64 = 60;
+
+const PARTS: [&str; 4] = ["bare", "rates", "crowd", "load"];
+
+fn main() -> ExitCode {
+    match wanted().and_then(|wanted| measure(&wanted)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("wire: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+struct Wanted {
+    watched: Duration,
+    only: Option<String>,
+}
+
+fn wanted() -> Result<Wanted> {
+    let mut wanted = Wanted {
+        watched: Duration::from_secs(WATCHED_S),
+        only: None,
+    };
+    let mut arguments = env::args().skip(1);
+    while let Some(flag) = arguments.next() {
+        match (flag.as_str(), arguments.next()) {
+            ("--seconds", Some(number)) => {
+                let seconds = number.parse().context("--seconds takes a whole number")?;
+                wanted.watched = Duration::from_secs(seconds);
+            }
+            ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
+            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load]"),
+        }
+    }
+    Ok(wanted)
+}
+
+/// Measures what is wanted. What cannot be measured keeps nothing else from it.
+fn measure(wanted: &Wanted) -> Result<()> {
+    let table = Table::begin()?;
+    let mut failed = None;
+    let is_wanted = |part: &str| wanted.only.as_ref().is_none_or(|only| only == part);
+    for part in PARTS.into_iter().filter(|part| is_wanted(part)) {
+        let measured = match part {
+            "bare" => bare::measure(wanted.watched),
+            "rates" => rates::measure(wanted.watched),
+            "crowd" => crowd::measure(wanted.watched),
+            _ => load::measure(wanted.watched),
+        };
+        if let Err(error) = measured {
+            println!("| {part} | | could not be measured: {error:#} | NO |");
+            failed.get_or_insert(part);
+        }
+    }
+    table.end()?;
+    match failed {
+        Some(part) => bail!("{part} could not be measured"),
+        None => Ok(()),
+    }
+}
+
+fn ensure_quiet(page: &Page) -> Result<()> {
+    let errors = page.console_errors();
+    ensure!(errors.is_empty(), "the console is not empty: {errors:?}");
+    Ok(())
+}
