@@ -8,8 +8,8 @@ use motorlink_protocol::{
 
 use crate::{CommandRate, Ramp, Repeat, StopReason, Together};
 
-/// An operator's act. Motion starts by [`Command::Drive`] and by nothing
-/// else.
+/// An operator's act. Motion starts by [`Command::Drive`], by [`Command::DriveTogether`], by a frame
+/// that a person wrote ([`Command::SendRaw`]), and by nothing else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
@@ -86,8 +86,8 @@ pub enum Command {
         /// What the operator was asked and said yes to.
         consent: Consent,
     },
-    /// Let commanded speeds change no faster than this; `None` is as fast as they are given. It does
-    /// not bound a stop.
+    /// Let commanded speeds grow no faster than this; `None` is as fast as they are given. What is
+    /// slower, and every stop, is sent at once.
     SetRamp(Option<Ramp>),
     /// Hold the present angle of a motor that is driven in the position loop.
     Hold(MotorId),

@@ -1,13 +1,14 @@
-//! How fast a commanded speed may change.
+//! How fast a commanded speed may grow.
 
 use std::{fmt, time::Duration};
 
 use motorlink_protocol::{Instant, Rpm, Setpoint, SpeedTarget};
 
-/// The most that a commanded speed changes by in a second, 1-10,000 rpm.
+/// The most that the magnitude of a commanded speed grows by in a second, 1-10,000 rpm.
 ///
 /// It bounds what is sent in the velocity loop, beside the acceleration that the motor's own firmware
-/// takes from the frame. It never bounds a stop: zero is sent as zero.
+/// takes from the frame. It bounds growth only: a slower speed is sent at once, as zero and the brake
+/// are, so no wheel is driven faster than it was asked to be, or the other way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "u16", into = "u16"))]
@@ -64,6 +65,10 @@ impl fmt::Display for RampOutOfRange {
 
 impl std::error::Error for RampOutOfRange {}
 
+/// The longest time that a ramp makes up for at once: frames may have paused, and a wheel must not jump
+/// then.
+const CAUGHT_UP_MAX: Duration = Duration::from_millis(100);
+
 /// The speed that was sent last, finer than the wire's whole rpm, so that a gentle ramp at a high rate
 /// does not stand still.
 #[derive(Clone, Copy, Debug)]
@@ -73,8 +78,8 @@ pub(crate) struct Ramped {
 }
 
 impl Ramped {
-    /// A wheel that turns so fast, whoever turns it. What is not known counts as standstill: the ramp
-    /// is longer then, not shorter.
+    /// A wheel that turns so fast, by a reply of the last 500 ms. Where its speed is unknown the ramp
+    /// begins at zero, from which it is the longest.
     pub(crate) fn from(at: Instant, speed: Option<Rpm>) -> Self {
         let rpm = speed.map_or(0, |speed| i64::from(speed.rpm()));
         Self {
@@ -83,28 +88,33 @@ impl Ramped {
         }
     }
 
-    /// What is sent now on the way to `goal`.
-    pub(crate) fn step(&mut self, now: Instant, goal: Setpoint, ramp: Option<Ramp>) -> Setpoint {
+    /// What is sent now on the way to `goal`, a drive period after the last frame.
+    pub(crate) fn step(
+        &mut self,
+        now: Instant,
+        goal: Setpoint,
+        ramp: Option<Ramp>,
+        period: Duration,
+    ) -> Setpoint {
+        let elapsed = now.since(self.at).min(period.max(CAUGHT_UP_MAX));
+        self.at = now;
         let Setpoint::Velocity {
             speed,
             acceleration,
         } = goal
         else {
+            self.milli_rpm = 0;
             return goal;
         };
         let wanted = i64::from(speed.rpm()) * 1_000;
-        let most = ramp.map_or(i64::MAX, |ramp| ramp.most_in(now.since(self.at)));
-        let change = (wanted - self.milli_rpm).clamp(-most, most);
-        self.at = now;
-        // Zero is never waited for.
-        self.milli_rpm = if wanted == 0 {
-            0
-        } else {
-            self.milli_rpm + change
-        };
+        let same_way = wanted.signum() == self.milli_rpm.signum();
+        let reached = if same_way { self.milli_rpm.abs() } else { 0 };
+        let most = ramp.map_or(i64::MAX, |ramp| {
+            reached.saturating_add(ramp.most_in(elapsed))
+        });
+        self.milli_rpm = wanted.signum() * wanted.abs().min(most);
         let rpm = i32::try_from(self.milli_rpm / 1_000).unwrap_or(0);
         Setpoint::Velocity {
-            // A wheel may turn faster than it can be told to.
             speed: SpeedTarget::clamped(rpm),
             acceleration,
         }
@@ -114,6 +124,8 @@ impl Ramped {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const PERIOD: Duration = Duration::from_millis(20);
 
     fn rpm(setpoint: Setpoint) -> i64 {
         let Setpoint::Velocity { speed, .. } = setpoint else {
@@ -130,49 +142,67 @@ mod tests {
         Instant::from_millis(ms)
     }
 
+    fn ramp(rpm_a_second: u16) -> Option<Ramp> {
+        Ramp::new(rpm_a_second).ok()
+    }
+
+    /// What is sent every 20 ms.
+    fn sent(ramped: &mut Ramped, from_ms: u64, goal: Setpoint, ramp: Option<Ramp>) -> Vec<i64> {
+        let steps = (1..=6).map(|step| at(from_ms + step * 20));
+        steps
+            .map(|now| rpm(ramped.step(now, goal, ramp, PERIOD)))
+            .collect()
+    }
+
     #[test]
-    fn a_speed_changes_by_the_ramp_and_no_faster_at_any_rate() {
+    fn a_speed_grows_by_the_ramp_and_no_faster_at_any_rate() {
         for period_ms in [2, 7, 20, 100] {
+            let period = Duration::from_millis(period_ms);
             let mut ramped = Ramped::from(at(0), None);
-            let ramp = Some(Ramp::new(50).unwrap());
             for step in 1..=1_000 / period_ms {
-                let sent = rpm(ramped.step(at(step * period_ms), goal(-200), ramp));
+                let now = at(step * period_ms);
+                let sent = rpm(ramped.step(now, goal(-200), ramp(50), period));
                 let most = i64::try_from(step * period_ms * 50 / 1_000).unwrap();
                 assert!(sent <= 0 && sent >= -most, "{sent} at {step}");
             }
-            let after_a_second = ramped.step(at(1_000), goal(-200), ramp);
+            let after_a_second = ramped.step(at(1_000), goal(-200), ramp(50), period);
             assert_eq!(rpm(after_a_second), -50, "every {period_ms} ms");
         }
     }
 
     #[test]
-    fn no_ramp_keeps_a_wheel_from_zero() {
+    fn a_slower_speed_zero_and_brake_are_sent_at_once() {
         let mut ramped = Ramped::from(at(0), Some(Rpm::new(300)));
-        let ramp = Some(Ramp::new(1).unwrap());
-        assert_eq!(rpm(ramped.step(at(20), goal(0), ramp)), 0);
-        assert_eq!(
-            rpm(ramped.step(at(40), goal(300), ramp)),
-            0,
-            "and begins again there"
-        );
+        assert_eq!(rpm(ramped.step(at(20), goal(5), ramp(1), PERIOD)), 5);
+        assert_eq!(rpm(ramped.step(at(40), goal(0), ramp(1), PERIOD)), 0);
+        let brake = ramped.step(at(60), Setpoint::Brake, ramp(1), PERIOD);
+        assert_eq!(brake, Setpoint::Brake);
+        // And the way up begins at zero again, however long it stood.
+        let sent = ramped.step(at(30_000), goal(300), ramp(50), PERIOD);
+        assert_eq!(rpm(sent), 5);
     }
 
     #[test]
-    fn a_ramp_begins_at_the_speed_of_the_wheel_and_passes_through_zero() {
-        let mut ramped = Ramped::from(at(0), Some(Rpm::new(100)));
-        let ramp = Some(Ramp::new(1_000).unwrap());
-        let sent: Vec<i64> = (1..=10)
-            .map(|step| rpm(ramped.step(at(step * 20), goal(-60), ramp)))
-            .collect();
-        assert_eq!(sent, [80, 60, 40, 20, 0, -20, -40, -60, -60, -60]);
+    fn no_wheel_is_driven_beyond_its_goal_or_the_other_way() {
+        let mut ramped = Ramped::from(at(0), Some(Rpm::new(-200)));
+        let up = sent(&mut ramped, 0, goal(60), ramp(1_000));
+        assert_eq!(up, [20, 40, 60, 60, 60, 60]);
+        let down = sent(&mut ramped, 120, goal(-60), ramp(1_000));
+        assert_eq!(down, [-20, -40, -60, -60, -60, -60]);
     }
 
     #[test]
-    fn without_a_ramp_and_in_other_loops_the_goal_is_sent() {
+    fn a_pause_of_the_frames_is_not_caught_up_at_once() {
         let mut ramped = Ramped::from(at(0), None);
-        assert_eq!(rpm(ramped.step(at(1), goal(330), None)), 330);
-        let ramp = Some(Ramp::new(1).unwrap());
-        assert_eq!(ramped.step(at(2), Setpoint::Brake, ramp), Setpoint::Brake);
+        let sent = ramped.step(at(5_000), goal(300), ramp(100), PERIOD);
+        assert_eq!(rpm(sent), 10);
+    }
+
+    #[test]
+    fn without_a_ramp_the_goal_is_sent() {
+        let mut ramped = Ramped::from(at(0), None);
+        assert_eq!(rpm(ramped.step(at(1), goal(330), None, PERIOD)), 330);
+        assert_eq!(rpm(ramped.step(at(2), goal(-330), None, PERIOD)), -330);
     }
 
     #[test]

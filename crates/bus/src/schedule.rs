@@ -7,7 +7,7 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 use crate::{
     motor::{Control, Motor},
     scan::Ask,
-    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
+    timing::{DRIVEN_UNANSWERED_MAX, EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };
 
 /// What the line is to be used for.
@@ -125,11 +125,15 @@ fn next_stop(motors: &[Motor]) -> Option<(Instant, MotorId, bool)> {
     motors
         .iter()
         .filter_map(|motor| match &motor.control {
-            Control::Stopping(stop) => Some((stop.round, motor.id, stop)),
+            Control::Stopping(stop) => {
+                let silent = motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX;
+                Some((stop.round, silent, motor.id, stop))
+            }
             _ => None,
         })
-        .min_by_key(|(round, id, stop)| (stop.first_frame_sent, *round, *id))
-        .map(|(_, id, stop)| (stop.next_frame, id, stop.first_frame_sent))
+        // One that does not answer costs a window: those that do get their first brake before it.
+        .min_by_key(|(round, silent, id, stop)| (stop.first_frame_sent, *round, *silent, *id))
+        .map(|(.., id, stop)| (stop.next_frame, id, stop.first_frame_sent))
 }
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {

@@ -211,6 +211,28 @@ fn one_of_four_that_falls_silent_costs_the_others_no_frame() {
     });
 }
 
+/// Motors that have lost their bus have lower IDs than those that turn.
+#[test]
+fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
+    let mut bench = driven(&[1, 2, 3, 4, 5, 6, 7, 8]);
+    for address in 1..=5 {
+        bench.world.motor_mut(id(address)).unwrap().power(false);
+    }
+    bench.run(ms(250));
+    bench.forget_the_past();
+    let stopped = bench.now;
+    bench
+        .command(Command::StopAll(StopReason::Operator))
+        .unwrap();
+    bench.run(ms(400));
+    for address in 6..=8 {
+        let brakes = brakes(&bench, id(address));
+        let first = brakes[0].since(stopped);
+        assert!(first <= ms(20), "{first:?} to the first brake of {address}");
+        assert!(longest_gap(&brakes) <= ms(60), "{:?}", longest_gap(&brakes));
+    }
+}
+
 #[test]
 fn a_motor_forgotten_while_it_is_asked_stays_forgotten() {
     let mut bench = Bench::one_motor();

@@ -183,6 +183,86 @@ fn what_is_adjusted_after_a_stop_stays_stopped() {
     assert!(speed(&bench, 1).abs() < 1.0);
 }
 
+/// What the page's Stop and Brake send in each loop.
+#[test]
+fn zero_and_brake_for_one_of_a_group_stop_all_of_it() {
+    for setpoint in [rpm(0), Setpoint::Brake] {
+        for adjusts in [false, true] {
+            let mut bench = rover();
+            drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+            bench.run(ms(1_000));
+            let (id, consent) = (id(1), Consent::None);
+            let command = if adjusts {
+                Command::Adjust {
+                    id,
+                    setpoint,
+                    consent,
+                }
+            } else {
+                Command::Drive {
+                    id,
+                    setpoint,
+                    consent,
+                }
+            };
+            bench.command(command).unwrap();
+            bench.run(ms(1_000));
+            assert!(speed(&bench, 1).abs() < 1.0 && speed(&bench, 2).abs() < 1.0);
+        }
+    }
+}
+
+#[test]
+fn a_hold_of_one_of_a_group_stops_all_of_it() {
+    let mut bench = rover();
+    for motor in [1, 2] {
+        bench
+            .command(Command::SwitchMode {
+                id: id(motor),
+                mode: Mode::Position,
+            })
+            .unwrap();
+    }
+    bench.run(ms(600));
+    let parts = [(id(1), bench::degrees(90.0)), (id(2), bench::degrees(90.0))];
+    let parts = Together::new(&parts).unwrap();
+    let consent = Consent::None;
+    bench
+        .command(Command::DriveTogether { parts, consent })
+        .unwrap();
+    bench.run(ms(50));
+    bench.command(Command::Hold(id(1))).unwrap();
+    assert!(!is_driven(&bench, 1) && !is_driven(&bench, 2));
+}
+
+#[test]
+fn the_end_of_a_raw_run_on_one_of_a_group_stops_all_of_it() {
+    let mut bench = rover();
+    let frame = bench::drive_frame(id(1), rpm(50));
+    bench
+        .command(bench::raw(frame, motorlink_bus::Repeat::Once))
+        .unwrap();
+    bench.run(ms(300));
+    drive(&mut bench, &[(1, 100), (2, 100)]).unwrap();
+    bench.run(ms(500));
+    bench.command(Command::StopRaw).unwrap();
+    bench.run(ms(1_000));
+    assert!(!is_driven(&bench, 1) && !is_driven(&bench, 2));
+}
+
+#[test]
+fn one_alone_is_no_group() {
+    let mut bench = rover();
+    drive(&mut bench, &[(1, 100)]).unwrap();
+    bench
+        .command(Command::Adjust {
+            id: id(1),
+            setpoint: rpm(50),
+            consent: Consent::None,
+        })
+        .unwrap();
+}
+
 #[test]
 fn a_group_is_of_different_motors_and_not_empty() {
     assert_eq!(Together::new(&[]), Err(NotTogether::Nobody));

@@ -2,7 +2,9 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Activity, Bus, Command, CommandRate, Event, Output, Refusal, StopReason};
+use motorlink_bus::{
+    Activity, Bus, Command, CommandRate, Event, Output, Ramp, Refusal, StopReason,
+};
 use motorlink_messages::{Notice, ToPage, ToWorker, decode};
 use motorlink_protocol::{Instant, MotorId};
 
@@ -30,6 +32,7 @@ pub(crate) struct Station {
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
     rate: CommandRate,
+    ramp: Option<Ramp>,
     /// Whether Stop all motors stands. It outlives the port.
     halted: bool,
     /// How much more our clock shows than the page's, by the quickest message so far.
@@ -62,6 +65,7 @@ pub(crate) fn start() {
             generation: 0,
             selected: MotorId::FIRST,
             rate: CommandRate::default(),
+            ramp: None,
             halted: false,
             ahead_of_page_ms: f64::INFINITY,
         })
@@ -180,6 +184,7 @@ impl Station {
         };
         for command in [
             Command::SetRate(self.rate),
+            Command::SetRamp(self.ramp),
             Command::IdQuery,
             Command::Watch(self.selected),
         ] {

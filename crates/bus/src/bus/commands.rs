@@ -52,23 +52,25 @@ impl Bus {
                 setpoint,
                 consent,
             } => {
-                self.check_alone(id)?;
-                self.drive(now, id, setpoint, consent)?;
+                if !self.rests_with_its_group(now, id, setpoint) {
+                    self.check_alone(id)?;
+                    self.drive(now, id, setpoint, consent)?;
+                }
             }
             Command::Adjust {
                 id,
                 setpoint,
                 consent,
             } => {
-                self.check_alone(id)?;
-                self.adjust(now, id, setpoint, consent)?;
+                if !self.rests_with_its_group(now, id, setpoint) {
+                    self.check_alone(id)?;
+                    self.adjust(now, id, setpoint, consent)?;
+                }
             }
             Command::Hold(id) => self.hold(now, id)?,
             Command::Stop(id) => {
                 self.watch(now, id);
-                let mut ids = vec![id];
-                self.add_companions(&mut ids);
-                self.begin_stop(now, StopReason::OneMotor, |motor| ids.contains(&motor.id));
+                self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             }
             Command::StopAll(reason) => self.stop_all(now, reason),
             Command::Release => self.halted = false,
@@ -187,6 +189,10 @@ impl Bus {
         if driven.goal.mode() != Mode::Position {
             return Err(Refusal::NotHolding(id));
         }
+        if driven.group.is_some() {
+            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            return Ok(());
+        }
         // The angle of the last reply is where the wheel was. The next reply says where it is.
         *driven = Driven {
             hold: true,
@@ -241,12 +247,24 @@ impl Bus {
         if let Some(raw) = &mut self.raw {
             raw.stop();
         }
+        // None of a group goes on without the others.
+        let mut ids: Vec<MotorId> = self
+            .motors
+            .iter()
+            .filter(|motor| concerns(motor))
+            .map(|motor| motor.id)
+            .collect();
+        self.add_companions(&mut ids);
         let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
             Control::Stopping(stop) => Some(stop.round),
             _ => None,
         });
         let round = rounds.min().unwrap_or(0);
-        for motor in self.motors.iter_mut().filter(|motor| concerns(motor)) {
+        for motor in self
+            .motors
+            .iter_mut()
+            .filter(|motor| ids.contains(&motor.id))
+        {
             if let Control::Stopping(stop) = &mut motor.control {
                 stop.asked_again(now);
                 continue;
@@ -273,7 +291,7 @@ impl Bus {
 }
 
 /// Whether a setpoint is what a person calls stopping: it does not wait for the next period.
-fn rests(setpoint: Setpoint) -> bool {
+pub(super) fn rests(setpoint: Setpoint) -> bool {
     match setpoint {
         Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
         Setpoint::Current(current) => current.raw() == 0,

@@ -12,7 +12,7 @@ use crate::{
     motor::{Control, Motor},
     receiver::{Found, Leftovers, Piece},
     scan::Look,
-    timing::{AMBIGUITY_QUIET, EARLIEST_REPLY},
+    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY},
 };
 
 impl Bus {
@@ -114,7 +114,9 @@ impl Bus {
     ) {
         let waited_us = micros(now.since(exchange.sent));
         match exchange.purpose {
-            Purpose::Control => self.round_trip.lost(),
+            // That a motor is silent that was silent before says nothing of the adapter, unless all are.
+            Purpose::Control if self.tells_of_the_adapter(now, id) => self.round_trip.lost(),
+            Purpose::Control => {}
             Purpose::Survey if rest.is_silence() => {
                 self.survey_looked(now, exchange.sent, id, Look::Silence);
             }
@@ -141,6 +143,14 @@ impl Bus {
             1..FRAME_LEN => counters.fragments += 1,
             _ => counters.bad_crcs += 1,
         }
+    }
+
+    /// Whether a lost reply of this motor may mean that the adapter has grown slower.
+    fn tells_of_the_adapter(&self, now: Instant, id: MotorId) -> bool {
+        let was_silent = |motor: &Motor| motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX;
+        let motor = self.motors.iter().find(|motor| motor.id == id);
+        let other_answers = |motor: &Motor| motor.id != id && motor.fresh_speed(now).is_some();
+        !motor.is_some_and(was_silent) || !self.motors.iter().any(other_answers)
     }
 
     /// Bytes that came while nobody was asked: late replies, and echoes of what is not answered.

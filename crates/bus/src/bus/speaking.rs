@@ -138,7 +138,7 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -
         (Control::Driven(driven), Errand::Drive(_)) => {
             let goal = step_towards(driven.goal, driven.on_the_wire);
             let mut ramped = driven.ramped;
-            let setpoint = ramped.step(now, goal, tempo.ramp);
+            let setpoint = ramped.step(now, goal, tempo.ramp, period);
             *driven = Driven {
                 ramped,
                 on_the_wire: Some(setpoint),

@@ -1,10 +1,10 @@
 //! Motors that are driven as one: all start, or none; and none goes on without the others.
 
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_protocol::{Instant, MotorId, Setpoint};
 
-use super::Bus;
+use super::{Bus, commands::rests};
 use crate::{
-    Consent, Refusal, Together,
+    Consent, Refusal, StopReason, Together,
     motor::{Control, Motor},
     safety::check_drive,
 };
@@ -32,11 +32,12 @@ impl Bus {
             self.check_takes_no_part_of_a_group(id, parts)?;
         }
         self.last_group += 1;
-        let number = self.last_group;
+        // One alone is no group: it is driven as by a command of its own.
+        let number = (parts.parts().count() > 1).then_some(self.last_group);
         for (id, setpoint) in parts.parts() {
             self.drive(now, id, setpoint, consent)?;
             if let Some(driven) = self.motor_mut(id).and_then(Motor::driven_mut) {
-                driven.group = Some(number);
+                driven.group = number;
             }
         }
         Ok(())
@@ -53,7 +54,7 @@ impl Bus {
         for (id, setpoint) in parts.parts() {
             let driven = self.motor_mut(id).and_then(Motor::driven_mut);
             let driven = driven.ok_or(Refusal::NotDriven(id))?;
-            let own = driven.group.ok_or(Refusal::NotDriven(id))?;
+            let own = driven.group;
             if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
                 return Err(Refusal::NotDriven(id));
             }
@@ -66,6 +67,20 @@ impl Bus {
             self.adjust(now, id, setpoint, consent)?;
         }
         Ok(())
+    }
+
+    /// Zero, or the brake, for a motor of a group is a stop of the group. Whether it was one.
+    pub(super) fn rests_with_its_group(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        setpoint: Setpoint,
+    ) -> bool {
+        let is_stop = rests(setpoint) && self.check_alone(id).is_err();
+        if is_stop {
+            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+        }
+        is_stop
     }
 
     /// Refuses what would drive one motor of a group apart from the others.

@@ -42,7 +42,9 @@ impl Bus {
                 Control::Switching(switch) => match switch.progress(now) {
                     Progress::Underway => {}
                     Progress::Confirmed => {
-                        motor.control = after_switch(now, &switch, motor.fresh_speed(now));
+                        let reported = motor.fresh_faults(now);
+                        let faulty = reported.is_some_and(Faults::any_named);
+                        motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
                         motor.may_turn |= matches!(motor.control, Control::Driven(_));
                         self.events.push_back(Event::ModeSwitched {
                             id: motor.id,
@@ -66,7 +68,6 @@ impl Bus {
             }
         }
         if !to_stop.is_empty() {
-            self.add_companions(&mut to_stop);
             self.begin_stop(now, StopReason::OneMotor, |motor| {
                 to_stop.contains(&motor.id)
             });
@@ -124,14 +125,15 @@ impl Bus {
 
 /// A motor that was driven stays driven at zero, where the two loops share one; else it is left
 /// alone until an operator asks.
-fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>) -> Control {
+fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>, faulty: bool) -> Control {
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
         Mode::Position => None,
     };
     let goal = switch.then.or(zero.filter(|_| switch.was_driven));
-    goal.map_or(Control::Idle, |goal| {
+    // A motor that reports a fault is not driven into it.
+    goal.filter(|_| !faulty).map_or(Control::Idle, |goal| {
         Control::Driven(Driven::begin(now, goal, speed))
     })
 }

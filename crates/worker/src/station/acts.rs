@@ -42,6 +42,7 @@ impl Station {
         }
         match command {
             Command::SetRate(rate) => self.rate = rate,
+            Command::SetRamp(ramp) => self.ramp = ramp,
             Command::StopAll(_) => self.halted = true,
             Command::Release => self.halted = false,
             _ => {}
@@ -68,7 +69,7 @@ impl Station {
                     };
                     self.outbox.notice(Notice::StopEnded(report));
                 }
-                Command::Release | Command::SetRate(_) => {}
+                Command::Release | Command::SetRate(_) | Command::SetRamp(_) => {}
                 _ => self.outbox.notice(Notice::NotConnected),
             },
         }
