@@ -23,6 +23,7 @@ pub(crate) struct Alarm {
     task: Closure<dyn FnMut() -> JsValue>,
     ring_if_due: Rc<dyn Fn()>,
     scheduler: Option<Scheduler>,
+    options: SchedulerPostTaskOptions,
     /// The earliest moment that a task is under way for. A later one need not be armed: the call
     /// that comes earlier arms it again. So there are few tasks, however often the moment moves.
     armed: Rc<Cell<Option<Instant>>>,
@@ -48,10 +49,13 @@ impl Alarm {
             on_task();
             JsValue::UNDEFINED
         });
+        let options = SchedulerPostTaskOptions::new();
+        options.set_priority(TaskPriority::UserVisible);
         Self {
             task,
             ring_if_due,
             scheduler: scheduler(),
+            options,
             armed,
         }
     }
@@ -67,10 +71,9 @@ impl Alarm {
         self.armed.set(Some(at));
         let delay = at.since(now);
         if let Some(scheduler) = &self.scheduler {
-            let options = SchedulerPostTaskOptions::new();
-            options.set_delay_f64(delay.as_secs_f64() * 1000.0);
-            options.set_priority(TaskPriority::UserVisible);
-            let _ = scheduler.post_task_with_options(self.task.as_ref().unchecked_ref(), &options);
+            self.options.set_delay_f64(delay.as_secs_f64() * 1000.0);
+            let task = self.task.as_ref().unchecked_ref();
+            let _ = scheduler.post_task_with_options(task, &self.options);
         } else {
             let ring = Rc::clone(&self.ring_if_due);
             let millis = u32::try_from(delay.as_millis()).unwrap_or(u32::MAX);

@@ -29,7 +29,7 @@ impl Line {
 
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) {
         match self {
-            Self::Serial(serial) => serial.write(frame.bytes()),
+            Self::Serial(serial) => serial.write(frame),
             Self::Virtual(world) => world.transmit(now, frame.bytes()),
         }
     }

@@ -1,15 +1,16 @@
 //! Web Serial: opening, reading, writing and closing a port, and what its errors mean.
 
-use std::time::Duration;
+use std::{cell::RefCell, rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use js_sys::{Reflect, Uint8Array};
+use js_sys::{Promise, Reflect, Uint8Array};
 use motorlink_messages::{ConnectError, PortRef, UsbId};
+use motorlink_protocol::{FRAME_LEN, Frame};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
-    DomException, Event, ReadableStream, ReadableStreamDefaultReader, Serial, SerialOptions,
-    SerialPort, WritableStreamDefaultWriter,
+    DomException, Event, ReadableStream, ReadableStreamDefaultReader, ReadableStreamReadResult,
+    Serial, SerialOptions, SerialPort, WritableStreamDefaultWriter,
 };
 
 use crate::scope::{global, report};
@@ -27,6 +28,8 @@ const REOPEN_PAUSE: Duration = Duration::from_millis(20);
 pub(crate) struct SerialLine {
     port: SerialPort,
     writer: WritableStreamDefaultWriter,
+    /// The frame that is written. The browser is done with it when there is room for another.
+    frame: Uint8Array,
     usb: Option<UsbId>,
 }
 
@@ -47,9 +50,9 @@ pub(crate) enum ReadEnd {
 
 /// What [`read`] tells.
 #[derive(Debug)]
-pub(crate) enum ReadEvent {
+pub(crate) enum ReadEvent<'a> {
     /// Bytes came.
-    Bytes(Vec<u8>),
+    Bytes(&'a [u8]),
     /// A break, framing, parity or overrun error. The port lives on.
     LineError,
 }
@@ -115,6 +118,7 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
             usb: usb_of(&port),
             port,
             writer,
+            frame: Uint8Array::from([0; FRAME_LEN].as_slice()),
         }),
         Err(error) => {
             let _ = JsFuture::from(port.close()).await;
@@ -128,14 +132,15 @@ impl SerialLine {
         self.usb
     }
 
-    /// Hands bytes to the port. Success would prove nothing: the first write after an unplug
+    /// Hands a frame to the port. Success would prove nothing: the first write after an unplug
     /// succeeds too. What failed shows on the reading side.
-    pub(crate) fn write(&self, bytes: &[u8]) {
+    pub(crate) fn write(&self, frame: Frame) {
         // A frame that would wait behind another is late already, and would be sent to a motor that
         // may have stopped meanwhile: rather none. The bus sees it as silence.
         let room = self.writer.desired_size().ok().flatten();
         if room.is_none_or(|room| room > 0.0) {
-            let written = self.writer.write_with_chunk(&Uint8Array::from(bytes));
+            self.frame.copy_from(frame.bytes());
+            let written = self.writer.write_with_chunk(&self.frame);
             let _ = IGNORE.with(|ignore| written.catch(ignore));
         }
     }
@@ -152,8 +157,9 @@ impl SerialLine {
 pub(crate) async fn read(
     port: SerialPort,
     mut wanted: impl FnMut(Option<ReadableStreamDefaultReader>) -> bool,
-    mut tell: impl FnMut(ReadEvent),
+    tell: impl Fn(ReadEvent) + 'static,
 ) -> ReadEnd {
+    let tell: Rc<dyn Fn(ReadEvent)> = Rc::new(tell);
     while let Some(stream) = readable(&port) {
         let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
             return ReadEnd::Lost;
@@ -162,7 +168,7 @@ pub(crate) async fn read(
             reader.release_lock();
             return ReadEnd::Closed;
         }
-        let ended = read_stream(&reader, &mut tell).await;
+        let ended = read_stream(&reader, &tell).await;
         reader.release_lock();
         match ended {
             Ok(()) => {
@@ -178,20 +184,61 @@ pub(crate) async fn read(
     ReadEnd::Lost
 }
 
+/// Bytes that are copied out of the browser at a time: three frames with their echoes.
+const CHUNK: u32 = 64;
+
 /// Reads one stream to its end (`Ok`) or its error.
+///
+/// One closure hears every chunk, for as long as the stream lasts: a future for each would allocate
+/// four times and come a turn of the event loop later, between a reply and the next request.
 async fn read_stream(
     reader: &ReadableStreamDefaultReader,
-    tell: &mut impl FnMut(ReadEvent),
+    tell: &Rc<dyn Fn(ReadEvent)>,
 ) -> Result<(), JsValue> {
-    loop {
-        let result = JsFuture::from(reader.read()).await?;
-        let result: web_sys::ReadableStreamReadResult = result.unchecked_into();
-        if result.get_done().unwrap_or(true) {
-            return Ok(());
+    let on_chunk: Rc<RefCell<Option<OnSettled>>> = Rc::default();
+    let mut on_error: Option<Rc<OnSettled>> = None;
+    let ended = Promise::new(&mut |resolve, reject| {
+        let failed = Rc::new(OnSettled::new(move |error| {
+            let _ = reject.call1(&JsValue::UNDEFINED, &error);
+        }));
+        on_error = Some(Rc::clone(&failed));
+        let (reader, tell, again) = (reader.clone(), Rc::clone(tell), Rc::downgrade(&on_chunk));
+        *on_chunk.borrow_mut() = Some(OnSettled::new(move |result: JsValue| {
+            let result: ReadableStreamReadResult = result.unchecked_into();
+            if result.get_done().unwrap_or(true) {
+                let _ = resolve.call0(&JsValue::UNDEFINED);
+                return;
+            }
+            if let Ok(bytes) = result.get_value().dyn_into::<Uint8Array>() {
+                tell_bytes(&bytes, &*tell);
+            }
+            if let Some(again) = again.upgrade()
+                && let Some(on_chunk) = &*again.borrow()
+            {
+                let _ = reader.read().then2(on_chunk, &failed);
+            }
+        }));
+    });
+    if let (Some(on_chunk), Some(on_error)) = (&*on_chunk.borrow(), &on_error) {
+        let _ = reader.read().then2(on_chunk, on_error);
+    }
+    JsFuture::from(ended).await.map(drop)
+}
+
+/// Called with what a promise has come to.
+type OnSettled = Closure<dyn FnMut(JsValue)>;
+
+fn tell_bytes(bytes: &Uint8Array, tell: &dyn Fn(ReadEvent)) {
+    let mut chunk = [0; CHUNK as usize];
+    let mut from = 0;
+    while from < bytes.length() {
+        let until = bytes.length().min(from + CHUNK);
+        let part = bytes.subarray(from, until);
+        if let Some(chunk) = chunk.get_mut(..(until - from) as usize) {
+            part.copy_to(chunk);
+            tell(ReadEvent::Bytes(chunk));
         }
-        if let Ok(bytes) = result.get_value().dyn_into::<Uint8Array>() {
-            tell(ReadEvent::Bytes(bytes.to_vec()));
-        }
+        from = until;
     }
 }
 

@@ -153,7 +153,7 @@ pub(crate) fn pump(shared: &Shared) {
 }
 
 /// Takes what a port's reader tells, for as long as that port is the one in use.
-pub(crate) fn heard(shared: &Shared, generation: u32, event: ReadEvent) {
+pub(crate) fn heard(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
     {
         let mut station = shared.borrow_mut();
         if station.generation != generation {
@@ -161,7 +161,7 @@ pub(crate) fn heard(shared: &Shared, generation: u32, event: ReadEvent) {
         }
         let now = station.now();
         match (&mut station.session, event) {
-            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, &bytes),
+            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
             (_, ReadEvent::LineError) => station.outbox.notice(Notice::LineError),
             (_, ReadEvent::Bytes(_)) => {}
         }
