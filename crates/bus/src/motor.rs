@@ -35,6 +35,8 @@ pub(crate) struct Driven {
     pub(crate) on_the_wire: Option<Setpoint>,
     pub(crate) since: Instant,
     pub(crate) next_frame: Instant,
+    /// When the next frame would be due had every one gone out in time.
+    pub(crate) on_schedule: Instant,
     /// Whether the angle of the next reply is to be held.
     pub(crate) hold: bool,
     /// The number of the group that it is driven in; none goes on without the others.
@@ -51,6 +53,7 @@ impl Driven {
             on_the_wire: None,
             since: now,
             next_frame: now,
+            on_schedule: now,
             hold: false,
             group: None,
             ramped: Ramped::from(now, speed),

@@ -37,6 +37,9 @@ pub(crate) const SILENT_QUERY_PERIOD: Duration = Duration::from_secs(1);
 /// drive frame that comes late.
 pub(crate) const PROBE_DOUBLINGS_MAX: u32 = 3;
 
+/// Drive frames that were held up for no longer than this are made up for.
+pub(crate) const CATCH_UP_MAX: Duration = Duration::from_millis(50);
+
 /// A query is sent where the next drive frame is a usual round trip and half the usual distance of
 /// drive frames away, so that a slow reply does not make that frame late; but no more than this is
 /// asked for.

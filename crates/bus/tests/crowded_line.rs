@@ -233,6 +233,36 @@ fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
     }
 }
 
+/// A busy machine looks at the clock 12 ms late, ten times a second.
+#[test]
+fn a_rate_is_kept_on_a_machine_that_is_held_up() {
+    let mut bench = watching(&[1]);
+    bench
+        .command(Command::SetRate(CommandRate::new(200).unwrap()))
+        .unwrap();
+    drive(&mut bench, ID);
+    bench.run(ms(1_000));
+    bench.forget_the_past();
+    for _ in 0..50 {
+        bench.run(ms(88));
+        bench.now = bench.now + ms(12);
+        bench.world.advance(bench.now);
+    }
+    let frames = bench.drive_times(ID);
+    assert!(frames.len() >= 995, "{} frames in 5 s", frames.len());
+    let shortest = frames.windows(2).map(|pair| pair[1].since(pair[0])).min();
+    assert!(
+        shortest.unwrap() >= Duration::from_micros(2_300),
+        "{shortest:?}"
+    );
+    // A long pause is not made up for.
+    bench.forget_the_past();
+    bench.now = bench.now + ms(400);
+    bench.world.advance(bench.now);
+    bench.run(ms(600));
+    assert!(bench.drive_times(ID).len() <= 132);
+}
+
 #[test]
 fn a_motor_forgotten_while_it_is_asked_stays_forgotten() {
     let mut bench = Bench::one_motor();

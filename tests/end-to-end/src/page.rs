@@ -156,6 +156,26 @@ impl Page {
         control::press(&self.session, &Key::named(key)?)
     }
 
+    /// Presses a key and holds it until [`Page::release_key`].
+    ///
+    /// # Errors
+    ///
+    /// When there is no such key.
+    pub fn hold_key(&self, key: &str) -> Result<()> {
+        let down = Key::named(key)?.down();
+        self.session.call("Input.dispatchKeyEvent", down).map(drop)
+    }
+
+    /// Lets a key go.
+    ///
+    /// # Errors
+    ///
+    /// When there is no such key.
+    pub fn release_key(&self, key: &str) -> Result<()> {
+        let up = Key::named(key)?.up();
+        self.session.call("Input.dispatchKeyEvent", up).map(drop)
+    }
+
     /// Presses a key and says when the page learnt of it, on the clock of the wire.
     ///
     /// # Errors

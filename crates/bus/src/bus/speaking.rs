@@ -13,8 +13,8 @@ use crate::{
     safety::step_towards,
     schedule::Errand,
     timing::{
-        DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW, SILENT_STOP_PERIOD,
-        STOP_PERIOD,
+        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW,
+        SILENT_STOP_PERIOD, STOP_PERIOD,
     },
 };
 
@@ -139,10 +139,12 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -
             let goal = step_towards(driven.goal, driven.on_the_wire);
             let mut ramped = driven.ramped;
             let setpoint = ramped.step(now, goal, tempo.ramp, period);
+            let (on_schedule, next_frame) = kept_schedule(driven.on_schedule, now, period);
             *driven = Driven {
                 ramped,
+                on_schedule,
                 on_the_wire: Some(setpoint),
-                next_frame: next_on_schedule(driven.next_frame, now, period),
+                next_frame,
                 ..*driven
             };
             motor.drive_frames.count(now);
@@ -167,6 +169,15 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -
             Request::Query { id }
         }
     }
+}
+
+/// When the frame behind the one that is sent now belongs, and when it may go out: what was held up a
+/// little is made up for, two frames being half a period apart at least, so that a rate is kept on a
+/// busy machine. More than [`CATCH_UP_MAX`] is given up.
+fn kept_schedule(on_schedule: Instant, now: Instant, period: Duration) -> (Instant, Instant) {
+    // A command that shows at once begins the schedule anew.
+    let next = (on_schedule.min(now) + period).max(now - CATCH_UP_MAX);
+    (next, next.max(now + period / 2))
 }
 
 /// A period after the last deadline, so that lateness does not add up; but where the line could not
