@@ -13,6 +13,7 @@ mod clock;
 mod components;
 mod connecting;
 mod desk;
+mod doctor;
 mod download;
 mod drawer;
 mod entry;

@@ -12,6 +12,7 @@ use crate::{
 };
 
 pub(crate) mod journal;
+pub(crate) mod link;
 pub(crate) mod log_lines;
 
 /// What can go wrong before the worker is asked to open a port.

@@ -14,10 +14,12 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
 pub mod journal;
+mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
 pub use motorlink_bus as bus;
 pub use motorlink_protocol as protocol;
+pub use virtual_wire::VirtualWire;
 
 /// From the page to its worker.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -53,6 +55,8 @@ pub enum ToWorker {
         /// the two clocks lie, without trust in a wall clock that may jump.
         page_ms: f64,
     },
+    /// Make the virtual line ill in one way, or well. Starts no motion; nothing on a real line.
+    VirtualWire(VirtualWire),
 }
 
 /// A serial port as the page sees it. Port objects cannot be posted, but `getPorts()` lists them in
@@ -67,6 +71,10 @@ pub struct PortRef {
 
 /// From the worker to its page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one at a time, and nearly always the large one"
+)]
 pub enum ToPage {
     /// The worker runs. Said once, first.
     Hello {
@@ -271,9 +279,13 @@ mod tests {
             motors: vec![],
             survey: None,
             raw: None,
+            line: None,
             samples: vec![],
             notices: vec![Notice::StopEnded(report)],
         }));
+        for wire in VirtualWire::ALL {
+            round_trip(&ToWorker::VirtualWire(wire));
+        }
         round_trip(&ToPage::Hello {
             time_origin_ms: 1.5,
         });

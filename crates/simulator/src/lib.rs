@@ -33,6 +33,7 @@
 mod config;
 mod convert;
 mod firmware;
+mod line_case;
 mod motor;
 mod physics;
 mod random;
@@ -41,6 +42,7 @@ mod wire;
 mod world;
 
 pub use config::{MotorConfig, WorldConfig};
+pub use line_case::LineCase;
 pub use motor::VirtualMotor;
 pub use traffic::{Speaker, Traffic};
 pub use wire::{Chunk, Echo, Split, WireFaults};

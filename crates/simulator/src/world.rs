@@ -5,7 +5,7 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Instant, Layout, MotorId, Request};
 
 use crate::{
-    Chunk, MotorConfig, Speaker, Traffic, VirtualMotor, WireFaults, WorldConfig,
+    Chunk, LineCase, MotorConfig, Speaker, Traffic, VirtualMotor, WireFaults, WorldConfig,
     random::Random,
     traffic::TrafficLog,
     wire::{Adapter, Air, HostEar, MotorEar, Passed, Talker},
@@ -25,6 +25,8 @@ const MOTOR_STREAM: u64 = 16;
 struct Slot {
     number: u32,
     motor: VirtualMotor,
+    /// When it was put on the wire: it hears no frame that had begun before.
+    since: Instant,
 }
 
 /// A motor's answer before its turnaround is over.
@@ -53,6 +55,8 @@ pub struct World {
     answers: VecDeque<Answer>,
     traffic: TrafficLog,
     now: Option<Instant>,
+    /// The motor that is there only while two share an address.
+    twin: Option<u32>,
 }
 
 impl World {
@@ -71,6 +75,7 @@ impl World {
             answers: VecDeque::new(),
             traffic: TrafficLog::default(),
             now: None,
+            twin: None,
         };
         for motor in config.motors {
             world.add_motor(motor);
@@ -138,7 +143,11 @@ impl World {
         let noise = Random::new(self.seed, MOTOR_STREAM + u64::from(number));
         let now = self.now.unwrap_or_default();
         let motor = VirtualMotor::new(config, noise, now);
-        self.slots.push(Slot { number, motor });
+        self.slots.push(Slot {
+            number,
+            motor,
+            since: now,
+        });
     }
 
     /// Takes the motor with this address off the wire, the first of several.
@@ -150,6 +159,20 @@ impl World {
     /// Changes what is wrong with the wire; what is on its way stays as it was.
     pub fn set_faults(&mut self, faults: WireFaults) {
         self.adapter.set_faults(faults);
+    }
+
+    /// Makes the line ill in one way, or well. In place of the faults so far; a motor that was there
+    /// for the last case goes. Nothing is driven by it: a second motor obeys the frames that come.
+    pub fn set_case(&mut self, now: Instant, case: LineCase) {
+        self.run_to(now);
+        self.set_faults(case.faults());
+        if let Some(twin) = self.twin.take() {
+            self.slots.retain(|slot| slot.number != twin);
+        }
+        if case == LineCase::SharedId {
+            self.twin = Some(self.next_number);
+            self.add_motor(LineCase::twin());
+        }
     }
 
     /// Every frame that went over the wire since the last call, in the order in which they became
@@ -233,9 +256,21 @@ impl World {
         if byte.audible {
             let more = self.air.is_audible_at(byte.end);
             if let Some(run) = self.host_ear.hear(byte, more) {
-                self.adapter.deliver(run);
+                let fastest_rpm = self.fastest_rpm(byte.end);
+                self.adapter.deliver(run, fastest_rpm);
             }
         }
+    }
+
+    /// The speed of the fastest wheel without its direction.
+    fn fastest_rpm(&mut self, now: Instant) -> f32 {
+        let mut fastest_rpm = 0.0_f32;
+        for Slot { motor, .. } in &mut self.slots {
+            // To this moment, however often the world is looked at.
+            motor.advance(now);
+            fastest_rpm = fastest_rpm.max(motor.speed_rpm().abs());
+        }
+        fastest_rpm
     }
 
     /// A byte of the host passed every motor.
@@ -253,7 +288,11 @@ impl World {
         };
         let request = Request::parse(&heard);
         let at = byte.end + self.turnaround;
-        for Slot { number, motor } in &mut self.slots {
+        let there = self
+            .slots
+            .iter_mut()
+            .filter(|slot| slot.since <= frame.start);
+        for Slot { number, motor, .. } in there {
             let layout = motor.hear(request, byte.end);
             if let Some(layout) = layout.filter(|_| self.answers.len() < ANSWERS_MAX) {
                 self.answers.push_back(Answer {

@@ -40,9 +40,11 @@ fn bad_world(seed: u64) -> World {
             lose_reply: 0.05,
             corrupt_request: 0.05,
             corrupt_reply: 0.05,
+            corrupt_reply_per_rpm: 0.001,
             stray: 0.05,
             split: Some(Split::default()),
             hold: us(700),
+            stranger: Some(id(7)),
         },
         ..WorldConfig::default()
     })

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use bench::{Bench, ONE, ms, speed, us};
 use motorlink_protocol::{Frame, Layout, Reply, Request};
-use motorlink_simulator::{Chunk, Echo, Split, WireFaults, WorldConfig};
+use motorlink_simulator::{Chunk, Echo, LineCase, Split, VirtualMotor, WireFaults, WorldConfig};
 
 const QUERY: Request = Request::Query { id: ONE };
 
@@ -229,4 +229,75 @@ fn faults_can_be_changed_while_it_runs() {
     assert!(bench.ask(QUERY).is_none());
     bench.world.set_faults(WireFaults::default());
     assert!(bench.ask(QUERY).is_some());
+}
+
+#[test]
+fn noise_grows_with_the_speed_of_the_wheel() {
+    let mut bench = with(WireFaults {
+        corrupt_reply_per_rpm: 0.002,
+        ..WireFaults::default()
+    });
+    let good = |bench: &mut Bench| (0..200).filter(|_| bench.drive(speed(0)).is_some()).count();
+    assert_eq!(good(&mut bench), 200, "at rest");
+    bench.drive_for(speed(100), ms(1_000));
+    let good = (0..400)
+        .filter(|_| bench.drive(speed(100)).is_some())
+        .count();
+    assert!((280..360).contains(&good), "{good} of 400 at 100 rpm");
+}
+
+#[test]
+fn a_stranger_is_heard_behind_every_reply() {
+    let mut bench = with(LineCase::Stranger.faults());
+    let heard = chunks(&mut bench);
+    assert_eq!(heard.len(), 2);
+    assert_eq!(heard[1].0, us(2336 + 868));
+    assert!(is_reply(&heard[0].1) && is_reply(&heard[1].1));
+    assert_eq!((heard[0].1[0], heard[1].1[0]), (1, 7));
+}
+
+#[test]
+fn two_motors_that_share_an_id_are_garbage_and_one_alone_is_heard_again() {
+    let mut bench = with(WireFaults::default());
+    bench.world.set_case(bench.now, LineCase::SharedId);
+    assert_eq!(bench.world.motors().count(), 2);
+    for _ in 0..100 {
+        let heard = bench.send(QUERY.frame());
+        assert!(!heard.is_empty() && !is_reply(&heard));
+    }
+    // Chosen twice, there are two and not three.
+    bench.world.set_case(bench.now, LineCase::SharedId);
+    assert_eq!(bench.world.motors().count(), 2);
+    bench.world.set_case(bench.now, LineCase::Good);
+    assert_eq!(bench.world.motors().count(), 1);
+    assert!(bench.ask(QUERY).is_some());
+}
+
+/// A motor that is plugged in while a frame passes has not heard how it began.
+#[test]
+fn a_motor_does_not_obey_a_frame_that_was_on_the_wire_before_it() {
+    let mut bench = with(WireFaults::default());
+    let drive = Request::drive(ONE, speed(100)).frame();
+    bench.world.transmit(bench.now, drive.bytes());
+    bench
+        .world
+        .set_case(bench.now + us(400), LineCase::SharedId);
+    bench.wait(ms(10));
+    let driven: Vec<_> = bench.world.motors().map(VirtualMotor::is_driven).collect();
+    assert_eq!(driven, [true, false]);
+}
+
+#[test]
+fn no_case_of_a_line_drives_anything() {
+    let mut bench = with(WireFaults::default());
+    for case in LineCase::ALL {
+        bench.world.set_case(bench.now, case);
+        for _ in 0..20 {
+            bench.send(QUERY.frame());
+        }
+        for motor in bench.world.motors() {
+            assert!(!motor.is_driven(), "{case:?}");
+            assert_eq!(motor.speed_rpm().to_bits(), 0, "{case:?}");
+        }
+    }
 }

@@ -134,9 +134,9 @@ impl Flags {
                     lose_reply: self.loss,
                     corrupt_request: self.corrupt,
                     corrupt_reply: self.corrupt,
-                    stray: 0.0,
                     split: self.split.then(Split::default),
                     hold: Duration::from_millis(self.latency_ms),
+                    ..WireFaults::default()
                 },
             },
             link: self.link,

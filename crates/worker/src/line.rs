@@ -1,8 +1,8 @@
 //! The near end of the line: a serial port or the virtual bus.
 
-use motorlink_messages::Adapter;
+use motorlink_messages::{Adapter, VirtualWire};
 use motorlink_protocol::{Frame, Instant};
-use motorlink_simulator::{World, WorldConfig};
+use motorlink_simulator::{LineCase, World, WorldConfig};
 
 use crate::serial::SerialLine;
 
@@ -34,6 +34,13 @@ impl Line {
         }
     }
 
+    /// Makes the virtual line ill in one way, or well; a real one is as it is.
+    pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
+        if let Self::Virtual(world) = self {
+            world.set_case(now, case_of(wire));
+        }
+    }
+
     /// Bytes that have come and were not pushed.
     pub(crate) fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
         match self {
@@ -48,5 +55,17 @@ impl Line {
             Self::Serial(_) => None,
             Self::Virtual(world) => world.next_event(),
         }
+    }
+}
+
+const fn case_of(wire: VirtualWire) -> LineCase {
+    match wire {
+        VirtualWire::Good => LineCase::Good,
+        VirtualWire::Dead => LineCase::Dead,
+        VirtualWire::EchoOnly => LineCase::EchoOnly,
+        VirtualWire::SharedId => LineCase::SharedId,
+        VirtualWire::NoiseGrowsWithSpeed => LineCase::NoiseGrowsWithSpeed,
+        VirtualWire::HoldsBytes => LineCase::HoldsBytes,
+        VirtualWire::Stranger => LineCase::Stranger,
     }
 }

@@ -54,6 +54,8 @@ impl Outbox {
     pub(crate) fn ping(&mut self, now: Instant) {
         self.unanswered_since.get_or_insert(now);
         post(&ToPage::Ping);
+        // On a dead line nothing is heard, but what is counted changes.
+        self.changed = true;
     }
 
     pub(crate) fn page_answered(&mut self) {

@@ -98,6 +98,7 @@ fn handle(shared: &Shared, message: ToWorker) {
         ToWorker::Command { command, given_ms } => {
             shared.borrow_mut().command(command, given_ms);
         }
+        ToWorker::VirtualWire(wire) => shared.borrow_mut().set_virtual_wire(wire),
         ToWorker::Pong { page_ms } => shared.borrow_mut().page_answered(page_ms),
     }
     pump(shared);

@@ -6,7 +6,7 @@ use motorlink_protocol::{FRAME_LEN, Frame, Instant};
 
 use crate::random::Random;
 
-use super::{Echo, WireFaults, host_ear::Run};
+use super::{Echo, WireFaults, airtime, host_ear::Run};
 
 /// Chunks kept for a host that does not read; the oldest are lost first, as in a serial driver.
 const CHUNKS_MAX: usize = 1024;
@@ -60,24 +60,31 @@ impl Adapter {
         Some(Frame::new(bytes))
     }
 
-    /// A run of bytes on its way to the host.
-    pub(crate) fn deliver(&mut self, run: Run) {
+    /// A run of bytes on its way to the host, while the fastest wheel turns at `fastest_rpm`.
+    pub(crate) fn deliver(&mut self, run: Run, fastest_rpm: f32) {
         let Run {
             echo: mut bytes,
             mut reply,
             end,
         } = run;
-        if !reply.is_empty() {
+        let replied = !reply.is_empty();
+        if replied {
             if self.chance.chance(self.faults.lose_reply) {
                 reply.clear();
             }
-            if self.chance.chance(self.faults.corrupt_reply) {
+            let by_speed = self.faults.corrupt_reply_per_rpm * f64::from(fastest_rpm);
+            if self.chance.chance(self.faults.corrupt_reply + by_speed) {
                 self.flip(&mut reply);
             }
             self.add_strays(&mut reply);
         }
         bytes.append(&mut reply);
         self.split(end, &bytes);
+        if let Some(id) = self.faults.stranger.filter(|_| replied) {
+            // In the velocity loop, at rest and at 30 degrees Celsius.
+            let frame = Frame::with_crc([id.get(), 2, 0, 0, 0, 0, 30, 0, 0]);
+            self.arrive(end + airtime(FRAME_LEN), frame.bytes());
+        }
     }
 
     /// What has arrived by now, one chunk at a time.

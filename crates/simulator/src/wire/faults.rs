@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use motorlink_protocol::MotorId;
+
 /// Whether the host's adapter hears what it sends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Echo {
@@ -58,6 +60,9 @@ pub struct WireFaults {
     pub corrupt_request: f64,
     /// One bit of a reply is received wrong.
     pub corrupt_reply: f64,
+    /// The same, more of it for each rpm of the fastest wheel: the motor's current is heard on the
+    /// line, as where A and B are not terminated or the grounds lie apart.
+    pub corrupt_reply_per_rpm: f64,
     /// One to three bytes of noise come right before or after a reply.
     pub stray: f64,
     /// What is received comes in pieces.
@@ -65,4 +70,7 @@ pub struct WireFaults {
     /// The adapter holds received bytes until so long after the first, as FTDI's latency timer does
     /// (16 ms by default there). Zero holds nothing.
     pub hold: Duration,
+    /// Behind every reply comes a good one of this motor, as where another host asks it. It talks over
+    /// nobody.
+    pub stranger: Option<MotorId>,
 }

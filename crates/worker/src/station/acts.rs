@@ -1,7 +1,7 @@
 //! What the page asks of the station: a motor to watch, an operator's act, a sign of life.
 
-use motorlink_bus::{Command, Refusal, StopReason, StopReport};
-use motorlink_messages::Notice;
+use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
+use motorlink_messages::{Adapter, Notice, VirtualWire};
 use motorlink_protocol::{Instant, MotorId};
 
 use super::Station;
@@ -73,6 +73,35 @@ impl Station {
                 _ => self.outbox.notice(Notice::NotConnected),
             },
         }
+    }
+
+    /// Makes the virtual line ill or well. The bus is not told: it finds out, as on a real line.
+    pub(super) fn set_virtual_wire(&mut self, wire: VirtualWire) {
+        let now = self.now();
+        let Session::Open(open) = &mut self.session else {
+            return;
+        };
+        if open.line.adapter() != Adapter::Virtual {
+            return;
+        }
+        if wire == VirtualWire::SharedId {
+            // The second motor obeys what is sent to the first; it must not start by what was asked
+            // of that one alone. The brake is the next frame that it hears.
+            let left_alone =
+                |activity| matches!(activity, Activity::Idle | Activity::Stopping { .. });
+            let driven: Vec<_> = open
+                .bus
+                .motors(now)
+                .filter(|motor| !left_alone(motor.activity))
+                .map(|motor| Command::Stop(motor.id))
+                .collect();
+            for command in driven.into_iter().chain([Command::StopRaw]) {
+                // A stop is never refused.
+                let _: Result<(), Refusal> = open.bus.command(now, command);
+            }
+        }
+        open.line.set_wire(now, wire);
+        self.outbox.touch();
     }
 
     pub(super) fn page_answered(&mut self, page_ms: f64) {

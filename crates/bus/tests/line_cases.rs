@@ -1,0 +1,53 @@
+//! A line that falls ill while a wheel is driven.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a broken expectation is a failed test"
+)]
+
+mod bench;
+
+use bench::{Bench, ID, ms, rpm};
+use motorlink_bus::{Activity, Command};
+use motorlink_simulator::LineCase;
+
+/// What the worker does when a person asks for two motors with one ID: the brake is the next frame
+/// that the second motor hears.
+#[test]
+fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
+    for since_ms in 0..20 {
+        let mut bench = Bench::one_motor();
+        bench.drive(rpm(100)).unwrap();
+        bench.run(ms(500 + since_ms));
+        bench.bus.command(bench.now, Command::Stop(ID)).unwrap();
+        bench.world.set_case(bench.now, LineCase::SharedId);
+        let mut fastest_rpm = 0.0_f32;
+        for _ in 0..4_000 {
+            bench.run(ms(1));
+            let second = bench.world.motors().nth(1).unwrap();
+            fastest_rpm = fastest_rpm.max(second.speed_rpm().abs());
+        }
+        assert!(fastest_rpm < 0.5, "{fastest_rpm} rpm, {since_ms} ms");
+        assert_eq!(bench.activity(), Activity::Idle);
+    }
+}
+
+/// No case starts a wheel that stands, nor one whose setpoint was withdrawn.
+#[test]
+fn no_line_starts_a_wheel() {
+    for case in LineCase::ALL {
+        let mut bench = Bench::one_motor();
+        bench.drive(rpm(100)).unwrap();
+        bench.run(ms(500));
+        bench.world.set_case(bench.now, LineCase::Dead);
+        bench.run(ms(12_000));
+        assert_eq!(bench.activity(), Activity::Idle, "withdrawn");
+        assert_eq!(bench.true_rpm().to_bits(), 0, "coasted");
+        bench.world.set_case(bench.now, case);
+        bench.run(ms(3_000));
+        for motor in bench.world.motors() {
+            assert_eq!(motor.speed_rpm().to_bits(), 0, "{case:?}");
+        }
+    }
+}

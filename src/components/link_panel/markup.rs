@@ -1,0 +1,132 @@
+//! The panel as HTML.
+
+use motorlink_messages::VirtualWire;
+
+use crate::{
+    doctor::Verdict,
+    words::link::{self, NO_VIRTUAL_WIRE},
+};
+
+/// Where the figures stand, in the order of [`super::figures::of`].
+pub(super) const FIGURES: [&str; 6] = [
+    "[aria-label=Exchanges]",
+    "[aria-label=\"Bus time\"]",
+    "[aria-label=\"Round trip\"]",
+    ".link-histogram",
+    "table",
+    ".link-carries",
+];
+
+const HEAD: &str = concat!(
+    r#"<ul class="link-doctor" aria-label="Link doctor" aria-live="polite"></ul>"#,
+    r#"<p class="link-carries"></p>"#,
+    r#"<div class="link-figures">"#,
+    r#"<span class="label">Exchanges</span><output aria-label="Exchanges" aria-live="off"></output>"#,
+    r#"<span class="label">Bus time</span><output aria-label="Bus time" aria-live="off"></output>"#,
+    r#"<span class="label">Round trip</span><output aria-label="Round trip" aria-live="off"></output>"#,
+    "</div>",
+    r#"<div class="link-histogram" role="img" aria-label="Round trip histogram" title="How long the last 256 replies took, in milliseconds"></div>"#,
+    r#"<table class="link-motors" aria-label="Motors on the line"></table>"#,
+    r#"<label class="link-wire"><span class="label">Virtual wire</span>"#,
+    r#"<select class="select" aria-label="Virtual wire" disabled title=""#,
+);
+
+/// The panel without what changes in it.
+pub(super) fn panel() -> String {
+    let mut html = HEAD.to_owned();
+    push(&mut html, &[NO_VIRTUAL_WIRE, "\">"]);
+    // The value of each is its place.
+    for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
+        let (place, name) = (place.to_string(), link::wire(wire));
+        push(
+            &mut html,
+            &["<option value=\"", &place, "\">", name, "</option>"],
+        );
+    }
+    push(&mut html, &["</select></label>"]);
+    html
+}
+
+/// What the doctor says.
+pub(super) fn verdict(verdict: &Verdict) -> String {
+    let mut html = String::new();
+    let (class, text) = match verdict {
+        Verdict::NotConnected => ("", link::NOT_CONNECTED),
+        Verdict::TooLittle => ("", link::TOO_LITTLE),
+        Verdict::Well => ("good", link::WELL),
+        Verdict::Ill(found) => {
+            for diagnosis in found {
+                let cause = link::cause(*diagnosis);
+                push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
+                for line in link::remedy(*diagnosis) {
+                    push(&mut html, &["<p>", line, "</p>"]);
+                }
+                push(&mut html, &["</li>"]);
+            }
+            return html;
+        }
+    };
+    push(&mut html, &["<li class=\"", class, "\">", text, "</li>"]);
+    html
+}
+
+/// Out of line: in each of its callers it would weigh as much as here.
+#[inline(never)]
+pub(super) fn push(html: &mut String, parts: &[&str]) {
+    for part in parts {
+        html.push_str(part);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::MotorId;
+
+    use super::*;
+    use crate::doctor::Diagnosis;
+
+    #[test]
+    fn every_diagnosis_has_a_cause_and_a_remedy() {
+        let id = MotorId::FIRST;
+        for diagnosis in [
+            Diagnosis::Nothing,
+            Diagnosis::EchoOnly,
+            Diagnosis::SharedId(id),
+            Diagnosis::NoiseGrowsWithSpeed,
+            Diagnosis::Lossy,
+            Diagnosis::Stranger,
+            Diagnosis::Silent(id),
+            Diagnosis::LatencyTimer,
+        ] {
+            let html = verdict(&Verdict::Ill(vec![diagnosis]));
+            assert_eq!(html.matches("<li").count(), 1);
+            assert!(html.contains("<p>"), "{html}");
+            // The texts go into the page as HTML.
+            let text = html.replace("<li class=\"ill\">", "");
+            assert!(!text.contains('&') && !text.contains('"'), "{html}");
+        }
+    }
+
+    #[test]
+    fn what_is_most_likely_is_told_first() {
+        let html = verdict(&Verdict::Ill(vec![
+            Diagnosis::Lossy,
+            Diagnosis::LatencyTimer,
+        ]));
+        assert!(html.find("lost or damaged") < html.find("16 ms"));
+        assert_eq!(html.matches("<li").count(), 2);
+        assert!(verdict(&Verdict::Well).contains("All is well"));
+    }
+
+    #[test]
+    fn every_wire_can_be_chosen_and_every_figure_has_its_place() {
+        let html = panel();
+        assert_eq!(html.matches("<option").count(), VirtualWire::ALL.len());
+        assert!(html.contains("<option value=\"2\">Echo only</option>"));
+        for selector in FIGURES {
+            let what = selector.trim_matches(['[', ']', '.']);
+            let what = what.split_once('=').map_or(what, |(_, name)| name);
+            assert!(html.contains(what.trim_matches('"')), "{selector}");
+        }
+    }
+}
