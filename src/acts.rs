@@ -53,6 +53,7 @@ impl Desk {
         self.dialog.set(None);
         self.give_up_id_change();
         self.raw.await_nothing();
+        self.forget_group();
     }
 
     pub(crate) fn release(self) {
@@ -183,9 +184,11 @@ impl Desk {
             return;
         }
         let others: Vec<MotorId> = self.latest.with_value(|session| {
-            let driven = session
-                .in_hand()
-                .filter(|motor| !matches!(motor.activity, Activity::Stopping { .. }));
+            // Those that drive together do so whichever of them is looked at.
+            let driven = session.in_hand().filter(|motor| {
+                !matches!(motor.activity, Activity::Stopping { .. })
+                    && !self.together.drives(motor.id)
+            });
             driven.map(|motor| motor.id).collect()
         });
         for other in others {
@@ -241,7 +244,7 @@ impl Desk {
         }
     }
 
-    fn refuse(self, title: String, reason: String) {
+    pub(crate) fn refuse(self, title: String, reason: String) {
         self.say(Words {
             topic: Topic::Command,
             tone: Tone::Warning,

@@ -25,6 +25,7 @@ use crate::{
     session::Session,
     tab::Tab,
     target::Target,
+    together_acts::TogetherEntry,
     tool_entry::NO_NEW_ID,
     twin::TwinFeed,
     words::log_lines,
@@ -133,6 +134,8 @@ pub(crate) struct Parts {
     pub(crate) ids: RwSignal<IdManager>,
     /// The frame that a person writes.
     pub(crate) raw: RawEntry,
+    /// Motors that drive together.
+    pub(crate) together: TogetherEntry,
 }
 
 /// The speed of the first start and of the keys F and B: half of what the motor runs without load.
@@ -175,6 +178,7 @@ impl Desk {
             drawer: RwSignal::new(None),
             ids: RwSignal::new(IdManager::default()),
             raw: RawEntry::new(),
+            together: TogetherEntry::load(),
         })))
     }
 

@@ -55,6 +55,7 @@ impl Desk {
             self.notice(update.now, notice);
         }
         self.look_after_ids();
+        self.look_after_group();
         self.history.update_value(|history| history.take(update));
         self.feed_twin(update);
         self.follow_loop();
@@ -78,6 +79,7 @@ impl Desk {
                 });
                 self.tab_to_follow.set_value(true);
                 self.send_rate();
+                self.send_ramp();
                 if let Adapter::Serial(Some(usb)) = adapter {
                     self.prefer(|preferences| preferences.adapter = Some(usb));
                 }
@@ -114,6 +116,7 @@ impl Desk {
         }
         self.hear_of_ids(notice);
         self.hear_of_raw(notice);
+        self.hear_of_group(notice);
         // What the open tab says itself is not said twice.
         let said_by_tab = match self.tab.get_untracked() {
             Tab::IdManager => belongs_to_id_manager(notice),

@@ -5,11 +5,15 @@
 
 use motorlink_messages::{
     Connection,
-    bus::{Activity, Refusal, check_position_switch},
+    bus::{Activity, NotTogether, Refusal, Together, check_position_switch},
     protocol::{Mode, MotorId},
 };
 
-use crate::session::Session;
+use crate::{
+    fleet::{Crew, Side},
+    format,
+    session::Session,
+};
 
 /// Why nothing can be asked of this motor now.
 fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
@@ -60,6 +64,43 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
     let reported = session.mode(id)?.value;
     (reported != mode)
         .then(|| format!("The motor reports the {reported}. Press Switch to {mode} first."))
+}
+
+/// Why these motors cannot be driven together in the velocity loop now.
+pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String> {
+    if let Some(reason) = why_not_connected(session.connection) {
+        return Some(reason.to_owned());
+    }
+    if session.halted {
+        return Some(Refusal::Halted.to_string());
+    }
+    if session.survey.is_some() {
+        return Some(Refusal::Surveying.to_string());
+    }
+    if crew.is_empty() {
+        return Some("Tick the motors that are to drive.".to_owned());
+    }
+    if crew.len() > Together::MAX {
+        let words = NotTogether::TooMany.to_string();
+        return Some(format!("{}.", format::capitalized(&words)));
+    }
+    crew.iter().find_map(|(id, _)| {
+        let reason = why_not_drive(session, *id, Mode::Velocity)?;
+        let named = reason.starts_with(&format!("Motor {id} "));
+        Some(if named {
+            reason
+        } else {
+            format!("Motor {id}: {reason}")
+        })
+    })
+}
+
+/// Why these motors cannot be steered as a vehicle now.
+pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
+    why_not_together(session, crew).or_else(|| {
+        let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
+        Some(format!("To steer, choose the side of motor {id}."))
+    })
 }
 
 /// Why this motor's loop cannot be changed to this one now.
@@ -182,6 +223,55 @@ mod tests {
             let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
             assert!(reason.contains(words), "{reason}");
         }
+    }
+
+    #[test]
+    fn motors_drive_together_where_each_of_them_may() {
+        let good = session(1_000, status(1_000, Mode::Velocity, 0));
+        let crew = vec![(ID, Side::Left)];
+        assert_eq!(why_not_together(&good, &crew), None);
+        assert_eq!(why_not_steer(&good, &crew), None);
+        let missing = MotorId::new(9).unwrap();
+        let too_many: Crew = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
+        for (words, crew) in [
+            ("Tick the motors", vec![]),
+            ("At most 16 motors", too_many),
+            (
+                "Motor 0x09 has not answered",
+                vec![(ID, Side::Left), (missing, Side::Right)],
+            ),
+        ] {
+            let reason = why_not_together(&good, &crew).unwrap();
+            assert!(reason.contains(words), "{reason}");
+            assert_eq!(why_not_steer(&good, &crew), Some(reason));
+        }
+        let mut cases = vec![];
+        let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
+            let mut session = good.clone();
+            change(&mut session);
+            cases.push((words, session));
+        };
+        case("Not connected", &|s| {
+            s.connection = Connection::Disconnected;
+        });
+        case("Press Release", &|s| s.halted = true);
+        case("being scanned", &|s| {
+            s.survey = Some(SurveyStatus::Stopping);
+        });
+        case("Motor 0x01: The motor reports the current loop", &|s| {
+            s.motors = vec![status(1_000, Mode::Current, 0)];
+        });
+        for (words, session) in cases {
+            let reason = why_not_together(&session, &crew).unwrap();
+            assert!(reason.contains(words), "{reason}");
+        }
+        let sideless = vec![(ID, Side::None)];
+        assert_eq!(why_not_together(&good, &sideless), None);
+        assert!(
+            why_not_steer(&good, &sideless)
+                .unwrap()
+                .contains("side of motor 0x01")
+        );
     }
 
     #[test]

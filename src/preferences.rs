@@ -174,6 +174,18 @@ impl Preferences {
     }
 }
 
+/// What this browser remembers under a name of its own.
+pub(crate) fn remembered(name: &str) -> Option<String> {
+    storage()?.get_item(&key(name)).ok()?
+}
+
+/// Has this browser remember it.
+pub(crate) fn remember(name: &str, text: &str) {
+    if let Some(storage) = storage() {
+        let _ = storage.set_item(&key(name), text);
+    }
+}
+
 fn storage() -> Option<web_sys::Storage> {
     web_sys::window()?.local_storage().ok()?
 }

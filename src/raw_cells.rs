@@ -116,7 +116,7 @@ fn place_of_doubt(frame: &Frame) -> Option<usize> {
 }
 
 /// As text within HTML: what a person typed is shown and never taken for a tag.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     let mut html = String::new();
     for character in text.chars() {
         match character {

@@ -1,7 +1,7 @@
-//! The fields of the tools: the new ID of a motor, and how often a frame is repeated.
+//! The fields of the tools: the new ID of a motor, how often a frame is repeated, and the ramp.
 
 use motorlink_messages::{
-    bus::RawInterval,
+    bus::{Ramp, RawInterval},
     protocol::{AssignableId, MotorId, MotorIdError},
 };
 
@@ -57,6 +57,25 @@ pub(crate) const INTERVAL: Entry = Entry {
     scale: 1.0,
     step: 1.0,
     page: 10.0,
+};
+
+/// By how much a commanded speed changes in a second, in rpm; 0 is no bound.
+pub(crate) const RAMP: Entry = Entry {
+    min: 0,
+    max: Ramp::MAX as i32,
+    read: |text| {
+        if text.trim().is_empty() {
+            return Typed::Value(0);
+        }
+        whole(text, |rpm| {
+            let fits = (0..=Ramp::MAX.into()).contains(&rpm);
+            fits.then_some(rpm).ok_or("type 0 to 10,000")
+        })
+    },
+    show: |rpm| rpm.to_string(),
+    scale: 1.0,
+    step: 10.0,
+    page: 100.0,
 };
 
 /// The entered interval.
@@ -158,6 +177,16 @@ mod tests {
         assert_eq!(assignable(200), None);
         assert_eq!(assignable(5).unwrap().id().get(), 5);
         assert_eq!(NEW_ID.moved(NO_NEW_ID, NEW_ID.step), 1);
+    }
+
+    #[test]
+    fn no_ramp_is_zero_or_nothing() {
+        for (text, rpm) in [("", 0), ("0", 0), (" 1 ", 1), ("10000", 10_000)] {
+            assert_eq!((RAMP.read)(text), Typed::Value(rpm), "{text:?}");
+        }
+        for text in ["-1", "10001", "x"] {
+            assert!(matches!((RAMP.read)(text), Typed::Wrong(_)), "{text}");
+        }
     }
 
     #[test]

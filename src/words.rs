@@ -219,13 +219,16 @@ pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
 fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
     // A drag that outlasts its motor's drive is no mistake of anybody, and a current that has to
     // be confirmed is asked about.
-    if matches!(command, Command::Adjust { .. } | Command::Forget(_))
-        || matches!(refusal, Refusal::NeedsConsent(_))
+    if matches!(
+        command,
+        Command::Adjust { .. } | Command::AdjustTogether { .. } | Command::Forget(_)
+    ) || matches!(refusal, Refusal::NeedsConsent(_))
     {
         return None;
     }
     let title = match command {
         Command::Drive { id, .. } => format!("Motor {id} was not driven"),
+        Command::DriveTogether { .. } => "The motors were not driven".to_owned(),
         Command::SwitchMode { mode, .. } => format!("The {mode} was not asked for"),
         Command::IdQuery => "The ID query was not sent".to_owned(),
         Command::FullScan => "The bus was not scanned".to_owned(),

@@ -25,7 +25,7 @@ pub(crate) fn panel_of_drawer(
                     on_press=move || desk.drawer.set(None)
                 />
             </div>
-            {content.into_any()}
+            {content}
         </section>
     }
 }

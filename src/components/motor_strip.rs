@@ -1,20 +1,116 @@
 //! Region `Motors`: every motor that was found, at a glance, and the way to what concerns them all.
 
 use leptos::prelude::*;
+use motorlink_messages::protocol::MotorId;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement};
 
-use super::live::{heard, live};
-use crate::{desk::use_desk, drawer::Drawer};
+use super::{
+    live::{heard, live},
+    motor_buttons::{choose_clicked, replace_keeping_focus},
+};
+use crate::{
+    desk::use_desk,
+    drawer::Drawer,
+    motor_chips::{FIGURES, Figure, chips_html, figures},
+    session::Session,
+};
+
+const CHIPS: &str = "motor-chips";
 
 /// Region `Motors`.
 #[component]
 pub(crate) fn MotorStrip() -> impl IntoView {
+    let desk = use_desk();
+    let found = Memo::new(move |_| desk.shown.with(Session::found));
+    let html = Memo::new(move |_| {
+        let selected = desk.selected.get();
+        let fleet = desk.together.fleet;
+        found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))
+    });
+    // The chips are made when there are other ones; what they read is written into them.
+    Effect::new(move |before: Option<Chips>| {
+        let mut chips = before.unwrap_or_default();
+        let row = document().get_element_by_id(CHIPS);
+        if let Some(row) = row.and_then(|row| row.dyn_into::<HtmlElement>().ok()) {
+            html.with(|html| {
+                if chips.html != *html {
+                    chips = found.with(|found| Chips::make(&row, html, found));
+                }
+            });
+            desk.shown.with(|session| chips.write(session));
+        }
+        chips
+    });
     view! {
         <section class="motor-strip" aria-label="Motors">
+            <div
+                class="motor-chips"
+                id=CHIPS
+                on:click=heard(move |event| choose_clicked(desk, &event))
+            ></div>
             <div class="motor-strip-end">
                 <DrawerButton which=Drawer::Together label="Drive together" />
                 <DrawerButton which=Drawer::Link label="Link" />
             </div>
         </section>
+    }
+}
+
+/// The chips that are there, and what is written in them.
+#[derive(Default)]
+struct Chips {
+    html: String,
+    chips: Vec<(MotorId, [Place; 5])>,
+}
+
+/// Where a figure stands.
+#[derive(Default)]
+struct Place {
+    element: Option<Element>,
+    written: Figure,
+}
+
+impl Chips {
+    fn make(row: &HtmlElement, html: &str, found: &[MotorId]) -> Self {
+        replace_keeping_focus(row, html, "value");
+        let chip = |id: &MotorId| {
+            let number = id.get();
+            let places = FIGURES.map(|name| {
+                let selector = format!("[value='{number}'] [data-figure='{name}']");
+                Place {
+                    element: row.query_selector(&selector).ok().flatten(),
+                    written: Figure::default(),
+                }
+            });
+            (*id, places)
+        };
+        Self {
+            html: html.to_owned(),
+            chips: found.iter().map(chip).collect(),
+        }
+    }
+
+    fn write(&mut self, session: &Session) {
+        for (id, places) in &mut self.chips {
+            for (place, figure) in places.iter_mut().zip(figures(session, *id)) {
+                place.write(figure);
+            }
+        }
+    }
+}
+
+impl Place {
+    fn write(&mut self, figure: Figure) {
+        let Some(element) = &self.element else { return };
+        if self.written.text != figure.text {
+            element.set_text_content(Some(&figure.text));
+        }
+        if self.written.look != figure.look {
+            // It fails for names that are none, and this is ours.
+            let _ = element.set_attribute("data-look", figure.look);
+        }
+        self.written = figure;
     }
 }
 

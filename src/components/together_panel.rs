@@ -1,16 +1,130 @@
 //! Panel `Drive together`: several motors with one setpoint.
 
 use leptos::prelude::*;
+use motorlink_messages::protocol::MotorId;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
-use super::drawer::panel_of_drawer;
-use crate::drawer::Drawer;
+use super::{
+    button::PressButton, control::NumberField, drawer::panel_of_drawer, drive_pad,
+    motor_buttons::replace_keeping_focus,
+};
+use crate::{
+    desk::{Desk, use_desk},
+    drawer::Drawer,
+    entry,
+    fleet::{Fleet, Side, listed, rows_html},
+    listener::on_window,
+    permission::{why_not_stop, why_not_together},
+    session::Session,
+    tool_entry,
+};
+
+const ROWS: &str = "fleet";
+
+/// A list of a row a motor.
+const ROWS_MARKUP: &str =
+    r#"<ul class="fleet" id="fleet" role="list" aria-label="Motors that drive together"></ul>"#;
 
 /// Panel `Drive together`.
 #[component]
 pub(crate) fn TogetherPanel() -> impl IntoView {
+    let desk = use_desk();
+    let together = desk.together;
+    let blocked = Memo::new(move |_| {
+        let crew = together.fleet.with(Fleet::crew);
+        desk.shown.with(|session| why_not_together(session, &crew))
+    });
+    let why_not_start = Signal::derive(move || blocked.get().or_else(|| together.speed.trouble()));
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    keep_rows(desk);
+    drive_pad::keep_working(desk);
     panel_of_drawer(
         Drawer::Together,
         "Drive together",
-        view! { <div class="together-panel"></div> },
+        view! {
+            <div class="together-panel">
+                <div inner_html=ROWS_MARKUP></div>
+                <NumberField
+                    name="Group speed"
+                    unit="rpm"
+                    hint="Right wheels turn the other way. At most this by the pad."
+                    target=together.speed
+                    entry=entry::SPEED
+                    on_edit=move || desk.adjust_together()
+                />
+                <NumberField
+                    name="Ramp"
+                    unit="rpm/s"
+                    hint="0 is none. It never bounds a stop."
+                    target=together.ramp
+                    entry=tool_entry::RAMP
+                    on_edit=move || desk.set_ramp()
+                />
+                <div class="button-row two">
+                    <PressButton
+                        label="Stop together"
+                        class="button halt"
+                        hint="Brakes all of them to a standstill, then lets go"
+                        why_not=why_not_halt
+                        on_press=move || desk.stop_together()
+                    />
+                    <PressButton
+                        label="Start together"
+                        class="button primary"
+                        why_not=why_not_start
+                        on_press=move || desk.start_together()
+                    />
+                </div>
+                <div inner_html=drive_pad::MARKUP></div>
+            </div>
+        },
     )
+}
+
+/// Keeps a row a motor, and hears what is changed there.
+fn keep_rows(desk: Desk) {
+    let fleet = desk.together.fleet;
+    let ids = Memo::new(move |_| {
+        let found = desk.shown.with(Session::found);
+        fleet.with(|fleet| listed(&found, fleet))
+    });
+    // What is in a row changes by the row itself, and somebody is typing there.
+    Effect::new(move |_| {
+        let html = ids.with(|ids| fleet.with_untracked(|fleet| rows_html(ids, fleet)));
+        let list = document().get_element_by_id(ROWS);
+        if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
+            replace_keeping_focus(&list, &html, "id");
+        }
+    });
+    on_window("input", move |event: Event| {
+        let control = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+        let ours = control.filter(|control| matches!(control.closest(".fleet-row"), Ok(Some(_))));
+        if let Some(control) = ours {
+            take_in(desk, &control);
+        }
+    });
+}
+
+/// A control of a row has changed: `drive-1`, `name-1` or `side-1`.
+fn take_in(desk: Desk, control: &Element) {
+    let name = control.id();
+    let Some((what, id)) = name.split_once('-') else {
+        return;
+    };
+    let Ok(id) = id.parse::<MotorId>() else {
+        return;
+    };
+    if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
+        let side = Side::from_key(&list.value()).unwrap_or_default();
+        desk.change_member(id, |member| member.side = side);
+    } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {
+        desk.change_member(id, |member| {
+            if what == "drive" {
+                member.drives = input.checked();
+            } else {
+                member.set_name(&input.value());
+            }
+        });
+    }
 }

@@ -285,7 +285,7 @@ fn role_of(element: &HtmlElement) -> String {
         ("BUTTON", _) => "button",
         ("OUTPUT", _) => "status",
         ("SELECT", _) => "combobox",
-        ("TEXTAREA", _) => "textbox",
+        ("TEXTAREA", _) | ("INPUT", "text") => "textbox",
         ("SECTION", _) => "region",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",

@@ -19,6 +19,7 @@ mod log_list;
 mod operating;
 mod raw_hex;
 mod remembering;
+mod together;
 mod tools;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

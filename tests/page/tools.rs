@@ -16,7 +16,7 @@ use crate::bench::{Bench, document, motor, press};
 
 const QUESTION: (&str, &str) = ("alertdialog", "Change the ID?");
 
-fn id(id: u8) -> MotorId {
+pub fn id(id: u8) -> MotorId {
     MotorId::new(id).unwrap()
 }
 
@@ -25,7 +25,7 @@ fn new_id(to: u8) -> AssignableId {
 }
 
 /// Standing, and answering under this ID.
-fn standing(as_id: u8) -> MotorStatus {
+pub fn standing(as_id: u8) -> MotorStatus {
     let mut motor = motor(Mode::Velocity, Activity::Idle);
     motor.id = id(as_id);
     if let Some(sample) = &mut motor.last {

@@ -2,16 +2,15 @@
 
 use leptos::{html::Ul, prelude::*};
 use motorlink_messages::bus::SurveyStatus;
-use wasm_bindgen::JsCast;
-use web_sys::{Element, HtmlElement, MouseEvent};
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
     components::{
         button::PressButton,
         live::{heard, live},
+        motor_buttons::{choose_clicked, replace_keeping_focus},
     },
-    desk::{Desk, use_desk},
+    desk::use_desk,
     found_motors::{found_motors, list_html, objection},
     id_manager::IdManager,
     notice_board::{Tone, Words},
@@ -163,7 +162,7 @@ fn FoundList() -> impl IntoView {
     });
     Effect::new(move |_| {
         if let Some(list) = list.get() {
-            html.with(|html| replace_keeping_focus(&list, html));
+            html.with(|html| replace_keeping_focus(&list, html, "value"));
         }
     });
     view! {
@@ -172,33 +171,7 @@ fn FoundList() -> impl IntoView {
             role="list"
             aria-label="Motors found"
             node_ref=list
-            on:click=heard(move |event: MouseEvent| choose_clicked(desk, &event))
+            on:click=heard(move |event| choose_clicked(desk, &event))
         ></ul>
-    }
-}
-
-/// A list that changes under somebody who goes through it by keyboard does not throw the person out.
-fn replace_keeping_focus(list: &HtmlElement, html: &str) {
-    let held = document()
-        .active_element()
-        .filter(|focused| list.contains(Some(focused)))
-        .and_then(|button| button.get_attribute("value"));
-    list.set_inner_html(html);
-    let Some(id) = held else { return };
-    let again = list.query_selector(&format!("[value='{id}']"));
-    if let Some(button) = again.ok().flatten()
-        && let Ok(button) = button.dyn_into::<HtmlElement>()
-    {
-        // Without the focus it is in the list all the same.
-        let _ = button.focus();
-    }
-}
-
-fn choose_clicked(desk: Desk, event: &MouseEvent) {
-    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
-    let button = target.and_then(|at| at.closest("button").ok().flatten());
-    let id = button.and_then(|button| button.get_attribute("value"));
-    if let Some(Ok(id)) = id.map(|id| id.parse()) {
-        desk.choose(id);
     }
 }

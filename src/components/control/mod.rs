@@ -18,6 +18,7 @@ use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::components::live::{heard, live};
 
+pub(super) use self::number_field::NumberField;
 use self::{
     current::CurrentTab,
     id_manager::IdManagerTab,

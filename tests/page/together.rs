@@ -1,0 +1,426 @@
+//! Motors that drive together: the strip, the panel and the drive pad.
+
+use motorlink_messages::{
+    Notice,
+    bus::{Activity, Command, Consent, Ramp, Refusal, StopReason, Together},
+    protocol::{Mode, Setpoint, SpeedTarget},
+};
+use wasm_bindgen::JsCast;
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{
+    Event, EventInit, EventTarget, HtmlElement, HtmlInputElement, HtmlSelectElement, KeyboardEvent,
+    KeyboardEventInit, PointerEvent, PointerEventInit, Storage,
+};
+
+use crate::{
+    bench::{Bench, press, text_of},
+    tools::{id, standing, tell, until_enabled},
+};
+
+const PAD: (&str, &str) = ("application", "Drive pad");
+
+/// Of the pad, in pixels.
+const SIZE: i32 = 200;
+
+fn storage() -> Storage {
+    web_sys::window().unwrap().local_storage().unwrap().unwrap()
+}
+
+/// A page with a left wheel 0x01 and a right wheel 0x02, and the open panel.
+async fn rover(name: &str) -> Bench {
+    let fleet = "1\tyes\tleft\tPort\n2\tyes\tright\tStarboard\n";
+    storage().set_item("motorlink.fleet", fleet).unwrap();
+    let bench = Bench::with_motor(name, Mode::Velocity).await;
+    storage().remove_item("motorlink.fleet").unwrap();
+    tell(&bench, |update| {
+        update.motors = vec![standing(1), standing(2)];
+    });
+    bench.click("Drive together");
+    until_enabled_pad(&bench).await;
+    let size = format!("width: {SIZE}px; height: {SIZE}px");
+    pad(&bench).set_attribute("style", &size).unwrap();
+    bench
+}
+
+fn pad(bench: &Bench) -> HtmlElement {
+    bench.find(PAD.0, PAD.1)
+}
+
+async fn until_enabled_pad(bench: &Bench) {
+    bench
+        .until("the pad", || {
+            let found = bench.find_all(PAD.0, PAD.1);
+            let disabled = found
+                .first()
+                .and_then(|pad| pad.get_attribute("aria-disabled"));
+            disabled.as_deref() == Some("false")
+        })
+        .await;
+}
+
+/// A pointer on the pad, in parts of the way from its middle to its edges.
+fn pointer(bench: &Bench, name: &str, turn: f64, forward: f64) {
+    let pad = pad(bench);
+    let place = pad.get_bounding_client_rect();
+    let half = f64::from(SIZE) / 2.0;
+    let init = PointerEventInit::new();
+    init.set_bubbles(true);
+    init.set_pointer_id(7);
+    init.set_is_primary(true);
+    init.set_button(0);
+    init.set_buttons(u16::from(name != "pointerup"));
+    init.set_client_x(whole(place.x() + half + turn * half));
+    init.set_client_y(whole(place.y() + half - forward * half));
+    let event = PointerEvent::new_with_event_init_dict(name, &init).unwrap();
+    pad.dispatch_event(&event).unwrap();
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "pixels of a screen")]
+fn whole(pixels: f64) -> i32 {
+    pixels.round() as i32
+}
+
+fn key(bench: &Bench, name: &str, key: &str, repeat: bool) {
+    let init = KeyboardEventInit::new();
+    init.set_key(key);
+    init.set_repeat(repeat);
+    init.set_bubbles(true);
+    init.set_cancelable(true);
+    let event = KeyboardEvent::new_with_keyboard_event_init_dict(name, &init).unwrap();
+    pad(bench).dispatch_event(&event).unwrap();
+}
+
+fn happen(at: &EventTarget, name: &str) {
+    at.dispatch_event(&Event::new(name).unwrap()).unwrap();
+}
+
+/// A row's control has been changed; its list hears of it.
+fn entered(control: &EventTarget) {
+    let init = EventInit::new();
+    init.set_bubbles(true);
+    let input = Event::new_with_event_init_dict("input", &init).unwrap();
+    control.dispatch_event(&input).unwrap();
+}
+
+/// What both wheels are told, as they count it.
+fn parts(first: i32, second: i32) -> Together {
+    let speed = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
+    Together::new(&[(id(1), speed(first)), (id(2), speed(second))]).unwrap()
+}
+
+fn start(first: i32, second: i32) -> Command {
+    Command::DriveTogether {
+        parts: parts(first, second),
+        consent: Consent::None,
+    }
+}
+
+fn adjust(first: i32, second: i32) -> Command {
+    Command::AdjustTogether {
+        parts: parts(first, second),
+        consent: Consent::None,
+    }
+}
+
+/// The bus tells that it does this with both.
+fn both(bench: &Bench, activity: Activity) {
+    tell(bench, |update| {
+        update.motors = [1, 2].map(standing).into();
+        for motor in &mut update.motors {
+            motor.activity = activity;
+        }
+    });
+}
+
+#[wasm_bindgen_test]
+async fn every_member_is_driven_in_its_direction_and_a_stop_is_one() {
+    let bench = rover("together").await;
+    until_enabled(&bench, "Start together").await;
+    bench.enter("Group speed", "60");
+    bench.click("Start together");
+    assert_eq!(bench.commands().await, [start(60, -60)]);
+    bench.click("Stop together");
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+}
+
+#[wasm_bindgen_test]
+async fn a_group_follows_the_entered_speed_and_is_not_started_by_it() {
+    let bench = rover("group-speed").await;
+    let enter = || {
+        bench.enter("Group speed", "-70").focus().unwrap();
+        press("Enter");
+    };
+    enter();
+    assert_eq!(bench.commands().await, []);
+    bench.click("Start together");
+    both(
+        &bench,
+        Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+        },
+    );
+    assert_eq!(bench.commands().await, [start(-70, 70)]);
+    enter();
+    assert_eq!(bench.commands().await, [adjust(-70, 70)]);
+    both(&bench, Activity::Idle);
+    bench.commands().await;
+    enter();
+    assert_eq!(bench.commands().await, []);
+}
+
+#[wasm_bindgen_test]
+async fn letting_the_pad_go_stops() {
+    let bench = rover("let-go").await;
+    pointer(&bench, "pointermove", 0.0, 1.0);
+    assert_eq!(bench.commands().await, [], "nothing is held");
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    pointer(&bench, "pointermove", 0.0, 0.7);
+    pointer(&bench, "pointermove", 0.25, 0.5);
+    assert_eq!(bench.commands().await, [adjust(75, -25)], "once a frame");
+    pointer(&bench, "pointerup", 0.25, 0.5);
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+    pointer(&bench, "pointermove", 0.0, 1.0);
+    assert_eq!(bench.commands().await, []);
+}
+
+#[wasm_bindgen_test]
+async fn arrows_drive_while_they_are_held() {
+    let bench = rover("arrows").await;
+    key(&bench, "keydown", "ArrowDown", true);
+    assert_eq!(bench.commands().await, [], "held down from elsewhere");
+    key(&bench, "keydown", "ArrowUp", false);
+    key(&bench, "keydown", "ArrowUp", true);
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    key(&bench, "keydown", "ArrowLeft", false);
+    assert_eq!(bench.commands().await, [adjust(0, -100)]);
+    key(&bench, "keyup", "ArrowUp", false);
+    assert_eq!(bench.commands().await, [adjust(-100, -100)]);
+    key(&bench, "keyup", "ArrowLeft", false);
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+}
+
+#[wasm_bindgen_test]
+async fn a_pad_that_is_lost_stops() {
+    let window = web_sys::window().unwrap();
+    let document = window.document().unwrap();
+    for way in ["blur", "window", "hidden", "closed", "cancelled"] {
+        let bench = rover(&format!("lost-{way}")).await;
+        pointer(&bench, "pointerdown", 0.0, 1.0);
+        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+        match way {
+            "blur" => happen(&pad(&bench), "blur"),
+            "window" => happen(&window, "blur"),
+            "closed" => bench.click("Close the panel"),
+            "cancelled" => pointer(&bench, "pointercancel", 0.0, 1.0),
+            _ => {
+                let hide = "Object.defineProperty(document, 'visibilityState', \
+                            { value: 'hidden', configurable: true })";
+                js_sys::eval(hide).unwrap();
+                let hidden = Event::new("visibilitychange").unwrap();
+                document.dispatch_event(&hidden).unwrap();
+                js_sys::eval("delete document.visibilityState").unwrap();
+            }
+        }
+        assert_eq!(bench.commands().await, [Command::Stop(id(1))], "{way}");
+        if way != "closed" {
+            pointer(&bench, "pointermove", 0.0, 0.5);
+        }
+        assert_eq!(bench.commands().await, [], "{way}");
+    }
+}
+
+/// Gives the browser a gamepad, or takes it away.
+fn gamepad(seen: Option<(bool, f64)>) {
+    let made = seen.map_or_else(
+        || "null".to_owned(),
+        |(is_down, back)| {
+            format!(
+                "Object.create(Gamepad.prototype, {{ \
+                   connected: {{ value: true }}, \
+                   axes: {{ value: [0, {back}, 0, 0] }}, \
+                   buttons: {{ value: [Object.create(GamepadButton.prototype, \
+                                       {{ pressed: {{ value: {is_down} }} }})] }} }})"
+            )
+        },
+    );
+    let script = format!(
+        "{{ const made = {made}; \
+           Object.defineProperty(navigator, 'getGamepads', \
+             {{ value: () => [null, made], configurable: true }}); }}"
+    );
+    js_sys::eval(&script).unwrap();
+}
+
+#[wasm_bindgen_test]
+async fn a_gamepad_drives_while_its_button_is_held_and_the_box_is_ticked() {
+    let bench = rover("gamepad").await;
+    let stop = Command::Stop(id(1));
+    gamepad(Some((false, -1.0)));
+    assert_eq!(bench.commands().await, []);
+    gamepad(Some((true, -1.0)));
+    bench.find("checkbox", "Use gamepad").click();
+    assert_eq!(bench.commands().await, [], "down before it was looked at");
+    gamepad(Some((false, -1.0)));
+    assert_eq!(bench.commands().await, []);
+    gamepad(Some((true, -1.0)));
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    gamepad(Some((true, 0.5)));
+    assert_eq!(bench.commands().await, [adjust(-50, 50)]);
+    gamepad(Some((false, 0.5)));
+    assert_eq!(bench.commands().await, [stop]);
+    gamepad(Some((true, -1.0)));
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    gamepad(None);
+    assert_eq!(bench.commands().await, [stop], "unplugged");
+    gamepad(Some((true, -1.0)));
+    assert_eq!(bench.commands().await, [], "down when it is plugged in");
+    gamepad(Some((false, -1.0)));
+    bench.commands().await;
+    gamepad(Some((true, -1.0)));
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    bench.find("checkbox", "Use gamepad").click();
+    assert_eq!(bench.commands().await, [stop], "the box");
+    js_sys::eval("delete navigator.getGamepads").unwrap();
+}
+
+#[wasm_bindgen_test]
+async fn a_move_after_a_stop_starts_nothing() {
+    let bench = rover("stopped").await;
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    press("Escape");
+    let stop = Command::StopAll(StopReason::Operator);
+    assert_eq!(bench.commands().await, [start(100, -100), stop]);
+    pointer(&bench, "pointermove", 0.0, 0.5);
+    pointer(&bench, "pointerup", 0.0, 0.5);
+    assert_eq!(bench.commands().await, []);
+
+    // A stop of the bus's own: a motor fell silent, or reports a fault.
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    both(
+        &bench,
+        Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+        },
+    );
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    both(&bench, Activity::Stopping { confirmed: false });
+    assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+    pointer(&bench, "pointermove", 0.0, 0.5);
+    assert_eq!(bench.commands().await, []);
+    pointer(&bench, "pointerup", 0.0, 0.5);
+    // And nothing by a new press, until they stand.
+    bench
+        .until("the pad to be disabled", || {
+            pad(&bench).title().contains("being stopped")
+        })
+        .await;
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    assert_eq!(bench.commands().await, []);
+    both(&bench, Activity::Idle);
+    until_enabled_pad(&bench).await;
+    pointer(&bench, "pointermove", 0.0, 0.5);
+    assert_eq!(bench.commands().await, []);
+    pointer(&bench, "pointerup", 0.0, 0.5);
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    pointer(&bench, "pointerup", 0.0, 1.0);
+}
+
+#[wasm_bindgen_test]
+async fn a_refusal_ends_the_hold() {
+    let bench = rover("refused").await;
+    for command in [start(100, -100), adjust(50, -50)] {
+        pointer(&bench, "pointerdown", 0.0, 1.0);
+        assert_eq!(bench.commands().await, [start(100, -100)]);
+        tell(&bench, |update| {
+            update.motors = vec![standing(1), standing(2)];
+            update.notices = vec![Notice::Refused {
+                command,
+                refusal: Refusal::NotDriven(id(2)),
+            }];
+        });
+        assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+        pointer(&bench, "pointermove", 0.0, 0.5);
+        pointer(&bench, "pointerup", 0.0, 0.5);
+        assert_eq!(bench.commands().await, []);
+    }
+}
+
+#[wasm_bindgen_test]
+async fn what_cannot_drive_says_why() {
+    let bench = rover("why-not").await;
+    let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
+    side.set_value("none");
+    entered(&side);
+    bench
+        .until("the missing side", || {
+            pad(&bench).title().contains("side of motor 0x02")
+        })
+        .await;
+    pointer(&bench, "pointerdown", 0.0, 1.0);
+    pointer(&bench, "pointerup", 0.0, 1.0);
+    assert_eq!(bench.commands().await, []);
+    bench.find("checkbox", "Drive 0x01").click();
+    bench.find("checkbox", "Drive 0x02").click();
+    let button = || bench.find("button", "Start together");
+    bench
+        .until("nobody to drive", || button().title().contains("Tick"))
+        .await;
+    assert!(button().has_attribute("disabled"));
+    storage().remove_item("motorlink.fleet").unwrap();
+}
+
+#[wasm_bindgen_test]
+async fn the_strip_has_a_chip_for_each_motor_with_the_name_it_was_given() {
+    let bench = rover("strip").await;
+    let chip = || bench.find("button", "Motor 0x02, Starboard, right");
+    assert!(text_of(&chip()).contains("0 rpm"), "{}", text_of(&chip()));
+    let name: HtmlInputElement = bench.find("textbox", "Name of 0x01").unchecked_into();
+    assert_eq!(name.value(), "Port");
+    name.set_value("<b>A</b>");
+    entered(&name);
+    let renamed = ("button", "Motor 0x01, <b>A</b>, left");
+    bench
+        .until("the name", || {
+            bench.find_all(renamed.0, renamed.1).len() == 1
+        })
+        .await;
+    let stored = storage().get_item("motorlink.fleet").unwrap().unwrap();
+    assert!(stored.contains("<b>A</b>"), "{stored}");
+    storage().remove_item("motorlink.fleet").unwrap();
+    chip().click();
+    bench
+        .until("the choice", || {
+            chip().get_attribute("aria-pressed").as_deref() == Some("true")
+        })
+        .await;
+    motorlink::Preferences::default().save();
+}
+
+#[wasm_bindgen_test]
+async fn another_motor_is_looked_at_while_all_drive_on() {
+    let bench = rover("look").await;
+    bench.click("Start together");
+    both(
+        &bench,
+        Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+        },
+    );
+    assert_eq!(bench.commands().await, [start(100, -100)]);
+    bench.find("button", "Motor 0x02, Starboard, right").click();
+    assert_eq!(bench.commands().await, []);
+    motorlink::Preferences::default().save();
+}
+
+#[wasm_bindgen_test]
+async fn a_ramp_is_sent_when_it_is_entered() {
+    let bench = rover("ramp").await;
+    for (text, ramp) in [("200", Ramp::new(200).ok()), ("0", None)] {
+        bench.enter("Ramp", text).focus().unwrap();
+        press("Enter");
+        assert_eq!(bench.commands().await, [Command::SetRamp(ramp)]);
+    }
+    storage().remove_item("motorlink.ramp").unwrap();
+}
