@@ -1,29 +1,36 @@
 //! One wake-up at a precise moment.
 //!
-//! `setTimeout` is clamped to 4 ms in workers too, half a drive period at 125 Hz.
-//! `scheduler.postTask` is late by 0.3 ms at the 99th percentile, and up to 0.4 ms early. Its priority
-//! is that of messages: with a higher one, a bus that always has something due keeps the page's
-//! answers waiting, and the watchdog takes a page for dead that lives.
+//! | by | measured |
+//! |---|---|
+//! | `Atomics.waitAsync` on a memory that nobody else has | never early, 0.2 ms late at most |
+//! | `scheduler.postTask` | counts whole milliseconds, so up to 1 ms early: it has to be armed again and again |
+//! | `setTimeout` | clamped to 4 ms, in workers too: half a drive period at 125 Hz |
+//!
+//! None of them may outrank messages: on a bus that always has something due, the page's answers would
+//! wait, and the watchdog would take a page for dead that lives.
 
 use std::{cell::Cell, rc::Rc, time::Duration};
 
 use gloo_timers::callback::Timeout;
+use js_sys::{Atomics, Int32Array, Object, Promise, Reflect, WebAssembly::Memory};
 use motorlink_protocol::Instant;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{Scheduler, SchedulerPostTaskOptions, TaskPriority, WorkerGlobalScope};
 
 use crate::scope::{Clock, global};
 
-/// A task that comes this early is the one that was armed: 0.4 ms, and steps of 0.1 ms of the clock.
+/// A task that comes this early is the one that was armed.
 const EARLY: Duration = Duration::from_millis(1);
+
+/// A shorter wait would be over at once, and in the same turn of the event loop.
+const SHORTEST_MS: f64 = 0.05;
 
 /// Calls one function at the moments it was armed for, and sometimes earlier: whoever is called
 /// looks at the clock.
 pub(crate) struct Alarm {
-    task: Closure<dyn FnMut() -> JsValue>,
     ring_if_due: Rc<dyn Fn()>,
-    scheduler: Option<Scheduler>,
-    options: SchedulerPostTaskOptions,
+    bed: Option<Bed>,
+    scheduler: Option<PostTask>,
     /// The earliest moment that a task is under way for. A later one need not be armed: the call
     /// that comes earlier arms it again. So there are few tasks, however often the moment moves.
     armed: Rc<Cell<Option<Instant>>>,
@@ -44,18 +51,10 @@ impl Alarm {
                 }
             })
         };
-        let on_task = Rc::clone(&ring_if_due);
-        let task = Closure::new(move || {
-            on_task();
-            JsValue::UNDEFINED
-        });
-        let options = SchedulerPostTaskOptions::new();
-        options.set_priority(TaskPriority::UserVisible);
         Self {
-            task,
+            bed: Bed::new(Rc::clone(&ring_if_due)),
+            scheduler: PostTask::new(Rc::clone(&ring_if_due)),
             ring_if_due,
-            scheduler: scheduler(),
-            options,
             armed,
         }
     }
@@ -70,10 +69,12 @@ impl Alarm {
         }
         self.armed.set(Some(at));
         let delay = at.since(now);
+        let delay_ms = delay.as_secs_f64() * 1000.0;
+        if self.bed.as_ref().is_some_and(|bed| bed.sleep(delay_ms)) {
+            return;
+        }
         if let Some(scheduler) = &self.scheduler {
-            self.options.set_delay_f64(delay.as_secs_f64() * 1000.0);
-            let task = self.task.as_ref().unchecked_ref();
-            let _ = scheduler.post_task_with_options(task, &self.options);
+            scheduler.post(delay_ms);
         } else {
             let ring = Rc::clone(&self.ring_if_due);
             let millis = u32::try_from(delay.as_millis()).unwrap_or(u32::MAX);
@@ -82,11 +83,79 @@ impl Alarm {
     }
 }
 
-/// `scheduler.postTask`, where the browser has it.
-fn scheduler() -> Option<Scheduler> {
-    let scope: WorkerGlobalScope = global().unchecked_into();
-    let there = js_sys::Reflect::has(&scope, &"scheduler".into()).unwrap_or(false);
-    there.then(|| scope.scheduler())
+/// Where one can wait without blocking: a shared memory, of which nobody else knows.
+struct Bed {
+    place: Int32Array,
+    value: JsValue,
+    on_woken: Closure<dyn FnMut(JsValue)>,
+}
+
+impl Bed {
+    /// `None` where the browser has no `Atomics.waitAsync`.
+    fn new(ring: Rc<dyn Fn()>) -> Option<Self> {
+        let atomics = Reflect::get(&js_sys::global(), &"Atomics".into()).ok()?;
+        if !Reflect::has(&atomics, &"waitAsync".into()).unwrap_or(false) {
+            return None;
+        }
+        let pages = Object::new();
+        for (name, value) in [
+            ("initial", JsValue::from(1)),
+            ("maximum", JsValue::from(1)),
+            ("shared", JsValue::TRUE),
+        ] {
+            Reflect::set(&pages, &name.into(), &value).ok()?;
+        }
+        let memory = Memory::new(&pages).ok()?;
+        Some(Self {
+            place: Int32Array::new(&memory.buffer()),
+            value: "value".into(),
+            on_woken: Closure::new(move |_| ring()),
+        })
+    }
+
+    /// Has it rung after so long. `false` where that was refused.
+    fn sleep(&self, delay_ms: f64) -> bool {
+        let delay_ms = delay_ms.max(SHORTEST_MS);
+        let waiting = Atomics::wait_async_with_timeout(&self.place, 0, 0, delay_ms);
+        let woken = waiting.and_then(|waiting| Reflect::get(&waiting, &self.value));
+        // It is no promise where the wait was over before it began.
+        let Ok(woken) = woken.and_then(JsCast::dyn_into::<Promise>) else {
+            return false;
+        };
+        let _ = woken.then(&self.on_woken);
+        true
+    }
+}
+
+/// `scheduler.postTask`.
+struct PostTask {
+    scheduler: Scheduler,
+    options: SchedulerPostTaskOptions,
+    task: Closure<dyn FnMut() -> JsValue>,
+}
+
+impl PostTask {
+    /// `None` where the browser has none.
+    fn new(ring: Rc<dyn Fn()>) -> Option<Self> {
+        let scope: WorkerGlobalScope = global().unchecked_into();
+        let there = Reflect::has(&scope, &"scheduler".into()).unwrap_or(false);
+        let options = SchedulerPostTaskOptions::new();
+        options.set_priority(TaskPriority::UserVisible);
+        there.then(|| Self {
+            scheduler: scope.scheduler(),
+            options,
+            task: Closure::new(move || {
+                ring();
+                JsValue::UNDEFINED
+            }),
+        })
+    }
+
+    fn post(&self, delay_ms: f64) {
+        self.options.set_delay_f64(delay_ms);
+        let task = self.task.as_ref().unchecked_ref();
+        let _ = self.scheduler.post_task_with_options(task, &self.options);
+    }
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ pub(super) const FIGURES: [&str; 6] = [
 
 const HEAD: &str = concat!(
     r#"<ul class="link-doctor" aria-label="Link doctor" aria-live="polite"></ul>"#,
-    r#"<p class="link-carries"></p>"#,
+    r#"<output class="link-carries" aria-label="What the line carries"></output>"#,
     r#"<div class="link-figures">"#,
     r#"<span class="label">Exchanges</span><output aria-label="Exchanges" aria-live="off"></output>"#,
     r#"<span class="label">Bus time</span><output aria-label="Bus time" aria-live="off"></output>"#,

@@ -4,7 +4,7 @@ use std::{path::Path, time::Duration};
 
 use anyhow::Result;
 use end_to_end::{
-    Bench, Line, Usb,
+    Bench, Line, Usb, WireLog,
     figures::{ratio, row},
 };
 
@@ -23,26 +23,30 @@ pub fn measure(watched: Duration) -> Result<()> {
         };
         // In turn, so that a machine that grows slower meanwhile favours neither.
         let part = watched / 2;
-        let (mut bare, mut page) = (0, 0);
+        let (mut bare, mut visible, mut hidden) = (0, 0, 0);
         for _ in 0..2 {
             bare += bare_exchanges(line(), part)?;
-            page += page_exchanges(line(), part)?;
+            let (seen, unseen) = page_exchanges(line(), part)?;
+            visible += seen;
+            hidden += unseen;
         }
         let seconds = watched.as_secs().max(1);
-        let share = ratio(page, bare);
-        row(
-            &format!(
-                "exchanges a second at the 500 Hz setting, one motor, {turnaround_us} us turnaround, \
-                 against a bare loop"
-            ),
-            &format!("{RATIO_MIN} or more"),
-            format!(
-                "{share:.3} ({} of {} a second)",
-                page / seconds,
-                bare / seconds
-            ),
-            share >= RATIO_MIN,
-        );
+        for (page_is, page) in [("visible", visible), ("hidden", hidden)] {
+            let share = ratio(page, bare);
+            row(
+                &format!(
+                    "exchanges a second at the 500 Hz setting, one motor, {turnaround_us} us \
+                     turnaround, against a bare loop, page {page_is}"
+                ),
+                &format!("{RATIO_MIN} or more"),
+                format!(
+                    "{share:.3} ({} of {} a second)",
+                    page / seconds,
+                    bare / seconds
+                ),
+                share >= RATIO_MIN,
+            );
+        }
     }
     Ok(())
 }
@@ -56,11 +60,15 @@ fn bare_exchanges(line: Line, watched: Duration) -> Result<u64> {
     Ok(watch(&adapter, watched)?.from_motors().len() as u64)
 }
 
-fn page_exchanges(line: Line, watched: Duration) -> Result<u64> {
+/// While it is visible, and draws; and while it is hidden.
+fn page_exchanges(line: Line, watched: Duration) -> Result<(u64, u64)> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, line)?;
     spin(&page, 500)?;
-    let wire = watch(&adapter, watched)?;
+    let visible = watch(&adapter, watched)?;
+    bench.hide(&page)?;
+    let hidden = watch(&adapter, watched)?;
     crate::ensure_quiet(&page)?;
-    Ok(wire.from_motors().len() as u64)
+    let exchanges = |wire: &WireLog| wire.from_motors().len() as u64;
+    Ok((exchanges(&visible), exchanges(&hidden)))
 }
