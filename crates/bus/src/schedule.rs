@@ -51,6 +51,8 @@ pub(crate) struct Pace {
     pub(crate) period: Duration,
     /// Whether the last frame was a query. No other makes a drive frame late then.
     pub(crate) query_was_last: bool,
+    /// Whether the last exchange has only just ended.
+    pub(crate) just_freed: bool,
 }
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
@@ -62,6 +64,7 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
         usual,
         period,
         query_was_last,
+        just_freed,
     } = pace;
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
@@ -85,21 +88,24 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     if let Some((_, errand)) = switch.filter(|(at, _)| due(*at)) {
         return Turn::Now(errand);
     }
-    let forced = query.filter(|(at, _)| now >= *at + QUERY_PATIENCE);
-    if let Some((_, id)) =
-        forced.filter(|_| !query_was_last || !drive.is_some_and(|(at, _)| due(at)))
-    {
-        return Turn::Now(Errand::Query(id));
-    }
     // A stop that goes on does not take the line from the motors that are driven beside it.
     let raw = raw.map(|at| (at, Errand::Raw));
     let frames = stop.into_iter().chain(drive).chain(raw);
     let frame = frames.min_by_key(|(at, _)| *at);
+    let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
+
+    // Right behind a reply a query makes the next frame least late.
+    let squeezes = next_appointment.is_some_and(|at| at < now + usual);
+    let drive_waits = drive.is_some_and(|(at, _)| due(at));
+    let its_turn = (just_freed || !squeezes) && !(query_was_last && drive_waits);
+    let has_waited = |at: Instant| now >= at + QUERY_PATIENCE;
+    if let Some((_, id)) = query.filter(|(at, _)| its_turn && has_waited(*at)) {
+        return Turn::Now(Errand::Query(id));
+    }
     if let Some((_, errand)) = frame.filter(|(at, _)| due(*at)) {
         return Turn::Now(errand);
     }
 
-    let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
     let driven = motors
         .iter()
         .filter(|motor| matches!(motor.control, Control::Driven(_)));
@@ -108,13 +114,15 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     let fits = next_appointment.is_none_or(|at| now + usual + margin <= at);
     let query_turn = query.map(|(at, id)| match (due(at), fits) {
         (true, true) => Turn::Now(Errand::Query(id)),
+        // It goes behind the next reply.
+        (true, false) if has_waited(at) => Turn::Never,
         (true, false) => Turn::At(at + QUERY_PATIENCE),
         (false, _) => Turn::At(at),
     });
     match (query_turn, next_appointment) {
         (Some(Turn::At(query_at)), Some(at)) => Turn::At(at.min(query_at)),
+        (None | Some(Turn::Never), Some(at)) => Turn::At(at),
         (Some(turn), _) => turn,
-        (None, Some(at)) => Turn::At(at),
         (None, None) => Turn::Never,
     }
 }

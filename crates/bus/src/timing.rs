@@ -49,6 +49,9 @@ pub(crate) const QUERY_MARGIN_MAX: Duration = Duration::from_millis(10);
 /// is known at any load: one drive period at the 50 Hz that a motor wants.
 pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 
+/// A line that has been free for less than this has just carried a reply: two steps of a browser's clock.
+pub(crate) const JUST_FREED: Duration = Duration::from_micros(200);
+
 /// Five mode switches, 20 ms apart: what the maker's samples send.
 pub(crate) const SWITCH_FRAMES: u8 = 5;
 /// Distance of two mode switches.

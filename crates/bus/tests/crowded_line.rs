@@ -233,6 +233,26 @@ fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
     }
 }
 
+#[test]
+fn queries_make_no_drive_frame_late_at_200_hz() {
+    let mut bench = watching(&[1]);
+    bench
+        .command(Command::SetRate(CommandRate::new(200).unwrap()))
+        .unwrap();
+    drive(&mut bench, ID);
+    bench.run(ms(1_000));
+    bench.forget_the_past();
+    bench.run(ms(5_000));
+    let frames = bench.drive_times(ID);
+    assert!((999..=1_001).contains(&frames.len()), "{}", frames.len());
+    let first = frames[0];
+    let due = |place: usize| first + Duration::from_micros(5_000 * place as u64);
+    let late = frames.iter().enumerate();
+    let latest = late.map(|(place, at)| at.since(due(place).min(*at))).max();
+    assert!(latest.unwrap() <= ms(1), "{latest:?}");
+    assert!(queries(&bench, ID) >= 25);
+}
+
 /// A busy machine looks at the clock 12 ms late, ten times a second.
 #[test]
 fn a_rate_is_kept_on_a_machine_that_is_held_up() {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use end_to_end::{Bench, Line, Usb};
+use end_to_end::{Bench, Line, PATIENCE, Usb, wait_until};
 
 fn bench() -> Result<Bench> {
     Bench::serving(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures")))
@@ -43,7 +43,15 @@ fn a_long_task_and_what_a_page_measures_are_noted_once() -> Result<()> {
 fn the_memory_of_a_worker_is_known_with_that_of_its_program() -> Result<()> {
     let bench = bench()?;
     let page = bench.open("/")?;
-    let small = page.memory_of_worker("port")?;
+    // The worker is there before its script has run.
+    let small = wait_until("the worker to have its memory", PATIENCE, || {
+        let memory = page.memory_of_worker("port")?;
+        Ok(if memory.wasm == 0 {
+            Err(format!("{memory:?}"))
+        } else {
+            Ok(memory)
+        })
+    })?;
     assert_eq!(small.wasm, 3 * 65_536);
     page.evaluate("worker.postMessage({ hoard: 5_000_000 })")?;
     let large = page.memory_of_worker("port")?;

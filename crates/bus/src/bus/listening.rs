@@ -58,6 +58,7 @@ impl Bus {
                     };
                     let took = now.since(exchange.sent);
                     self.line_use.add(now, Use::of(&exchange.frame), took);
+                    self.freed_at = now;
                     self.replied(now, &exchange, id, layout, &frame);
                 }
             }
@@ -85,6 +86,7 @@ impl Bus {
             Expects::Everyone { .. } | Expects::Nothing => Use::Other,
         };
         self.line_use.add(now, what, now.since(exchange.sent));
+        self.freed_at = now;
         if exchange.expects == Expects::Nothing {
             // Its echo may still be coming in pieces: it is sorted before the next frame is sent.
             if exchange.purpose == Purpose::Raw {

@@ -26,7 +26,7 @@ use crate::{
     scan::Ask,
     schedule::{Errand, Pace, Turn, next_turn},
     stop::ActiveStop,
-    timing::EARLY,
+    timing::{EARLY, JUST_FREED},
     watchdog::{Bark, Watchdog},
 };
 
@@ -61,6 +61,8 @@ pub struct Bus {
     line_use: LineUse,
     /// Whether the last frame was a query.
     query_was_last: bool,
+    /// When the last exchange ended.
+    freed_at: Instant,
     /// Set by Stop all motors; nothing drives until it is released.
     halted: bool,
     stop: Option<ActiveStop>,
@@ -92,6 +94,7 @@ impl Bus {
             last_group: 0,
             line_use: LineUse::default(),
             query_was_last: false,
+            freed_at: now,
             halted: false,
             stop: None,
             id_query_wanted: false,
@@ -203,6 +206,7 @@ impl Bus {
             usual: self.round_trip.usual(),
             period: self.rate.period(),
             query_was_last: self.query_was_last,
+            just_freed: now.since(self.freed_at) < JUST_FREED,
         };
         next_turn(
             &self.motors,

@@ -1,0 +1,145 @@
+//! What a person reads, and when.
+
+use motorlink_messages::{
+    Adapter,
+    bus::Consent,
+    protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+};
+
+use super::*;
+
+const ID: MotorId = MotorId::FIRST;
+
+fn said(notice: &Notice) -> Option<String> {
+    of_notice(notice).map(|words| format!("{} | {}", words.title, words.advice.join(" ")))
+}
+
+fn refused(command: Command) -> Notice {
+    Notice::Refused {
+        command,
+        refusal: Refusal::NotDriven(ID),
+    }
+}
+
+#[test]
+fn every_trouble_says_what_to_do() {
+    for error in [
+        ConnectError::NoWebSerial,
+        ConnectError::PortGone,
+        ConnectError::OpenFailed,
+        ConnectError::AlreadyOpen,
+        ConnectError::Other,
+    ] {
+        assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
+        let (state, brief) = of_connection(Connection::Failed(error));
+        assert_eq!(state, "Failed");
+        assert!(!brief.is_empty(), "{error:?}");
+    }
+    for trouble in [
+        PickTrouble::NoWebSerial,
+        PickTrouble::Dismissed { filtered: true },
+        PickTrouble::Dismissed { filtered: false },
+        PickTrouble::Forbidden,
+        PickTrouble::Vanished,
+        PickTrouble::Unknown,
+    ] {
+        assert!(!of_pick_trouble(trouble).advice.is_empty(), "{trouble:?}");
+    }
+}
+
+#[test]
+fn a_port_that_does_not_open_names_every_cause() {
+    let all = of_connect_error(ConnectError::OpenFailed).advice.join(" ");
+    for cause in ["other tabs", "dialout", "snap", "brltty", "driver", "Gone?"] {
+        assert!(all.contains(cause), "{cause}");
+    }
+}
+
+#[test]
+fn a_silent_motor_gets_the_checklist() {
+    for notice in [
+        Notice::MotorSilent(ID),
+        Notice::IdQueryEnded(IdQueryOutcome::Nobody),
+    ] {
+        let said = said(&notice).unwrap();
+        for check in ["18 V", "brown", "orange and white", "right ID"] {
+            assert!(said.contains(check), "{said}");
+        }
+    }
+    assert_eq!(settled_by(&Notice::MotorBack(ID)), Some(Topic::Answer));
+}
+
+#[test]
+fn a_refused_drag_is_not_told_and_a_refused_press_is() {
+    let setpoint = Setpoint::velocity(SpeedTarget::ZERO);
+    let consent = Consent::None;
+    let id = ID;
+    let drag = Command::Adjust {
+        id,
+        setpoint,
+        consent,
+    };
+    let press = Command::Drive {
+        id,
+        setpoint,
+        consent,
+    };
+    assert_eq!(said(&refused(drag)), None);
+    assert!(said(&refused(press)).unwrap().contains("Press Start"));
+}
+
+#[test]
+fn a_stop_is_only_told_of_where_it_is_not_confirmed() {
+    let report = |confirmed, speed| {
+        Notice::StopEnded(StopReport {
+            reason: StopReason::OneMotor,
+            motors: vec![StopOutcome {
+                id: ID,
+                confirmed,
+                speed,
+            }],
+        })
+    };
+    assert_eq!(said(&report(true, Some(Rpm::new(0)))), None);
+    let words = said(&report(false, None)).unwrap();
+    assert!(words.contains("motor 0x01 (speed unknown)"), "{words}");
+    assert!(words.contains("power off"), "{words}");
+    let words = said(&report(false, Some(Rpm::new(-30)))).unwrap();
+    assert!(words.contains("\u{2212}30 rpm"), "{words}");
+}
+
+#[test]
+fn a_withdrawn_setpoint_says_why() {
+    let withdrawn = |reason| said(&Notice::Withdrawn { id: ID, reason }).unwrap();
+    assert!(withdrawn(WithdrawReason::Fault(Faults::from_byte(8))).contains("reports stall"));
+    let reported = Mode::Velocity;
+    assert!(withdrawn(WithdrawReason::OtherLoop { reported }).contains("lost power"));
+    assert!(withdrawn(WithdrawReason::Silent).contains("200 ms"));
+}
+
+#[test]
+fn a_lost_adapter_says_that_a_driven_wheel_coasts() {
+    let lost = |driven: &[MotorId]| {
+        let driven = driven.to_vec();
+        said(&Notice::AdapterLost { driven }).unwrap()
+    };
+    assert!(lost(&[ID]).contains("coasts"));
+    assert!(!lost(&[]).contains("coasts"));
+    let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
+    assert_eq!(
+        (state, detail.as_str()),
+        ("Reconnecting", "Plug Virtual motor in again")
+    );
+}
+
+#[test]
+fn our_stop_is_never_called_an_emergency_stop() {
+    for reason in [
+        StopReason::Operator,
+        StopReason::PageHidden,
+        StopReason::PageGone,
+        StopReason::PageSilent,
+    ] {
+        assert!(!of_stop_reason(reason).to_lowercase().contains("emergency"));
+    }
+}
