@@ -167,7 +167,13 @@ impl Desk {
 
     fn hear_journal(self, message: FromJournal, file: Option<Blob>) {
         match message {
-            FromJournal::Log(page) => self.journal.feed.update_value(|feed| feed.take(page)),
+            FromJournal::Log(page) => {
+                let again = self.journal.feed.try_update_value(|feed| feed.take(page));
+                if let Some(filter) = again.flatten() {
+                    self.tell_journal(&filter);
+                    self.look();
+                }
+            }
             FromJournal::Recording(status) => self.journal.recording.set(status),
             FromJournal::Exporting { what, done, of } => {
                 self.exporting(what, (done * 1000).checked_div(of).unwrap_or(0));

@@ -36,21 +36,36 @@ pub(crate) struct LogFeed {
     filter: Filter,
     /// The generation in which the last change of the filter or clearing will be answered.
     generation: u32,
+    /// Answers in a row from before that.
+    stale: u8,
     /// Wakes the list, which sleeps while nothing changes.
     wake: Option<Rc<dyn Fn()>>,
 }
 
+/// So many answers in a row from before the last change, which is a second of them, and the journal
+/// has not heard of it.
+const STALE_MAX: u8 = 30;
+
 impl LogFeed {
-    /// Takes in rows and counts. An answer from before the last change of the filter is none.
-    pub(crate) fn take(&mut self, page: LogPage) {
+    /// Takes in rows and counts. An answer from before the last change of the filter is none; where
+    /// nothing else comes, the journal is told of the filter once more, by what is given back.
+    pub(crate) fn take(&mut self, page: LogPage) -> Option<ToJournal> {
         let ahead = page.generation.wrapping_sub(self.generation);
         if ahead > u32::MAX / 2 {
-            return;
+            self.stale += 1;
+            if self.stale < STALE_MAX {
+                return None;
+            }
+            self.stale = 0;
+            self.asked = None;
+            return Some(ToJournal::Filter(self.filter.clone()));
         }
+        self.stale = 0;
         self.generation = page.generation;
         self.view.set_rows(page.oldest, page.end);
         self.page = page;
         self.wake();
+        None
     }
 
     /// The rows to ask for now, where they are not those that were asked for last.
@@ -169,7 +184,7 @@ mod tests {
     #[test]
     fn an_answer_from_before_the_filter_is_passed_over() {
         let mut feed = LogFeed::default();
-        feed.take(page(0, 0..5));
+        assert_eq!(feed.take(page(0, 0..5)), None);
         let filter = feed.refilter(|filter| filter.collapse = true);
         assert!(matches!(filter, Some(ToJournal::Filter(_))));
         feed.clear();
@@ -177,6 +192,18 @@ mod tests {
         feed.take(page(1, 0..7));
         assert_eq!(feed.state().kept, 5);
         feed.take(page(2, 0..3));
+        assert_eq!(feed.state().kept, 3);
+    }
+
+    #[test]
+    fn a_journal_that_did_not_hear_of_the_filter_is_told_again() {
+        let mut feed = LogFeed::default();
+        let filter = feed.refilter(|filter| filter.collapse = true);
+        for _ in 1..STALE_MAX {
+            assert_eq!(feed.take(page(0, 0..7)), None);
+        }
+        assert_eq!(feed.take(page(0, 0..7)), filter);
+        assert_eq!(feed.take(page(1, 0..3)), None);
         assert_eq!(feed.state().kept, 3);
     }
 

@@ -77,7 +77,14 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
     let page = &story.page;
     let pressed = now_us();
     scan_fully(page)?;
-    assert_eq!(motors_found(page)?, [1, 42, 254]);
+    wait_until("all three motors in the list", PATIENCE, || {
+        let found = motors_found(page)?;
+        Ok(if found == [1, 42, 254] {
+            Ok(())
+        } else {
+            Err(format!("{found:?}"))
+        })
+    })?;
     // Every address was asked.
     let asked = story.since(pressed)?.from_host();
     for address in 1..=254 {
@@ -86,7 +93,7 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
     }
     // A click selects one, and it is the one that is driven.
     let chosen = now_us();
-    page.find_like("button", "0x2A")?.click()?;
+    page.find_like("button", "0x2A · 42")?.click()?;
     page.wait_for_text("output", "Speed", |text| story::number(text).is_some())?;
     assert!(page.find("combobox", "Motor")?.value.contains("0x2A"));
     page.click("tab", "Velocity")?;
