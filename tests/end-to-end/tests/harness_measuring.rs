@@ -54,11 +54,14 @@ fn the_memory_of_a_worker_is_known_with_that_of_its_program() -> Result<()> {
     })?;
     assert_eq!(small.wasm, 3 * 65_536);
     page.evaluate("worker.postMessage({ hoard: 5_000_000 })")?;
-    let large = page.memory_of_worker("port")?;
-    assert!(
-        large.script >= small.script + 5_000_000,
-        "{small:?} {large:?}"
-    );
+    wait_until("the worker to hold 5 MB more", PATIENCE, || {
+        let large = page.memory_of_worker("port")?;
+        Ok(if large.script >= small.script + 5_000_000 {
+            Ok(())
+        } else {
+            Err(format!("{small:?} {large:?}"))
+        })
+    })?;
     assert_eq!(page.memory()?.wasm, 0);
     let error = page.memory_of_worker("nobody").unwrap_err();
     assert!(error.to_string().contains("nobody"), "{error:#}");
