@@ -41,6 +41,7 @@ mod counters;
 mod event;
 mod exchange;
 mod id_change;
+mod last_second;
 mod line_use;
 mod mode_switch;
 mod motor;

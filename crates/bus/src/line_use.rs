@@ -4,7 +4,12 @@ use std::time::Duration;
 
 use motorlink_protocol::{Frame, Instant, Request};
 
-use crate::{Counters, rate::RateMeter, round_trip::RoundTripStatus};
+use crate::{
+    Counters,
+    last_second::{LastSecond, OVER_US},
+    rate::RateMeter,
+    round_trip::RoundTripStatus,
+};
 
 /// How the line is used and how well it works, whoever is spoken to.
 ///
@@ -53,24 +58,19 @@ impl Use {
 }
 
 const USES: usize = 4;
-const SLOTS: usize = 10;
-const SLOT_US: u64 = 100_000;
 
-/// Adds up what the line was used for, in ten slots of 100 ms.
+/// Adds up what the line was used for.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineUse {
-    slots: [[u32; USES]; SLOTS],
-    /// Number of the slot that was added to last, since the epoch.
-    newest: u64,
+    /// Microseconds of each use.
+    used: LastSecond<[u32; USES]>,
     exchanges: RateMeter,
 }
 
 impl LineUse {
     /// The line was used for this, for so long, until now.
     pub(crate) fn add(&mut self, now: Instant, what: Use, took: Duration) {
-        self.advance(now);
-        let slot = self.slots.get_mut(place(self.newest));
-        if let Some(share) = slot.and_then(|slot| slot.get_mut(what as usize)) {
+        if let Some(share) = self.used.now(now).get_mut(what as usize) {
             let micros = u32::try_from(took.as_micros()).unwrap_or(u32::MAX);
             *share = share.saturating_add(micros);
         }
@@ -84,46 +84,20 @@ impl LineUse {
         self.exchanges.hertz(now)
     }
 
-    /// Shares of the last nine slots that are over, in per mille: drive, query, other, waiting.
+    /// Shares of the last second, in per mille: drive, query, other, waiting.
     pub(crate) fn shares(&self, now: Instant) -> [u16; USES] {
-        let mut moved = self.clone();
-        moved.advance(now);
-        let current = place(moved.newest);
         let mut sums = [0_u32; USES];
-        for (number, slot) in moved.slots.iter().enumerate() {
-            if number == current {
-                continue;
-            }
+        for slot in self.used.over(now) {
             for (sum, share) in sums.iter_mut().zip(slot) {
-                *sum = sum.saturating_add(*share);
+                *sum = sum.saturating_add(share);
             }
         }
-        let over_us = (SLOTS as u64 - 1) * SLOT_US;
         sums.map(|sum| {
-            let per_mille = u64::from(sum) * 1_000 / over_us;
+            let per_mille = u64::from(sum) * 1_000 / OVER_US;
             // An exchange belongs to the slot in which it ends, so a share may seem a little too large.
             u16::try_from(per_mille.min(1_000)).unwrap_or(1_000)
         })
     }
-
-    fn advance(&mut self, now: Instant) {
-        let slot = now.as_micros() / SLOT_US;
-        let passed = slot.saturating_sub(self.newest).min(SLOTS as u64);
-        for back in 0..passed {
-            if let Some(stale) = self.slots.get_mut(place(slot - back)) {
-                *stale = [0; USES];
-            }
-        }
-        self.newest = self.newest.max(slot);
-    }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the remainder is below ten"
-)]
-const fn place(slot: u64) -> usize {
-    (slot % SLOTS as u64) as usize
 }
 
 #[cfg(test)]

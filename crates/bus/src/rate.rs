@@ -4,6 +4,8 @@ use std::{fmt, time::Duration};
 
 use motorlink_protocol::Instant;
 
+use crate::last_second::LastSecond;
+
 /// Drive frames a second for each driven motor, 1-500. The motor accepts up to 500 frames a second
 /// and wants at least 50.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,56 +76,20 @@ impl fmt::Display for RateOutOfRange {
 
 impl std::error::Error for RateOutOfRange {}
 
-const SLOTS: usize = 10;
-const SLOT_US: u64 = 100_000;
-
-/// Counts what happened in the last second, in ten slots of 100 ms.
+/// Counts what happened in the last second.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct RateMeter {
-    slots: [u16; SLOTS],
-    /// Number of the slot that was counted in last, since the epoch.
-    newest: u64,
-}
+pub(crate) struct RateMeter(LastSecond<u16>);
 
 impl RateMeter {
     pub(crate) fn count(&mut self, now: Instant) {
-        self.advance(now);
-        if let Some(slot) = self.slots.get_mut(place(self.newest)) {
-            *slot = slot.saturating_add(1);
-        }
+        let slot = self.0.now(now);
+        *slot = slot.saturating_add(1);
     }
 
-    /// Events in the last ten slots that are over, which is one second.
+    /// Events a second, by those of the last second.
     pub(crate) fn hertz(&self, now: Instant) -> u16 {
-        let mut moved = self.clone();
-        moved.advance(now);
-        // The slot in progress is not over: the nine before it, scaled to a second.
-        let current = moved.slots.get(place(moved.newest)).copied().unwrap_or(0);
-        let over: u32 = moved
-            .slots
-            .iter()
-            .map(|count| u32::from(*count))
-            .sum::<u32>()
-            - u32::from(current);
+        let over: u32 = self.0.over(now).map(u32::from).sum();
+        // Nine slots, scaled to ten.
         u16::try_from((over * 10 + 4) / 9).unwrap_or(u16::MAX)
     }
-
-    fn advance(&mut self, now: Instant) {
-        let slot = now.as_micros() / SLOT_US;
-        let passed = slot.saturating_sub(self.newest).min(SLOTS as u64);
-        for back in 0..passed {
-            if let Some(stale) = self.slots.get_mut(place(slot - back)) {
-                *stale = 0;
-            }
-        }
-        self.newest = self.newest.max(slot);
-    }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the remainder is below ten"
-)]
-const fn place(slot: u64) -> usize {
-    (slot % SLOTS as u64) as usize
 }
