@@ -42,6 +42,7 @@ mod event;
 mod exchange;
 mod id_change;
 mod last_second;
+mod late_replies;
 mod line_use;
 mod mode_switch;
 mod motor;

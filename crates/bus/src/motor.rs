@@ -9,12 +9,13 @@ use motorlink_protocol::{
 use crate::{
     Counters, LinkQuality, Sample,
     counters::LossMeter,
+    late_replies::LateReplies,
     mode_switch::Switch,
     ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
     stop::Stopping,
-    timing::{FRESH_FOR, LATE_REPLY_MAX, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
+    timing::{FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
 };
 
 /// What the bus does with a motor.
@@ -119,10 +120,7 @@ pub(crate) struct Motor {
     temperature: Option<(Instant, Celsius)>,
     watched_since: Instant,
     pub(crate) silent: bool,
-    /// When the last drive frame and the last query that were not answered were sent: their replies
-    /// may still come.
-    drive_unanswered: Option<Instant>,
-    query_unanswered: Option<Instant>,
+    pub(crate) late: LateReplies,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The loop that was asked for since the motor last said which it is in.
@@ -147,8 +145,7 @@ impl Motor {
             temperature: None,
             watched_since: now,
             silent: false,
-            drive_unanswered: None,
-            query_unanswered: None,
+            late: LateReplies::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
@@ -164,6 +161,7 @@ impl Motor {
     pub(crate) fn heard(&mut self, at: Instant, reply: Reply) -> bool {
         self.last = Some(Sample { at, reply });
         self.unanswered_in_a_row = 0;
+        self.late.replied();
         match reply.detail {
             Detail::Drive { position } => self.position = Some((at, position)),
             Detail::Query { temperature, .. } => self.temperature = Some((at, temperature)),
@@ -188,38 +186,14 @@ impl Motor {
         }
     }
 
-    /// The layout in which a reply to a request in `layout` can be read now: none while a late
-    /// reply in the other one may still come.
-    pub(crate) fn layout_of_reply(&self, now: Instant, layout: Layout) -> Option<Layout> {
-        let other = match layout {
-            Layout::Drive => self.query_unanswered,
-            Layout::Query => self.drive_unanswered,
-        };
-        (!may_still_come(now, other)).then_some(layout)
-    }
-
-    /// Whether a reply to a request whose window is spent may still come.
-    pub(crate) fn late_reply_may_come(&self, now: Instant) -> bool {
-        may_still_come(now, self.drive_unanswered) || may_still_come(now, self.query_unanswered)
-    }
-
-    /// Until when a query would mix up layouts with a drive reply that may come late.
-    pub(crate) fn drive_reply_pending_until(&self) -> Option<Instant> {
-        self.drive_unanswered.map(|sent| sent + LATE_REPLY_MAX)
-    }
-
     pub(crate) fn lost(&mut self, layout: Layout, sent: Instant) {
         self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
-        match layout {
-            Layout::Drive => self.drive_unanswered = Some(sent),
-            Layout::Query => self.query_unanswered = Some(sent),
-        }
+        self.late.unanswered(layout, sent, self.unanswered_in_a_row);
     }
 
-    /// The window of an ID query was cut short: its answer, in the layout of a drive reply, may still
-    /// come.
+    /// An ID query was sent to all, and its answer, in the layout of a drive reply, was not heard.
     pub(crate) fn call_unanswered(&mut self, sent: Instant) {
-        self.drive_unanswered = Some(sent);
+        self.late.unanswered(Layout::Drive, sent, 1);
     }
 
     /// A mode switch was sent. Where two were, the position loop, in which zero moves the wheel, is
@@ -347,8 +321,4 @@ impl Motor {
             counters: self.counters,
         }
     }
-}
-
-fn may_still_come(now: Instant, unanswered: Option<Instant>) -> bool {
-    unanswered.is_some_and(|sent| now < sent + LATE_REPLY_MAX)
 }

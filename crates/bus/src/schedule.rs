@@ -152,7 +152,8 @@ fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
         }
         let patience = motor.next_query + QUERY_PATIENCE;
         let clear_at = motor
-            .drive_reply_pending_until()
+            .late
+            .drive_expected_until()
             .unwrap_or(motor.next_query);
         Some(motor.next_query.max(clear_at.min(patience)))
     })

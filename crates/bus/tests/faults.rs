@@ -10,7 +10,7 @@
 mod bench;
 
 use bench::{Bench, ID, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Activity, Event, Refusal, WithdrawReason};
+use motorlink_bus::{Activity, Command, Event, Refusal, WithdrawReason};
 use motorlink_protocol::{Detail, Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
@@ -296,7 +296,7 @@ fn a_late_reply_is_not_read_in_the_layout_of_the_next_request() {
 #[test]
 fn after_two_losses_in_a_row_no_layout_is_read_as_the_other() {
     for trial in 0..120_u64 {
-        for stall in [28, 36, 45] {
+        for stall in [28, 36, 45, 70, 110, 160] {
             let mut bench = Bench::one_motor();
             bench.switch(Mode::Position);
             bench.drive(degrees(40.0)).unwrap();
@@ -322,6 +322,27 @@ fn after_two_losses_in_a_row_no_layout_is_read_as_the_other() {
                 }
             }
         }
+    }
+}
+
+/// What an adapter or a machine that is held up hands out long after the window is not read as the answer
+/// to what was asked since: a position as a temperature.
+#[test]
+fn the_answer_to_an_id_query_is_not_read_in_the_layout_of_a_later_query() {
+    for stall in [55, 65, 75, 100, 150, 300] {
+        let mut bench = Bench::new(WorldConfig::default());
+        bench.world.set_faults(WireFaults {
+            hold: ms(stall),
+            ..WireFaults::default()
+        });
+        bench.command(Command::IdQuery).unwrap();
+        bench.run(ms(5));
+        bench.command(Command::Watch(ID)).unwrap();
+        bench.run(ms(stall));
+        bench.world.set_faults(WireFaults::default());
+        bench.run(ms(500));
+        assert_telemetry_is_true(&bench, stall);
+        assert!(bench.status(ID).temperature.is_some());
     }
 }
 

@@ -10,7 +10,6 @@ use crate::{
     Event, IdQueryOutcome, Passed, RawAnswer,
     exchange::{Exchange, Purpose},
     receiver::{Leftovers, Piece},
-    timing::ID_QUERY_WINDOW,
 };
 
 /// Junk that may stand beside one clean reply to the ID query: less than half a frame is noise, more
@@ -43,7 +42,7 @@ impl Bus {
                 self.watch(exchange.sent, reply.id);
             }
             let asked = layout.and_then(|layout| match self.motor_mut(reply.id) {
-                Some(motor) => motor.layout_of_reply(now, layout),
+                Some(motor) => motor.late.layout_of_reply(now, layout),
                 None => Some(layout),
             });
             self.log_heard(now, &frame, asked);
@@ -52,11 +51,20 @@ impl Bus {
             }
             answer = answer.or(Some((frame, asked)));
         }
-        if layout.is_some() && now.since(exchange.sent) < ID_QUERY_WINDOW {
-            // Cut short by a stop: the answers may still come.
-            for motor in &mut self.motors {
+        if layout.is_some() {
+            // The answers of the others may still come, to one who was not known before too.
+            let answered = |id: u8| {
+                rest.frames()
+                    .any(|frame| frame.bytes().first() == Some(&id))
+            };
+            let others = self
+                .motors
+                .iter_mut()
+                .filter(|motor| !answered(motor.id.get()));
+            for motor in others {
                 motor.call_unanswered(exchange.sent);
             }
+            self.called = Some(exchange.sent);
         }
         let took = exchange.last_byte.map(|last| last.since(exchange.sent));
         let outcome = self.judge_id_query(rest);

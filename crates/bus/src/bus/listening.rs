@@ -175,7 +175,7 @@ impl Bus {
     ) {
         let took = now.since(exchange.sent);
         let asked = match self.motor_mut(id) {
-            Some(motor) => motor.layout_of_reply(now, layout),
+            Some(motor) => motor.late.layout_of_reply(now, layout),
             None => Some(layout),
         };
         self.log_heard(now, frame, asked);
@@ -197,7 +197,7 @@ impl Bus {
         motor.loss.count(false);
         // While a lost reply may still come, it is not known which request this one answers, so its
         // time says nothing (as in Karn's algorithm).
-        let unambiguous = !motor.late_reply_may_come(now);
+        let unambiguous = !motor.late.may_come(now);
         if unambiguous {
             motor.round_trip.replied(took);
             motor.loop_reported();
@@ -233,7 +233,7 @@ impl Bus {
             return;
         };
         self.survey_heard_late(now, reply.id);
-        let expected = |motor: &Motor| motor.id == reply.id && motor.late_reply_may_come(now);
+        let expected = |motor: &Motor| motor.id == reply.id && motor.late.may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;

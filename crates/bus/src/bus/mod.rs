@@ -67,6 +67,8 @@ pub struct Bus {
     halted: bool,
     stop: Option<ActiveStop>,
     id_query_wanted: bool,
+    /// When the last ID query was sent whose window is spent.
+    called: Option<Instant>,
     survey: Option<Survey>,
     /// The motor that a full scan has proved to be alone.
     proved_alone: Option<Proof>,
@@ -98,6 +100,7 @@ impl Bus {
             halted: false,
             stop: None,
             id_query_wanted: false,
+            called: None,
             survey: None,
             proved_alone: None,
             raw: None,
@@ -244,7 +247,11 @@ impl Bus {
             .iter()
             .position(|motor| motor.id == id)
             .unwrap_or_else(|| {
-                self.motors.push(Motor::new(now, id));
+                let mut motor = Motor::new(now, id);
+                if let Some(sent) = self.called {
+                    motor.call_unanswered(sent);
+                }
+                self.motors.push(motor);
                 self.motors.len() - 1
             });
         #[allow(

@@ -1,0 +1,126 @@
+//! Replies that may still come though their window is spent.
+//!
+//! A reply does not say what it answers, and the two layouts differ in bytes 6 and 7: while a reply in
+//! the other layout may still come, those two are not read. Time alone does not tell: an adapter, or a
+//! machine that is held up, may hand out what it has held for as long as it likes. But it hands it out in
+//! order, so a reply that is owed comes before those of later requests: a few replies in time say that
+//! none is owed.
+
+use motorlink_protocol::{Instant, Layout};
+
+use crate::timing::LATE_REPLY_MAX;
+
+/// As many replies as one request after the other was left without, and one more, say that none is owed;
+/// more than this are not asked for, because a motor that was away owes nothing.
+const REPLIES_MAX: u32 = 5;
+
+/// What one motor may owe in either layout.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LateReplies {
+    drive: Owed,
+    query: Owed,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Owed {
+    /// When the last request without reply was sent.
+    sent: Option<Instant>,
+    /// Replies that are to come before none is owed.
+    replies: u32,
+}
+
+impl LateReplies {
+    /// A request had no reply in its window; it was the last of so many in a row.
+    pub(crate) fn unanswered(&mut self, layout: Layout, sent: Instant, in_a_row: u32) {
+        let owed = match layout {
+            Layout::Drive => &mut self.drive,
+            Layout::Query => &mut self.query,
+        };
+        *owed = Owed {
+            sent: Some(sent),
+            replies: in_a_row.saturating_add(1).min(REPLIES_MAX),
+        };
+    }
+
+    /// A reply came, to whatever request.
+    pub(crate) fn replied(&mut self) {
+        for owed in [&mut self.drive, &mut self.query] {
+            owed.replies = owed.replies.saturating_sub(1);
+        }
+    }
+
+    /// The layout in which a reply to a request in `layout` can be read now: none while one in the other
+    /// may still come.
+    pub(crate) fn layout_of_reply(&self, now: Instant, layout: Layout) -> Option<Layout> {
+        let other = match layout {
+            Layout::Drive => self.query,
+            Layout::Query => self.drive,
+        };
+        (!other.may_come(now)).then_some(layout)
+    }
+
+    /// Whether any may still come.
+    pub(crate) fn may_come(&self, now: Instant) -> bool {
+        self.drive.may_come(now) || self.query.may_come(now)
+    }
+
+    /// Until when a query had better wait for the reply to a drive frame.
+    pub(crate) fn drive_expected_until(&self) -> Option<Instant> {
+        self.drive.sent.map(|sent| sent + LATE_REPLY_MAX)
+    }
+}
+
+impl Owed {
+    fn may_come(&self, now: Instant) -> bool {
+        self.replies > 0 || self.sent.is_some_and(|sent| now < sent + LATE_REPLY_MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn at(ms: u64) -> Instant {
+        Instant::ZERO + Duration::from_millis(ms)
+    }
+
+    #[test]
+    fn a_lost_reply_leaves_its_own_layout_certain() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Query, at(0), 1);
+        assert_eq!(
+            late.layout_of_reply(at(9), Layout::Query),
+            Some(Layout::Query)
+        );
+        assert_eq!(late.layout_of_reply(at(9), Layout::Drive), None);
+    }
+
+    #[test]
+    fn neither_time_alone_nor_replies_alone_end_the_doubt() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Drive, at(0), 1);
+        assert_eq!(late.layout_of_reply(at(9_999), Layout::Query), None);
+        late.replied();
+        assert!(late.may_come(at(9_999)));
+        late.replied();
+        assert_eq!(late.layout_of_reply(at(49), Layout::Query), None);
+        assert_eq!(
+            late.layout_of_reply(at(50), Layout::Query),
+            Some(Layout::Query)
+        );
+        assert!(!late.may_come(at(50)));
+    }
+
+    #[test]
+    fn one_that_was_long_away_is_soon_believed() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Drive, at(0), 900);
+        let replies = (0..20).take_while(|_| {
+            late.replied();
+            late.may_come(at(9_999))
+        });
+        assert_eq!(replies.count(), 4);
+    }
+}
