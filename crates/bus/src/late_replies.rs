@@ -10,9 +10,12 @@ use motorlink_protocol::{Instant, Layout};
 
 use crate::timing::LATE_REPLY_MAX;
 
-/// As many replies as one request after the other was left without, and one more, say that none is owed;
-/// more than this are not asked for, because a motor that was away owes nothing.
-const REPLIES_MAX: u32 = 5;
+/// As many replies as one request after the other was left without, and so many more, say that none is
+/// owed. On a machine with four times the work that it can do, two exchanges in a row were seen in which
+/// each request was met by the reply to the one before it.
+const REPLIES_MORE: u32 = 3;
+/// But not more than this: a motor that was away owes nothing.
+const REPLIES_MAX: u32 = 8;
 
 /// What one motor may owe in either layout.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,7 +41,7 @@ impl LateReplies {
         };
         *owed = Owed {
             sent: Some(sent),
-            replies: in_a_row.saturating_add(1).min(REPLIES_MAX),
+            replies: in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX),
         };
     }
 
@@ -64,6 +67,16 @@ impl LateReplies {
         self.drive.may_come(now) || self.query.may_come(now)
     }
 
+    /// Whether one is so recent that the next reply's time says nothing of the line (Karn's algorithm).
+    pub(crate) fn blurs_round_trips(&self, now: Instant) -> bool {
+        self.drive.is_recent(now) || self.query.is_recent(now)
+    }
+
+    /// Whether every request so far had its reply in its window.
+    pub(crate) const fn none_was_ever_owed(&self) -> bool {
+        self.drive.sent.is_none() && self.query.sent.is_none()
+    }
+
     /// Until when a query had better wait for the reply to a drive frame.
     pub(crate) fn drive_expected_until(&self) -> Option<Instant> {
         self.drive.sent.map(|sent| sent + LATE_REPLY_MAX)
@@ -72,7 +85,11 @@ impl LateReplies {
 
 impl Owed {
     fn may_come(&self, now: Instant) -> bool {
-        self.replies > 0 || self.sent.is_some_and(|sent| now < sent + LATE_REPLY_MAX)
+        self.replies > 0 || self.is_recent(now)
+    }
+
+    fn is_recent(&self, now: Instant) -> bool {
+        self.sent.is_some_and(|sent| now < sent + LATE_REPLY_MAX)
     }
 }
 
@@ -102,8 +119,10 @@ mod tests {
         let mut late = LateReplies::default();
         late.unanswered(Layout::Drive, at(0), 1);
         assert_eq!(late.layout_of_reply(at(9_999), Layout::Query), None);
-        late.replied();
-        assert!(late.may_come(at(9_999)));
+        for _ in 0..3 {
+            late.replied();
+            assert!(late.may_come(at(9_999)));
+        }
         late.replied();
         assert_eq!(late.layout_of_reply(at(49), Layout::Query), None);
         assert_eq!(
@@ -121,6 +140,6 @@ mod tests {
             late.replied();
             late.may_come(at(9_999))
         });
-        assert_eq!(replies.count(), 4);
+        assert_eq!(replies.count(), 7);
     }
 }

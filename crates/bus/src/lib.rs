@@ -56,6 +56,7 @@ mod scan;
 mod schedule;
 mod stop;
 mod survey;
+mod temperatures;
 mod timing;
 mod together;
 mod traffic;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Celsius, Detail, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
+    Celsius, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
 };
 
 use crate::{
@@ -15,6 +15,7 @@ use crate::{
     rate::RateMeter,
     round_trip::RoundTrip,
     stop::Stopping,
+    temperatures::Temperatures,
     timing::{FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
 };
 
@@ -121,6 +122,7 @@ pub(crate) struct Motor {
     watched_since: Instant,
     pub(crate) silent: bool,
     pub(crate) late: LateReplies,
+    temperatures: Temperatures,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The loop that was asked for since the motor last said which it is in.
@@ -146,6 +148,7 @@ impl Motor {
             watched_since: now,
             silent: false,
             late: LateReplies::default(),
+            temperatures: Temperatures::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
@@ -168,6 +171,27 @@ impl Motor {
             Detail::Undetermined(_) => {}
         }
         std::mem::take(&mut self.silent)
+    }
+
+    /// In which layout its reply to a request in `layout` can be read now.
+    pub(crate) fn layout_of(
+        &mut self,
+        now: Instant,
+        frame: &Frame,
+        layout: Layout,
+    ) -> Option<Layout> {
+        let layout = self.late.layout_of_reply(now, layout)?;
+        let Ok(reply) = Reply::decode(frame, Some(layout)) else {
+            return Some(layout);
+        };
+        match reply.detail {
+            Detail::Query { temperature, .. } => {
+                let certain = self.late.none_was_ever_owed();
+                let follows = self.temperatures.follows(now, temperature, certain);
+                follows.then_some(layout)
+            }
+            Detail::Drive { .. } | Detail::Undetermined(_) => Some(layout),
+        }
     }
 
     /// What it is driven to.

@@ -175,7 +175,7 @@ impl Bus {
     ) {
         let took = now.since(exchange.sent);
         let asked = match self.motor_mut(id) {
-            Some(motor) => motor.late.layout_of_reply(now, layout),
+            Some(motor) => motor.layout_of(now, frame, layout),
             None => Some(layout),
         };
         self.log_heard(now, frame, asked);
@@ -195,11 +195,12 @@ impl Bus {
         };
         motor.counters.replies += 1;
         motor.loss.count(false);
-        // While a lost reply may still come, it is not known which request this one answers, so its
-        // time says nothing (as in Karn's algorithm).
-        let unambiguous = !motor.late.may_come(now);
-        if unambiguous {
+        let tells_round_trip = !motor.late.blurs_round_trips(now);
+        if tells_round_trip {
             motor.round_trip.replied(took);
+        }
+        // A late reply may speak of the time before a switch.
+        if !motor.late.may_come(now) {
             motor.loop_reported();
         }
         let Ok(reply) = Reply::decode(frame, asked) else {
@@ -220,7 +221,7 @@ impl Bus {
             _ => {}
         }
         self.keep(now, reply);
-        if unambiguous {
+        if tells_round_trip {
             self.round_trip.replied(took);
         }
     }
