@@ -8,7 +8,7 @@ use end_to_end::{
     figures::{ratio, row},
 };
 
-use crate::driving::{connected, spin, watch};
+use crate::driving::{connected, spin, watch, watch_both};
 
 /// Of what the bare loop gets, the page is to get so much.
 const RATIO_MIN: f64 = 0.97;
@@ -65,10 +65,8 @@ fn page_exchanges(line: Line, watched: Duration) -> Result<(u64, u64)> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, line)?;
     spin(&page, 500)?;
-    let visible = watch(&adapter, watched)?;
-    bench.hide(&page)?;
-    let hidden = watch(&adapter, watched)?;
+    let [visible, hidden] = watch_both(&bench, &adapter, &page, watched)?;
     crate::ensure_quiet(&page)?;
-    let exchanges = |wire: &WireLog| wire.from_motors().len() as u64;
-    Ok((exchanges(&visible), exchanges(&hidden)))
+    let exchanges = |(_, wire): (_, WireLog)| wire.from_motors().len() as u64;
+    Ok((exchanges(visible), exchanges(hidden)))
 }

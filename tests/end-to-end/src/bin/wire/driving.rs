@@ -33,6 +33,20 @@ pub fn watch(adapter: &Adapter, watched: Duration) -> Result<WireLog> {
     Ok(adapter.wire()?.since(from_us).until(until_us))
 }
 
+/// The same for a page that is seen, and draws, and then for one that is hidden: on a machine with few
+/// cores and no GPU the drawing is most of what keeps the worker waiting.
+pub fn watch_both(
+    bench: &Bench,
+    adapter: &Adapter,
+    page: &Page,
+    watched: Duration,
+) -> Result<[(&'static str, WireLog); 2]> {
+    let visible = watch(adapter, watched)?;
+    bench.hide(page)?;
+    let hidden = watch(adapter, watched)?;
+    Ok([("visible", visible), ("hidden", hidden)])
+}
+
 pub fn has_digits(text: &str) -> bool {
     text.contains(|c: char| c.is_ascii_digit())
 }
