@@ -19,6 +19,14 @@ pub enum Next {
     Woken,
 }
 
+impl Next {
+    /// To be called at the next multiple of so many milliseconds. Whatever goes by the clock so is drawn
+    /// in the same frames: a frame costs more than what is drawn in it.
+    pub fn in_step(period_ms: f64, now_ms: f64) -> Self {
+        Self::After(period_ms - now_ms.rem_euclid(period_ms))
+    }
+}
+
 /// Calls a step function with the time of the frame, as often as it asks. Dropping it ends that.
 pub struct Frames(Rc<Inner>);
 

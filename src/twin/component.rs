@@ -1,11 +1,12 @@
 //! The component: the picture, and under it the motion in words and figures.
 
-use std::rc::Rc;
+use std::{cell::Cell, rc::Rc};
 
 use leptos::prelude::*;
 use leptos::svg::Svg;
 use leptos::web_sys::Element;
 
+use super::course::LOOK_EVERY_MS;
 use super::feed::{TwinFeed, View};
 use super::painter::Painter;
 use super::picture::{VIEW_BOX, picture};
@@ -41,11 +42,14 @@ pub fn DigitalTwin(
         };
         let mut sight = Sight::default();
         let mut written_ms = f64::NEG_INFINITY;
+        // While the wheel turns it is looked at by the clock, whatever comes meanwhile.
+        let asleep = Rc::new(Cell::new(false));
+        let sleeps = Rc::clone(&asleep);
         let running = Frames::new(move |now_ms| {
             let Some(view) = feed.try_update_value(|feed| feed.view(now_ms)) else {
                 return Next::Woken;
             };
-            painter.paint(&view);
+            painter.paint(&view, now_ms);
             say(motion, view.motion);
             let due_ms = written_ms + FIGURES_PERIOD_MS - now_ms;
             if due_ms <= 0.0 {
@@ -55,11 +59,17 @@ pub fn DigitalTwin(
             if !sight.of(&svg, now_ms) {
                 return Next::After(UNSEEN_PERIOD_MS);
             }
+            sleeps.set(view.pose.settled);
             next(&view, figures.get_untracked() == view.figures, now_ms)
         });
         let waker = running.waker();
         // With news, but not sooner than the frame after it: many replies make one frame.
-        feed.update_value(|feed| feed.on_news(Rc::new(waker)));
+        let on_news = move || {
+            if asleep.replace(false) {
+                waker();
+            }
+        };
+        feed.update_value(|feed| feed.on_news(Rc::new(on_news)));
         frames.set_value(Some(running));
     });
 
@@ -101,10 +111,10 @@ fn say<T: PartialEq + Clone + Send + Sync + 'static>(signal: RwSignal<T>, value:
 /// When this view will have changed though nothing new is heard.
 fn next(view: &View, figures_written: bool, now_ms: f64) -> Next {
     if !view.pose.settled {
-        return Next::Frame;
+        return Next::in_step(LOOK_EVERY_MS, now_ms);
     }
     if !figures_written {
-        return Next::After(FIGURES_PERIOD_MS);
+        return Next::in_step(FIGURES_PERIOD_MS, now_ms);
     }
     match view.fresh_until_ms {
         // A millisecond later it is stale.

@@ -124,7 +124,7 @@ impl TwinFeed {
             .speed
             .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
             .map(|(_, speed)| speed);
-        let angle_deg = self.angle_known.then_some(pose.angle_deg);
+        let angle_deg = self.angle_known.then_some(pose.heading.angle_deg);
         let figures = self
             .speed
             .map(|(_, speed)| Figures::new(speed, angle_deg, self.estimator.turns()));

@@ -4,17 +4,19 @@
 //! |---|---|
 //! | `feed` | what the page tells the twin, and what one frame shows of it |
 //! | `motion` | from reports to the angle and speed of this moment |
+//! | `course` | the way that the drawn wheel is sent on between two looks at that |
 //! | `words` | motion and figures as text |
 //! | `blur`, `scale` | what a speed looks like: sharpness, and place on the ring |
 //! | `geometry`, `markup` | shapes as path data, elements as text |
 //! | `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
-//! | `painter`, `component` | the browser: attributes, the view |
+//! | `painter`, `turning`, `component` | the browser: attributes, the turning layer, the view |
 //!
 //! Only the last row touches a browser; the rest is pure and tested natively.
 
 mod artwork;
 mod blur;
 mod component;
+mod course;
 mod dial;
 mod feed;
 mod geometry;
@@ -25,6 +27,7 @@ mod motion;
 mod painter;
 mod picture;
 mod scale;
+mod turning;
 mod words;
 
 pub use component::DigitalTwin;

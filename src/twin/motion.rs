@@ -29,12 +29,22 @@ pub struct ReportedAngle {
     pub quality: AngleQuality,
 }
 
-/// What is drawn in one frame.
+/// Where the wheel is and how it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct Heading {
     /// The reported angle as it is now, in degrees and unwrapped: it may be any number. As a
     /// clockwise rotation it turns the drawn wheel the right way.
     pub angle_deg: f64,
+    /// How fast that grows; 0 where nothing is known.
+    pub rate_deg_per_s: f64,
+    /// How long the last report can be gone by.
+    pub known_until_ms: f64,
+}
+
+/// What is drawn in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    pub heading: Heading,
     /// Speed, smoothed over a few frames; positive is counter-clockwise.
     pub speed_rpm: f64,
     /// Whether the last report is young enough to go by.
@@ -152,7 +162,11 @@ impl Estimator {
         let Some(track) = self.track else {
             self.speed_rpm = 0.0;
             return Pose {
-                angle_deg: self.drawn_deg,
+                heading: Heading {
+                    angle_deg: self.drawn_deg,
+                    rate_deg_per_s: 0.0,
+                    known_until_ms: now_ms,
+                },
                 speed_rpm: 0.0,
                 fresh: false,
                 settled: true,
@@ -171,7 +185,11 @@ impl Estimator {
             && self.lag_deg.abs() < SETTLED_DEG
             && (self.speed_rpm - reported_rpm).abs() < SETTLED_RPM;
         Pose {
-            angle_deg: self.drawn_deg,
+            heading: Heading {
+                angle_deg: self.drawn_deg,
+                rate_deg_per_s: if fresh { track.rate_deg_per_s } else { 0.0 },
+                known_until_ms: track.at_ms + FRESH_MS,
+            },
             speed_rpm: self.speed_rpm,
             fresh,
             settled: !fresh || standing,

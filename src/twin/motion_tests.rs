@@ -73,7 +73,7 @@ fn worst_error(
         }
         assert!(pose.fresh, "at {now} ms");
         if let Some(last) = last {
-            let moved = pose.angle_deg - last.angle_deg;
+            let moved = pose.heading.angle_deg - last.heading.angle_deg;
             assert!(
                 moved * wheel.speed_rpm < 0.0,
                 "moved {moved} degrees at {now} ms at {} rpm",
@@ -82,7 +82,7 @@ fn worst_error(
         }
         last = Some(pose);
         if now > 1_000.0 {
-            let error = nearest(0.0, pose.angle_deg - wheel.angle(now));
+            let error = nearest(0.0, pose.heading.angle_deg - wheel.angle(now));
             worst = worst.max(error.abs());
         }
     }
@@ -184,7 +184,7 @@ fn a_report_without_an_angle_goes_on_by_speed() {
     );
     estimator.report(10.0, Some(fine(90.0)), 100.0);
     estimator.report(110.0, None, 100.0);
-    assert!((estimator.frame(110.0).angle_deg - 30.0).abs() < 1e-9);
+    assert!((estimator.frame(110.0).heading.angle_deg - 30.0).abs() < 1e-9);
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn stale_reports_spin_nothing() {
     assert!(at_the_end.fresh);
     let later = estimator.frame(FRESH_MS + 1.0);
     assert!(!later.fresh && later.settled);
-    assert!((later.angle_deg - at_the_end.angle_deg).abs() < 1e-9);
+    assert!((later.heading.angle_deg - at_the_end.heading.angle_deg).abs() < 1e-9);
     let much_later = estimator.frame(60_000.0);
     assert_eq!(much_later, later);
 }
@@ -205,7 +205,7 @@ fn stale_reports_spin_nothing() {
 fn an_error_melts_without_a_step_back() {
     let mut estimator = Estimator::default();
     estimator.report(0.0, Some(fine(200.0)), -60.0);
-    let mut last = estimator.frame(0.0).angle_deg;
+    let mut last = estimator.frame(0.0).heading.angle_deg;
     for frame in 1..=60_u32 {
         let now = f64::from(frame) * 1_000.0 / 60.0;
         // From 100 ms on the true wheel is 30 degrees behind what was expected.
@@ -213,12 +213,12 @@ fn an_error_melts_without_a_step_back() {
         let truth = 200.0 + 0.36 * now - behind;
         estimator.report(now, Some(fine(truth.rem_euclid(360.0))), -60.0);
         let pose = estimator.frame(now);
-        let moved = pose.angle_deg - last;
+        let moved = pose.heading.angle_deg - last;
         assert!(
             (2.9..=6.1).contains(&moved),
             "{moved} degrees in frame {frame}"
         );
-        last = pose.angle_deg;
+        last = pose.heading.angle_deg;
     }
     let truth = 200.0 + 360.0 - 30.0;
     assert!(nearest(0.0, last - truth).abs() < 0.5, "{last}");
@@ -230,7 +230,7 @@ fn an_error_of_more_than_a_quarter_turn_is_taken_at_once() {
     estimator.report(0.0, Some(fine(10.0)), 0.0);
     estimator.frame(0.0);
     estimator.report(20.0, Some(fine(130.0)), 0.0);
-    assert!((estimator.frame(20.0).angle_deg - 130.0).abs() < 1e-9);
+    assert!((estimator.frame(20.0).heading.angle_deg - 130.0).abs() < 1e-9);
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn a_standing_wheel_eases_and_then_rests() {
     estimator.report(10.0, Some(fine(20.0)), 0.0);
     let first = estimator.frame(17.0);
     assert!(
-        first.angle_deg > 10.0 && first.angle_deg < 12.0,
+        first.heading.angle_deg > 10.0 && first.heading.angle_deg < 12.0,
         "{first:?}"
     );
     assert!(!first.settled);
@@ -252,7 +252,7 @@ fn a_standing_wheel_eases_and_then_rests() {
         last = estimator.frame(now);
     }
     assert!(
-        last.settled && (last.angle_deg - 20.0).abs() < 0.05,
+        last.settled && (last.heading.angle_deg - 20.0).abs() < 0.05,
         "{last:?}"
     );
 }
@@ -272,7 +272,7 @@ fn a_page_that_comes_back_shows_the_truth_at_once() {
         estimator.report(ms, Some(wheel.fine(ms)), 40.0);
     }
     let pose = estimator.frame(10_000.0);
-    assert!((pose.angle_deg - wheel.angle(10_000.0)).abs() < 0.1);
+    assert!((pose.heading.angle_deg - wheel.angle(10_000.0)).abs() < 0.1);
 }
 
 #[test]
@@ -295,7 +295,7 @@ fn another_clock_begins_anew() {
     estimator.report(500_000.0, Some(fine(90.0)), 10.0);
     estimator.report(1_000.0, Some(fine(45.0)), 0.0);
     let pose = estimator.frame(1_000.0);
-    assert!(pose.fresh && (pose.angle_deg - 45.0).abs() < 1e-9);
+    assert!(pose.fresh && (pose.heading.angle_deg - 45.0).abs() < 1e-9);
 }
 
 #[test]
@@ -308,7 +308,7 @@ fn clearing_keeps_the_wheel_where_it_is_and_forgets_the_turns() {
     estimator.clear();
     let pose = estimator.frame(300.0);
     assert!(
-        !pose.fresh && (pose.angle_deg - 30.0).abs() < 1e-9,
+        !pose.fresh && (pose.heading.angle_deg - 30.0).abs() < 1e-9,
         "{pose:?}"
     );
     assert!(estimator.turns().abs() < f64::EPSILON);

@@ -1,7 +1,6 @@
 //! Puts a view on the screen by setting a few attributes of the picture, and only those that differ.
 
-use leptos::wasm_bindgen::JsCast;
-use leptos::web_sys::{CssStyleDeclaration, Element, SvgElement};
+use leptos::web_sys::{Element, SvgElement};
 use motorlink_messages::protocol::Setpoint;
 
 use crate::attribute::Attribute;
@@ -10,33 +9,8 @@ use super::blur::{sharpness, trail_deg};
 use super::feed::View;
 use super::measures as mm;
 use super::scale::{bearing_deg, dash};
+use super::turning::Turning;
 use super::words::{Motion, description};
-
-/// What turns the wheel: the one thing that differs in every frame. As a style it moves a layer that
-/// is there already; as an attribute it would have the picture laid out again.
-struct Turning {
-    style: CssStyleDeclaration,
-    written: String,
-}
-
-impl Turning {
-    fn find(picture: &SvgElement) -> Option<Self> {
-        let element = picture.query_selector(".twin-turning").ok().flatten()?;
-        Some(Self {
-            style: element.dyn_into::<SvgElement>().ok()?.style(),
-            written: String::new(),
-        })
-    }
-
-    fn rotate(&mut self, clockwise_deg: f64) {
-        let value = format!("rotate({clockwise_deg:.2}deg)");
-        if self.written != value {
-            // It fails for values that are none, and these are ours.
-            let _ = self.style.set_property("transform", &value);
-            self.written = value;
-        }
-    }
-}
 
 /// The moving parts of a mounted picture.
 pub struct Painter {
@@ -82,7 +56,8 @@ impl Painter {
     }
 
     /// Shows a view.
-    pub fn paint(&mut self, view: &View) {
+    pub fn paint(&mut self, view: &View, now_ms: f64) {
+        self.turning.steer(view.pose.heading, now_ms);
         self.paint_wheel(view);
         self.paint_speed(view.pose.speed_rpm);
         self.paint_goal(view.goal);
@@ -96,7 +71,6 @@ impl Painter {
 
     fn paint_wheel(&mut self, view: &View) {
         let rpm = view.pose.speed_rpm;
-        self.turning.rotate(view.pose.angle_deg.rem_euclid(360.0));
         // Frozen, the wheel is seen as it is.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
         let tread = sharpness(blurred_rpm, mm::TREAD_BLOCKS);
