@@ -1,11 +1,11 @@
 //! What was reported at one moment: the nearest reply of each trace.
 
-use motorlink_messages::protocol::{Celsius, Current, Instant, Rpm, Setpoint};
+use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
 
-use super::trace::Trace;
+use super::{comparison::Comparison, trace::Trace};
 use crate::{
     format::{self, UNKNOWN},
-    history::{Point, Track},
+    history::{History, Point, Track},
 };
 
 /// A reply further away than this says nothing of the moment. A motor is asked ten times a second, so
@@ -34,6 +34,19 @@ pub(crate) fn values(track: &Track, at: Instant) -> Values {
         temperature: nearest(track, at, Point::temperature),
         angle: nearest(track, at, Point::degrees),
     }
+}
+
+/// The place of each motor, its ID, and what is known of it at a moment, in words.
+pub(crate) fn compared(
+    history: &History,
+    comparison: &Comparison,
+    at: Instant,
+) -> Vec<(usize, MotorId, String)> {
+    let motors = comparison.motors().filter_map(|(place, id)| {
+        let values = values(history.track(id)?, at);
+        Some((place, id, values.text(comparison.trace)))
+    });
+    motors.collect()
 }
 
 /// What the nearest reply says that says anything of it.
@@ -80,10 +93,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        history::{
-            History,
-            tests::{sample, update},
-        },
+        history::tests::{sample, update},
+        scan_words::tests::id,
         session::tests::ID,
     };
 
@@ -134,6 +145,21 @@ mod tests {
         assert_eq!(at(499), Values::default());
         let texts = Trace::ALL.map(|trace| at(499).text(trace));
         assert_eq!(texts, ["–"; 5].map(str::to_owned));
+    }
+
+    #[test]
+    fn every_compared_motor_is_read_at_the_same_moment() {
+        let mut history = history();
+        let other = id(2);
+        let late = vec![sample(other, 1_900, -7)];
+        history.take(&update(1_900, late, vec![]));
+        let comparison = Comparison::new(Trace::Speed, &history, ID);
+        let at = |at_ms| compared(&history, &comparison, Instant::from_millis(at_ms));
+        let words = |first: &str, second: &str| {
+            vec![(0, ID, first.to_owned()), (1, other, second.to_owned())]
+        };
+        assert_eq!(at(1_050), words("+40 rpm", "–"));
+        assert_eq!(at(1_500), words("+40 rpm", "\u{2212}7 rpm"));
     }
 
     #[test]

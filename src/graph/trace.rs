@@ -25,6 +25,11 @@ impl Trace {
         Self::Position,
     ];
 
+    /// Its place among all.
+    pub(crate) fn place(self) -> usize {
+        Self::ALL.iter().position(|it| *it == self).unwrap_or(0)
+    }
+
     /// As the legend has it.
     pub(crate) const fn name(self) -> &'static str {
         match self {
@@ -95,6 +100,16 @@ impl Trace {
         self == Self::Position && (from - to).abs() > 180.0
     }
 
+    /// The trace of a class.
+    pub(crate) fn from_class(class: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trace| trace.class() == class)
+    }
+
+    /// Whether its scale begins at zero, and has not zero in its middle.
+    pub(crate) fn is_from_zero(self) -> bool {
+        matches!(self, Self::Temperature | Self::Position)
+    }
+
     const fn bit(self) -> u8 {
         match self {
             Self::Speed => 1,
@@ -116,29 +131,37 @@ pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
     }
 }
 
-/// Which traces are on.
+/// Which traces are on, and which one is compared across motors instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Traces(u8);
+pub(crate) struct Traces {
+    on: u8,
+    /// `None` while the graph is one motor's.
+    pub(crate) compared: Option<Trace>,
+}
 
 impl Default for Traces {
     /// Speed and current with their goal.
     fn default() -> Self {
-        Self(Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit())
+        Self {
+            on: Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit(),
+            compared: None,
+        }
     }
 }
 
 impl Traces {
     pub(crate) const fn has(self, trace: Trace) -> bool {
-        self.0 & trace.bit() != 0
+        self.on & trace.bit() != 0
     }
 
     /// The same with one of them switched on or off.
     pub(crate) const fn with(self, trace: Trace, on: bool) -> Self {
-        if on {
-            Self(self.0 | trace.bit())
+        let on = if on {
+            self.on | trace.bit()
         } else {
-            Self(self.0 & !trace.bit())
-        }
+            self.on & !trace.bit()
+        };
+        Self { on, ..self }
     }
 }
 
@@ -206,5 +229,11 @@ mod tests {
         traces = traces.with(Trace::Position, true).with(Trace::Speed, false);
         assert_eq!(on(traces), [false, true, true, false, true]);
         assert_eq!(traces.with(Trace::Position, true), traces);
+        traces.compared = Some(Trace::Speed);
+        assert_eq!(
+            on(traces),
+            [false, true, true, false, true],
+            "they come back"
+        );
     }
 }
