@@ -6,6 +6,7 @@ use super::trace::{Trace, Traces};
 use crate::{
     fleet::Fleet,
     history::{History, Track},
+    mirror::Mirror,
 };
 
 /// As many lines as are told apart by their colours.
@@ -23,7 +24,11 @@ pub(crate) const COMPARABLE: [Trace; 4] = [
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// These traces of this motor.
-    Motor { id: MotorId, traces: Traces },
+    Motor {
+        id: MotorId,
+        mirror: Mirror,
+        traces: Traces,
+    },
     /// One trace of several motors.
     Compared(Comparison),
 }
@@ -32,7 +37,7 @@ pub(crate) enum Subject {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Comparison {
     pub(crate) trace: Trace,
-    motors: [Option<MotorId>; MOTORS_MAX],
+    motors: [Option<(MotorId, Mirror)>; MOTORS_MAX],
     /// How many more motors there are.
     pub(crate) left_out: usize,
 }
@@ -40,7 +45,7 @@ pub(crate) struct Comparison {
 impl Comparison {
     /// Of all that have reported, in the order of IDs; beyond [`MOTORS_MAX`] the chosen one takes the
     /// last place.
-    pub(crate) fn new(trace: Trace, history: &History, chosen: MotorId) -> Self {
+    pub(crate) fn new(trace: Trace, history: &History, fleet: &Fleet, chosen: MotorId) -> Self {
         let mut ids = history.reported();
         ids.sort_unstable();
         let left_out = ids.len().saturating_sub(MOTORS_MAX);
@@ -49,7 +54,7 @@ impl Comparison {
         }
         let mut motors = [None; MOTORS_MAX];
         for (place, id) in motors.iter_mut().zip(ids) {
-            *place = Some(id);
+            *place = Some((id, fleet.mirror(id)));
         }
         Self {
             trace,
@@ -58,10 +63,10 @@ impl Comparison {
         }
     }
 
-    /// Whose trace is drawn in which place.
-    pub(crate) fn motors(&self) -> impl Iterator<Item = (usize, MotorId)> {
+    /// In which place whose trace is drawn, and how it is counted.
+    pub(crate) fn motors(&self) -> impl Iterator<Item = (usize, MotorId, Mirror)> {
         let places = self.motors.iter().enumerate();
-        places.filter_map(|(place, id)| id.map(|id| (place, id)))
+        places.filter_map(|(place, id)| id.map(|(id, mirror)| (place, id, mirror)))
     }
 
     /// `and 3 more, not drawn`, where not all are.
@@ -73,10 +78,14 @@ impl Comparison {
 
 impl Subject {
     /// As a person has chosen.
-    pub(crate) fn new(history: &History, id: MotorId, traces: Traces) -> Self {
+    pub(crate) fn new(history: &History, fleet: &Fleet, id: MotorId, traces: Traces) -> Self {
         match traces.compared {
-            Some(trace) => Self::Compared(Comparison::new(trace, history, id)),
-            None => Self::Motor { id, traces },
+            Some(trace) => Self::Compared(Comparison::new(trace, history, fleet, id)),
+            None => Self::Motor {
+                id,
+                mirror: fleet.mirror(id),
+                traces,
+            },
         }
     }
 
@@ -91,7 +100,7 @@ impl Subject {
     fn tracks<'a>(&self, history: &'a History) -> impl Iterator<Item = &'a Track> + use<'a> {
         let ids: Vec<MotorId> = match self {
             Self::Motor { id, .. } => vec![*id],
-            Self::Compared(comparison) => comparison.motors().map(|(_, id)| id).collect(),
+            Self::Compared(comparison) => comparison.motors().map(|(_, id, _)| id).collect(),
         };
         ids.into_iter().filter_map(|id| history.track(id))
     }
@@ -109,18 +118,33 @@ impl Subject {
     }
 }
 
-/// `0x01 Front left`, or the ID alone of a motor without a name.
-pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
-    match fleet.member(id).map(|member| member.name().trim()) {
-        None | Some("") => id.to_string(),
-        Some(name) => format!("{id} {name}"),
+/// What is said behind a time of whose values a motor counts the other way.
+pub(crate) fn mark(mirror: Mirror) -> &'static str {
+    if mirror.is_mirrored() {
+        ", mirrored"
+    } else {
+        ""
     }
+}
+
+/// `0x01 Front left`, or the ID alone of a motor without a name; `0x02 (mirrored)`.
+pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
+    let mut words = id.to_string();
+    let name = fleet.member(id).map_or("", |member| member.name().trim());
+    let mirrored = fleet.mirror(id).is_mirrored().then_some("(mirrored)");
+    for part in [name, mirrored.unwrap_or_default()] {
+        if !part.is_empty() {
+            words = words + " " + part;
+        }
+    }
+    words
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
+        fleet::Side,
         history::tests::{sample, update},
         scan_words::tests::id,
     };
@@ -137,15 +161,16 @@ mod tests {
 
     fn drawn(comparison: &Comparison) -> Vec<(usize, u8)> {
         let motors = comparison.motors();
-        motors.map(|(place, id)| (place, id.get())).collect()
+        motors.map(|(place, id, _)| (place, id.get())).collect()
     }
 
     #[test]
     fn every_motor_that_reported_has_a_place_by_its_id() {
-        let comparison = Comparison::new(Trace::Speed, &history(&[7, 2, 9]), id(7));
+        let comparison =
+            Comparison::new(Trace::Speed, &history(&[7, 2, 9]), &Fleet::default(), id(7));
         assert_eq!(drawn(&comparison), [(0, 2), (1, 7), (2, 9)]);
         assert_eq!(comparison.more(), None);
-        let nobody = Comparison::new(Trace::Speed, &History::default(), id(7));
+        let nobody = Comparison::new(Trace::Speed, &History::default(), &Fleet::default(), id(7));
         assert!(drawn(&nobody).is_empty());
     }
 
@@ -153,7 +178,8 @@ mod tests {
     fn beyond_eight_the_rest_is_said_and_the_chosen_one_is_drawn() {
         let history = history(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
         let ids = |chosen| {
-            let comparison = Comparison::new(Trace::Current, &history, id(chosen));
+            let comparison =
+                Comparison::new(Trace::Current, &history, &Fleet::default(), id(chosen));
             assert_eq!(comparison.more().unwrap(), "and 3 more, not drawn");
             drawn(&comparison)
                 .into_iter()
@@ -172,7 +198,7 @@ mod tests {
         let of = |compared, chosen| {
             let mut traces = Traces::default();
             traces.compared = compared;
-            let subject = Subject::new(&history, id(chosen), traces);
+            let subject = Subject::new(&history, &Fleet::default(), id(chosen), traces);
             let ends = subject.oldest(&history).zip(subject.newest(&history));
             ends.map(|(oldest, newest)| (oldest.as_micros(), newest.as_micros()))
         };
@@ -187,6 +213,9 @@ mod tests {
         assert_eq!(motor_name(id(1), &fleet), "0x01");
         fleet.change(id(1), |member| member.set_name(" Front left "));
         assert_eq!(motor_name(id(1), &fleet), "0x01 Front left");
+        fleet.change(id(1), |member| member.side = Side::Right);
+        assert_eq!(motor_name(id(1), &fleet), "0x01 Front left (mirrored)");
+        fleet.change(id(1), |member| member.side = Side::Left);
         fleet.change(id(1), |member| member.set_name("  "));
         assert_eq!(motor_name(id(1), &fleet), "0x01");
     }

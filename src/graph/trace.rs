@@ -2,7 +2,7 @@
 
 use motorlink_messages::protocol::Setpoint;
 
-use crate::history::Point;
+use crate::{history::Point, mirror::Mirror};
 
 /// A line of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,11 +83,11 @@ impl Trace {
         }
     }
 
-    /// What this reply says of it, in its unit; nothing where it says nothing.
-    pub(crate) fn value(self, point: &Point) -> Option<f32> {
+    /// What this reply says of it, in its unit, as a person counts; nothing where it says nothing.
+    pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
         match self {
-            Self::Speed => Some(f32::from(point.speed.rpm())),
-            Self::Current => Some(point.current.amps()),
+            Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
+            Self::Current => Some(mirror.current(point.current).amps()),
             Self::Goal => None,
             Self::Temperature => point.temperature().map(|it| f32::from(it.degrees())),
             Self::Position => point.degrees(),
@@ -185,16 +185,23 @@ mod tests {
                 position: CoarsePosition::from_raw(51),
             },
         };
-        let values = Trace::ALL.map(|trace| trace.value(&point));
+        let values = Trace::ALL.map(|trace| trace.value(&point, Mirror::Straight));
         let rounded = values.map(|value| value.map(|value| (value * 10.0).round()));
         let wanted = [Some(-600.0), Some(-5.0), None, Some(330.0), Some(720.0)];
         assert_eq!(rounded, wanted);
+        let mirrored = Trace::ALL.map(|trace| trace.value(&point, Mirror::Mirrored));
+        let turned = [0, 1].map(|place| values[place].map(|value| -value));
+        assert_eq!(mirrored[..2], turned, "speed and current");
+        assert_eq!(mirrored[2..], values[2..], "and nothing else");
         let undetermined = Point {
             detail: Detail::Undetermined([1, 2]),
             ..point
         };
-        assert_eq!(Trace::Temperature.value(&undetermined), None);
-        assert_eq!(Trace::Position.value(&undetermined), None);
+        assert_eq!(
+            Trace::Temperature.value(&undetermined, Mirror::Straight),
+            None
+        );
+        assert_eq!(Trace::Position.value(&undetermined, Mirror::Straight), None);
     }
 
     #[test]

@@ -40,11 +40,11 @@ impl TraceCanvas {
         font: &str,
     ) {
         let mut lines = Vec::new();
-        for (place, id) in comparison.motors() {
+        for (place, id, mirror) in comparison.motors() {
             if let Some(track) = history.track(id) {
                 lines.push(Line {
                     label: id.to_string(),
-                    parts: trace_lines(history, track, comparison.trace, grid),
+                    parts: trace_lines(history, track, comparison.trace, mirror, grid),
                     ink: inks.motors.get(place).copied().unwrap_or(inks.text),
                 });
             }

@@ -8,6 +8,7 @@
 //! | `stage` | the canvases, and when they are drawn |
 //! | `traces`, `compared`, `axes` | drawing one motor's lines, those of several, and the axes |
 //! | `legend` | what is compared, and which colour is whose |
+//! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
 //! | `spoken` | the values in words |
 //! | `watchers` | size, sight and theme |
@@ -22,6 +23,7 @@ mod legend;
 mod overlay;
 mod picture;
 mod pointer;
+mod reading;
 mod spoken;
 mod stage;
 mod state;

@@ -61,7 +61,7 @@ fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
         unit => format!("{} ({unit})", trace.name()),
     };
     match subject {
-        Subject::Motor { id, traces } => {
+        Subject::Motor { id, traces, .. } => {
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
             let entry = |trace| Entry {
                 ink: match trace {
@@ -74,10 +74,13 @@ fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
                 dashed: trace == Trace::Goal,
                 name: with_unit(trace),
             };
-            (format!("Motor {id}"), on.map(entry).collect())
+            (
+                format!("Motor {}", chart.motor_name(*id)),
+                on.map(entry).collect(),
+            )
         }
         Subject::Compared(comparison) => {
-            let entry = |(place, id)| Entry {
+            let entry = |(place, id, _)| Entry {
                 ink: inks.motors.get(place).copied().unwrap_or(inks.text),
                 dashed: false,
                 name: chart.motor_name(id),

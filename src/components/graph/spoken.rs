@@ -7,7 +7,12 @@ use web_sys::Element;
 use super::{overlay::Text, state::Chart};
 use crate::{
     frames::Next,
-    graph::{comparison::Subject, crosshair, ticks, view::View, words},
+    graph::{
+        comparison::{Subject, mark},
+        crosshair, ticks,
+        view::View,
+        words,
+    },
     history::History,
 };
 
@@ -51,8 +56,10 @@ impl Spoken {
             format!("At {}", ticks::time_of_day(day_us / 1_000, 1_000))
         };
         self.text.set(match subject {
-            Subject::Motor { id, traces } => {
-                let values = history.track(*id).map(|track| crosshair::values(track, at));
+            Subject::Motor { id, mirror, traces } => {
+                let values = |track| crosshair::values(track, *mirror, at);
+                let values = history.track(*id).map(values);
+                let when = when + mark(*mirror);
                 words::sentence(&when, values.as_ref(), *traces)
             }
             Subject::Compared(comparison) => {

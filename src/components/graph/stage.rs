@@ -11,9 +11,9 @@ use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 use super::{
     axes::Axes,
     legend::Legend,
-    overlay::{Overlay, Said},
+    overlay::Overlay,
     spoken::Spoken,
-    state::{Chart, Crosshair},
+    state::Chart,
     traces::TraceCanvas,
     watchers::{self, Watchers},
 };
@@ -22,14 +22,11 @@ use crate::{
     graph::{
         columns::Grid,
         comparison::{Comparison, Subject},
-        crosshair,
         ink::{Inks, ink},
         layout::Layout,
         scale::Scale,
         ticks,
-        trace::Trace,
         view::View,
-        words,
     },
     history::History,
 };
@@ -61,7 +58,7 @@ pub(super) struct Stage {
     plot: HtmlElement,
     pub(super) axes: Axes,
     pub(super) lines: TraceCanvas,
-    overlay: Overlay,
+    pub(super) overlay: Overlay,
     legend: Legend,
     spoken: Spoken,
     pub(super) inks: Inks,
@@ -241,7 +238,7 @@ impl Stage {
         self.named = comparison.copied();
         let motors = comparison.into_iter().flat_map(Comparison::motors);
         let names: Vec<(usize, String)> = motors
-            .map(|(place, id)| (place, chart.motor_name(id)))
+            .map(|(place, id, _)| (place, chart.motor_name(id)))
             .collect();
         for (place, name) in &names {
             self.overlay.name(*place, name);
@@ -253,10 +250,16 @@ impl Stage {
     fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
         self.lines.clear();
         match subject {
-            Subject::Motor { id, traces } => {
+            Subject::Motor { id, mirror, traces } => {
                 if let Some(track) = history.track(*id) {
-                    self.lines
-                        .draw_motor(history, track, *traces, grid, now_us, self.inks);
+                    self.lines.draw_motor(
+                        history,
+                        track,
+                        (*mirror, *traces),
+                        grid,
+                        now_us,
+                        self.inks,
+                    );
                 }
             }
             Subject::Compared(comparison) => {
@@ -282,46 +285,6 @@ impl Stage {
         self.axes
             .draw(self.layout, self.inks, traces, scales, hot, marks);
     }
-
-    fn show_crosshair(
-        &mut self,
-        chart: Chart,
-        view: View,
-        grid: Grid,
-        history: &History,
-        subject: &Subject,
-        now_us: u64,
-    ) {
-        let width = f64::from(self.layout.columns());
-        let column = match chart.crosshair.get() {
-            Crosshair::None => None,
-            Crosshair::Pointer(x) => Some(self.layout.column(x)),
-            Crosshair::Moment(at_us) => Some(grid.place(at_us)),
-        };
-        let column = column.filter(|column| (0.0..=width).contains(column));
-        let (Some(column), Some(_)) = (column, subject.newest(history)) else {
-            self.overlay.hide();
-            return;
-        };
-        let at_us = match chart.crosshair.get() {
-            Crosshair::Moment(at_us) => at_us,
-            _ => grid.moment_us(column),
-        };
-        let when = if view.is_live() {
-            words::ago(now_us.saturating_sub(at_us))
-        } else {
-            let clock = chart.desk.clock.get_value();
-            let day_us = clock.day_us(Instant::from_micros(at_us));
-            ticks::time_of_day(day_us / 1_000, 1)
-        };
-        let said = said(history, subject, Instant::from_micros(at_us));
-        let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
-        let place = (
-            self.layout.x(column),
-            f64::from(self.layout.width) / self.layout.ratio,
-        );
-        self.overlay.show(place, when, said, by_keys);
-    }
 }
 
 /// When the right edge will be in another column.
@@ -344,23 +307,6 @@ fn after(at_us: u64, now_us: u64) -> Next {
 fn shows_anything(history: &History, subject: &Subject, grid: Grid) -> bool {
     let newest = subject.newest(history);
     newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())
-}
-
-/// What the crosshair reads at a moment.
-fn said(history: &History, subject: &Subject, at: Instant) -> Vec<Said> {
-    match subject {
-        Subject::Motor { id, traces } => {
-            let values = history.track(*id).map(|track| crosshair::values(track, at));
-            let values = values.unwrap_or_default();
-            let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
-            on.map(|trace| Said::Trace(trace, values.text(trace)))
-                .collect()
-        }
-        Subject::Compared(comparison) => crosshair::compared(history, comparison, at)
-            .into_iter()
-            .map(|(place, _, value)| Said::Motor(place, value))
-            .collect(),
-    }
 }
 
 fn computed_style(element: &Element) -> Option<web_sys::CssStyleDeclaration> {

@@ -118,11 +118,12 @@ impl Chart {
 
     /// What is drawn.
     pub(super) fn subject(self, history: &History) -> Subject {
-        Subject::new(
-            history,
+        let (id, traces) = (
             self.desk.selected.get_untracked(),
             self.traces.get_untracked(),
-        )
+        );
+        let fleet = self.desk.together.fleet;
+        fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
     }
 
     /// What a motor is called.

@@ -22,6 +22,7 @@ use crate::{
         trace::{Trace, Traces},
     },
     history::{History, Track},
+    mirror::Mirror,
 };
 
 /// plotters counts in whole pixels, on which a gentle slope is a flight of stairs: it is told of
@@ -132,7 +133,7 @@ impl TraceCanvas {
         &mut self,
         history: &History,
         track: &Track,
-        traces: Traces,
+        (mirror, traces): (Mirror, Traces),
         grid: Grid,
         now_us: u64,
         inks: Inks,
@@ -147,9 +148,9 @@ impl TraceCanvas {
             if !traces.has(trace) {
                 continue;
             }
-            let lines = trace_lines(history, track, trace, grid);
+            let lines = trace_lines(history, track, trace, mirror, grid);
             let goals = if traces.has(Trace::Goal) {
-                goal_lines(track, trace, grid, now_us)
+                goal_lines(track, trace, mirror, grid, now_us)
             } else {
                 Vec::new()
             };
