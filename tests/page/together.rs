@@ -225,6 +225,11 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
 
     // Its side stays while it is driven, and is free again when it stands.
     bench.click("Drive together");
+    bench
+        .until("the panel", || {
+            bench.find_all("combobox", "Side of 0x02").len() == 1
+        })
+        .await;
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
     bench.until("the side to be held", || side.disabled()).await;
     assert!(side.title().contains("driven"), "{}", side.title());
