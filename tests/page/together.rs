@@ -250,8 +250,14 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
                 == 1
         })
         .await;
-    assert!(!bench.text("status", "Speed").contains("mirrored"));
+    bench
+        .until("the sign of the wire", || {
+            !bench.text("status", "Speed").contains("mirrored")
+        })
+        .await;
     assert_eq!(bench.commands().await, [], "nothing moves by it");
+    storage().remove_item("motorlink.fleet").unwrap();
+    motorlink::Preferences::default().save();
 }
 
 #[wasm_bindgen_test]
@@ -460,7 +466,7 @@ async fn what_cannot_drive_says_why() {
 #[wasm_bindgen_test]
 async fn the_strip_has_a_chip_for_each_motor_with_the_name_it_was_given() {
     let bench = rover("strip").await;
-    let chip = || bench.find("button", "Motor 0x02, Starboard, right");
+    let chip = || bench.find("button", "Motor 0x02, Starboard, right, mirrored");
     assert!(text_of(&chip()).contains("0 rpm"), "{}", text_of(&chip()));
     let name: HtmlInputElement = bench.find("textbox", "Name of 0x01").unchecked_into();
     assert_eq!(name.value(), "Port");
@@ -495,7 +501,9 @@ async fn another_motor_is_looked_at_while_all_drive_on() {
         },
     );
     assert_eq!(bench.commands().await, [start(100, -100)]);
-    bench.find("button", "Motor 0x02, Starboard, right").click();
+    bench
+        .find("button", "Motor 0x02, Starboard, right, mirrored")
+        .click();
     assert_eq!(bench.commands().await, []);
     motorlink::Preferences::default().save();
 }
