@@ -17,6 +17,7 @@ use crate::{
     history::History,
     id_manager::IdManager,
     journal::Journal,
+    mirror::to_wire,
     notice_board::{NoticeBoard, Words},
     preferences::Preferences,
     question::RawOrder,
@@ -104,7 +105,7 @@ impl Deref for Desk {
 pub(crate) struct Parts {
     pub(crate) link: StoredValue<Option<WorkerLink>, LocalStorage>,
     pub(crate) clock: StoredValue<Clock>,
-    /// The newest state. It changes with every message and is no signal.
+    /// The newest state, as the motors count. It changes with every message and is no signal.
     pub(crate) latest: StoredValue<Session>,
     /// Set on connecting until the tab has followed the motor's loop.
     pub(crate) tab_to_follow: StoredValue<bool>,
@@ -116,7 +117,7 @@ pub(crate) struct Parts {
     pub(crate) fault_history: RwSignal<FaultHistory>,
     /// What the graph is drawn from.
     pub(crate) history: StoredValue<History, LocalStorage>,
-    /// The state as it is shown: at most once a frame, and ten times a second for readings alone.
+    /// The state as it is shown, as a person counts: at most once a frame, and ten times a second for readings alone.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) worker: RwSignal<WorkerState>,
     pub(crate) journal: Journal,
@@ -190,9 +191,14 @@ impl Desk {
         });
     }
 
+    /// Asks the bus for what an operator wants.
     pub(crate) fn command(self, command: Command) {
+        let mirror = |id| {
+            let fleet = self.together.fleet;
+            fleet.with_untracked(|fleet| fleet.mirror(id))
+        };
         self.post(&ToWorker::Command {
-            command,
+            command: to_wire(command, mirror),
             given_ms: act_ms(),
         });
     }
@@ -213,12 +219,14 @@ impl Desk {
         self.clock.get_value().instant(page_now_ms())
     }
 
-    /// The newest state with its ages as they are now.
+    /// The newest state as a person counts it, with its ages as they are now.
     pub(crate) fn present(self) -> Session {
-        Session {
+        let latest = Session {
             now: self.now(),
             ..self.latest.get_value()
-        }
+        };
+        let fleet = self.together.fleet;
+        fleet.with_untracked(|fleet| latest.counted(fleet))
     }
 
     /// Another motor, or none: what was heard of the last says nothing of it.

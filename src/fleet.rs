@@ -10,6 +10,7 @@ use motorlink_messages::{
 
 use crate::{
     drive_pad::Wheels,
+    mirror::Mirror,
     preferences::{remember, remembered},
     raw_cells::escaped,
 };
@@ -26,9 +27,9 @@ pub(crate) enum Side {
     /// Nobody has said.
     #[default]
     None,
-    /// It turns forward at positive speeds.
+    /// It turns forward at what it counts as positive speeds.
     Left,
-    /// It is mounted mirrored: it turns forward at negative speeds.
+    /// It is mounted mirrored: it turns forward at what it counts as negative speeds.
     Right,
 }
 
@@ -46,6 +47,14 @@ impl Side {
 
     pub(crate) fn from_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|side| side.key() == key)
+    }
+
+    /// How a person counts the speed and current of a motor on this side.
+    pub(crate) const fn mirror(self) -> Mirror {
+        match self {
+            Self::None | Self::Left => Mirror::Straight,
+            Self::Right => Mirror::Mirrored,
+        }
     }
 
     /// Of this side's wheels, in rpm as the motor counts it: + is counter-clockwise, seen from its
@@ -92,6 +101,17 @@ impl Fleet {
     pub(crate) fn member(&self, id: MotorId) -> Option<&Member> {
         let mut members = self.0.iter();
         members.find(|(other, _)| *other == id).map(|(_, it)| it)
+    }
+
+    /// How a person counts this motor's speed and current.
+    pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
+        self.side(id).mirror()
+    }
+
+    /// On which side it sits.
+    pub(crate) fn side(&self, id: MotorId) -> Side {
+        let side = self.member(id).map(|member| member.side);
+        side.unwrap_or_default()
     }
 
     pub(crate) fn change(&mut self, id: MotorId, change: impl FnOnce(&mut Member)) {

@@ -219,6 +219,13 @@ impl History {
         Some(track)
     }
 
+    /// All motors that have reported, in no order.
+    pub(crate) fn reported(&self) -> Vec<MotorId> {
+        let tracks = self.tracks.iter();
+        let reported = tracks.filter(|(_, track)| track.newest().is_some());
+        reported.map(|(id, _)| *id).collect()
+    }
+
     /// Whether nothing is known of the time between two replies that follow each other.
     pub(crate) fn is_gap(&self, from: Instant, to: Instant) -> bool {
         // In whole microseconds: this is asked for every reply of every frame that is drawn.

@@ -38,6 +38,7 @@ mod listener;
 mod log_feed;
 mod log_view;
 mod mathematics;
+mod mirror;
 mod motor_chips;
 mod notice_board;
 mod one_stop;

@@ -46,14 +46,19 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
         let (side, of_side) = match member.side {
             Side::None => ("", ""),
             Side::Left => ("L", ", left"),
-            Side::Right => ("R", ", right"),
+            Side::Right => ("R", ", right, mirrored"),
+        };
+        let title = if member.side.mirror().is_mirrored() {
+            " title=\"Mirrored: speed and current have the other sign than the wire's\""
+        } else {
+            ""
         };
         let of_name = if name.is_empty() { "" } else { ", " };
         let _ = write!(
             html,
             "<button type=\"button\" class=\"motor-chip\" value=\"{}\" aria-pressed=\"{}\" \
              aria-label=\"Motor {id}{of_name}{name}{of_side}\"><b>{id}</b>\
-             <span class=\"motor-name\">{name}</span><span class=\"motor-side\">{side}</span>",
+             <span class=\"motor-name\">{name}</span><span class=\"motor-side\"{title}>{side}</span>",
             id.get(),
             *id == selected
         );
@@ -135,7 +140,9 @@ mod tests {
             "{html}"
         );
         assert!(
-            html.contains("aria-label=\"Motor 0x02, &lt;i&gt;&quot;A&quot;&amp;B, right\""),
+            html.contains(
+                "aria-label=\"Motor 0x02, &lt;i&gt;&quot;A&quot;&amp;B, right, mirrored\""
+            ),
             "{html}"
         );
         assert!(!html.contains("<i>"), "{html}");

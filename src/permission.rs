@@ -12,7 +12,7 @@ use motorlink_messages::{
 use crate::{
     fleet::{Crew, Side},
     format,
-    session::Session,
+    session::{Session, is_in_hand},
 };
 
 /// Why nothing can be asked of this motor now.
@@ -100,6 +100,14 @@ pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
     why_not_together(session, crew).or_else(|| {
         let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
         Some(format!("To steer, choose the side of motor {id}."))
+    })
+}
+
+/// Why this motor's side cannot be changed now: a setpoint that stands would turn with it.
+pub(crate) fn why_not_side(session: &Session, id: MotorId) -> Option<String> {
+    let in_hand = session.motor(id).is_some_and(is_in_hand);
+    in_hand.then(|| {
+        format!("Motor {id} is driven or being stopped. Its side is changed at a standstill.")
     })
 }
 
@@ -294,6 +302,28 @@ mod tests {
         session.halted = true;
         assert_eq!(why_not_send(&session, false), None);
         assert!(why_not_send(&session, true).unwrap().contains("Release"));
+    }
+
+    #[test]
+    fn a_side_is_not_changed_while_the_motor_is_in_hand() {
+        let setpoint = Setpoint::velocity(SpeedTarget::ZERO);
+        for (activity, allowed) in [
+            (Activity::Idle, true),
+            (Activity::Driven { setpoint }, false),
+            (Activity::DrivenRaw, false),
+            (Activity::Stopping { confirmed: false }, false),
+            (Activity::Switching { to: Mode::Current }, false),
+        ] {
+            let mut motor = status(1_000, Mode::Velocity, 0);
+            motor.activity = activity;
+            let reason = why_not_side(&session(1_000, motor), ID);
+            assert_eq!(reason.is_none(), allowed, "{activity:?}");
+        }
+        assert_eq!(
+            why_not_side(&Session::default(), ID),
+            None,
+            "nobody answers"
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_messages::{
     Connection, Notice, Update,
     bus::{
-        Activity, FRESH_FOR, LineStatus, MotorStatus, RawStatus, StopOutcome, StopReason,
+        Activity, FRESH_FOR, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome, StopReason,
         SurveyStatus,
     },
     protocol::{
@@ -13,6 +13,8 @@ use motorlink_messages::{
         Rpm,
     },
 };
+
+use crate::{fleet::Fleet, mirror::Mirror};
 
 /// Everything that the page shows but the entered targets.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +35,9 @@ pub(crate) struct Session {
     pub(crate) line: Option<LineStatus>,
     /// The last Stop all motors, while it stands.
     pub(crate) stop: Option<StopRecord>,
+    /// Whose speed and current have the other sign here than the motor reports; nobody's in what the
+    /// worker has told.
+    pub(crate) mirrored: Vec<MotorId>,
 }
 
 /// How Stop all motors goes.
@@ -96,6 +101,7 @@ impl Default for Session {
             raw: None,
             line: None,
             stop: None,
+            mirrored: Vec::new(),
         }
     }
 }
@@ -133,13 +139,41 @@ impl Session {
         }
     }
 
+    /// The same as a person counts it, of what the worker has told: speed, current and setpoint of mirrored
+    /// motors with the other sign.
+    pub(crate) fn counted(mut self, fleet: &Fleet) -> Self {
+        for motor in &mut self.motors {
+            let mirror = fleet.mirror(motor.id);
+            if !mirror.is_mirrored() {
+                continue;
+            }
+            self.mirrored.push(motor.id);
+            motor.activity = mirror.activity(motor.activity);
+            if let Some(Sample { reply, .. }) = &mut motor.last {
+                reply.speed = mirror.speed(reply.speed);
+                reply.current = mirror.current(reply.current);
+            }
+        }
+        self
+    }
+
+    /// How this motor's speed and current are counted here.
+    pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
+        if self.mirrored.contains(&id) {
+            Mirror::Mirrored
+        } else {
+            Mirror::Straight
+        }
+    }
+
     /// Whether anything differs that a person must see at once rather than with the next reading.
     pub(crate) fn differs_in_state(&self, other: &Self) -> bool {
-        let outline = |motor: &MotorStatus| {
+        // As the motors count, in whichever way both are counted.
+        let outline = |session: &Self, motor: &MotorStatus| {
             let reply = motor.last.map(|sample| sample.reply);
             (
                 motor.id,
-                motor.activity,
+                session.mirror(motor.id).activity(motor.activity),
                 motor.silent,
                 reply.map(|reply| (reply.mode, reply.faults)),
             )
@@ -152,8 +186,8 @@ impl Session {
             || !self
                 .motors
                 .iter()
-                .map(outline)
-                .eq(other.motors.iter().map(outline))
+                .map(|motor| outline(self, motor))
+                .eq(other.motors.iter().map(|motor| outline(other, motor)))
     }
 
     pub(crate) fn motor(&self, id: MotorId) -> Option<&MotorStatus> {
@@ -237,10 +271,12 @@ pub(crate) fn concerns_all(reason: StopReason) -> bool {
 pub(crate) mod tests {
     use motorlink_messages::{
         Adapter,
-        bus::{Counters, LinkQuality, Sample, StopReport},
+        bus::{Counters, LinkQuality, StopReport},
+        protocol::{Setpoint, SpeedTarget},
     };
 
     use super::*;
+    use crate::fleet::Side;
 
     pub(crate) const ID: MotorId = MotorId::FIRST;
 
@@ -345,6 +381,33 @@ pub(crate) mod tests {
         assert_eq!(angle(1_400, motor), coarse);
         motor.last = None;
         assert_eq!(angle(9_000, motor), Angle::Fine(fine));
+    }
+
+    #[test]
+    fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
+        let goal = |rpm| Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::new(rpm).unwrap()),
+        };
+        let mut motor = status(1_000, Mode::Velocity, -98);
+        motor.activity = goal(-100);
+        let told = session(1_016, motor);
+        let mut fleet = Fleet::default();
+        fleet.change(ID, |member| member.side = Side::Left);
+        assert_eq!(told.clone().counted(&fleet), told);
+        fleet.change(ID, |member| member.side = Side::Right);
+        let read = told.clone().counted(&fleet);
+        assert!(read.mirror(ID).is_mirrored() && !told.mirror(ID).is_mirrored());
+        assert_eq!(read.speed(ID).unwrap().value, Rpm::new(98));
+        assert_eq!(read.current(ID).unwrap().value, Current::from_raw(-100));
+        assert_eq!(read.motor(ID).unwrap().activity, goal(100));
+        assert_eq!(
+            read.angle(ID),
+            told.angle(ID),
+            "the wheel stands where it stands"
+        );
+        assert!(!told.differs_in_state(&read) && !read.differs_in_state(&told));
+        motor.activity = goal(100);
+        assert!(session(1_016, motor).differs_in_state(&read));
     }
 
     #[test]

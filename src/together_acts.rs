@@ -12,11 +12,11 @@ use crate::{
     desk::{Desk, FIRST_SPEED_RPM},
     drawer::Drawer,
     drive_pad::{By, DrivePad, GAMEPADS_MAX, Order, Stick, Wheels},
-    fleet::{Crew, Fleet, Member, parts},
+    fleet::{Crew, Fleet, Member, Side, parts},
     frames::Next,
     gamepads,
     notice_board::Topic,
-    permission::{why_not_steer, why_not_stop, why_not_together},
+    permission::{why_not_side, why_not_steer, why_not_stop, why_not_together},
     preferences::{remember, remembered},
     target::Target,
 };
@@ -90,6 +90,17 @@ impl Desk {
     pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut Member)) {
         self.together.fleet.update(|fleet| fleet.change(id, change));
         self.together.fleet.with_untracked(Fleet::save);
+    }
+
+    /// Not while the motor is driven: the next adjustment would turn it round.
+    pub(crate) fn set_side(self, id: MotorId, side: Side) {
+        if let Some(reason) = why_not_side(&self.present(), id) {
+            self.refuse(format!("The side of motor {id} was not changed"), reason);
+            return;
+        }
+        self.change_member(id, |member| member.side = side);
+        // What is shown of it may have another sign from now on.
+        self.show();
     }
 
     /// Drives all members to the entered speed, each in its direction.

@@ -320,7 +320,11 @@ fn of_stop(report: &StopReport) -> Option<Words> {
 fn of_unconfirmed(motor: StopOutcome) -> String {
     let speed = motor
         .speed
-        .map_or_else(|| "speed unknown".to_owned(), |speed| speed.to_string());
+        // Without a sign, which a mirrored motor has the other way round.
+        .map_or_else(
+            || "speed unknown".to_owned(),
+            |speed| format!("{} rpm", speed.magnitude()),
+        );
     format!("motor {} ({speed})", motor.id)
 }
 

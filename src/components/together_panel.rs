@@ -15,7 +15,7 @@ use crate::{
     entry,
     fleet::{Fleet, Side, listed, rows_html},
     listener::on_window,
-    permission::{why_not_stop, why_not_together},
+    permission::{why_not_side, why_not_stop, why_not_together},
     session::Session,
     tool_entry,
 };
@@ -89,12 +89,24 @@ fn keep_rows(desk: Desk) {
         let found = desk.shown.with(Session::found);
         fleet.with(|fleet| listed(&found, fleet))
     });
-    // What is in a row changes by the row itself, and somebody is typing there.
+    // Who is driven stays on its side.
+    let held = Memo::<Vec<MotorId>>::new(move |_| {
+        let held = |session: &Session| session.in_hand().map(|motor| motor.id).collect();
+        desk.shown.with(held)
+    });
+    let mut made = None;
     Effect::new(move |_| {
-        let html = ids.with(|ids| fleet.with_untracked(|fleet| rows_html(ids, fleet)));
+        held.track();
+        let ids = ids.get();
         let list = document().get_element_by_id(ROWS);
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
-            replace_keeping_focus(&list, &html, "id");
+            // What is in a row changes by the row itself, and somebody is typing there.
+            if made.as_ref() != Some(&ids) {
+                let html = fleet.with_untracked(|fleet| rows_html(&ids, fleet));
+                replace_keeping_focus(&list, &html, "id");
+            }
+            hold_sides(desk, &ids);
+            made = Some(ids);
         }
     });
     on_window("input", move |event: Event| {
@@ -104,6 +116,20 @@ fn keep_rows(desk: Desk) {
             take_in(desk, &control);
         }
     });
+}
+
+/// Says at each list of sides whether it can be used, and why not.
+fn hold_sides(desk: Desk, ids: &[MotorId]) {
+    for id in ids {
+        let list = document().get_element_by_id(&format!("side-{}", id.get()));
+        let Some(list) = list.and_then(|list| list.dyn_into::<HtmlSelectElement>().ok()) else {
+            continue;
+        };
+        let shown = |session: &Session| why_not_side(session, *id);
+        let reason = desk.shown.with_untracked(shown).unwrap_or_default();
+        list.set_disabled(!reason.is_empty());
+        list.set_title(&reason);
+    }
 }
 
 /// A control of a row has changed: `drive-1`, `name-1` or `side-1`.
@@ -116,8 +142,9 @@ fn take_in(desk: Desk, control: &Element) {
         return;
     };
     if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
-        let side = Side::from_key(&list.value()).unwrap_or_default();
-        desk.change_member(id, |member| member.side = side);
+        desk.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
+        let side = desk.together.fleet.with_untracked(|fleet| fleet.side(id));
+        list.set_value(side.key());
     } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {
         desk.change_member(id, |member| {
             if what == "drive" {

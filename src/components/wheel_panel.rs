@@ -12,12 +12,18 @@ pub(crate) fn WheelPanel() -> impl IntoView {
     let desk = use_desk();
     let chip = desk.of_motor(|session, id| {
         let motor = session.motor(id)?;
-        Some(match motor.activity {
+        let words = match motor.activity {
             Activity::Driven { setpoint } => format!("Goal {}", format::goal(setpoint)),
             Activity::Stopping { .. } => "Braking to a standstill".to_owned(),
             Activity::DrivenRaw => "Driven by raw frames".to_owned(),
             Activity::Switching { to } => format!("Changing to the {to}"),
             Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
+        };
+        // The figures below the wheel are those of the wheel that is seen.
+        Some(if session.mirror(id).is_mirrored() {
+            words + " · mirrored"
+        } else {
+            words
         })
     });
     let driven = desk.of_motor(|session, id| {

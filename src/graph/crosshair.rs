@@ -1,11 +1,12 @@
 //! What was reported at one moment: the nearest reply of each trace.
 
-use motorlink_messages::protocol::{Celsius, Current, Instant, Rpm, Setpoint};
+use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
 
-use super::trace::Trace;
+use super::{comparison::Comparison, trace::Trace};
 use crate::{
     format::{self, UNKNOWN},
-    history::{Point, Track},
+    history::{History, Point, Track},
+    mirror::Mirror,
 };
 
 /// A reply further away than this says nothing of the moment. A motor is asked ten times a second, so
@@ -25,15 +26,28 @@ pub(crate) struct Values {
 
 /// The nearest replies to a moment. Replies of one kind hold an angle finely and those of another a
 /// temperature, so each value has a reply of its own.
-pub(crate) fn values(track: &Track, at: Instant) -> Values {
+pub(crate) fn values(track: &Track, mirror: Mirror, at: Instant) -> Values {
     let reported = nearest(track, at, Some);
     Values {
-        speed: reported.map(|point| point.speed),
-        current: reported.map(|point| point.current),
-        goal: track.goal_at(at),
+        speed: reported.map(|point| mirror.speed(point.speed)),
+        current: reported.map(|point| mirror.current(point.current)),
+        goal: track.goal_at(at).map(|goal| mirror.setpoint(goal)),
         temperature: nearest(track, at, Point::temperature),
         angle: nearest(track, at, Point::degrees),
     }
+}
+
+/// The place of each motor, its ID, and what is known of it at a moment, in words.
+pub(crate) fn compared(
+    history: &History,
+    comparison: &Comparison,
+    at: Instant,
+) -> Vec<(usize, MotorId, String)> {
+    let motors = comparison.motors().filter_map(|(place, id, mirror)| {
+        let values = values(history.track(id)?, mirror, at);
+        Some((place, id, values.text(comparison.trace)))
+    });
+    motors.collect()
 }
 
 /// What the nearest reply says that says anything of it.
@@ -80,10 +94,9 @@ mod tests {
 
     use super::*;
     use crate::{
-        history::{
-            History,
-            tests::{sample, update},
-        },
+        fleet::{Fleet, Side},
+        history::tests::{sample, update},
+        scan_words::tests::id,
         session::tests::ID,
     };
 
@@ -110,7 +123,11 @@ mod tests {
 
     fn at(at_ms: u64) -> Values {
         let history = history();
-        values(history.track(ID).unwrap(), Instant::from_millis(at_ms))
+        values(
+            history.track(ID).unwrap(),
+            Mirror::Straight,
+            Instant::from_millis(at_ms),
+        )
     }
 
     #[test]
@@ -134,6 +151,23 @@ mod tests {
         assert_eq!(at(499), Values::default());
         let texts = Trace::ALL.map(|trace| at(499).text(trace));
         assert_eq!(texts, ["–"; 5].map(str::to_owned));
+    }
+
+    #[test]
+    fn every_compared_motor_is_read_at_the_same_moment() {
+        let mut history = history();
+        let other = id(2);
+        let mut fleet = Fleet::default();
+        fleet.change(other, |member| member.side = Side::Right);
+        let late = vec![sample(other, 1_900, -7)];
+        history.take(&update(1_900, late, vec![]));
+        let comparison = Comparison::new(Trace::Speed, &history, &fleet, ID);
+        let at = |at_ms| compared(&history, &comparison, Instant::from_millis(at_ms));
+        let words = |first: &str, second: &str| {
+            vec![(0, ID, first.to_owned()), (1, other, second.to_owned())]
+        };
+        assert_eq!(at(1_050), words("+40 rpm", "–"));
+        assert_eq!(at(1_500), words("+40 rpm", "+7 rpm"));
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Colours of the style sheet as numbers: a canvas knows no custom properties.
 
+use super::comparison::MOTORS_MAX;
+
 /// A colour: red, green, blue.
 pub(crate) type Ink = (u8, u8, u8);
 
@@ -13,6 +15,8 @@ pub(crate) struct Inks {
     pub(crate) current: Ink,
     pub(crate) temperature: Ink,
     pub(crate) position: Ink,
+    /// Of motors that are compared, by their place.
+    pub(crate) motors: [Ink; MOTORS_MAX],
 }
 
 /// Reads a computed colour, which browsers write as `rgb(11, 100, 189)`, or as `rgba(11, 100, 189, 0.5)`

@@ -101,6 +101,21 @@ impl Layout {
     }
 }
 
+/// The row of each part and how far it is from the left, where parts of these lengths stand one after the
+/// other in rows of this width. At the end of the first row something else takes `taken`.
+pub(crate) fn in_rows(lengths: &[f64], width: f64, taken: f64) -> Vec<(f64, f64)> {
+    let (mut row, mut x, mut room) = (0.0, 0.0, width - taken);
+    let place = |length: &f64| {
+        // One that is too long for any row has a row of its own; the first is never empty.
+        if x > 0.0 && x + length > room {
+            (row, x, room) = (row + 1.0, 0.0, width);
+        }
+        x += length;
+        (row, x - length)
+    };
+    lengths.iter().map(place).collect()
+}
+
 #[allow(
     clippy::cast_possible_truncation,
     reason = "clamped to what a canvas can have"
@@ -141,6 +156,15 @@ mod tests {
             assert!(Layout::new(width, height, ratio).is_empty());
         }
         assert!(!Layout::new(300.0, 120.0, f64::NAN).is_empty());
+    }
+
+    #[test]
+    fn a_legend_goes_on_in_the_next_row_where_one_is_full() {
+        let places = in_rows(&[40.0, 40.0, 40.0, 40.0], 100.0, 30.0);
+        let whole = places.iter().map(|(row, x)| (row.round(), x.round()));
+        let wanted = [(0.0, 0.0), (1.0, 0.0), (1.0, 40.0), (2.0, 0.0)];
+        assert!(whole.eq(wanted), "{places:?}");
+        assert!(in_rows(&[], 100.0, 30.0).is_empty());
     }
 
     #[test]

@@ -6,13 +6,17 @@ use super::{
     columns::{Dot, Grid, Lines},
     trace::{self, Trace},
 };
-use crate::history::{GoalChange, History, Track};
+use crate::{
+    history::{GoalChange, History, Track},
+    mirror::Mirror,
+};
 
 /// What was reported, without a bridge over times of which nothing is known.
 pub(crate) fn trace_lines(
     history: &History,
     track: &Track,
     of: Trace,
+    mirror: Mirror,
     grid: Grid,
 ) -> Vec<Vec<Dot>> {
     let (from, to) = ends(grid.left_us(), grid.right_us());
@@ -20,7 +24,7 @@ pub(crate) fn trace_lines(
     let mut last: Option<(Instant, f32)> = None;
     for points in track.between(from, to) {
         for point in points {
-            let Some(value) = of.value(point) else {
+            let Some(value) = of.value(point, mirror) else {
                 continue;
             };
             if let Some((at, before)) = last
@@ -37,7 +41,13 @@ pub(crate) fn trace_lines(
 
 /// The goal while it was of this quantity, up to now: a line of steps, for a goal stands until it
 /// changes.
-pub(crate) fn goal_lines(track: &Track, of: Trace, grid: Grid, now_us: u64) -> Vec<Vec<Dot>> {
+pub(crate) fn goal_lines(
+    track: &Track,
+    of: Trace,
+    mirror: Mirror,
+    grid: Grid,
+    now_us: u64,
+) -> Vec<Vec<Dot>> {
     let end_us = now_us.min(grid.right_us());
     let (from, to) = ends(grid.left_us(), end_us);
     let mut lines = Lines::new(grid);
@@ -48,7 +58,7 @@ pub(crate) fn goal_lines(track: &Track, of: Trace, grid: Grid, now_us: u64) -> V
         if let Some(value) = standing {
             lines.to(at_us, value);
         }
-        let goal = goal.map(trace::of_setpoint);
+        let goal = goal.map(|goal| trace::of_setpoint(mirror.setpoint(goal)));
         standing = match goal {
             Some((quantity, value)) if quantity == of => {
                 // From an angle to another one may go either way.
@@ -123,7 +133,13 @@ mod tests {
         let samples = [1_050, 1_150, 2_250, 2_350].map(|at_ms| sample(ID, at_ms, 7));
         history.take(&update(2_350, samples.to_vec(), vec![]));
         let grid = Grid::new(2_000_000, 2_999_999, 20);
-        let lines = trace_lines(&history, history.track(ID).unwrap(), Trace::Speed, grid);
+        let lines = trace_lines(
+            &history,
+            history.track(ID).unwrap(),
+            Trace::Speed,
+            Mirror::Straight,
+            grid,
+        );
         assert_eq!(
             lines,
             [[(0.5, 7.0), (1.5, 7.0)], [(12.5, 7.0), (13.5, 7.0)]]
@@ -147,7 +163,7 @@ mod tests {
         let track = history.track(ID).unwrap();
         for count in [4, 10, 100, 1_000] {
             let grid = Grid::new(1_000_000, 1_999_999, count);
-            let lines = trace_lines(&history, track, Trace::Position, grid);
+            let lines = trace_lines(&history, track, Trace::Position, Mirror::Straight, grid);
             assert!(lines.len() > 10, "it wraps a dozen times");
             for pair in lines.iter().flat_map(|line| line.windows(2)) {
                 let [from, to] = pair else { unreachable!() };
@@ -175,6 +191,7 @@ mod tests {
             &history,
             history.track(ID).unwrap(),
             Trace::Temperature,
+            Mirror::Straight,
             grid(),
         );
         assert_eq!(lines, [[(0.5, 33.0), (9.5, 33.0)]]);
@@ -183,20 +200,42 @@ mod tests {
     #[test]
     fn a_goal_is_a_line_of_steps_up_to_now() {
         let history = history(&[(500, Some(rpm(50))), (1_350, Some(rpm(100))), (1_650, None)]);
-        let lines = goal_lines(history.track(ID).unwrap(), Trace::Speed, grid(), 1_900_000);
+        let lines = goal_lines(
+            history.track(ID).unwrap(),
+            Trace::Speed,
+            Mirror::Straight,
+            grid(),
+            1_900_000,
+        );
         assert_eq!(
             lines,
             [[(0.5, 50.0), (3.5, 50.0), (3.5, 100.0), (6.5, 100.0)]]
         );
     }
 
+    /// What was kept is kept as it was reported: seen the other way, all of it turns, goal and all.
+    #[test]
+    fn of_a_mirrored_motor_report_and_goal_turn_together() {
+        let history = history(&[(500, Some(rpm(50))), (1_350, None)]);
+        let track = history.track(ID).unwrap();
+        let goal = |mirror| goal_lines(track, Trace::Speed, mirror, grid(), 1_900_000);
+        assert_eq!(goal(Mirror::Straight), [[(0.5, 50.0), (3.5, 50.0)]]);
+        assert_eq!(goal(Mirror::Mirrored), [[(0.5, -50.0), (3.5, -50.0)]]);
+        let mut history = History::default();
+        let samples = [1_050, 1_150].map(|at_ms| sample(ID, at_ms, 7));
+        history.take(&update(2_350, samples.to_vec(), vec![]));
+        let track = history.track(ID).unwrap();
+        let lines = trace_lines(&history, track, Trace::Speed, Mirror::Mirrored, grid());
+        assert_eq!(lines, [[(0.5, -7.0), (1.5, -7.0)]]);
+    }
+
     #[test]
     fn a_goal_that_stands_ends_now_and_not_at_the_edge() {
         let history = history(&[(500, Some(rpm(50)))]);
         let track = history.track(ID).unwrap();
-        let lines = goal_lines(track, Trace::Speed, grid(), 1_710_000);
+        let lines = goal_lines(track, Trace::Speed, Mirror::Straight, grid(), 1_710_000);
         assert_eq!(lines, [[(0.5, 50.0), (7.5, 50.0)]]);
-        let lines = goal_lines(track, Trace::Speed, grid(), 7_000_000);
+        let lines = goal_lines(track, Trace::Speed, Mirror::Straight, grid(), 7_000_000);
         assert_eq!(lines[0].last(), Some(&(10.0, 50.0)));
     }
 
@@ -208,7 +247,15 @@ mod tests {
             (1_300, Some(current)),
             (1_600, None),
         ]);
-        let of = |trace| goal_lines(history.track(ID).unwrap(), trace, grid(), 1_900_000);
+        let of = |trace| {
+            goal_lines(
+                history.track(ID).unwrap(),
+                trace,
+                Mirror::Straight,
+                grid(),
+                1_900_000,
+            )
+        };
         assert_eq!(of(Trace::Speed), [[(1.5, 50.0), (3.5, 50.0)]]);
         assert_eq!(of(Trace::Current), [[(3.5, 8.0), (6.5, 8.0)]]);
         assert!(of(Trace::Position).is_empty());

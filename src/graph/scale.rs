@@ -101,6 +101,11 @@ pub(crate) fn ends(trace: Trace, extent: f64) -> (u16, u16) {
     }
 }
 
+/// What stands at the five lines of a scale from zero to this, from the top.
+pub(crate) fn labels_from_zero(end: u16) -> [String; 5] {
+    [4, 3, 2, 1, 0].map(|quarters| (u32::from(end) * quarters / 4).to_string())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,5 +166,6 @@ mod tests {
         assert_eq!(ends(Trace::Temperature, 85.0), (0, 100));
         assert_eq!(ends(Trace::Temperature, 255.0), (0, 260));
         assert_eq!(ends(Trace::Position, 360.0), (0, 360));
+        assert_eq!(labels_from_zero(260), ["260", "195", "130", "65", "0"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use motorlink_messages::protocol::Setpoint;
 
-use crate::history::Point;
+use crate::{history::Point, mirror::Mirror};
 
 /// A line of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,11 @@ impl Trace {
         Self::Temperature,
         Self::Position,
     ];
+
+    /// Its place among all.
+    pub(crate) fn place(self) -> usize {
+        Self::ALL.iter().position(|it| *it == self).unwrap_or(0)
+    }
 
     /// As the legend has it.
     pub(crate) const fn name(self) -> &'static str {
@@ -78,11 +83,11 @@ impl Trace {
         }
     }
 
-    /// What this reply says of it, in its unit; nothing where it says nothing.
-    pub(crate) fn value(self, point: &Point) -> Option<f32> {
+    /// What this reply says of it, in its unit, as a person counts; nothing where it says nothing.
+    pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
         match self {
-            Self::Speed => Some(f32::from(point.speed.rpm())),
-            Self::Current => Some(point.current.amps()),
+            Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
+            Self::Current => Some(mirror.current(point.current).amps()),
             Self::Goal => None,
             Self::Temperature => point.temperature().map(|it| f32::from(it.degrees())),
             Self::Position => point.degrees(),
@@ -93,6 +98,16 @@ impl Trace {
     /// passes 360 goes on at 0.
     pub(crate) fn wraps(self, from: f32, to: f32) -> bool {
         self == Self::Position && (from - to).abs() > 180.0
+    }
+
+    /// The trace of a class.
+    pub(crate) fn from_class(class: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trace| trace.class() == class)
+    }
+
+    /// Whether its scale begins at zero, and has not zero in its middle.
+    pub(crate) fn is_from_zero(self) -> bool {
+        matches!(self, Self::Temperature | Self::Position)
     }
 
     const fn bit(self) -> u8 {
@@ -116,29 +131,37 @@ pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
     }
 }
 
-/// Which traces are on.
+/// Which traces are on, and which one is compared across motors instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Traces(u8);
+pub(crate) struct Traces {
+    on: u8,
+    /// `None` while the graph is one motor's.
+    pub(crate) compared: Option<Trace>,
+}
 
 impl Default for Traces {
     /// Speed and current with their goal.
     fn default() -> Self {
-        Self(Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit())
+        Self {
+            on: Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit(),
+            compared: None,
+        }
     }
 }
 
 impl Traces {
     pub(crate) const fn has(self, trace: Trace) -> bool {
-        self.0 & trace.bit() != 0
+        self.on & trace.bit() != 0
     }
 
     /// The same with one of them switched on or off.
     pub(crate) const fn with(self, trace: Trace, on: bool) -> Self {
-        if on {
-            Self(self.0 | trace.bit())
+        let on = if on {
+            self.on | trace.bit()
         } else {
-            Self(self.0 & !trace.bit())
-        }
+            self.on & !trace.bit()
+        };
+        Self { on, ..self }
     }
 }
 
@@ -162,16 +185,23 @@ mod tests {
                 position: CoarsePosition::from_raw(51),
             },
         };
-        let values = Trace::ALL.map(|trace| trace.value(&point));
+        let values = Trace::ALL.map(|trace| trace.value(&point, Mirror::Straight));
         let rounded = values.map(|value| value.map(|value| (value * 10.0).round()));
         let wanted = [Some(-600.0), Some(-5.0), None, Some(330.0), Some(720.0)];
         assert_eq!(rounded, wanted);
+        let mirrored = Trace::ALL.map(|trace| trace.value(&point, Mirror::Mirrored));
+        let turned = [0, 1].map(|place| values[place].map(|value| -value));
+        assert_eq!(mirrored[..2], turned, "speed and current");
+        assert_eq!(mirrored[2..], values[2..], "and nothing else");
         let undetermined = Point {
             detail: Detail::Undetermined([1, 2]),
             ..point
         };
-        assert_eq!(Trace::Temperature.value(&undetermined), None);
-        assert_eq!(Trace::Position.value(&undetermined), None);
+        assert_eq!(
+            Trace::Temperature.value(&undetermined, Mirror::Straight),
+            None
+        );
+        assert_eq!(Trace::Position.value(&undetermined, Mirror::Straight), None);
     }
 
     #[test]
@@ -206,5 +236,11 @@ mod tests {
         traces = traces.with(Trace::Position, true).with(Trace::Speed, false);
         assert_eq!(on(traces), [false, true, true, false, true]);
         assert_eq!(traces.with(Trace::Position, true), traces);
+        traces.compared = Some(Trace::Speed);
+        assert_eq!(
+            on(traces),
+            [false, true, true, false, true],
+            "they come back"
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! The graph's name, and what it shows in words, for those who do not see it.
 
 use super::{
+    comparison::Comparison,
     crosshair::Values,
     ticks::time_of_day,
     trace::{Trace, Traces},
@@ -26,16 +27,21 @@ pub(crate) fn span(span_us: u64) -> String {
     }
 }
 
-/// `Speed and current, last 60 s`; while held: `Speed and current, 60 s up to 13:15:36`.
+/// `Speed and current, last 60 s`; while held: `Speed and current, 60 s up to 13:15:36`; while motors are
+/// compared: `Speed of each motor, last 60 s`.
 ///
 /// `day_ms` gives the time of day of a moment, in milliseconds since midnight.
-pub(crate) fn name(view: View, day_ms: TimeOfDay) -> String {
+pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> String {
+    let subject = compare.map_or_else(
+        || "Speed and current".to_owned(),
+        |trace| format!("{} of each motor", trace.name()),
+    );
     let span = span(view.span_us);
     match view.watch {
-        Watch::Live => format!("Speed and current, last {span}"),
+        Watch::Live => format!("{subject}, last {span}"),
         Watch::Panned(right_us) | Watch::Paused(right_us) => {
             let until = time_of_day(day_ms(right_us), 1_000);
-            format!("Speed and current, {span} up to {until}")
+            format!("{subject}, {span} up to {until}")
         }
     }
 }
@@ -54,6 +60,25 @@ pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> S
         })
         .collect();
     format!("{when}: {}.", words.join(", "))
+}
+
+/// One trace of several motors at a moment as a sentence, from their names and values.
+pub(crate) fn compared_sentence(
+    when: &str,
+    comparison: &Comparison,
+    motors: &[(String, String)],
+) -> String {
+    if motors.is_empty() {
+        return NOTHING.to_owned();
+    }
+    let words = motors.iter().map(|(name, value)| format!("{name} {value}"));
+    let words: Vec<String> = words.chain(comparison.more()).collect();
+    let what = comparison.trace.name();
+    format!(
+        "{when}: {}: {}.",
+        what.to_ascii_lowercase(),
+        words.join(", ")
+    )
 }
 
 /// `14.1 s ago`
@@ -84,6 +109,14 @@ mod tests {
     use motorlink_messages::protocol::{Current, Rpm};
 
     use super::*;
+    use crate::{
+        fleet::Fleet,
+        history::{
+            History,
+            tests::{sample, update},
+        },
+        scan_words::tests::id,
+    };
 
     const SECOND: u64 = 1_000_000;
 
@@ -106,13 +139,17 @@ mod tests {
     fn the_name_follows_the_window() {
         let day_ms = |us: u64| 13 * 3_600_000 + us / 1_000;
         let view = View::default();
-        assert_eq!(name(view, &day_ms), "Speed and current, last 60 s");
+        assert_eq!(name(None, view, &day_ms), "Speed and current, last 60 s");
         let view = view.with_span(10 * SECOND);
-        assert_eq!(name(view, &day_ms), "Speed and current, last 10 s");
+        assert_eq!(name(None, view, &day_ms), "Speed and current, last 10 s");
         let held = view.paused(936_500_000);
         assert_eq!(
-            name(held, &day_ms),
+            name(None, held, &day_ms),
             "Speed and current, 10 s up to 13:15:36"
+        );
+        assert_eq!(
+            name(Some(Trace::Temperature), view, &day_ms),
+            "Temperature of each motor, last 10 s"
         );
     }
 
@@ -127,6 +164,29 @@ mod tests {
         let said = sentence("Now", Some(&values), traces);
         assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, goal –.");
         assert_eq!(sentence("Now", None, traces), NOTHING);
+    }
+
+    #[test]
+    fn compared_motors_are_told_one_by_one_and_so_is_who_is_left_out() {
+        let said = |count: u8, names: &[&str]| {
+            let mut history = History::default();
+            let samples = (1..=count).map(|of| sample(id(of), 1_000, 5)).collect();
+            history.take(&update(1_000, samples, vec![]));
+            let comparison = Comparison::new(Trace::Speed, &history, &Fleet::default(), id(1));
+            let motors = names
+                .iter()
+                .map(|name| ((*name).to_owned(), "+5 rpm".to_owned()));
+            compared_sentence("Now", &comparison, &motors.collect::<Vec<_>>())
+        };
+        assert_eq!(
+            said(2, &["0x01 Port", "0x02"]),
+            "Now: speed: 0x01 Port +5 rpm, 0x02 +5 rpm."
+        );
+        assert_eq!(
+            said(9, &["0x01"]),
+            "Now: speed: 0x01 +5 rpm, and 1 more, not drawn."
+        );
+        assert_eq!(said(0, &[]), NOTHING);
     }
 
     #[test]

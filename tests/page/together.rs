@@ -3,7 +3,7 @@
 use motorlink_messages::{
     Notice,
     bus::{Activity, Command, Consent, Ramp, Refusal, StopReason, Together},
-    protocol::{Mode, Setpoint, SpeedTarget},
+    protocol::{Acceleration, Current, Mode, Rpm, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -166,6 +166,98 @@ async fn a_group_follows_the_entered_speed_and_is_not_started_by_it() {
     bench.commands().await;
     enter();
     assert_eq!(bench.commands().await, []);
+}
+
+/// The worker tells what the motor counts: −100 is forward of a right wheel.
+#[wasm_bindgen_test]
+async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
+    let bench = rover("mirrored").await;
+    bench.click("Close the panel");
+    bench.click("Motor 0x02, Starboard, right, mirrored");
+    until_enabled(&bench, "+100").await;
+    bench.commands().await;
+    let setpoint = |rpm| Setpoint::Velocity {
+        speed: SpeedTarget::new(rpm).unwrap(),
+        acceleration: Acceleration::new(1),
+    };
+    bench.click("+100");
+    let drive = Command::Drive {
+        id: id(2),
+        setpoint: setpoint(-100),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.commands().await, [drive]);
+    tell(&bench, |update| {
+        let mut motor = standing(2);
+        motor.activity = Activity::Driven {
+            setpoint: setpoint(-100),
+        };
+        if let Some(sample) = &mut motor.last {
+            sample.reply.speed = Rpm::new(-98);
+            sample.reply.current = Current::from_amps(-0.5);
+        }
+        update.motors = vec![standing(1), motor];
+    });
+    bench
+        .until("the speed", || {
+            bench.text("status", "Speed") == "+98 rpm mirrored"
+        })
+        .await;
+    assert_eq!(bench.text("status", "Current"), "+0.50 A mirrored");
+    let wheel = bench.text("region", "Wheel");
+    assert!(wheel.starts_with("Goal +100 rpm · mirrored"), "{wheel}");
+    let chip = bench.find("button", "Motor 0x02, Starboard, right, mirrored");
+    assert!(text_of(&chip).contains("+98 rpm"), "{}", text_of(&chip));
+    let field = bench.find("spinbutton", "Target speed");
+    let field: HtmlElement = field.closest(".field").unwrap().unwrap().unchecked_into();
+    let words = text_of(&field);
+    assert!(words.contains("+ turns clockwise"), "{words}");
+
+    // What is adjusted has the same sign.
+    bench.enter("Target speed", "40").focus().unwrap();
+    press("Enter");
+    let adjust = Command::Adjust {
+        id: id(2),
+        setpoint: setpoint(-40),
+        consent: Consent::None,
+    };
+    assert_eq!(bench.commands().await, [adjust]);
+
+    // Its side stays while it is driven, and is free again when it stands.
+    bench.click("Drive together");
+    bench
+        .until("the panel", || {
+            bench.find_all("combobox", "Side of 0x02").len() == 1
+        })
+        .await;
+    let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
+    bench.until("the side to be held", || side.disabled()).await;
+    assert!(side.title().contains("driven"), "{}", side.title());
+    side.set_value("left");
+    entered(&side);
+    bench.find("button", "Motor 0x02, Starboard, right, mirrored");
+    both(&bench, Activity::Idle);
+    bench
+        .until("the side to be free", || !side.disabled())
+        .await;
+    side.set_value("left");
+    entered(&side);
+    bench
+        .until("the other sign", || {
+            bench
+                .find_all("button", "Motor 0x02, Starboard, left")
+                .len()
+                == 1
+        })
+        .await;
+    bench
+        .until("the sign of the wire", || {
+            !bench.text("status", "Speed").contains("mirrored")
+        })
+        .await;
+    assert_eq!(bench.commands().await, [], "nothing moves by it");
+    storage().remove_item("motorlink.fleet").unwrap();
+    motorlink::Preferences::default().save();
 }
 
 #[wasm_bindgen_test]
@@ -374,7 +466,7 @@ async fn what_cannot_drive_says_why() {
 #[wasm_bindgen_test]
 async fn the_strip_has_a_chip_for_each_motor_with_the_name_it_was_given() {
     let bench = rover("strip").await;
-    let chip = || bench.find("button", "Motor 0x02, Starboard, right");
+    let chip = || bench.find("button", "Motor 0x02, Starboard, right, mirrored");
     assert!(text_of(&chip()).contains("0 rpm"), "{}", text_of(&chip()));
     let name: HtmlInputElement = bench.find("textbox", "Name of 0x01").unchecked_into();
     assert_eq!(name.value(), "Port");
@@ -409,7 +501,9 @@ async fn another_motor_is_looked_at_while_all_drive_on() {
         },
     );
     assert_eq!(bench.commands().await, [start(100, -100)]);
-    bench.find("button", "Motor 0x02, Starboard, right").click();
+    bench
+        .find("button", "Motor 0x02, Starboard, right, mirrored")
+        .click();
     assert_eq!(bench.commands().await, []);
     motorlink::Preferences::default().save();
 }

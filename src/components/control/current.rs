@@ -11,7 +11,7 @@ use crate::components::live::live;
 use super::{
     number_field::NumberField,
     panel::{loop_panel, why_not_in, why_not_with},
-    slider::Slider,
+    slider::{Slider, marks},
 };
 use crate::{
     components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
@@ -41,9 +41,12 @@ pub(super) fn CurrentTab() -> impl IntoView {
     let why_not_start = why_not_with(desk, MODE, [current]);
     let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
     let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
+    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
             "Above 6.1 A: Start asks first".to_owned()
+        } else if mirrored.get() {
+            "±32,767 is ±8 A; mirrored".to_owned()
         } else {
             "±32,767 is ±8 A".to_owned()
         }
@@ -76,7 +79,7 @@ pub(super) fn CurrentTab() -> impl IntoView {
             unit="raw"
             target=current
             entry=entry::CURRENT
-            marks=["−8 A", "0", "+8 A"]
+            marks=marks(["−8 A", "0", "+8 A"])
             on_edit=move || desk.adjust(MODE)
         />
         <p class="equals">

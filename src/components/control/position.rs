@@ -7,7 +7,7 @@ use super::{
     dial::Dial,
     number_field::NumberField,
     panel::{loop_panel, why_not_in, why_not_with},
-    slider::Slider,
+    slider::{Slider, marks},
 };
 use crate::{
     components::button::PressButton, desk::use_desk, entry, permission::why_not_stop, tab::Tab,
@@ -66,7 +66,7 @@ pub(super) fn PositionTab() -> impl IntoView {
             unit="raw"
             target=position
             entry=entry::POSITION
-            marks=["0°", "180°", "360°"]
+            marks=marks(["0°", "180°", "360°"])
             on_edit=move || desk.adjust(MODE)
         />
         <div class="button-row six">

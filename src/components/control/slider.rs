@@ -17,14 +17,14 @@ pub(super) fn Slider(
     target: Target,
     /// Its range.
     entry: Entry,
-    /// What stands below its left end, its middle and its right end.
-    marks: [&'static str; 3],
+    /// What stands below it: see [`marks`].
+    #[prop(into)]
+    marks: Signal<String>,
     /// Called with every new value that a person enters here.
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
     let ends = move || filled(entry, target.get());
-    let [left, middle, right] = marks;
     view! {
         <div class="slider-box">
             <input
@@ -46,13 +46,14 @@ pub(super) fn Slider(
                     }
                 })
             />
-            <div class="slider-marks" aria-hidden="true">
-                <span>{left}</span>
-                <span>{middle}</span>
-                <span>{right}</span>
-            </div>
+            <div class="slider-marks" aria-hidden="true" inner_html=live(move || marks.get())></div>
         </div>
     }
+}
+
+/// What stands below a slider's left end, its middle and its right end, as HTML.
+pub(super) fn marks(words: [&str; 3]) -> String {
+    words.map(|words| format!("<span>{words}</span>")).concat()
 }
 
 /// Both ends of the filled part in percent of the range.

@@ -6,7 +6,7 @@ use motorlink_messages::protocol::{Mode, Setpoint};
 use super::{
     number_field::NumberField,
     panel::{loop_panel, why_not_in, why_not_with},
-    slider::Slider,
+    slider::{Slider, marks},
 };
 use crate::{
     components::button::PressButton, desk::use_desk, entry, format, permission::why_not_stop,
@@ -27,6 +27,22 @@ pub(super) fn VelocityTab() -> impl IntoView {
     let why_not_start = why_not_with(desk, MODE, [targets.speed, targets.acceleration]);
     let why_not_preset = why_not_with(desk, MODE, [targets.acceleration]);
     let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
+    let hint = Signal::derive(move || {
+        let words = if mirrored.get() {
+            "mirrored: + turns clockwise, seen from the face"
+        } else {
+            "+ turns counter-clockwise, seen from the face"
+        };
+        words.to_owned()
+    });
+    let ends = Signal::derive(move || {
+        marks(if mirrored.get() {
+            ["−330 CCW", "0", "+330 CW"]
+        } else {
+            ["−330 CW", "0", "+330 CCW"]
+        })
+    });
     let preset = move |rpm: i32, name| {
         view! {
             <PressButton
@@ -42,7 +58,7 @@ pub(super) fn VelocityTab() -> impl IntoView {
         <NumberField
             name="Target speed"
             unit="rpm"
-            hint="+ turns counter-clockwise, seen from the face"
+            hint=hint
             target=targets.speed
             entry=entry::SPEED
             on_edit=move || desk.adjust(MODE)
@@ -52,7 +68,7 @@ pub(super) fn VelocityTab() -> impl IntoView {
             unit="rpm"
             target=targets.speed
             entry=entry::SPEED
-            marks=["−330 CW", "0", "+330 CCW"]
+            marks=ends
             on_edit=move || desk.adjust(MODE)
         />
         <NumberField

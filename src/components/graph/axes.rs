@@ -13,7 +13,7 @@ use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 use crate::graph::{
     ink::{Ink, Inks, css},
     layout::Layout,
-    scale::Scale,
+    scale::{self, Scale},
     ticks::Tick,
     trace::{Trace, Traces},
 };
@@ -134,9 +134,10 @@ impl Axes {
             let x = plot.left + at(mark.place, plot.width);
             line((x, plot.top), (width, plot.height), thin);
         }
+        let from_zero = picture.traces.compared.is_some_and(Trace::is_from_zero);
         for row in 0..5 {
             // Zero stands out.
-            let style = if row == 2 {
+            let style = if row == 2 && !from_zero {
                 rgb(inks.text).mix(0.45)
             } else {
                 thin
@@ -153,6 +154,8 @@ impl Axes {
             traces,
             ..
         } = *picture;
+        // Compared, a trace has the only axis.
+        let shows = |trace| traces.compared.is_none() && traces.has(trace);
         let [speed, current] = picture.scales;
         let plot = layout.plot;
         let (left, right) = (f64::from(plot.left), f64::from(plot.left + plot.width));
@@ -164,7 +167,7 @@ impl Axes {
             (Trace::Speed, speed, left - air, "right", inks.speed),
             (Trace::Current, current, right + air, "left", inks.current),
         ] {
-            if traces.has(trace) {
+            if shows(trace) {
                 self.write_in(ink, align);
                 for (row, label) in scale.labels().iter().enumerate() {
                     if row % 2 == 0 || layout.has_quarters() {
@@ -173,6 +176,15 @@ impl Axes {
                 }
                 self.write(trace.unit(), x, top + below);
             }
+        }
+        if let Some(trace) = traces.compared {
+            self.write_in(inks.text, "right");
+            for (row, label) in compared_labels(trace, picture).iter().enumerate() {
+                if row % 2 == 0 || layout.has_quarters() {
+                    self.write(label, left - air, rows(row));
+                }
+            }
+            self.write(trace.unit(), left - air, top + below);
         }
         let mut x = right - air;
         for (trace, ink, end) in [
@@ -183,7 +195,7 @@ impl Axes {
             ),
             (Trace::Position, inks.position, 360),
         ] {
-            if traces.has(trace) {
+            if shows(trace) {
                 self.write_in(ink, "right");
                 let space = if trace == Trace::Temperature { " " } else { "" };
                 let upper = format!("{end}{space}{}", trace.unit());
@@ -208,6 +220,17 @@ impl Axes {
     fn write(&self, text: &str, x: f64, y: f64) {
         // It fails for places that are none.
         let _ = self.context.fill_text(text, x, y);
+    }
+}
+
+/// What stands at the five lines of the only axis, from the top.
+fn compared_labels(trace: Trace, picture: &Picture) -> [String; 5] {
+    let [speed, current] = picture.scales;
+    match trace {
+        Trace::Speed | Trace::Goal => speed.labels(),
+        Trace::Current => current.labels(),
+        Trace::Temperature => scale::labels_from_zero(picture.temperature_end),
+        Trace::Position => scale::labels_from_zero(360),
     }
 }
 

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
-use super::{picture, state::Chart};
+use super::{legend, picture, state::Chart};
 use crate::{
     components::{
         button::PressButton,
@@ -33,6 +33,15 @@ pub(super) fn Controls(chart: Chart) -> impl IntoView {
                 <Switch chart trace=Trace::Temperature />
                 <Switch chart trace=Trace::Position />
             </div>
+            <div
+                class="graph-comparing"
+                inner_html=legend::markup()
+                on:change=heard(move |event| {
+                    let compared = Trace::from_class(&event_target_value(&event));
+                    chart.traces.update(|traces| traces.compared = compared);
+                    chart.wake();
+                })
+            ></div>
             <div class="graph-windows" role="radiogroup" aria-label="Window">
                 <Window chart window=ten />
                 <Window chart window=minute />

@@ -6,7 +6,9 @@
 //! | `controls` | traces, windows, pause and picture |
 //! | `pointer` | pointer, wheel and keys on the graph itself |
 //! | `stage` | the canvases, and when they are drawn |
-//! | `traces`, `axes` | drawing the one and the other |
+//! | `traces`, `compared`, `axes` | drawing one motor's lines, those of several, and the axes |
+//! | `legend` | what is compared, and which colour is whose |
+//! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
 //! | `spoken` | the values in words |
 //! | `watchers` | size, sight and theme |
@@ -15,10 +17,13 @@
 //! What can be decided without a browser is in [`crate::graph`].
 
 mod axes;
+mod compared;
 mod controls;
+mod legend;
 mod overlay;
 mod picture;
 mod pointer;
+mod reading;
 mod spoken;
 mod stage;
 mod state;
@@ -44,7 +49,7 @@ const KEYS: &str = "Plus and minus zoom, the arrow keys move, Home shows the old
 pub(crate) fn Graph() -> impl IntoView {
     let chart = Chart::new(use_desk());
     let place = NodeRef::<Div>::new();
-    let view = chart.view;
+    let (view, traces) = (chart.view, chart.traces);
     let clock = chart.desk.clock;
     // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
     Effect::new(move |_| {
@@ -54,7 +59,7 @@ pub(crate) fn Graph() -> impl IntoView {
     });
     let name = move || {
         let clock = clock.get_value();
-        words::name(view.get(), &|at_us| {
+        words::name(traces.get().compared, view.get(), &|at_us| {
             clock.day_us(Instant::from_micros(at_us)) / 1_000
         })
     };

@@ -5,12 +5,10 @@ use std::fmt::Write;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 
+use super::legend;
 use crate::{
     attribute::Attribute,
-    graph::{
-        crosshair::Values,
-        trace::{Trace, Traces},
-    },
+    graph::{comparison::MOTORS_MAX, trace::Trace},
 };
 
 /// Between the line and the box, in pixels of the style sheet.
@@ -21,15 +19,27 @@ pub(super) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
                                <canvas class=\"graph-lines\"></canvas>\
                                <div class=\"graph-cross absent\"></div>";
 
-/// The rows of the box with the values: the time, and one for each trace.
+/// The rows of the box with the values: the time, one for each trace, and one for each motor that is
+/// compared.
 pub(super) fn rows() -> String {
     let mut rows = "<p class=\"graph-when\"></p>".to_owned();
-    for trace in Trace::ALL {
-        let (class, name) = (trace.class(), trace.name());
+    let mut row = |class: &str, name: &str| {
         // Writing to a string cannot fail.
         let _ = write!(rows, "<p class=\"{class}\"><span>{name} </span><b></b></p>");
+    };
+    for trace in Trace::ALL {
+        row(trace.class(), trace.name());
+    }
+    for place in 0..MOTORS_MAX {
+        row(&legend::class(place), "");
     }
     rows
+}
+
+/// What a row says, which is one of a trace or of the motor in a place.
+pub(super) enum Said {
+    Trace(Trace, String),
+    Motor(usize, String),
 }
 
 /// One text of the page, written only when it changes.
@@ -63,13 +73,14 @@ pub(super) struct Overlay {
     aloud: Attribute,
     when: Text,
     rows: Vec<Row>,
-    shown: Option<Traces>,
+    /// Which rows are.
+    shown: Option<Vec<bool>>,
 }
 
-/// The value of one trace.
+/// The value of one trace, or of one motor.
 struct Row {
-    trace: Trace,
     element: HtmlElement,
+    name: Text,
     value: Text,
 }
 
@@ -78,14 +89,16 @@ impl Overlay {
     pub(super) fn of(graph: &Element) -> Option<Self> {
         let find = |selector: &str| graph.query_selector(selector).ok().flatten();
         let html = |selector: &str| find(selector)?.dyn_into::<HtmlElement>().ok();
+        let traces = Trace::ALL.map(|trace| trace.class().to_owned());
+        let motors = (0..MOTORS_MAX).map(legend::class);
         let mut rows = Vec::new();
-        for trace in Trace::ALL {
-            let row = html(&format!(".graph-values .{}", trace.class()))?;
-            let value = Text::of(row.query_selector("b").ok().flatten()?);
+        for class in traces.into_iter().chain(motors) {
+            let element = html(&format!(".graph-values .{class}"))?;
+            let part = |name| element.query_selector(name).ok().flatten().map(Text::of);
             rows.push(Row {
-                trace,
-                element: row,
-                value,
+                name: part("span")?,
+                value: part("b")?,
+                element,
             });
         }
         Some(Self {
@@ -104,21 +117,35 @@ impl Overlay {
         self.values_width = f64::from(self.values.offset_width());
     }
 
+    /// The motor in a place has this name.
+    pub(super) fn name(&mut self, place: usize, name: &str) {
+        if let Some(row) = self.rows.get_mut(Trace::ALL.len() + place) {
+            row.name.set(format!("{name} "));
+        }
+    }
+
     /// Shows the values at a place, in pixels of the style sheet from the left of a graph of this
     /// width. Values that keys have brought here are read aloud.
     pub(super) fn show(
         &mut self,
         (x, width): (f64, f64),
         when: String,
-        values: &Values,
-        traces: Traces,
+        values: Vec<Said>,
         by_keys: bool,
     ) {
         self.aloud
             .set(if by_keys { "polite" } else { "off" }.to_owned());
         self.when.set(when);
-        for row in &mut self.rows {
-            row.value.set(values.text(row.trace));
+        let mut shown = vec![false; self.rows.len()];
+        for said in values {
+            let (place, text) = match said {
+                Said::Trace(trace, text) => (trace.place(), text),
+                Said::Motor(place, text) => (Trace::ALL.len() + place, text),
+            };
+            if let (Some(row), Some(shown)) = (self.rows.get_mut(place), shown.get_mut(place)) {
+                row.value.set(text);
+                *shown = true;
+            }
         }
         // On the side with more room, and never out of the graph.
         let left = if x > width / 2.0 {
@@ -131,28 +158,28 @@ impl Overlay {
             &self.values,
             left.clamp(0.0, (width - self.values_width).max(0.0)),
         );
-        self.set_shown(Some(traces));
+        self.set_shown(Some(shown));
     }
 
     pub(super) fn hide(&mut self) {
         self.set_shown(None);
     }
 
-    fn set_shown(&mut self, shown: Option<Traces>) {
+    fn set_shown(&mut self, shown: Option<Vec<bool>>) {
         if self.shown == shown {
             return;
         }
-        self.shown = shown;
         for element in [&self.line, &self.values] {
             // It fails for names with spaces.
             let _ = element
                 .class_list()
                 .toggle_with_force("absent", shown.is_none());
         }
-        for row in &self.rows {
-            row.element
-                .set_hidden(!shown.is_some_and(|traces| traces.has(row.trace)));
+        let places = shown.iter().flatten();
+        for (row, shown) in self.rows.iter().zip(places) {
+            row.element.set_hidden(!shown);
         }
+        self.shown = shown;
     }
 }
 

@@ -1,7 +1,6 @@
 //! The picture: what the graph shows, with a legend above it, on the background of the page.
 
 use leptos::prelude::*;
-use motorlink_messages::protocol::MotorId;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement};
 
@@ -9,8 +8,10 @@ use super::{stage::Stage, state::Chart};
 use crate::{
     download::save_blob,
     graph::{
-        ink::{Inks, css},
-        trace::{Trace, Traces},
+        comparison::Subject,
+        ink::{Ink, Inks, css},
+        layout::in_rows,
+        trace::Trace,
         words::{self, LocalTime},
     },
 };
@@ -25,12 +26,15 @@ const AIR: f64 = 8.0;
 /// Has the browser save the graph as it is now.
 pub(super) fn save(chart: Chart) {
     let now = local_now();
-    let id = chart.desk.selected.get_untracked();
-    let traces = chart.traces.get_untracked();
+    let subject = chart
+        .desk
+        .history
+        .with_value(|history| chart.subject(history));
     let stage = chart.stage.borrow();
-    let picture = stage
-        .as_ref()
-        .and_then(|stage| paint(stage, id, traces, now));
+    let picture = stage.as_ref().and_then(|stage| {
+        let (title, entries) = legend(chart, &subject, stage.inks);
+        paint(stage, &title, &entries, now)
+    });
     let Some(picture) = picture else {
         return;
     };
@@ -43,15 +47,81 @@ pub(super) fn save(chart: Chart) {
     let _ = picture.to_blob(named.unchecked_ref());
 }
 
+/// A line of the legend.
+struct Entry {
+    ink: Ink,
+    dashed: bool,
+    name: String,
+}
+
+/// What the picture is of, and what its lines are.
+fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
+    let with_unit = |trace: Trace| match trace.unit() {
+        "" => trace.name().to_owned(),
+        unit => format!("{} ({unit})", trace.name()),
+    };
+    match subject {
+        Subject::Motor { id, traces, .. } => {
+            let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
+            let entry = |trace| Entry {
+                ink: match trace {
+                    Trace::Speed => inks.speed,
+                    Trace::Current => inks.current,
+                    Trace::Goal => inks.text,
+                    Trace::Temperature => inks.temperature,
+                    Trace::Position => inks.position,
+                },
+                dashed: trace == Trace::Goal,
+                name: with_unit(trace),
+            };
+            (
+                format!("Motor {}", chart.motor_name(*id)),
+                on.map(entry).collect(),
+            )
+        }
+        Subject::Compared(comparison) => {
+            let entry = |(place, id, _)| Entry {
+                ink: inks.motors.get(place).copied().unwrap_or(inks.text),
+                dashed: false,
+                name: chart.motor_name(id),
+            };
+            let more = comparison.more().map(|more| format!(" {more}"));
+            let title = with_unit(comparison.trace) + &more.unwrap_or_default();
+            (title, comparison.motors().map(entry).collect())
+        }
+    }
+}
+
 /// `None` where the browser has no memory left for it.
-fn paint(stage: &Stage, id: MotorId, traces: Traces, now: LocalTime) -> Option<HtmlCanvasElement> {
+fn paint(
+    stage: &Stage,
+    title: &str,
+    entries: &[Entry],
+    now: LocalTime,
+) -> Option<HtmlCanvasElement> {
     let layout = stage.layout;
-    let head = (LEGEND * layout.ratio).round();
-    let (width, height) = (f64::from(layout.width), f64::from(layout.height) + head);
+    let pixel = layout.ratio;
     let canvas: HtmlCanvasElement = document().create_element("canvas").ok()?.dyn_into().ok()?;
+    let context: CanvasRenderingContext2d = canvas.get_context("2d").ok()??.dyn_into().ok()?;
+    let font = stage.axes.font(pixel);
+    context.set_font(&font);
+    let length = |text: &str| context.measure_text(text).map_or(0.0, |text| text.width());
+    let title = format!("{title}, {}", words::date_and_time(now));
+    let (left, right) = (
+        f64::from(layout.plot.left),
+        f64::from(layout.plot.left + layout.plot.width),
+    );
+    let lengths: Vec<f64> = entries
+        .iter()
+        .map(|entry| length(&entry.name) + (STROKE + 3.0 * AIR) * pixel)
+        .collect();
+    // The title stands at the end of the first row.
+    let places = in_rows(&lengths, right - left, length(&title));
+    let rows = places.last().map_or(1.0, |(row, _)| row + 1.0);
+    let head = (LEGEND * pixel * rows).round();
+    let (width, height) = (f64::from(layout.width), f64::from(layout.height) + head);
     canvas.set_width(layout.width);
     canvas.set_height(layout.height + whole(head));
-    let context: CanvasRenderingContext2d = canvas.get_context("2d").ok()??.dyn_into().ok()?;
     context.set_fill_style_str(&css(stage.inks.surface));
     context.fill_rect(0.0, 0.0, width, height);
     for layer in [&stage.axes.canvas, &stage.lines.canvas] {
@@ -59,63 +129,39 @@ fn paint(stage: &Stage, id: MotorId, traces: Traces, now: LocalTime) -> Option<H
             .draw_image_with_html_canvas_element(layer, 0.0, head)
             .ok()?;
     }
-    let pixel = layout.ratio;
-    context.set_font(&stage.axes.font(pixel));
+    // A canvas that gets a size forgets what was set.
+    context.set_font(&font);
     context.set_text_baseline("middle");
-    legend(
-        &context,
-        stage.inks,
-        traces,
-        pixel,
-        f64::from(layout.plot.left),
-        head / 2.0,
-    );
+    for (entry, (row, x)) in entries.iter().zip(places) {
+        write(
+            &context,
+            entry,
+            pixel,
+            left + x,
+            (row + 0.5) * LEGEND * pixel,
+        );
+    }
     context.set_fill_style_str(&css(stage.inks.text));
     context.set_text_align("right");
-    let when = words::date_and_time(now);
-    let right = f64::from(layout.plot.left + layout.plot.width);
     // It fails for places that are none.
-    let _ = context.fill_text(&format!("Motor {id}, {when}"), right, head / 2.0);
+    let _ = context.fill_text(&title, right, LEGEND * pixel / 2.0);
     Some(canvas)
 }
 
-/// A line and a name for every trace that is on, from left to right.
-fn legend(
-    context: &CanvasRenderingContext2d,
-    inks: Inks,
-    traces: Traces,
-    pixel: f64,
-    left: f64,
-    y: f64,
-) {
-    let mut x = left;
-    for trace in Trace::ALL.into_iter().filter(|trace| traces.has(*trace)) {
-        let ink = match trace {
-            Trace::Speed => inks.speed,
-            Trace::Current => inks.current,
-            Trace::Goal => inks.text,
-            Trace::Temperature => inks.temperature,
-            Trace::Position => inks.position,
-        };
-        context.set_fill_style_str(&css(ink));
-        let thickness = (2.0 * pixel).round();
-        if trace == Trace::Goal {
-            for dash in [0.0, 0.4, 0.8] {
-                let (from, length) = (x + dash * STROKE * pixel, 0.2 * STROKE * pixel);
-                context.fill_rect(from, y - thickness / 2.0, length, thickness);
-            }
-        } else {
-            context.fill_rect(x, y - thickness / 2.0, STROKE * pixel, thickness);
+/// A line and a name.
+fn write(context: &CanvasRenderingContext2d, entry: &Entry, pixel: f64, x: f64, y: f64) {
+    context.set_fill_style_str(&css(entry.ink));
+    let thickness = (2.0 * pixel).round();
+    if entry.dashed {
+        for dash in [0.0, 0.4, 0.8] {
+            let (from, length) = (x + dash * STROKE * pixel, 0.2 * STROKE * pixel);
+            context.fill_rect(from, y - thickness / 2.0, length, thickness);
         }
-        x += (STROKE + AIR) * pixel;
-        let name = match trace.unit() {
-            "" => trace.name().to_owned(),
-            unit => format!("{} ({unit})", trace.name()),
-        };
-        let _ = context.fill_text(&name, x, y);
-        let length = context.measure_text(&name).map_or(0.0, |text| text.width());
-        x += length + 2.0 * AIR * pixel;
+    } else {
+        context.fill_rect(x, y - thickness / 2.0, STROKE * pixel, thickness);
     }
+    // It fails for places that are none.
+    let _ = context.fill_text(&entry.name, x + (STROKE + AIR) * pixel, y);
 }
 
 /// The time on the wall here.

@@ -7,8 +7,13 @@ use web_sys::Element;
 use super::{overlay::Text, state::Chart};
 use crate::{
     frames::Next,
-    graph::{crosshair, ticks, view::View, words},
-    history::Track,
+    graph::{
+        comparison::{Subject, mark},
+        crosshair, ticks,
+        view::View,
+        words,
+    },
+    history::History,
 };
 
 /// They change this often at most: faster, they would be read aloud over one another.
@@ -33,7 +38,8 @@ impl Spoken {
         &mut self,
         chart: Chart,
         view: View,
-        track: Option<&Track>,
+        history: &History,
+        subject: &Subject,
         now_us: u64,
         frame_ms: f64,
     ) -> Next {
@@ -43,16 +49,27 @@ impl Spoken {
         }
         self.said_ms = frame_ms;
         let at = Instant::from_micros(view.right_us(now_us));
-        let values = track.map(|track| crosshair::values(track, at));
         let when = if view.is_live() {
             "Now".to_owned()
         } else {
             let day_us = chart.desk.clock.get_value().day_us(at);
             format!("At {}", ticks::time_of_day(day_us / 1_000, 1_000))
         };
-        let traces = chart.traces.get_untracked();
-        self.text
-            .set(words::sentence(&when, values.as_ref(), traces));
+        self.text.set(match subject {
+            Subject::Motor { id, mirror, traces } => {
+                let values = |track| crosshair::values(track, *mirror, at);
+                let values = history.track(*id).map(values);
+                let when = when + mark(*mirror);
+                words::sentence(&when, values.as_ref(), *traces)
+            }
+            Subject::Compared(comparison) => {
+                let motors = crosshair::compared(history, comparison, at);
+                let named = motors
+                    .into_iter()
+                    .map(|(_, id, value)| (chart.motor_name(id), value));
+                words::compared_sentence(&when, comparison, &named.collect::<Vec<_>>())
+            }
+        });
         Next::Woken
     }
 }

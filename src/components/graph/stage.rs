@@ -4,15 +4,16 @@
 use std::rc::Rc;
 
 use leptos::prelude::*;
-use motorlink_messages::protocol::{Instant, MotorId};
+use motorlink_messages::protocol::Instant;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 
 use super::{
     axes::Axes,
+    legend::Legend,
     overlay::Overlay,
     spoken::Spoken,
-    state::{Chart, Crosshair},
+    state::Chart,
     traces::TraceCanvas,
     watchers::{self, Watchers},
 };
@@ -20,16 +21,14 @@ use crate::{
     frames::{Frames, Next},
     graph::{
         columns::Grid,
-        crosshair,
+        comparison::{Comparison, Subject},
         ink::{Inks, ink},
         layout::Layout,
         scale::Scale,
         ticks,
-        trace::Traces,
         view::View,
-        words,
     },
-    history::Track,
+    history::History,
 };
 
 /// Two drawings are at least this far apart: a little less than a frame at 60 Hz, whose clock is not
@@ -48,8 +47,7 @@ const SETTLED_AFTER_US: u64 = 200_000;
 struct Scene {
     /// `None` while there is nothing in the view.
     grid: Option<Grid>,
-    motor: MotorId,
-    traces: Traces,
+    subject: Subject,
     view: View,
     /// Whether every reply of these columns has come.
     settled: bool,
@@ -60,11 +58,14 @@ pub(super) struct Stage {
     plot: HtmlElement,
     pub(super) axes: Axes,
     pub(super) lines: TraceCanvas,
-    overlay: Overlay,
+    pub(super) overlay: Overlay,
+    legend: Legend,
     spoken: Spoken,
     pub(super) inks: Inks,
     pub(super) layout: Layout,
     scene: Option<Scene>,
+    /// Who is in the legend.
+    named: Option<Comparison>,
     drawn_ms: f64,
     stopwatch: watchers::Stopwatch,
     _watchers: Watchers,
@@ -89,10 +90,11 @@ pub(super) fn raise(chart: Chart, place: &HtmlElement) {
             }
         }));
     });
-    // Another motor, another theme.
+    // Another motor, another theme, another name.
     Effect::new(move |_| {
         let _ = (chart.desk.selected.get(), chart.desk.preferences.get());
-        chart.inks_stale.set(true);
+        chart.desk.together.fleet.track();
+        chart.looks_stale.set(true);
         chart.wake();
     });
     let frames = StoredValue::new_local(Some(frames));
@@ -125,10 +127,12 @@ impl Stage {
             axes: Axes::of(canvas(".graph-axes")?)?,
             lines: TraceCanvas::of(canvas(".graph-lines")?)?,
             overlay: Overlay::of(place)?,
+            legend: Legend::of(&place.parent_element()?)?,
             spoken: Spoken::of(find("#graph-words")?),
             inks: Inks::default(),
             layout: Layout::default(),
             scene: None,
+            named: None,
             drawn_ms: f64::NEG_INFINITY,
             stopwatch: watchers::Stopwatch::new(),
             _watchers: Watchers::of(chart, &plot),
@@ -144,7 +148,8 @@ impl Stage {
         if chart.size_stale.take() && self.resize(chart) {
             self.scene = None;
         }
-        if chart.inks_stale.take() && self.dip() {
+        let looks_stale = chart.looks_stale.take();
+        if looks_stale && self.dip() {
             self.scene = None;
         }
         if self.layout.is_empty() {
@@ -153,15 +158,14 @@ impl Stage {
         let clock = chart.desk.clock.get_value();
         let now_us = clock.instant(frame_ms).as_micros();
         let view = chart.view.get_untracked();
-        let id = chart.desk.selected.get_untracked();
         let grid = Grid::new(view.span_us, view.right_us(now_us), self.layout.columns());
         chart.grid.set(grid);
         chart.desk.history.with_value(|history| {
-            let track = history.track(id);
+            let subject = chart.subject(history);
+            self.name(chart, &subject, looks_stale);
             let scene = Scene {
-                grid: Some(grid).filter(|_| shows_anything(track, grid)),
-                motor: id,
-                traces: chart.traces.get_untracked(),
+                grid: Some(grid).filter(|_| shows_anything(history, &subject, grid)),
+                subject,
                 view,
                 settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
             };
@@ -169,13 +173,14 @@ impl Stage {
                 self.scene = Some(scene);
                 self.drawn_ms = frame_ms;
                 self.stopwatch.start();
-                self.lines
-                    .draw(history, track, scene.traces, grid, now_us, self.inks);
-                self.draw_axes(chart, view, grid, scene.traces);
+                self.draw_lines(history, &subject, grid, now_us);
+                self.draw_axes(chart, view, grid);
                 self.stopwatch.stop();
             }
-            self.show_crosshair(chart, view, grid, track, now_us);
-            let said = self.spoken.say(chart, view, track, now_us, frame_ms);
+            self.show_crosshair(chart, view, grid, history, &subject, now_us);
+            let said = self
+                .spoken
+                .say(chart, view, history, &subject, now_us, frame_ms);
             chart.asleep.set(view.is_live() && scene.grid.is_none());
             match scene.grid {
                 Some(grid) if view.is_live() => next_column(grid, now_us),
@@ -215,6 +220,7 @@ impl Stage {
             current: of("border-bottom-color"),
             temperature: of("border-left-color"),
             position: of("column-rule-color"),
+            motors: self.legend.inks(),
         };
         self.axes
             .set_font(&style.get_property_value("font-family").unwrap_or_default());
@@ -223,7 +229,48 @@ impl Stage {
         changed
     }
 
-    fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid, traces: Traces) {
+    /// Names those that are compared, where they or their names have changed.
+    fn name(&mut self, chart: Chart, subject: &Subject, renamed: bool) {
+        let comparison = subject.comparison();
+        if !renamed && self.named.as_ref() == comparison {
+            return;
+        }
+        self.named = comparison.copied();
+        let motors = comparison.into_iter().flat_map(Comparison::motors);
+        let names: Vec<(usize, String)> = motors
+            .map(|(place, id, _)| (place, chart.motor_name(id)))
+            .collect();
+        for (place, name) in &names {
+            self.overlay.name(*place, name);
+        }
+        self.legend.show(comparison, &names);
+        self.overlay.measure();
+    }
+
+    fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
+        self.lines.clear();
+        match subject {
+            Subject::Motor { id, mirror, traces } => {
+                if let Some(track) = history.track(*id) {
+                    self.lines.draw_motor(
+                        history,
+                        track,
+                        (*mirror, *traces),
+                        grid,
+                        now_us,
+                        self.inks,
+                    );
+                }
+            }
+            Subject::Compared(comparison) => {
+                let font = self.axes.font(self.layout.ratio);
+                self.lines
+                    .draw_compared(history, comparison, grid, self.inks, &font);
+            }
+        }
+    }
+
+    fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid) {
         let marks = self.layout.marks(view.is_live());
         let marks = if view.is_live() {
             ticks::ago(view.span_us, marks)
@@ -234,48 +281,9 @@ impl Stage {
         };
         let scales: [Scale; 2] = self.lines.scales();
         let hot = self.lines.temperature_end();
+        let traces = chart.traces.get_untracked();
         self.axes
             .draw(self.layout, self.inks, traces, scales, hot, marks);
-    }
-
-    fn show_crosshair(
-        &mut self,
-        chart: Chart,
-        view: View,
-        grid: Grid,
-        track: Option<&Track>,
-        now_us: u64,
-    ) {
-        let width = f64::from(self.layout.columns());
-        let column = match chart.crosshair.get() {
-            Crosshair::None => None,
-            Crosshair::Pointer(x) => Some(self.layout.column(x)),
-            Crosshair::Moment(at_us) => Some(grid.place(at_us)),
-        };
-        let column = column.filter(|column| (0.0..=width).contains(column));
-        let (Some(column), Some(track)) = (column, track) else {
-            self.overlay.hide();
-            return;
-        };
-        let at_us = match chart.crosshair.get() {
-            Crosshair::Moment(at_us) => at_us,
-            _ => grid.moment_us(column),
-        };
-        let when = if view.is_live() {
-            words::ago(now_us.saturating_sub(at_us))
-        } else {
-            let clock = chart.desk.clock.get_value();
-            let day_us = clock.day_us(Instant::from_micros(at_us));
-            ticks::time_of_day(day_us / 1_000, 1)
-        };
-        let values = crosshair::values(track, Instant::from_micros(at_us));
-        let traces = chart.traces.get_untracked();
-        let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
-        let place = (
-            self.layout.x(column),
-            f64::from(self.layout.width) / self.layout.ratio,
-        );
-        self.overlay.show(place, when, &values, traces, by_keys);
     }
 }
 
@@ -295,10 +303,10 @@ fn after(at_us: u64, now_us: u64) -> Next {
     Next::After(at_us.saturating_sub(now_us) as f64 / 1_000.0)
 }
 
-/// Whether a motor has said anything in these columns.
-fn shows_anything(track: Option<&Track>, grid: Grid) -> bool {
-    let newest = track.and_then(Track::newest);
-    newest.is_some_and(|newest| newest.at.as_micros() >= grid.left_us())
+/// Whether any of the motors has said anything in these columns.
+fn shows_anything(history: &History, subject: &Subject, grid: Grid) -> bool {
+    let newest = subject.newest(history);
+    newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())
 }
 
 fn computed_style(element: &Element) -> Option<web_sys::CssStyleDeclaration> {

@@ -6,6 +6,7 @@ use std::{
 };
 
 use leptos::prelude::*;
+use motorlink_messages::protocol::{Instant, MotorId};
 
 use super::stage::Stage;
 use crate::{
@@ -13,11 +14,13 @@ use crate::{
     desk::Desk,
     graph::{
         columns::Grid,
+        comparison::{Subject, motor_name},
         keys::Act,
         layout::Layout,
         trace::Traces,
         view::{Reach, View},
     },
+    history::History,
 };
 
 /// Where the crosshair is.
@@ -67,8 +70,8 @@ pub(super) struct Parts {
     pub(super) in_sight: Cell<bool>,
     /// Whether its size may have changed.
     pub(super) size_stale: Cell<bool>,
-    /// Whether its colours may have changed.
-    pub(super) inks_stale: Cell<bool>,
+    /// Whether its colours or the names of motors may have changed.
+    pub(super) looks_stale: Cell<bool>,
     /// Whether nothing but news can change it.
     pub(super) asleep: Cell<bool>,
     pub(super) stage: RefCell<Option<Stage>>,
@@ -87,7 +90,7 @@ impl Chart {
             grid: Cell::new(Grid::default()),
             in_sight: Cell::new(true),
             size_stale: Cell::new(true),
-            inks_stale: Cell::new(true),
+            looks_stale: Cell::new(true),
             asleep: Cell::new(false),
             stage: RefCell::new(None),
             wake: RefCell::new(None),
@@ -113,13 +116,28 @@ impl Chart {
         clock.instant(page_now_ms()).as_micros()
     }
 
-    /// What there is to see of the chosen motor.
+    /// What is drawn.
+    pub(super) fn subject(self, history: &History) -> Subject {
+        let (id, traces) = (
+            self.desk.selected.get_untracked(),
+            self.traces.get_untracked(),
+        );
+        let fleet = self.desk.together.fleet;
+        fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
+    }
+
+    /// What a motor is called.
+    pub(super) fn motor_name(self, id: MotorId) -> String {
+        let fleet = self.desk.together.fleet;
+        fleet.with_untracked(|fleet| motor_name(id, fleet))
+    }
+
+    /// What there is to see of what is drawn.
     pub(super) fn reach(self) -> Reach {
         let now_us = self.now_us();
-        let id = self.desk.selected.get_untracked();
         let oldest_us = self.desk.history.with_value(|history| {
-            let oldest = history.track(id).and_then(|track| track.oldest());
-            oldest.map_or(now_us, |oldest| oldest.at.as_micros())
+            let oldest = self.subject(history).oldest(history);
+            oldest.map_or(now_us, Instant::as_micros)
         });
         Reach { oldest_us, now_us }
     }

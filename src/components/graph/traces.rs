@@ -22,14 +22,15 @@ use crate::{
         trace::{Trace, Traces},
     },
     history::{History, Track},
+    mirror::Mirror,
 };
 
 /// plotters counts in whole pixels, on which a gentle slope is a flight of stairs: it is told of
 /// pixels an eighth as large, and the canvas draws them at an eighth.
-const FINE: i32 = 8;
+pub(super) const FINE: i32 = 8;
 
 /// Of a line of a motor's own reports, in pixels of the style sheet.
-const BOLD: f64 = 1.75;
+pub(super) const BOLD: f64 = 1.75;
 /// Of the others.
 const THIN: f64 = 1.25;
 /// The goal is dashed: drawn and left out, in pixels of the style sheet.
@@ -41,10 +42,10 @@ const BLEED: f64 = 2.0;
 /// The canvas with the lines.
 pub(super) struct TraceCanvas {
     pub(super) canvas: HtmlCanvasElement,
-    context: CanvasRenderingContext2d,
+    pub(super) context: CanvasRenderingContext2d,
     /// `None` before the canvas has a size.
     area: Option<DrawingArea<CanvasBackend, Shift>>,
-    layout: Layout,
+    pub(super) layout: Layout,
     speed: Scale,
     current: Scale,
     /// The upper end of the temperature's scale, in degrees.
@@ -52,17 +53,17 @@ pub(super) struct TraceCanvas {
 }
 
 /// How a line is drawn.
-struct Pen {
-    ink: Ink,
+pub(super) struct Pen {
+    pub(super) ink: Ink,
     /// In pixels of the style sheet.
-    width: f64,
+    pub(super) width: f64,
 }
 
 /// From columns and values to fine pixels.
-type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
+pub(super) type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 
 /// The values at the lower and the upper end of the plot.
-type Ends = (f64, f64);
+pub(super) type Ends = (f64, f64);
 
 impl TraceCanvas {
     /// `None` where the browser draws no canvas.
@@ -95,17 +96,15 @@ impl TraceCanvas {
         let fine = f64::from(FINE);
         // A canvas that gets a size forgets what was set.
         let Rectangle {
-            left,
-            top,
-            width,
-            height,
+            left, top, height, ..
         } = layout.plot;
         let bleed = (BLEED * layout.ratio).ceil();
         self.context.begin_path();
         self.context.rect(
             f64::from(left),
             f64::from(top) - bleed,
-            f64::from(width),
+            // As far as the edge of the canvas: behind the ends of lines is room for their names.
+            f64::from(layout.width) - f64::from(left),
             f64::from(height) + 2.0 * bleed,
         );
         self.context.clip();
@@ -121,23 +120,24 @@ impl TraceCanvas {
         });
     }
 
-    /// Draws what was reported in these columns, and what was asked for up to now.
-    pub(super) fn draw(
-        &mut self,
-        history: &History,
-        track: Option<&Track>,
-        traces: Traces,
-        grid: Grid,
-        now_us: u64,
-        inks: Inks,
-    ) {
+    /// Wipes all lines.
+    pub(super) fn clear(&self) {
         let (width, height) = (self.layout.width, self.layout.height);
         let fine = f64::from(FINE);
         self.context
             .clear_rect(0.0, 0.0, f64::from(width) * fine, f64::from(height) * fine);
-        let Some(track) = track else {
-            return;
-        };
+    }
+
+    /// Draws what a motor reported in these columns, and what it was asked for up to now.
+    pub(super) fn draw_motor(
+        &mut self,
+        history: &History,
+        track: &Track,
+        (mirror, traces): (Mirror, Traces),
+        grid: Grid,
+        now_us: u64,
+        inks: Inks,
+    ) {
         // The most important last, on top.
         for trace in [
             Trace::Position,
@@ -148,9 +148,9 @@ impl TraceCanvas {
             if !traces.has(trace) {
                 continue;
             }
-            let lines = trace_lines(history, track, trace, grid);
+            let lines = trace_lines(history, track, trace, mirror, grid);
             let goals = if traces.has(Trace::Goal) {
-                goal_lines(track, trace, grid, now_us)
+                goal_lines(track, trace, mirror, grid, now_us)
             } else {
                 Vec::new()
             };
@@ -170,7 +170,7 @@ impl TraceCanvas {
     }
 
     /// The scale of a trace for values this far from zero.
-    fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
+    pub(super) fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
         let scale = match trace {
             Trace::Speed | Trace::Goal => &mut self.speed,
             Trace::Current => &mut self.current,
@@ -199,7 +199,7 @@ impl TraceCanvas {
     }
 
     /// The place of dots in the plot, in fine pixels.
-    fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
+    pub(super) fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
         let plot = self.layout.plot;
         let across = FINE * plot.left..FINE * (plot.left + plot.width);
         let up = FINE * (plot.top + plot.height)..FINE * plot.top;
@@ -207,7 +207,7 @@ impl TraceCanvas {
         Cartesian2d::new(columns, lower..upper, (across, up))
     }
 
-    fn draw_lines(&self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
+    pub(super) fn draw_lines(&self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
         let coordinates = self.coordinates(ends);
         let thickness = (pen.width * self.layout.ratio).round().max(1.0) * f64::from(FINE);
         self.context.set_fill_style_str(&css(pen.ink));

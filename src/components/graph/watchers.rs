@@ -52,7 +52,7 @@ impl Watchers {
             sight.observe(plot);
         }
         let on_dark = Closure::<dyn FnMut()>::new(move || {
-            chart.inks_stale.set(true);
+            chart.looks_stale.set(true);
             chart.wake();
         });
         let dark = window()

@@ -14,6 +14,7 @@ use crate::{
     attribute::Attribute,
     clock::page_now_ms,
     desk::Desk,
+    mirror::Mirror,
     recent::{Recent, Report},
     twin::Drawn,
 };
@@ -75,9 +76,9 @@ impl Instruments {
     fn draw(&mut self, desk: Desk) {
         let now_ms = page_now_ms();
         let id = desk.selected.get_untracked();
-        let (alone, temperature) = desk.shown.with_untracked(|session| {
+        let (alone, temperature, mirror) = desk.shown.with_untracked(|session| {
             let temperature = session.temperature(id).map(|reading| reading.value);
-            (session.motors.is_empty(), temperature)
+            (session.motors.is_empty(), temperature, session.mirror(id))
         });
         // A state may come sooner, and is followed by another unless there are no motors.
         let soon = now_ms - self.drawn_ms < DRAWN_EVERY_MS && !alone;
@@ -86,8 +87,8 @@ impl Instruments {
         }
         self.drawn_ms = now_ms;
         desk.recent.with_value(|recent| {
-            self.speed.draw(recent, now_ms);
-            self.current.draw(recent, now_ms);
+            self.speed.draw(recent, mirror, now_ms);
+            self.current.draw(recent, mirror, now_ms);
         });
         let drawn = desk.feed.with_value(crate::twin::TwinFeed::drawn);
         self.dial.draw(drawn, now_ms);
@@ -103,10 +104,10 @@ enum Quantity {
 }
 
 impl Quantity {
-    fn of(self, report: &Report) -> i32 {
+    fn of(self, report: &Report, mirror: Mirror) -> i32 {
         match self {
-            Self::Speed => report.speed.rpm().into(),
-            Self::Current => report.current.raw().into(),
+            Self::Speed => mirror.speed(report.speed).rpm().into(),
+            Self::Current => mirror.current(report.current).raw().into(),
         }
     }
 
@@ -140,10 +141,10 @@ impl Spark {
         })
     }
 
-    fn draw(&mut self, recent: &Recent, now_ms: f64) {
+    fn draw(&mut self, recent: &Recent, mirror: Mirror, now_ms: f64) {
         let reports = recent
             .iter()
-            .map(|report| (report.at_ms, self.quantity.of(report)));
+            .map(|report| (report.at_ms, self.quantity.of(report, mirror)));
         let columns = sparkline::columns(reports, now_ms, COLUMNS);
         self.scale.fit(sparkline::peak(&columns));
         let limit = self.scale.limit();

@@ -74,12 +74,20 @@ pub(crate) fn Telemetry() -> impl IntoView {
 
 fn speed(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.speed(id)?;
-    Some(Shown::new(&reading, format::speed(reading.value), "rpm"))
+    let shown = Shown::new(&reading, format::speed(reading.value), "rpm");
+    Some(shown.with_detail(mirrored(session, id)))
 }
 
 fn current(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.current(id)?;
-    Some(Shown::new(&reading, format::current(reading.value), "A"))
+    let shown = Shown::new(&reading, format::current(reading.value), "A");
+    Some(shown.with_detail(mirrored(session, id)))
+}
+
+/// Said beside a figure with the other sign than the wire's.
+fn mirrored(session: &Session, id: MotorId) -> String {
+    let word = session.mirror(id).is_mirrored().then_some("mirrored");
+    word.unwrap_or_default().to_owned()
 }
 
 fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
@@ -154,6 +162,10 @@ mod tests {
         assert_eq!(text(speed(&session, ID)), "\u{2212}100rpm ");
         assert_eq!(text(current(&session, ID)), "+0.02A ");
         assert_eq!(text(position(&session, ID, None)), "66.4° raw 47/255");
+        let mut mirrored = session.clone();
+        mirrored.mirrored.push(ID);
+        assert_eq!(text(speed(&mirrored, ID)), "\u{2212}100rpm mirrored");
+        assert_eq!(text(current(&mirrored, ID)), "+0.02A mirrored");
         let turns = Some("+12.4 turns".to_owned());
         assert_eq!(
             text(position(&session, ID, turns)),

@@ -76,6 +76,46 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
     Ok(())
 }
 
+/// Driven alone, the right wheel is counted as it is in the group: forward is +, and the wheel that is
+/// seen turns as it does.
+#[test]
+fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
+    let story = Story::connected(Line::with_motors(&[1]))?;
+    let page = &story.page;
+    page.click("button", "Drive together")?;
+    page.choose("Side of 0x01", "right")?;
+    page.click("button", "Drive together")?;
+    let pressed = now_us();
+    page.click("button", "+100")?;
+    wait_for_wire(&story, pressed, "-100 rpm", |wire| {
+        let drives = wire.of_motor(1).drives();
+        drives.last().and_then(end_to_end::Frame::drive_setpoint) == Some(-100)
+    })?;
+    page.wait_for_text("status", "Speed", |text| {
+        text.contains("+100") && text.contains("mirrored")
+    })?;
+    page.wait_for_text("status", "Motion", |text| text == "Spinning CW")?;
+    let drives = story.since(pressed)?.of_motor(1).drives();
+    let sent = drives.frames.iter().map(end_to_end::Frame::drive_setpoint);
+    let sent: Vec<Option<i16>> = sent.collect();
+    assert!(sent.iter().all(|rpm| *rpm == Some(-100)), "{sent:?}");
+
+    // While it is driven, its side stays.
+    page.click("button", "Drive together")?;
+    let side = page.find("combobox", "Side of 0x01")?;
+    assert!(
+        side.disabled && side.description.contains("driven"),
+        "{}",
+        side.description
+    );
+    let stopped = now_us();
+    page.press("Escape")?;
+    thread::sleep(Duration::from_millis(800));
+    assert_ends_braked(&story.since(stopped)?.of_motor(1));
+    assert_quiet_console(page);
+    Ok(())
+}
+
 #[test]
 fn when_one_wheel_loses_power_the_other_stops() -> Result<()> {
     let mut story = rover()?;

@@ -1,6 +1,7 @@
 //! The graph: a page with one in sight, what the motor tells it, and what is on its canvas.
 
 mod acting;
+mod comparing;
 mod drawing;
 
 use std::ops::Deref;

@@ -1,0 +1,118 @@
+//! What is compared across motors, and which colour is whose.
+
+use std::fmt::Write;
+
+use leptos::prelude::*;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement, HtmlInputElement};
+
+use super::overlay::Text;
+use crate::graph::{
+    comparison::{COMPARABLE, Comparison, MOTORS_MAX},
+    ink::{Ink, ink},
+    trace::Trace,
+};
+
+/// The class that gives a place its colour.
+pub(super) fn class(place: usize) -> String {
+    format!("motor-{place}")
+}
+
+/// Why traces cannot be switched.
+const NOT_WHILE_COMPARING: &str = "While motors are compared, this one trace of them is drawn.";
+
+/// The list of what can be compared, and the legend: an item a place, and one for those that have none.
+pub(super) fn markup() -> String {
+    let mut html = "<label class=\"graph-compare\"><span aria-hidden=\"true\">Compare</span>\
+                    <select class=\"select\" aria-label=\"Compare\" \
+                    title=\"Draws one trace of every motor that has reported\">\
+                    <option value=\"\">Compare: off</option>"
+        .to_owned();
+    for trace in COMPARABLE {
+        let (class, name) = (trace.class(), trace.name());
+        // Writing to a string cannot fail.
+        let _ = write!(html, "<option value=\"{class}\">{name}</option>");
+    }
+    html.push_str(
+        "</select></label>\
+         <ul hidden class=\"graph-legend\" role=\"list\" aria-label=\"Motors compared\">",
+    );
+    for place in 0..MOTORS_MAX {
+        let class = class(place);
+        let _ = write!(html, "<li class=\"{class}\" hidden><span></span></li>");
+    }
+    html + "<li hidden><span></span></li></ul>"
+}
+
+/// The legend of a mounted graph, and the boxes of traces, which have no say while it is shown.
+pub(super) struct Legend {
+    head: Element,
+    list: HtmlElement,
+    items: Vec<(HtmlElement, Text)>,
+    more: (HtmlElement, Text),
+    boxes: Vec<HtmlInputElement>,
+}
+
+impl Legend {
+    /// Finds the parts; `None` where the panel does not hold them.
+    pub(super) fn of(panel: &Element) -> Option<Self> {
+        let list: HtmlElement = panel
+            .query_selector(".graph-legend")
+            .ok()??
+            .dyn_into()
+            .ok()?;
+        let mut items = Vec::new();
+        let mut next = list.first_element_child();
+        while let Some(item) = next {
+            next = item.next_element_sibling();
+            let text = Text::of(item.first_element_child()?);
+            items.push((item.dyn_into().ok()?, text));
+        }
+        let more = items.pop()?;
+        let mut boxes = Vec::new();
+        for trace in Trace::ALL {
+            let selector = format!(".graph-trace.{} input", trace.class());
+            boxes.push(panel.query_selector(&selector).ok()??.dyn_into().ok()?);
+        }
+        Some(Self {
+            head: panel.query_selector(".graph-head").ok()??,
+            list,
+            items,
+            more,
+            boxes,
+        })
+    }
+
+    /// The colours of the places, as the style sheet has them now.
+    pub(super) fn inks(&self) -> [Ink; MOTORS_MAX] {
+        let mut inks = [Ink::default(); MOTORS_MAX];
+        for (place, (item, _)) in inks.iter_mut().zip(&self.items) {
+            let style = window().get_computed_style(item).ok().flatten();
+            let colour = style.and_then(|style| style.get_property_value("color").ok());
+            *place = ink(&colour.unwrap_or_default());
+        }
+        inks
+    }
+
+    /// Shows who is compared, or nothing.
+    pub(super) fn show(&mut self, comparison: Option<&Comparison>, names: &[(usize, String)]) {
+        self.list.set_hidden(comparison.is_none());
+        // It fails for names with spaces.
+        let _ = self
+            .head
+            .class_list()
+            .toggle_with_force("compares", comparison.is_some());
+        for checkbox in &self.boxes {
+            checkbox.set_disabled(comparison.is_some());
+            checkbox.set_title(comparison.map_or("", |_| NOT_WHILE_COMPARING));
+        }
+        for (place, (item, text)) in self.items.iter_mut().enumerate() {
+            let name = names.iter().find(|(of, _)| *of == place);
+            item.set_hidden(name.is_none());
+            text.set(name.map(|(_, name)| name.clone()).unwrap_or_default());
+        }
+        let more = comparison.and_then(Comparison::more);
+        self.more.0.set_hidden(more.is_none());
+        self.more.1.set(more.unwrap_or_default());
+    }
+}
