@@ -35,6 +35,8 @@ type Waker = Box<dyn Fn()>;
 #[derive(Clone, Copy)]
 pub(crate) struct TogetherEntry {
     pub(crate) fleet: RwSignal<Fleet>,
+    /// Told when the fleet is another one altogether, rather than changed by the panel's rows.
+    pub(crate) replaced: RwSignal<bool>,
     /// Of the group, in rpm; its magnitude is the pad's limit.
     pub(crate) speed: Target,
     /// In rpm a second; 0 is none.
@@ -63,6 +65,7 @@ impl TogetherEntry {
         let ramp = remembered(RAMP_STORED_AS).and_then(|text| text.parse::<u16>().ok());
         Self {
             fleet: RwSignal::new(Fleet::load()),
+            replaced: RwSignal::new(false),
             speed: Target::new(FIRST_SPEED_RPM),
             ramp: Target::new(ramp.unwrap_or_default().min(Ramp::MAX).into()),
             gamepad: StoredValue::new(false),
@@ -90,6 +93,13 @@ impl Desk {
     pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut Member)) {
         self.together.fleet.update(|fleet| fleet.change(id, change));
         self.together.fleet.with_untracked(Fleet::save);
+    }
+
+    /// Takes another fleet in the place of the one there is.
+    pub(crate) fn replace_fleet(self, fleet: Fleet) {
+        fleet.save();
+        self.together.fleet.set(fleet);
+        self.together.replaced.set(true);
     }
 
     /// Drives all members to the entered speed, each in its direction.

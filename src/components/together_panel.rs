@@ -6,7 +6,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
 use super::{
-    button::PressButton, control::NumberField, drawer::panel_of_drawer, drive_pad,
+    button::PressButton, control::NumberField, drawer::panel_of_drawer, drive_pad, live::follow,
     motor_buttons::replace_keeping_focus,
 };
 use crate::{
@@ -90,7 +90,8 @@ fn keep_rows(desk: Desk) {
         fleet.with(|fleet| listed(&found, fleet))
     });
     // What is in a row changes by the row itself, and somebody is typing there.
-    Effect::new(move |_| {
+    follow(move || {
+        desk.together.replaced.track();
         let html = ids.with(|ids| fleet.with_untracked(|fleet| rows_html(ids, fleet)));
         let list = document().get_element_by_id(ROWS);
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
