@@ -7,6 +7,7 @@ use crate::{
     components::{
         ControlPanel, Graph, Header, HelpDialog, LinkPanel, MotorStrip, Notices, PacketLog,
         QuestionDialog, Recording, StoppedDialog, Telemetry, TogetherPanel, WheelPanel,
+        live::follow,
     },
     desk::{Desk, WorkerState},
     keyboard, lifecycle,
@@ -21,7 +22,7 @@ use crate::{
 pub fn App() -> impl IntoView {
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
-    Effect::new(move |_| show_theme(desk.preferences.with(|chosen| chosen.theme)));
+    follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
 
     // First of all, so that the keys and the end of the page reach the worker from its first moment.
     keyboard::listen(desk);

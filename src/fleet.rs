@@ -82,6 +82,11 @@ impl Member {
         &self.name
     }
 
+    /// Whether this is a name as it stands.
+    pub(crate) fn is_name(text: &str) -> bool {
+        text.chars().nth(NAME_MAX).is_none() && !text.chars().any(char::is_control)
+    }
+
     /// Takes what a person typed as far as it is a name.
     pub(crate) fn set_name(&mut self, typed: &str) {
         let characters = typed.chars().filter(|character| !character.is_control());
@@ -97,6 +102,11 @@ pub(crate) type Crew = Vec<(MotorId, Side)>;
 pub(crate) struct Fleet(Vec<(MotorId, Member)>);
 
 impl Fleet {
+    /// Every motor of which something is remembered.
+    pub(crate) fn members(&self) -> impl Iterator<Item = &(MotorId, Member)> {
+        self.0.iter()
+    }
+
     /// What is remembered of this motor.
     pub(crate) fn member(&self, id: MotorId) -> Option<&Member> {
         let mut members = self.0.iter();

@@ -53,6 +53,8 @@ mod recent;
 mod scan_words;
 mod serial_ports;
 mod session;
+pub mod setup;
+mod setup_acts;
 mod started_worker;
 mod tab;
 mod target;

@@ -4,7 +4,10 @@ use leptos::prelude::*;
 use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
 use web_sys::VisibilityState;
 
-use crate::{clock::page_now_ms, desk::Desk, format, listener::on_window, session::Session};
+use crate::{
+    clock::page_now_ms, components::live::follow, desk::Desk, format, listener::on_window,
+    session::Session,
+};
 
 /// How long a page that goes holds its last handler while a wheel turns. The worker lives no longer
 /// than that handler, and a wheel braked from 100 rpm needs about 200 ms of frames; nothing
@@ -20,7 +23,7 @@ pub(crate) fn watch(desk: Desk) {
     on_window("visibilitychange", move |_| visibility_changed(desk));
 
     let title = Memo::new(move |_| desk.shown.with(title));
-    Effect::new(move |_| document().set_title(&title.get()));
+    follow(move || document().set_title(&title.get()));
 }
 
 fn leave(desk: Desk) {

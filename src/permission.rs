@@ -163,6 +163,16 @@ pub(crate) fn why_not_send(session: &Session, hazardous: bool) -> Option<String>
         .or_else(|| (hazardous && session.halted).then(|| Refusal::Halted.to_string()))
 }
 
+/// Why no other setup can be taken in: it says which wheel is mirrored and who drives with whom, and
+/// that changes under nobody's hands.
+pub(crate) fn why_not_import(session: &Session, pad_is_held: bool) -> Option<String> {
+    if pad_is_held {
+        return Some("Let go of the drive pad first.".to_owned());
+    }
+    let motor = session.in_hand().next()?;
+    Some(format!("Stop motor {} first: it is in use.", motor.id))
+}
+
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
@@ -230,6 +240,26 @@ mod tests {
         for (words, session) in cases {
             let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
             assert!(reason.contains(words), "{reason}");
+        }
+    }
+
+    #[test]
+    fn a_setup_is_taken_in_while_no_motor_is_in_use() {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert_eq!(why_not_import(&session, false), None);
+        assert_eq!(why_not_import(&Session::default(), false), None);
+        let held = why_not_import(&session, true).unwrap();
+        assert!(held.contains("drive pad"), "{held}");
+        let setpoint = Setpoint::velocity(SpeedTarget::clamped(100));
+        for activity in [
+            Activity::Driven { setpoint },
+            Activity::DrivenRaw,
+            Activity::Switching { to: Mode::Current },
+            Activity::Stopping { confirmed: false },
+        ] {
+            session.motors[0].activity = activity;
+            let reason = why_not_import(&session, false).unwrap();
+            assert!(reason.contains("Stop motor 0x01"), "{reason}");
         }
     }
 

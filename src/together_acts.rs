@@ -35,6 +35,8 @@ type Waker = Box<dyn Fn()>;
 #[derive(Clone, Copy)]
 pub(crate) struct TogetherEntry {
     pub(crate) fleet: RwSignal<Fleet>,
+    /// Told when the fleet is another one altogether, rather than changed by the panel's rows.
+    pub(crate) replaced: RwSignal<u32>,
     /// Of the group, in rpm; its magnitude is the pad's limit.
     pub(crate) speed: Target,
     /// In rpm a second; 0 is none.
@@ -63,6 +65,7 @@ impl TogetherEntry {
         let ramp = remembered(RAMP_STORED_AS).and_then(|text| text.parse::<u16>().ok());
         Self {
             fleet: RwSignal::new(Fleet::load()),
+            replaced: RwSignal::new(0),
             speed: Target::new(FIRST_SPEED_RPM),
             ramp: Target::new(ramp.unwrap_or_default().min(Ramp::MAX).into()),
             gamepad: StoredValue::new(false),
@@ -99,6 +102,15 @@ impl Desk {
             return;
         }
         self.change_member(id, |member| member.side = side);
+        // What is shown of it may have another sign from now on.
+        self.show();
+    }
+
+    /// Takes another fleet in the place of the one there is.
+    pub(crate) fn replace_fleet(self, fleet: Fleet) {
+        fleet.save();
+        self.together.fleet.set(fleet);
+        self.together.replaced.update(|times| *times += 1);
         // What is shown of it may have another sign from now on.
         self.show();
     }

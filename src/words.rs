@@ -14,6 +14,7 @@ use crate::{
 pub(crate) mod journal;
 pub(crate) mod link;
 pub(crate) mod log_lines;
+pub(crate) mod setup;
 
 /// What can go wrong before the worker is asked to open a port.
 #[cfg_attr(

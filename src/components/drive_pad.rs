@@ -12,6 +12,7 @@ use web_sys::{
 };
 
 use crate::{
+    components::live::follow,
     desk::Desk,
     drawer::Drawer,
     drive_pad::{By, Stick},
@@ -68,8 +69,8 @@ pub(super) fn keep_working(desk: Desk) {
         let crew = desk.together.fleet.with(Fleet::crew);
         desk.shown.with(|session| why_not_steer(session, &crew))
     });
-    Effect::new(move |_| show(desk, why_not.get()));
-    Effect::new(move |_| {
+    follow(move || show(desk, why_not.get()));
+    follow(move || {
         let open = desk.drawer.get() == Some(Drawer::Together);
         if !open || desk.dialog.with(Option::is_some) {
             desk.leave_pad();

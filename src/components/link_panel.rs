@@ -9,7 +9,10 @@ use leptos::{html, prelude::*};
 use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
-use super::{drawer::panel_of_drawer, live::heard};
+use super::{
+    drawer::panel_of_drawer,
+    live::{follow, heard},
+};
 use crate::{
     desk::{Desk, use_desk},
     doctor::Record,
@@ -26,7 +29,7 @@ pub(crate) fn LinkPanel() -> impl IntoView {
     let rewired = StoredValue::new(false);
     let mut record = Record::default();
     let mut elements = None;
-    Effect::new(move |_| {
+    follow(move || {
         let Some(panel) = panel.get() else { return };
         let elements = elements.get_or_insert_with(|| Elements::of(&panel));
         if rewired.get_value() {

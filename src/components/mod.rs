@@ -16,7 +16,7 @@ mod header;
 mod help_dialog;
 mod link_panel;
 mod link_quality;
-mod live;
+pub(crate) mod live;
 mod motor_buttons;
 mod motor_choice;
 mod motor_strip;

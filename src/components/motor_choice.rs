@@ -84,10 +84,10 @@ pub(crate) fn ModelChoice() -> impl IntoView {
                     }
                 })
             >
-                <option value=Model::M0601.key() selected=is(Model::M0601)>
+                <option value=Model::M0601.key() prop:selected=is(Model::M0601)>
                     {Model::M0601.name()}
                 </option>
-                <option value=Model::Ddsm115.key() selected=is(Model::Ddsm115)>
+                <option value=Model::Ddsm115.key() prop:selected=is(Model::Ddsm115)>
                     {Model::Ddsm115.name()}
                 </option>
             </select>

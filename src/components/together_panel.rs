@@ -6,7 +6,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
 use super::{
-    button::PressButton, control::NumberField, drawer::panel_of_drawer, drive_pad,
+    button::PressButton, control::NumberField, drawer::panel_of_drawer, drive_pad, live::follow,
     motor_buttons::replace_keeping_focus,
 };
 use crate::{
@@ -95,18 +95,18 @@ fn keep_rows(desk: Desk) {
         desk.shown.with(held)
     });
     let mut made = None;
-    Effect::new(move |_| {
+    follow(move || {
         held.track();
-        let ids = ids.get();
+        let wanted = (ids.get(), desk.together.replaced.get());
         let list = document().get_element_by_id(ROWS);
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
             // What is in a row changes by the row itself, and somebody is typing there.
-            if made.as_ref() != Some(&ids) {
-                let html = fleet.with_untracked(|fleet| rows_html(&ids, fleet));
+            if made.as_ref() != Some(&wanted) {
+                let html = fleet.with_untracked(|fleet| rows_html(&wanted.0, fleet));
                 replace_keeping_focus(&list, &html, "id");
             }
-            hold_sides(desk, &ids);
-            made = Some(ids);
+            hold_sides(desk, &wanted.0);
+            made = Some(wanted);
         }
     });
     on_window("input", move |event: Event| {

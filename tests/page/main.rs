@@ -19,6 +19,7 @@ mod log_list;
 mod operating;
 mod raw_hex;
 mod remembering;
+mod setup;
 mod together;
 mod tools;
 

@@ -7,7 +7,7 @@ use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
     components::{
         button::PressButton,
-        live::{heard, live},
+        live::{follow, heard, live},
         motor_buttons::{choose_clicked, replace_keeping_focus},
     },
     desk::use_desk,
@@ -160,7 +160,7 @@ fn FoundList() -> impl IntoView {
                 .with(|session| list_html(&found_motors(session, ids.found(), selected)))
         })
     });
-    Effect::new(move |_| {
+    follow(move || {
         if let Some(list) = list.get() {
             html.with(|html| replace_keeping_focus(&list, html, "value"));
         }

@@ -9,6 +9,7 @@ mod panel;
 mod position;
 mod raw_hex;
 mod settings;
+mod setup;
 mod slider;
 mod velocity;
 

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 
 use crate::components::live::{heard, live};
 
-use super::number_field::NumberField;
+use super::{number_field::NumberField, setup};
 use crate::{desk::use_desk, entry};
 
 #[component]
@@ -12,6 +12,7 @@ pub(super) fn Settings() -> impl IntoView {
     let desk = use_desk();
     let rate = desk.targets.rate;
     let keep_driving = move || desk.preferences.with(|chosen| chosen.keep_driving);
+    setup::keep_working(desk);
     view! {
         <div class="settings">
             <NumberField
@@ -33,6 +34,7 @@ pub(super) fn Settings() -> impl IntoView {
                 />
                 "Keep driving while hidden"
             </label>
+            <div class="setup" inner_html=setup::MARKUP></div>
         </div>
     }
 }

@@ -11,7 +11,7 @@ use crate::{
     clock::page_now_ms,
     components::{
         button::PressButton,
-        live::{heard, live},
+        live::{follow, heard, live},
     },
     desk::{Desk, use_desk},
     format::grouped,
@@ -36,7 +36,7 @@ pub(super) fn PacketList() -> impl IntoView {
     let frames = StoredValue::new_local(None::<Frames>);
     let size = StoredValue::new_local(None::<SizeWatch>);
 
-    Effect::new(move |_| {
+    follow(move || {
         let (Some(scroller), Some(extent), Some(rows)) = (scroller.get(), extent.get(), rows.get())
         else {
             return;

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     attribute::Attribute,
     clock::page_now_ms,
+    components::live::follow,
     desk::Desk,
     mirror::Mirror,
     recent::{Recent, Report},
@@ -41,12 +42,12 @@ pub(super) fn sparkline_markup() -> String {
 /// Draws the instruments with every newly shown state, which comes ten times a second while the page
 /// is seen.
 pub(super) fn keep_drawing(desk: Desk, section: NodeRef<html::Section>) {
-    Effect::new(move |_| {
+    follow(move || {
         let Some(section) = section.get() else { return };
         let Some(mut instruments) = Instruments::of(&section) else {
             return;
         };
-        Effect::new(move |_| {
+        follow(move || {
             desk.shown.track();
             instruments.draw(desk);
         });

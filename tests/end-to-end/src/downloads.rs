@@ -1,11 +1,13 @@
-//! Files that the page gives to a person.
+//! Files that the page gives to a person, or takes from one.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use serde_json::json;
 
+use crate::cdp::at;
 use crate::page::Page;
 use crate::wait::{PATIENCE, wait_until};
 
@@ -71,6 +73,35 @@ impl Page {
             Ok(complete.cloned().ok_or_else(|| format!("{files:?}")))
         })?;
         self.put_away(&complete)
+    }
+
+    /// Clicks a button that asks for a file, and gives this one.
+    ///
+    /// The chooser of the browser lies outside of the page and is not opened: the file is given to the
+    /// page's only field for files.
+    ///
+    /// # Errors
+    ///
+    /// When the button cannot be clicked, or nobody asks for a file.
+    pub fn upload(&self, button: &str, file: &Path) -> Result<()> {
+        let intercept = |enabled| {
+            let params = json!({ "enabled": enabled });
+            self.session
+                .call("Page.setInterceptFileChooserDialog", params)
+        };
+        intercept(true)?;
+        self.click("button", button)?;
+        let document = self
+            .session
+            .call("DOM.getDocument", json!({ "depth": 0 }))?;
+        let field = json!({
+            "nodeId": at(&document, "/root/nodeId"),
+            "selector": "input[type=file]",
+        });
+        let field = self.session.call("DOM.querySelector", field)?;
+        let files = json!({ "nodeId": at(&field, "/nodeId"), "files": [file] });
+        self.session.call("DOM.setFileInputFiles", files)?;
+        intercept(false).map(drop)
     }
 
     /// Moves a file out of the way of the next, which may have the same name.

@@ -1,0 +1,86 @@
+//! Buttons `Export setup` and `Import setup`, and what became of the file.
+//!
+//! They are HTML and two listeners on the window: as a view they would weigh many times as much.
+
+use leptos::{prelude::*, task::spawn_local};
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event, HtmlInputElement};
+
+use crate::{components::live::follow, desk::Desk, listener::on_window};
+
+const EXPORT: &str = "export-setup";
+const IMPORT: &str = "import-setup";
+const CHOOSER: &str = "setup-file";
+const SAID: &str = "setup-words";
+
+/// Buttons `Export setup` and `Import setup`, the browser's own chooser of files that the second one
+/// opens, and status `Setup`.
+pub(super) const MARKUP: &str = concat!(
+    r#"<button type="button" class="button small" id="export-setup" "#,
+    r#"title="Names, sides, groups, ramp and rate as a file">Export setup</button>"#,
+    r#"<button type="button" class="button small" id="import-setup">Import setup</button>"#,
+    r#"<input type="file" accept=".json" id="setup-file" hidden>"#,
+    r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
+);
+
+/// Has the buttons work from now on.
+pub(super) fn keep_working(desk: Desk) {
+    for name in ["click", "change"] {
+        on_window(name, move |event| hear(desk, &event));
+    }
+    let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
+    follow(move || {
+        let Some(button) = document().get_element_by_id(IMPORT) else {
+            return;
+        };
+        let reason = why_not.get();
+        // They fail for names that are none, and these are ours.
+        let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
+        let title = reason.as_deref().unwrap_or("From a file that was exported");
+        let _ = button.set_attribute("title", title);
+    });
+}
+
+fn hear(desk: Desk, event: &Event) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let id = target.map(|target| target.id()).unwrap_or_default();
+    let asked = match (event.type_().as_str(), id.as_str()) {
+        ("click", EXPORT) => Asked::ForFile,
+        ("click", IMPORT) => Asked::ToChoose,
+        ("change", CHOOSER) => Asked::ToTakeIn,
+        _ => return,
+    };
+    // Afterwards: what is done presses something in its turn, and this listener hears one press at a
+    // time.
+    spawn_local(answer(desk, asked));
+}
+
+enum Asked {
+    ForFile,
+    ToChoose,
+    ToTakeIn,
+}
+
+async fn answer(desk: Desk, asked: Asked) {
+    if matches!(asked, Asked::ForFile) {
+        desk.export_setup();
+        return;
+    }
+    let chooser = document().get_element_by_id(CHOOSER);
+    let Some(chooser) = chooser.and_then(|chooser| chooser.dyn_into::<HtmlInputElement>().ok())
+    else {
+        return;
+    };
+    if matches!(asked, Asked::ToChoose) {
+        chooser.click();
+        return;
+    }
+    let file = chooser.files().and_then(|files| files.get(0));
+    // The same file can be chosen again when it was mended.
+    chooser.set_value("");
+    let Some(file) = file else { return };
+    let words = desk.import_setup(&file).await;
+    if let Some(said) = document().get_element_by_id(SAID) {
+        said.set_text_content(Some(&words));
+    }
+}
