@@ -12,6 +12,7 @@ use motorlink_messages::{
 
 use crate::{
     clock::{Clock, act_ms, page_now_ms},
+    components::live::memo,
     drawer::Drawer,
     fault_history::FaultHistory,
     history::History,
@@ -261,7 +262,7 @@ impl Desk {
     {
         // Boxed, all readers of one type share their code.
         let read: Box<Reader<T>> = Box::new(read);
-        Memo::new(move |_| {
+        memo(move || {
             let id = self.selected.get();
             self.shown.with(|session| read(session, id))
         })

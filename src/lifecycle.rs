@@ -5,7 +5,11 @@ use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
 use web_sys::VisibilityState;
 
 use crate::{
-    clock::page_now_ms, components::live::follow, desk::Desk, format, listener::on_window,
+    clock::page_now_ms,
+    components::live::{follow, memo},
+    desk::Desk,
+    format,
+    listener::on_window,
     session::Session,
 };
 
@@ -22,7 +26,7 @@ pub(crate) fn watch(desk: Desk) {
     on_window("freeze", move |_| leave(desk));
     on_window("visibilitychange", move |_| visibility_changed(desk));
 
-    let title = Memo::new(move |_| desk.shown.with(title));
+    let title = memo(move || desk.shown.with(title));
     follow(move || document().set_title(&title.get()));
 }
 

@@ -7,6 +7,7 @@ use crate::components::live::live;
 
 use super::button::PressButton;
 use crate::{
+    components::live::memo,
     desk::{Desk, WorkerState, use_desk},
     serial_ports, words,
 };
@@ -15,7 +16,7 @@ use crate::{
 #[component]
 pub(crate) fn ConnectionState() -> impl IntoView {
     let desk = use_desk();
-    let words = Memo::new(move |_| match desk.worker.get() {
+    let words = memo(move || match desk.worker.get() {
         WorkerState::Dead => ("Failed", "Reload the page".to_owned()),
         WorkerState::Starting | WorkerState::Running => desk
             .shown
@@ -42,7 +43,7 @@ pub(crate) fn ConnectionState() -> impl IntoView {
 #[component]
 pub(crate) fn ConnectButtons() -> impl IntoView {
     let desk = use_desk();
-    let open = Memo::new(move |_| desk.shown.with(|session| is_wanted(session.connection)));
+    let open = memo(move || desk.shown.with(|session| is_wanted(session.connection)));
     let why_no_serial = Signal::derive(move || why_not_serial(desk));
     let why_not_connect = Signal::derive(move || {
         if open.get() {

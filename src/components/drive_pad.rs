@@ -13,6 +13,7 @@ use web_sys::{
 
 use crate::{
     components::live::follow,
+    components::live::memo,
     desk::Desk,
     drawer::Drawer,
     drive_pad::{By, Stick},
@@ -65,7 +66,7 @@ pub(super) fn keep_working(desk: Desk) {
     for name in HEARD {
         on_window(name, move |event| hear(desk, &event));
     }
-    let why_not = Memo::new(move |_| {
+    let why_not = memo(move || {
         let crew = desk.together.fleet.with(Fleet::crew);
         desk.shown.with(|session| why_not_steer(session, &crew))
     });

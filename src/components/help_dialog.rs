@@ -3,14 +3,17 @@
 use leptos::{html::Div, prelude::*};
 
 use super::{button::PressButton, focus::focus_when, live::live};
-use crate::desk::{Dialog, use_desk};
+use crate::{
+    components::live::memo,
+    desk::{Dialog, use_desk},
+};
 
 /// Dialog `Help`. STOP stays above it.
 #[component]
 pub(crate) fn HelpDialog() -> impl IntoView {
     let desk = use_desk();
     let dialog = NodeRef::<Div>::new();
-    let open = Memo::new(move |_| desk.dialog.get() == Some(Dialog::Help));
+    let open = memo(move || desk.dialog.get() == Some(Dialog::Help));
     focus_when(open, dialog);
     view! {
         <div class="scrim" hidden=live(move || !open.get())>

@@ -6,6 +6,7 @@ use leptos::prelude::*;
 use motorlink_messages::protocol::MotorId;
 
 use crate::{
+    components::live::memo,
     components::live::{heard, live},
     desk::use_desk,
     preferences::Model,
@@ -16,7 +17,7 @@ use crate::{
 #[component]
 pub(crate) fn MotorChoice() -> impl IntoView {
     let desk = use_desk();
-    let found = Memo::new(move |_| desk.shown.with(Session::found));
+    let found = memo(move || desk.shown.with(Session::found));
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">

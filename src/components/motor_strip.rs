@@ -10,6 +10,7 @@ use super::{
     motor_buttons::{choose_clicked, replace_keeping_focus},
 };
 use crate::{
+    components::live::memo,
     desk::use_desk,
     drawer::Drawer,
     motor_chips::{FIGURES, Figure, chips_html, figures},
@@ -22,8 +23,8 @@ const CHIPS: &str = "motor-chips";
 #[component]
 pub(crate) fn MotorStrip() -> impl IntoView {
     let desk = use_desk();
-    let found = Memo::new(move |_| desk.shown.with(Session::found));
-    let html = Memo::new(move |_| {
+    let found = memo(move || desk.shown.with(Session::found));
+    let html = memo(move || {
         let selected = desk.selected.get();
         let fleet = desk.together.fleet;
         found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))

@@ -4,6 +4,7 @@ use leptos::{html::Div, prelude::*};
 
 use super::{button::PressButton, focus::focus_when, live::live};
 use crate::{
+    components::live::memo,
     desk::{Dialog, use_desk},
     question::Question,
 };
@@ -12,8 +13,8 @@ use crate::{
 pub(crate) fn QuestionDialog() -> impl IntoView {
     let desk = use_desk();
     let dialog = NodeRef::<Div>::new();
-    let asked = Memo::new(move |_| desk.dialog.get().and_then(Dialog::question));
-    let open = Memo::new(move |_| asked.with(Option::is_some));
+    let asked = memo(move || desk.dialog.get().and_then(Dialog::question));
+    let open = memo(move || asked.with(Option::is_some));
     focus_when(open, dialog);
     let of_question = move |read: fn(&Question) -> String| {
         live(move || asked.with(|asked| asked.as_ref().map(read).unwrap_or_default()))

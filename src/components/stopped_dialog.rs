@@ -7,6 +7,7 @@ use crate::components::live::live;
 
 use super::{button::PressButton, focus::focus_when};
 use crate::{
+    components::live::memo,
     desk::use_desk,
     format::{self, UNKNOWN},
     session::{Reading, Session},
@@ -19,7 +20,7 @@ use crate::{
 pub(crate) fn StoppedDialog() -> impl IntoView {
     let desk = use_desk();
     let dialog = NodeRef::<Div>::new();
-    let halted = Memo::new(move |_| desk.shown.with(|session| session.halted));
+    let halted = memo(move || desk.shown.with(|session| session.halted));
     focus_when(halted, dialog);
     let reason = move || {
         desk.shown.with(|session| {

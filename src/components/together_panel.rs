@@ -10,6 +10,7 @@ use super::{
     motor_buttons::replace_keeping_focus,
 };
 use crate::{
+    components::live::memo,
     desk::{Desk, use_desk},
     drawer::Drawer,
     entry,
@@ -31,7 +32,7 @@ const ROWS_MARKUP: &str =
 pub(crate) fn TogetherPanel() -> impl IntoView {
     let desk = use_desk();
     let together = desk.together;
-    let blocked = Memo::new(move |_| {
+    let blocked = memo(move || {
         let crew = together.fleet.with(Fleet::crew);
         desk.shown.with(|session| why_not_together(session, &crew))
     });
@@ -85,12 +86,12 @@ pub(crate) fn TogetherPanel() -> impl IntoView {
 /// Keeps a row a motor, and hears what is changed there.
 fn keep_rows(desk: Desk) {
     let fleet = desk.together.fleet;
-    let ids = Memo::new(move |_| {
+    let ids = memo(move || {
         let found = desk.shown.with(Session::found);
         fleet.with(|fleet| listed(&found, fleet))
     });
     // Who is driven stays on its side.
-    let held = Memo::<Vec<MotorId>>::new(move |_| {
+    let held = memo::<Vec<MotorId>>(move || {
         let held = |session: &Session| session.in_hand().map(|motor| motor.id).collect();
         desk.shown.with(held)
     });

@@ -5,6 +5,7 @@ use motorlink_messages::bus::SurveyStatus;
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
+    components::live::memo,
     components::{
         button::PressButton,
         live::{follow, heard, live},
@@ -26,7 +27,7 @@ pub(super) fn IdManagerTab() -> impl IntoView {
     let new_id = desk.targets.new_id;
     let blocked = desk.of_motor(|session, _| why_not_scan(session));
     let why_not_cancel = desk.of_motor(|session, _| why_not_cancel(session));
-    let objection = Memo::new(move |_| {
+    let objection = memo(move || {
         let to = assignable(new_id.get())?;
         desk.shown.with(|session| objection(session, to))
     });
@@ -38,7 +39,7 @@ pub(super) fn IdManagerTab() -> impl IntoView {
         let entered = || new_id.trouble().or_else(|| objection.get());
         blocked.get().or_else(entered).or_else(missing)
     });
-    let offers_full_scan = Memo::new(move |_| desk.ids.with(IdManager::offers_full_scan));
+    let offers_full_scan = memo(move || desk.ids.with(IdManager::offers_full_scan));
     let hint = Signal::derive(move || match assignable(new_id.get()) {
         Some(to) => format!("{} is {}", to.id().get(), to.id()),
         None => "1 to 254, decimal or in hex with 0x".to_owned(),
@@ -123,7 +124,7 @@ fn Progress() -> impl IntoView {
 fn Said() -> impl IntoView {
     let desk = use_desk();
     let unconnected = desk.of_motor(|session, _| why_not_stop(session));
-    let words = Memo::new(move |_| desk.ids.with(IdManager::words));
+    let words = memo(move || desk.ids.with(IdManager::words));
     let of_words = move |read: fn(&Words) -> String| live(move || words.with(read));
     let title = move || {
         let words = || words.with(|words| words.title.clone());
@@ -153,7 +154,7 @@ fn Said() -> impl IntoView {
 fn FoundList() -> impl IntoView {
     let desk = use_desk();
     let list = NodeRef::<Ul>::new();
-    let html = Memo::new(move |_| {
+    let html = memo(move || {
         let selected = desk.selected.get();
         desk.ids.with(|ids| {
             desk.shown

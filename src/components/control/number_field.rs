@@ -4,6 +4,7 @@ use leptos::prelude::*;
 use web_sys::KeyboardEvent;
 
 use crate::{
+    components::live::memo,
     components::live::{heard, live},
     entry::Entry,
     target::Target,
@@ -35,7 +36,7 @@ pub(crate) fn NumberField(
 ) -> impl IntoView {
     let slug: String = name.to_ascii_lowercase().replace(' ', "-");
     let words_id = format!("{slug}-words");
-    let trouble = Memo::new(move |_| target.trouble_in(name).or_else(|| objection.get()));
+    let trouble = memo(move || target.trouble_in(name).or_else(|| objection.get()));
     let wrong = move || trouble.with(Option::is_some);
     view! {
         <div class="field" class:wrong=live(wrong)>

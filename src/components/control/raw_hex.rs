@@ -5,6 +5,7 @@ use motorlink_messages::{bus::is_hazardous, protocol::Layout};
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
+    components::live::memo,
     components::{
         button::PressButton,
         live::{heard, live},
@@ -22,7 +23,7 @@ use crate::{
 #[component]
 pub(super) fn RawHexTab() -> impl IntoView {
     let raw = use_desk().raw;
-    let entered = Memo::new(move |_| raw.text.with(|text| Entered::read(text)));
+    let entered = memo(move || raw.text.with(|text| Entered::read(text)));
     tab_panel(
         Tab::RawHex,
         view! {
@@ -65,7 +66,7 @@ pub(super) fn RawHexTab() -> impl IntoView {
 fn Bytes(entered: Memo<Entered>) -> impl IntoView {
     let desk = use_desk();
     let text = desk.raw.text;
-    let wrong = Memo::new(move |_| matches!(entered.get().outcome(), Outcome::Wrong(_)));
+    let wrong = memo(move || matches!(entered.get().outcome(), Outcome::Wrong(_)));
     let chosen = desk.of_motor(|session, id| {
         let mode = session.mode(id).filter(Reading::is_fresh)?;
         Some((id, mode.value))
@@ -126,7 +127,7 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
 fn Sending(entered: Memo<Entered>) -> impl IntoView {
     let desk = use_desk();
     let raw = desk.raw;
-    let frame = Memo::new(move |_| entered.with(Entered::frame));
+    let frame = memo(move || entered.with(Entered::frame));
     let blocked = desk.of_motor(|session, _| why_not_send(session, false));
     let blocked_hazard = desk.of_motor(|session, _| why_not_send(session, true));
     let why_not_stop = desk.of_motor(|session, _| why_not_stop(session));

@@ -6,6 +6,7 @@ use leptos::prelude::*;
 use motorlink_messages::{journal::Kind, protocol::MotorId};
 
 use crate::{
+    components::live::memo,
     components::live::{heard, live},
     desk::{Desk, use_desk},
     session::Session,
@@ -29,11 +30,11 @@ const KINDS: [(&str, Option<Kind>); 5] = [
 #[component]
 pub(super) fn Filters() -> impl IntoView {
     let desk = use_desk();
-    let found = Memo::new(move |_| desk.shown.with(Session::found));
+    let found = memo(move || desk.shown.with(Session::found));
     let id = RwSignal::new(None::<MotorId>);
     let typed = StoredValue::new(0_u32);
     let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
-    let following = Memo::new(move |_| desk.journal.log.with(|log| log.following));
+    let following = memo(move || desk.journal.log.with(|log| log.following));
     let stopped = move || !desk.journal.alive.get();
     view! {
         <div class="packet-filters">

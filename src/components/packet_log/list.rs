@@ -9,6 +9,7 @@ use web_sys::{HtmlElement, ResizeObserver};
 use super::painter::{Painter, scroll_px};
 use crate::{
     clock::page_now_ms,
+    components::live::memo,
     components::{
         button::PressButton,
         live::{follow, heard, live},
@@ -77,7 +78,7 @@ pub(super) fn PacketList() -> impl IntoView {
         let alive = journal.alive.get();
         journal.log.with(|log| words::of_no_rows(log, alive))
     };
-    let back = Memo::new(move |_| journal.log.with(|log| (log.following, log.new_rows)));
+    let back = memo(move || journal.log.with(|log| (log.following, log.new_rows)));
     let back_reads = move || match back.get() {
         (_, 0) => "Back to the newest".to_owned(),
         (_, new) => format!("Back to the newest · {} new", grouped(new)),

@@ -11,6 +11,7 @@ use motorlink_messages::journal::Export;
 use self::{filters::Filters, list::PacketList};
 use super::{button::PressButton, export_button::ExportButton, live::live};
 use crate::{
+    components::live::memo,
     desk::use_desk,
     words::journal::{self as words, NO_JOURNAL},
 };
@@ -20,9 +21,9 @@ use crate::{
 pub(crate) fn PacketLog() -> impl IntoView {
     let desk = use_desk();
     let log = desk.journal.log;
-    let lines = Memo::new(move |_| log.with(words::of_entries));
-    let title = Memo::new(move |_| log.with(words::of_entries_at_length));
-    let empty = Memo::new(move |_| log.with(|log| log.kept == 0));
+    let lines = memo(move || log.with(words::of_entries));
+    let title = memo(move || log.with(words::of_entries_at_length));
+    let empty = memo(move || log.with(|log| log.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
     let why_empty = move || empty.get().then(|| "There are no entries yet.".to_owned());
     let why_not_clear = move || {

@@ -8,6 +8,7 @@ use super::{
     live::{heard, live},
 };
 use crate::{
+    components::live::memo,
     desk::use_desk,
     words::journal::{self as words, NO_JOURNAL},
 };
@@ -18,8 +19,8 @@ pub(crate) fn Recording() -> impl IntoView {
     let desk = use_desk();
     let alive = desk.journal.alive;
     let status = desk.journal.recording;
-    let records = Memo::new(move |_| status.with(|status| status.recording));
-    let says = Memo::new(move |_| {
+    let records = memo(move || status.with(|status| status.recording));
+    let says = memo(move || {
         if alive.get() {
             status.with(words::of_recording)
         } else {

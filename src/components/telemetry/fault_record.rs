@@ -5,6 +5,7 @@ use motorlink_messages::protocol::MotorId;
 
 use crate::{
     clock::local_time,
+    components::live::memo,
     components::{button::PressButton, live::live},
     desk::use_desk,
     fault_history::{End, FaultHistory, Occurrence},
@@ -20,12 +21,12 @@ const NOTHING_UNSEEN: &str = "There is no fault that was not seen";
 #[component]
 pub(super) fn FaultRecord() -> impl IntoView {
     let desk = use_desk();
-    let lines = Memo::new(move |_| {
+    let lines = memo(move || {
         let id = desk.selected.get();
         desk.fault_history
             .with(|history| lines(history, id, local_time).join("\n"))
     });
-    let unseen = Memo::new(move |_| {
+    let unseen = memo(move || {
         let id = desk.selected.get();
         desk.fault_history.with(|history| history.has_unseen(id))
     });

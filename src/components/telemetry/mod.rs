@@ -18,6 +18,7 @@ use self::{
 };
 use super::wheel_panel::loop_name;
 use crate::{
+    components::live::memo,
     desk::use_desk,
     format,
     session::{Angle, Reading, Session},
@@ -28,7 +29,7 @@ use crate::{
 #[component]
 pub(crate) fn Telemetry() -> impl IntoView {
     let desk = use_desk();
-    let mode = Memo::new(move |_| {
+    let mode = memo(move || {
         let (id, asked) = (desk.selected.get(), desk.asked.get());
         desk.shown.with(|session| mode(session, id, asked))
     });
