@@ -24,7 +24,7 @@ mod format;
 mod found_motors;
 mod frames;
 mod gamepads;
-mod graph;
+pub mod graph;
 mod history;
 mod id_acts;
 mod id_manager;

@@ -54,16 +54,16 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
     }
     match session.motor(id)?.activity {
         Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
-        Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
+        Activity::Switching { to } => return Some(format!("Motor {id} is changing to the {to}.")),
         Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     let faults = session.faults(id)?.value;
     if faults.any_named() {
-        return Some(Refusal::FaultActive(faults).to_string());
+        return Some(Refusal::FaultActive { id, faults }.to_string());
     }
     let reported = session.mode(id)?.value;
     (reported != mode)
-        .then(|| format!("The motor reports the {reported}. Press Switch to {mode} first."))
+        .then(|| format!("Motor {id} reports the {reported}. Press Switch to {mode} first."))
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
@@ -118,7 +118,7 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
     }
     match session.motor(id)?.activity {
         Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
-        Activity::Switching { to } => return Some(format!("The motor is changing to the {to}.")),
+        Activity::Switching { to } => return Some(format!("Motor {id} is changing to the {to}.")),
         Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     if session.mode(id)?.value == mode {
@@ -199,7 +199,7 @@ mod tests {
         let session = session(1_000, status(1_000, Mode::Current, 0));
         assert_eq!(
             why_not_drive(&session, ID, Mode::Velocity).unwrap(),
-            "The motor reports the current loop. Press Switch to velocity loop first."
+            "Motor 0x01 reports the current loop. Press Switch to velocity loop first."
         );
     }
 
@@ -296,7 +296,7 @@ mod tests {
         case("being scanned", &|s| {
             s.survey = Some(SurveyStatus::Stopping);
         });
-        case("Motor 0x01: The motor reports the current loop", &|s| {
+        case("Motor 0x01 reports the current loop", &|s| {
             s.motors = vec![status(1_000, Mode::Current, 0)];
         });
         for (words, session) in cases {

@@ -5,13 +5,13 @@
 //! columns, each keeps its values, and the line moves without shimmering.
 
 /// A point of a line: columns from the left edge of the view, and the value in its unit.
-pub(crate) type Dot = (f64, f64);
+pub type Dot = (f64, f64);
 
 /// The columns of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Grid {
+pub struct Grid {
     /// How long a column is: at least a microsecond.
-    pub(crate) column_us: u64,
+    pub column_us: u64,
     /// The number of the leftmost column, counted from the beginning of the worker's time.
     first: i64,
     /// How many there are.
@@ -30,7 +30,8 @@ impl Grid {
     ///
     /// A column is whole microseconds long, so a view may be a little shorter or longer than it was
     /// asked for: half a microsecond a column.
-    pub(crate) fn new(span_us: u64, right_us: u64, count: u32) -> Self {
+    #[must_use]
+    pub fn new(span_us: u64, right_us: u64, count: u32) -> Self {
         let columns = u64::from(count.max(1));
         let column_us = ((span_us + columns / 2) / columns).max(1);
         let end = whole(right_us / column_us) + 1;
@@ -90,7 +91,7 @@ fn whole(columns: u64) -> i64 {
 }
 
 /// Takes values in the order of time and makes lines of them.
-pub(crate) struct Lines {
+pub struct Lines {
     grid: Grid,
     done: Vec<Vec<Dot>>,
     line: Vec<Dot>,
@@ -110,7 +111,9 @@ struct Column {
 }
 
 impl Lines {
-    pub(crate) fn new(grid: Grid) -> Self {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new(grid: Grid) -> Self {
         Self {
             grid,
             done: Vec::new(),
@@ -121,7 +124,7 @@ impl Lines {
 
     /// Goes on with a value. This is done tens of thousands of times a frame, so a value in the column
     /// of the last one costs no more than a look.
-    pub(crate) fn to(&mut self, at_us: u64, value: f32) {
+    pub fn to(&mut self, at_us: u64, value: f32) {
         match &mut self.column {
             Some(column) if at_us < column.end_us => {
                 if value < column.least {
@@ -149,7 +152,7 @@ impl Lines {
     }
 
     /// Ends the line: what follows is not joined to it.
-    pub(crate) fn cut(&mut self) {
+    pub fn cut(&mut self) {
         self.end_column();
         let mut line = std::mem::take(&mut self.line);
         let right = f64::from(self.grid.count);
@@ -168,7 +171,8 @@ impl Lines {
     }
 
     /// The lines, within the view's edges.
-    pub(crate) fn finish(mut self) -> Vec<Vec<Dot>> {
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Vec<Dot>> {
         self.cut();
         self.done
     }

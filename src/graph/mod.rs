@@ -19,7 +19,7 @@
 //!
 //! All of it is pure and tested natively; `components::graph` draws it.
 
-pub(crate) mod columns;
+pub mod columns;
 pub(crate) mod comparison;
 pub(crate) mod crosshair;
 pub(crate) mod end_labels;

@@ -97,6 +97,23 @@ fn exchange(criterion: &mut Criterion) {
     }
 }
 
+/// What the bus decides over and over: who speaks next, when nobody is due.
+fn schedule(criterion: &mut Criterion) {
+    let mut driven = Driven::new(8);
+    let mut now = driven.now;
+    let soon = loop {
+        match driven.bus.poll(now) {
+            Output::Wait(until) if until > now + Duration::from_micros(200) => break now,
+            Output::Wait(until) => now = until,
+            Output::Transmit(_) => now = now + Duration::from_micros(1_900),
+            Output::Event(event) => drop(black_box(event)),
+        }
+    };
+    criterion.bench_function("schedule: who is next, 8 driven", |bencher| {
+        bencher.iter(|| driven.bus.poll(black_box(soon)));
+    });
+}
+
 fn line_status(criterion: &mut Criterion) {
     let mut driven = Driven::new(8);
     for _ in 0..1_000 {
@@ -107,5 +124,5 @@ fn line_status(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, decode, exchange, line_status);
+criterion_group!(benches, decode, exchange, schedule, line_status);
 criterion_main!(benches);

@@ -158,6 +158,8 @@ pub enum Refusal {
     NotHeard(MotorId),
     /// The setpoint belongs to another loop than the motor reports.
     OtherLoop {
+        /// Which motor.
+        id: MotorId,
         /// The loop of the setpoint.
         asked: Mode,
         /// The loop that the motor reports.
@@ -168,7 +170,12 @@ pub enum Refusal {
     /// The position loop needs less than 10 rpm.
     TooFast(Rpm),
     /// The motor reports a fault and would ignore the command, then obey it when the fault clears.
-    FaultActive(Faults),
+    FaultActive {
+        /// Which motor.
+        id: MotorId,
+        /// What it reports.
+        faults: Faults,
+    },
     /// The operator has to be asked first.
     NeedsConsent(CurrentTarget),
     /// The motor is being stopped.
@@ -205,10 +212,14 @@ impl fmt::Display for Refusal {
                     "Motor {id} has not answered, so its loop is not known. Check its power and ID."
                 )
             }
-            Self::OtherLoop { asked, reported } => {
+            Self::OtherLoop {
+                id,
+                asked,
+                reported,
+            } => {
                 write!(
                     f,
-                    "The motor reports the {reported}. Switch to the {asked} first."
+                    "Motor {id} reports the {reported}. Switch it to the {asked} first."
                 )
             }
             Self::SpeedUnknown(id) => write!(
@@ -219,9 +230,9 @@ impl fmt::Display for Refusal {
                 f,
                 "The position loop needs less than 10 rpm; the wheel turns at {speed}. Stop it first."
             ),
-            Self::FaultActive(faults) => write!(
+            Self::FaultActive { id, faults } => write!(
                 f,
-                "The motor reports {faults} and ignores commands until that clears. Press again then."
+                "Motor {id} reports {faults} and ignores commands until that clears. Press again then."
             ),
             Self::NeedsConsent(current) => {
                 write!(f, "{current} is above 6.1 A: confirm that it is meant.")

@@ -97,11 +97,12 @@ pub(crate) fn check_drive(
         return Err(Refusal::NeedsConsent(target));
     }
     if let Some(faults) = faults.filter(|faults| faults.any_named()) {
-        return Err(Refusal::FaultActive(faults));
+        return Err(Refusal::FaultActive { id, faults });
     }
     match reported {
         None => Err(Refusal::NotHeard(id)),
         Some(reported) if reported != setpoint.mode() => Err(Refusal::OtherLoop {
+            id,
             asked: setpoint.mode(),
             reported,
         }),
@@ -231,13 +232,17 @@ mod tests {
         assert_eq!(
             drive(velocity, Consent::None, Some(Mode::Current), none),
             Err(Refusal::OtherLoop {
+                id: ID,
                 asked: Mode::Velocity,
                 reported: Mode::Current
             })
         );
         assert_eq!(
             drive(velocity, Consent::None, Some(Mode::Velocity), Some(stalled)),
-            Err(Refusal::FaultActive(stalled))
+            Err(Refusal::FaultActive {
+                id: ID,
+                faults: stalled
+            })
         );
         let reserved = Some(Faults::from_byte(0b1110_0000));
         assert_eq!(

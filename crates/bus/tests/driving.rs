@@ -156,6 +156,7 @@ fn a_setpoint_of_another_loop_is_refused() {
     assert_eq!(
         bench.drive(amps(1.0)),
         Err(Refusal::OtherLoop {
+            id: ID,
             asked: Mode::Current,
             reported: Mode::Velocity
         })

@@ -257,7 +257,7 @@ fn a_protection_takes_the_setpoint_and_its_end_does_not_bring_it_back() {
     bench.run(ms(500));
     assert!(matches!(
         bench.drive(rpm(100)),
-        Err(Refusal::FaultActive(_) | Refusal::Stopping(_))
+        Err(Refusal::FaultActive { .. } | Refusal::Stopping(_))
     ));
     bench.world.motor_mut(ID).unwrap().block(false);
     bench.run(ms(10_000));

@@ -82,6 +82,7 @@ fn where_one_may_not_be_driven_none_is() {
     assert_eq!(
         drive(&mut bench, &[(1, 100), (2, 100)]),
         Err(Refusal::OtherLoop {
+            id: id(2),
             asked: Mode::Velocity,
             reported: Mode::Current
         })

@@ -8,6 +8,7 @@ use anyhow::{Result, bail};
 use crate::browser::{self, Browser};
 use crate::failure::refusal_of_flags;
 use crate::foreign;
+use crate::performance::Rows;
 use crate::process;
 use crate::site::{self, Profile};
 use crate::size;
@@ -50,52 +51,72 @@ fn udev_shim(target: &Path) -> PathBuf {
     target.join(PROFILE).join(name)
 }
 
-/// Measures the figures that the page is held to, and prints them.
+/// What can be measured by itself: programs of `end-to-end`, and what needs no browser.
+const PARTS: [&str; 5] = ["figures", "instruments", "wire", "scans", "pure"];
+
+/// Measures the figures that the page is held to, prints them, and puts them into the README's table.
+///
+/// The first of `args` may name a part; what is not measured keeps its rows.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     let (browser, dist) = prepare(workspace)?;
-    // What one of them cannot measure keeps none of the others from it.
-    let driving = run(workspace, &browser, "figures", args);
-    let instruments = run(workspace, &browser, "instruments", args);
-    let wire = run(workspace, &browser, "wire", args);
-    let scans = full_scans(workspace);
-    let pure = pure_parts(workspace);
+    let (only, args) = match args {
+        [part, rest @ ..] if PARTS.contains(&part.as_str()) => (Some(part.as_str()), rest),
+        all => (None, all),
+    };
+    let mut rows = Rows::default();
+    let mut failed = Ok(());
+    for part in PARTS
+        .into_iter()
+        .filter(|part| only.is_none_or(|only| only == *part))
+    {
+        let mut command = match part {
+            "scans" => full_scans(workspace),
+            "pure" => pure_parts(workspace),
+            program => program_of_bench(workspace, &browser, program, args),
+        };
+        // What one of them cannot measure keeps none of the others from it.
+        failed = failed.and(process::run_and_hear(&mut command, |line| rows.hear(line)));
+    }
+    rows.write_into(&workspace.root().join("README.md"))?;
     let files = site::files_of(&dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
     let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
     println!("first visit, gzip: {bytes} bytes (at most {max})");
     println!("foreign hosts in the files: {}", list(&files));
-    driving.and(instruments).and(wire).and(scans).and(pure)
+    failed.map_err(refusal_of_flags)
 }
 
 /// Measures what one exchange costs in computing.
-fn pure_parts(workspace: &Workspace) -> Result<()> {
+fn pure_parts(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
+    cargo.args(["bench", "--quiet", "--package", "motorlink-bus"]);
     cargo.args([
-        "bench",
-        "--quiet",
         "--package",
-        "motorlink-bus",
+        "motorlink",
         "--bench",
         "exchange",
+        "--bench",
+        "decimate",
     ]);
-    process::run(&mut cargo)
+    cargo
 }
 
 /// Plays full scans on bad lines in virtual time, and prints how many runs found every motor.
-fn full_scans(workspace: &Workspace) -> Result<()> {
+fn full_scans(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
     cargo.args(["--package", "motorlink-bus", "--example", "full_scans"]);
     cargo.args(["--", SCAN_SEEDS]);
-    process::run(&mut cargo)
+    cargo
 }
 
 /// Makes the README's screenshots.
 pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
     let (browser, _) = prepare(workspace)?;
-    run(workspace, &browser, "screenshots", args)
+    let mut program = program_of_bench(workspace, &browser, "screenshots", args);
+    process::run(&mut program).map_err(refusal_of_flags)
 }
 
 /// Fails where the site is heavier than it may be or names another host.
@@ -133,13 +154,18 @@ fn prepare(workspace: &Workspace) -> Result<(Browser, PathBuf)> {
     Ok((browser, dist))
 }
 
-/// Runs a program of `end-to-end`.
-fn run(workspace: &Workspace, browser: &Browser, program: &str, args: &[String]) -> Result<()> {
+/// A program of `end-to-end`.
+fn program_of_bench(
+    workspace: &Workspace,
+    browser: &Browser,
+    program: &str,
+    args: &[String],
+) -> Command {
     let mut cargo = process::cargo();
     cargo.args(["run", "--quiet", "--package", "end-to-end"]);
     cargo.args(["--bin", program, "--"]).args(args);
     equip(&mut cargo, workspace, browser);
-    process::run(&mut cargo).map_err(refusal_of_flags)
+    cargo
 }
 
 /// The bench shows Chromium a serial line through libudev, which only Linux has.

@@ -10,6 +10,7 @@ mod command_line;
 mod failure;
 mod foreign;
 mod fresh_name;
+mod performance;
 mod process;
 mod serve;
 mod site;

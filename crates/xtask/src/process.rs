@@ -1,6 +1,7 @@
 //! Starting other programs.
 
 use std::env;
+use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
@@ -39,6 +40,30 @@ pub fn run(command: &mut Command) -> Result<()> {
     let status = command
         .status()
         .with_context(|| format!("cannot start `{}`", words(command)))?;
+    if status.success() {
+        return Ok(());
+    }
+    Err(ChildFailed {
+        command: words(command),
+        code: status.code(),
+    }
+    .into())
+}
+
+/// Runs a program to its end, its output going where ours goes, and hears each line of it.
+pub fn run_and_hear(command: &mut Command, mut hear: impl FnMut(&str)) -> Result<()> {
+    let mut child = command
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot start `{}`", words(command)))?;
+    if let Some(printed) = child.stdout.take() {
+        for line in BufReader::new(printed).lines() {
+            let line = line.with_context(|| format!("cannot read `{}`", words(command)))?;
+            println!("{line}");
+            hear(&line);
+        }
+    }
+    let status = child.wait()?;
     if status.success() {
         return Ok(());
     }
