@@ -2,7 +2,8 @@
 //! prints it as a table.
 //!
 //! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how
-//! long each line is watched, `--only bare`, `rates`, `crowd` or `load` measures a part.
+//! long each line is watched, `--only bare`, `rates`, `crowd`, `load` or `heap` measures a part. The heap
+//! is watched ten times as long.
 
 mod bare;
 mod crowd;
@@ -18,7 +19,7 @@ use end_to_end::{Page, figures::Table};
 /// How long a line is watched.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 4] = ["bare", "rates", "crowd", "load"];
+const PARTS: [&str; 5] = ["bare", "rates", "crowd", "load", "heap"];
 
 fn main() -> ExitCode {
     match wanted().and_then(|wanted| measure(&wanted)) {
@@ -48,7 +49,7 @@ fn wanted() -> Result<Wanted> {
                 wanted.watched = Duration::from_secs(seconds);
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
-            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load]"),
+            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|heap]"),
         }
     }
     Ok(wanted)
@@ -64,7 +65,8 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "bare" => bare::measure(wanted.watched),
             "rates" => rates::measure(wanted.watched),
             "crowd" => crowd::measure(wanted.watched),
-            _ => load::measure(wanted.watched),
+            "load" => load::measure(wanted.watched),
+            _ => load::measure_heap(wanted.watched),
         };
         if let Err(error) = measured {
             println!("| {part} | | could not be measured: {error:#} | NO |");
