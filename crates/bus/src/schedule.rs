@@ -53,6 +53,8 @@ pub(crate) struct Pace {
     pub(crate) query_was_last: bool,
     /// Whether the last exchange has only just ended.
     pub(crate) just_freed: bool,
+    /// When the line may carry a query again.
+    pub(crate) queries_from: Instant,
 }
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
@@ -65,6 +67,7 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
         period,
         query_was_last,
         just_freed,
+        queries_from,
     } = pace;
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors);
@@ -98,7 +101,7 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     let squeezes = next_appointment.is_some_and(|at| at < now + usual);
     let drive_waits = drive.is_some_and(|(at, _)| due(at));
     let its_turn = (just_freed || !squeezes) && !(query_was_last && drive_waits);
-    let has_waited = |at: Instant| now >= at + QUERY_PATIENCE;
+    let has_waited = |at: Instant| now >= (at + QUERY_PATIENCE).max(queries_from);
     if let Some((_, id)) = query.filter(|(at, _)| its_turn && has_waited(*at)) {
         return Turn::Now(Errand::Query(id));
     }
@@ -112,12 +115,12 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     let frames_a_period = u32::try_from(driven.count()).unwrap_or(u32::MAX).max(1);
     let margin = (period / 2 / frames_a_period).min(QUERY_MARGIN_MAX);
     let fits = next_appointment.is_none_or(|at| now + usual + margin <= at);
-    let query_turn = query.map(|(at, id)| match (due(at), fits) {
+    let query_turn = query.map(|(at, id)| match (due(at.max(queries_from)), fits) {
         (true, true) => Turn::Now(Errand::Query(id)),
         // It goes behind the next reply.
         (true, false) if has_waited(at) => Turn::Never,
-        (true, false) => Turn::At(at + QUERY_PATIENCE),
-        (false, _) => Turn::At(at),
+        (true, false) => Turn::At((at + QUERY_PATIENCE).max(queries_from)),
+        (false, _) => Turn::At(at.max(queries_from)),
     });
     match (query_turn, next_appointment) {
         (Some(Turn::At(query_at)), Some(at)) => Turn::At(at.min(query_at)),

@@ -297,3 +297,20 @@ fn a_motor_forgotten_while_it_is_asked_stays_forgotten() {
     bench.run(ms(500));
     assert!(bench.bus.motors(bench.now).all(|motor| motor.id != id(9)));
 }
+
+/// The queries of all motors in a row would take as long as all their drive frames.
+#[test]
+fn the_queries_of_many_motors_are_spread_over_their_period() {
+    let mut bench = watching(&[1, 2, 3, 4, 5, 6]);
+    for address in 1..=6 {
+        drive(&mut bench, id(address));
+    }
+    bench.run(ms(3_000));
+    bench.forget_the_past();
+    bench.run(ms(5_000));
+    let queries = bench.sent.iter().filter(|sent| sent.is_query());
+    let times: Vec<Instant> = queries.map(|sent| sent.at).collect();
+    assert!(times.len() >= 140, "{}", times.len());
+    let nearest = times.windows(2).map(|pair| pair[1].since(pair[0])).min();
+    assert!(nearest.unwrap() >= ms(24), "{nearest:?}");
+}

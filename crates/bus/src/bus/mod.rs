@@ -61,6 +61,8 @@ pub struct Bus {
     line_use: LineUse,
     /// Whether the last frame was a query.
     query_was_last: bool,
+    /// Where several motors are driven, when the line may carry a query again.
+    queries_from: Instant,
     /// When the last exchange ended.
     freed_at: Instant,
     /// Set by Stop all motors; nothing drives until it is released.
@@ -96,6 +98,7 @@ impl Bus {
             last_group: 0,
             line_use: LineUse::default(),
             query_was_last: false,
+            queries_from: now,
             freed_at: now,
             halted: false,
             stop: None,
@@ -210,6 +213,7 @@ impl Bus {
             period: self.rate.period(),
             query_was_last: self.query_was_last,
             just_freed: now.since(self.freed_at) < JUST_FREED,
+            queries_from: self.queries_from,
         };
         next_turn(
             &self.motors,

@@ -42,6 +42,19 @@ impl Bus {
         }
     }
 
+    /// From one query on the line to the next, where several motors are driven: those of six motors in a
+    /// row would take as long as all their drive frames, and make a gap in each. Less than an even share,
+    /// so that what was held up is made up for.
+    pub(super) fn query_distance(&self) -> Duration {
+        let several = self.motors.iter().filter(|motor| is_driven(motor)).count() > 1;
+        let watched = u32::try_from(self.motors.len()).unwrap_or(u32::MAX);
+        if several {
+            self.query_period() * 3 / 4 / watched.max(1)
+        } else {
+            Duration::ZERO
+        }
+    }
+
     /// The share of the line that drive frames at the command rate would need, per mille; it may be
     /// more than there is.
     fn drive_need(&self) -> u32 {

@@ -29,6 +29,9 @@ impl Bus {
             others_driven: self.anyone_driven(),
         };
         self.query_was_last = matches!(errand, Errand::Query(_));
+        if self.query_was_last {
+            self.queries_from = now + self.query_distance();
+        }
         let (request, purpose) = match errand {
             Errand::Raw => return self.speak_raw(now),
             Errand::IdQuery => {
