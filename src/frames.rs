@@ -8,6 +8,8 @@ use std::time::Duration;
 use leptos::prelude::{TimeoutHandle, set_timeout_with_handle, window};
 use leptos::wasm_bindgen::{JsCast, closure::Closure};
 
+use crate::clock::page_now_ms;
+
 /// What a step asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
@@ -19,12 +21,27 @@ pub enum Next {
     Woken,
 }
 
+/// What changes with the data rather than by a person's hand is drawn at multiples of this, all of it in
+/// the same frames: a frame costs more than what is drawn in it.
+pub const STEP_MS: f64 = 50.0;
+
 impl Next {
-    /// To be called at the next multiple of so many milliseconds. Whatever goes by the clock so is drawn
-    /// in the same frames: a frame costs more than what is drawn in it.
+    /// To be called at the next multiple of so many milliseconds, which are some [`STEP_MS`].
     pub fn in_step(period_ms: f64, now_ms: f64) -> Self {
-        Self::After(period_ms - now_ms.rem_euclid(period_ms))
+        Self::After(to_step(period_ms, now_ms))
     }
+
+    /// The same, but not before the next multiple of [`STEP_MS`].
+    pub fn put_off_to_step(self, now_ms: f64) -> Self {
+        match self {
+            Self::After(ms) => Self::After(ms + to_step(STEP_MS, now_ms + ms)),
+            other => other,
+        }
+    }
+}
+
+fn to_step(period_ms: f64, now_ms: f64) -> f64 {
+    period_ms - now_ms.rem_euclid(period_ms)
 }
 
 /// Calls a step function with the time of the frame, as often as it asks. Dropping it ends that.
@@ -65,6 +82,18 @@ impl Frames {
         move || {
             if let Some(inner) = weak.upgrade() {
                 inner.request_frame();
+            }
+        }
+    }
+
+    /// A function that wakes the step at the next multiple of [`STEP_MS`].
+    pub fn waker_in_step(&self) -> impl Fn() + 'static {
+        let weak: Weak<Inner> = Rc::downgrade(&self.0);
+        move || {
+            if let Some(inner) = weak.upgrade()
+                && inner.frame.get().is_none()
+            {
+                inner.request_later(to_step(STEP_MS, page_now_ms()));
             }
         }
     }

@@ -40,6 +40,8 @@ pub(crate) struct LogFeed {
     stale: u8,
     /// Wakes the list, which sleeps while nothing changes.
     wake: Option<Rc<dyn Fn()>>,
+    /// The same with the next step of what goes with the data.
+    wake_in_step: Option<Rc<dyn Fn()>>,
 }
 
 /// So many answers in a row from before the last change, which is a second of them, and the journal
@@ -64,7 +66,9 @@ impl LogFeed {
         self.generation = page.generation;
         self.view.set_rows(page.oldest, page.end);
         self.page = page;
-        self.wake();
+        if let Some(wake) = &self.wake_in_step {
+            wake();
+        }
         None
     }
 
@@ -130,9 +134,11 @@ impl LogFeed {
         }
     }
 
-    /// Calls `wake` whenever there is something new. It must not touch the feed.
-    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
+    /// Calls `wake` when a person changes something, `wake_in_step` when there is something new. They must
+    /// not touch the feed.
+    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>, wake_in_step: Rc<dyn Fn()>) {
         self.wake = Some(wake);
+        self.wake_in_step = Some(wake_in_step);
     }
 
     pub(crate) fn wake(&self) {

@@ -7,9 +7,10 @@
 //! Times are milliseconds on the page's clock.
 
 use super::motion::Heading;
+use crate::frames::STEP_MS;
 
 /// How often the course is looked at while the wheel turns.
-pub const LOOK_EVERY_MS: f64 = 50.0;
+pub const LOOK_EVERY_MS: f64 = STEP_MS;
 /// What a course is off is made good within this.
 const MADE_GOOD_MS: f64 = 100.0;
 /// Nearer than this it is left alone: half a millimetre at the tread of a wheel as wide as a hand.

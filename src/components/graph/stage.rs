@@ -18,6 +18,7 @@ use super::{
     watchers::{self, Watchers},
 };
 use crate::{
+    clock::page_now_ms,
     frames::{Frames, Next},
     graph::{
         columns::Grid,
@@ -292,7 +293,7 @@ fn next_column(grid: Grid, now_us: u64) -> Next {
     if grid.column_us < FRAMES_BELOW_US {
         return Next::Frame;
     }
-    after(grid.right_us(), now_us)
+    after(grid.right_us(), now_us).put_off_to_step(page_now_ms())
 }
 
 #[allow(

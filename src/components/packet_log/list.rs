@@ -59,10 +59,10 @@ pub(super) fn PacketList() -> impl IntoView {
                 Next::Woken
             }
         });
-        let waker = running.waker();
+        let (waker, in_step) = (running.waker(), running.waker_in_step());
         journal
             .feed
-            .update_value(|feed| feed.on_news(Rc::new(waker)));
+            .update_value(|feed| feed.on_news(Rc::new(waker), Rc::new(in_step)));
         frames.set_value(Some(running));
     });
 
