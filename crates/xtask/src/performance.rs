@@ -88,11 +88,11 @@ impl Rows {
         for row in table.lines().filter_map(Row::of_table).chain(self.rows) {
             all.put(row);
         }
-        let lines: String = all
-            .rows
-            .iter()
-            .map(|row| format!("{}\n", row.line))
-            .collect();
+        let mut lines = String::new();
+        for row in &all.rows {
+            lines.push_str(&row.line);
+            lines.push('\n');
+        }
         Ok(format!("{before}{BEGIN}\n\n{HEAD}{lines}\n{END}{after}"))
     }
 }
