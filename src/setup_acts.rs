@@ -56,7 +56,8 @@ impl Desk {
     fn take_file(self, read: Result<Setup, SetupError>) -> String {
         // Driving may have begun while the file was chosen and read.
         let pad_is_held = self.together.driving.get_untracked().is_some();
-        if let Some(reason) = why_not_import(&self.present(), pad_is_held) {
+        let reason = why_not_import(&self.present(), pad_is_held);
+        if let Some(reason) = reason.or_else(|| self.why_not_turn_sides()) {
             return words::of_refusal(&reason);
         }
         match read {

@@ -97,7 +97,8 @@ impl Desk {
 
     /// Not while the motor is driven: the next adjustment would turn it round.
     pub(crate) fn set_side(self, id: MotorId, side: Side) {
-        if let Some(reason) = why_not_side(&self.present(), id) {
+        let reason = why_not_side(&self.present(), id).or_else(|| self.why_not_turn_sides());
+        if let Some(reason) = reason {
             self.refuse(format!("The side of motor {id} was not changed"), reason);
             return;
         }

@@ -6,7 +6,7 @@
 //!
 //! Times are milliseconds on the page's clock.
 
-use super::motion::Heading;
+use super::motion::{Heading, Way};
 use crate::frames::STEP_MS;
 
 /// How often the course is looked at while the wheel turns.
@@ -55,9 +55,21 @@ impl Course {
         }
     }
 
-    /// The course from now on, where this one is not near enough to the heading.
+    /// The course from now on, where there is to be another.
     #[must_use]
-    pub fn corrected(&self, heading: Heading, now_ms: f64) -> Option<Self> {
+    pub fn next(course: Option<Self>, heading: Heading, now_ms: f64) -> Option<Self> {
+        match (course, heading.way) {
+            (None, _) | (_, Way::There) => Some(Self::begun(heading, now_ms)),
+            (Some(course), Way::On) => course.corrected(heading, now_ms),
+            (Some(course), Way::Nowhere) => {
+                let runs = now_ms < course.until_ms;
+                runs.then(|| Self::standing(course.angle_at(now_ms), now_ms))
+            }
+        }
+    }
+
+    /// The course from now on, where this one is not near enough to the heading.
+    fn corrected(&self, heading: Heading, now_ms: f64) -> Option<Self> {
         let drawn_deg = self.angle_at(now_ms);
         let off_deg = heading.angle_deg - drawn_deg;
         let stands = heading.rate_deg_per_s.abs() < f64::EPSILON;
@@ -91,8 +103,7 @@ impl Course {
     }
 
     /// The first course.
-    #[must_use]
-    pub fn begun(heading: Heading, now_ms: f64) -> Self {
+    fn begun(heading: Heading, now_ms: f64) -> Self {
         Self {
             until_ms: heading.known_until_ms.max(now_ms),
             rate_deg_per_s: heading.rate_deg_per_s,

@@ -43,9 +43,7 @@ fn drive(speeds: &[(f64, u32)]) -> Drawn {
             if now - looked >= LOOK_EVERY_MS + 16.0 {
                 looked = now;
                 let heading = estimator.frame(now).heading;
-                let next = course.map_or(Some(Course::begun(heading, now)), |course| {
-                    course.corrected(heading, now)
-                });
+                let next = Course::next(course, heading, now);
                 drawn.corrections += usize::from(next.is_some());
                 course = next.or(course);
             }
@@ -93,6 +91,7 @@ fn a_wheel_that_slows_down_is_never_turned_back() {
 #[test]
 fn without_reports_the_wheel_stops_by_itself() {
     let heading = Heading {
+        way: Way::On,
         angle_deg: 10.0,
         rate_deg_per_s: -600.0,
         known_until_ms: 1_400.0,
@@ -106,6 +105,7 @@ fn without_reports_the_wheel_stops_by_itself() {
 #[test]
 fn another_place_is_not_wound_to() {
     let heading = |angle_deg| Heading {
+        way: Way::On,
         angle_deg,
         rate_deg_per_s: 0.0,
         known_until_ms: 500.0,
@@ -114,4 +114,39 @@ fn another_place_is_not_wound_to() {
     let next = course.corrected(heading(100.0), 10.0).unwrap();
     assert!((next.angle_at(10.0) - 100.0).abs() < f64::EPSILON);
     assert_eq!(course.corrected(heading(0.01), 600.0), None);
+}
+
+/// The page was hidden, or another motor was chosen: the wheel is put where it is, not wound there.
+#[test]
+fn a_way_that_nobody_saw_is_not_drawn() {
+    let heading = |way, angle_deg| Heading {
+        way,
+        angle_deg,
+        rate_deg_per_s: 0.0,
+        known_until_ms: 500.0,
+    };
+    let course = Course::next(None, heading(Way::There, 0.0), 0.0);
+    let next = Course::next(course, heading(Way::There, 80.0), 10.0).unwrap();
+    assert!((next.angle_at(10.0) - 80.0).abs() < f64::EPSILON);
+}
+
+/// Disconnected at speed: the wheel stays as the browser drew it last.
+#[test]
+fn a_wheel_of_which_nothing_is_known_stays_as_it_is_drawn() {
+    let turning = Heading {
+        way: Way::There,
+        angle_deg: 0.0,
+        rate_deg_per_s: -1_200.0,
+        known_until_ms: 500.0,
+    };
+    let course = Course::next(None, turning, 0.0);
+    let unknown = Heading {
+        way: Way::Nowhere,
+        angle_deg: 0.0,
+        rate_deg_per_s: 0.0,
+        known_until_ms: 40.0,
+    };
+    let next = Course::next(course, unknown, 40.0).unwrap();
+    assert!((next.angle_at(90.0) + 48.0).abs() < 1e-9);
+    assert_eq!(Course::next(Some(next), unknown, 90.0), None);
 }

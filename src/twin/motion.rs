@@ -29,9 +29,22 @@ pub struct ReportedAngle {
     pub quality: AngleQuality,
 }
 
+/// How the drawn wheel gets to where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Turning, from where it is drawn.
+    On,
+    /// Put there: nobody saw the way.
+    There,
+    /// It stays where it is drawn: nothing is known.
+    Nowhere,
+}
+
 /// Where the wheel is and how it goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heading {
+    /// How it gets there.
+    pub way: Way,
     /// The reported angle as it is now, in degrees and unwrapped: it may be any number. As a
     /// clockwise rotation it turns the drawn wheel the right way.
     pub angle_deg: f64,
@@ -110,6 +123,8 @@ pub struct Estimator {
     speed_rpm: f64,
     /// The angle from which turns are counted.
     origin_deg: Option<f64>,
+    /// Whether the track was begun since the last frame.
+    begun: bool,
 }
 
 impl Estimator {
@@ -137,6 +152,7 @@ impl Estimator {
             angle_deg,
             rate_deg_per_s,
         };
+        self.begun |= before.is_none();
         self.take_up(before, track);
         self.track = Some(track);
         self.origin_deg.get_or_insert(angle_deg);
@@ -163,6 +179,7 @@ impl Estimator {
             self.speed_rpm = 0.0;
             return Pose {
                 heading: Heading {
+                    way: Way::Nowhere,
                     angle_deg: self.drawn_deg,
                     rate_deg_per_s: 0.0,
                     known_until_ms: now_ms,
@@ -186,6 +203,11 @@ impl Estimator {
             && (self.speed_rpm - reported_rpm).abs() < SETTLED_RPM;
         Pose {
             heading: Heading {
+                way: if std::mem::take(&mut self.begun) || elapsed_ms >= UNSEEN_MS {
+                    Way::There
+                } else {
+                    Way::On
+                },
                 angle_deg: self.drawn_deg,
                 rate_deg_per_s: if fresh { track.rate_deg_per_s } else { 0.0 },
                 known_until_ms: track.at_ms + FRESH_MS,

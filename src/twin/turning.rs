@@ -25,10 +25,7 @@ impl Turning {
 
     /// Sends the wheel where the reports say, if it is not on its way there.
     pub(super) fn steer(&mut self, heading: Heading, now_ms: f64) {
-        let next = match self.course {
-            Some(course) => course.corrected(heading, now_ms),
-            None => Some(Course::begun(heading, now_ms)),
-        };
+        let next = Course::next(self.course, heading, now_ms);
         let Some(course) = next else { return };
         self.course = Some(course);
         let begun = self.begin(course);

@@ -112,7 +112,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let drives: HtmlInputElement = bench.find("checkbox", "Drive 0x02").unchecked_into();
     assert!(drives.checked());
     assert_eq!(model.value(), Model::Ddsm115.key());
-    bench.find("button", "Motor 0x02, Starboard, right");
+    bench.find("button", "Motor 0x02, Starboard, right, mirrored");
     let (preferences, fleet, ramp) = kept();
     assert_eq!(preferences.rate.hertz(), 120);
     assert_eq!(preferences.model, Model::Ddsm115);

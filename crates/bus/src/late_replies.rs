@@ -39,9 +39,11 @@ impl LateReplies {
             Layout::Drive => &mut self.drive,
             Layout::Query => &mut self.query,
         };
+        let replies = in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX);
         *owed = Owed {
             sent: Some(sent),
-            replies: in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX),
+            // What was owed before is owed still.
+            replies: replies.max(owed.replies),
         };
     }
 
@@ -130,6 +132,20 @@ mod tests {
             Some(Layout::Query)
         );
         assert!(!late.may_come(at(50)));
+    }
+
+    #[test]
+    fn what_is_owed_is_not_forgotten_for_a_smaller_debt() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Drive, at(0), 5);
+        late.replied();
+        late.unanswered(Layout::Drive, at(20), 1);
+        for _ in 0..6 {
+            late.replied();
+        }
+        assert!(late.may_come(at(9_999)));
+        late.replied();
+        assert!(!late.may_come(at(9_999)));
     }
 
     #[test]

@@ -110,6 +110,10 @@ pub struct MotorStatus {
     pub counters: Counters,
 }
 
+/// Beyond what its speed explains an angle differs by no more than this from the one before: half a
+/// window's worth of the fastest wheel.
+const ANGLE_STEP_MAX_DEG: f32 = 40.0;
+
 #[derive(Clone, Debug)]
 pub(crate) struct Motor {
     pub(crate) id: MotorId,
@@ -192,6 +196,20 @@ impl Motor {
             }
             Detail::Drive { .. } | Detail::Undetermined(_) => Some(layout),
         }
+    }
+
+    /// Whether the angle of a drive reply goes on from the one before it, where that is fresh. One that
+    /// was read in the wrong layout hardly does, and a wheel that is to be held would go there.
+    pub(crate) fn continues(&self, now: Instant, reply: &Reply) -> bool {
+        let Detail::Drive { position } = reply.detail else {
+            return false;
+        };
+        let before = self.position.filter(|(at, _)| now.since(*at) <= FRESH_FOR);
+        before.is_none_or(|(at, before)| {
+            let off = (position.degrees() - before.degrees() + 180.0).rem_euclid(360.0) - 180.0;
+            let turned = reply.speed.degrees_per_second().abs() * now.since(at).as_secs_f32();
+            off.abs() <= ANGLE_STEP_MAX_DEG + turned
+        })
     }
 
     /// What it is driven to.

@@ -96,6 +96,9 @@ pub(crate) const MAX_WINDOW: Duration = Duration::from_millis(40);
 /// Every motor answers the ID query at once, and all of it is waited for.
 pub(crate) const ID_QUERY_WINDOW: Duration = Duration::from_millis(60);
 
+/// Longer ago than this an ID query is not answered any more, whatever holds its answers.
+pub(crate) const CALL_FORGOTTEN: Duration = Duration::from_secs(10);
+
 /// A request without answer keeps the line for its airtime and this, so that its echo is over, which
 /// may come in pieces a USB frame of 1 ms apart.
 pub(crate) const SETTLE: Duration = Duration::from_millis(4);

@@ -10,8 +10,9 @@
 mod bench;
 
 use bench::{Bench, ID, amps, degrees, ms, rpm};
-use motorlink_bus::{Command, CommandRate, Refusal, StopReason};
+use motorlink_bus::{Activity, Command, CommandRate, Refusal, StopReason};
 use motorlink_protocol::Mode;
+use motorlink_simulator::{WireFaults, WorldConfig};
 
 fn at_rate(mode: Mode, hertz: u16) -> Bench {
     let mut bench = Bench::one_motor();
@@ -53,7 +54,7 @@ fn hold_holds_the_angle_of_now_and_not_one_of_earlier() {
             bench.run(ms(5));
             assert!(bench.drive_times(ID)[0].since(asked) <= ms(3));
             let here = bench.world.motor(ID).unwrap().angle_deg();
-            let motorlink_bus::Activity::Driven { setpoint } = bench.activity() else {
+            let Activity::Driven { setpoint } = bench.activity() else {
                 panic!("{:?}", bench.activity())
             };
             let motorlink_protocol::Setpoint::Position(held) = setpoint else {
@@ -124,4 +125,40 @@ fn a_stop_asked_for_again_has_its_whole_window_again() {
     let frames = bench.drive_times(ID);
     let braked = frames[frames.len() - 1].since(frames[0]);
     assert!(braked > ms(2_500), "{braked:?}");
+}
+
+/// The page's Stop in the current loop is 0 A, and it counts on a line that loses replies too.
+#[test]
+fn rest_is_never_refused_to_a_driven_motor_whose_loop_is_not_certain() {
+    let mut uncertain = 0;
+    for seed in 0..200 {
+        let mut bench = Bench::watching(
+            WorldConfig {
+                seed,
+                ..WorldConfig::default()
+            },
+            &[ID],
+        );
+        let mode = Mode::Current;
+        bench.world.set_faults(WireFaults {
+            lose_reply: 0.4,
+            ..WireFaults::default()
+        });
+        // What is driven gets neutral frames meanwhile, some of which are lost.
+        let driven = bench.drive(rpm(20)).is_ok();
+        bench.run(ms(100));
+        let switched = bench.command(Command::SwitchMode { id: ID, mode }).is_ok();
+        if !driven || !switched || bench.drive(amps(0.3)).is_err() {
+            continue;
+        }
+        for _ in 0..400 {
+            bench.run(ms(1));
+            if matches!(bench.activity(), Activity::Driven { .. }) {
+                uncertain += u32::from(bench.drive(amps(0.2)).is_err());
+                assert_eq!(bench.drive(amps(0.0)), Ok(()), "seed {seed}");
+                break;
+            }
+        }
+    }
+    assert!(uncertain > 0, "the loop was certain each time");
 }

@@ -112,6 +112,17 @@ fn full_scans(workspace: &Workspace) -> Command {
     cargo
 }
 
+/// Plays worlds that fail.
+pub fn soak(workspace: &Workspace, args: &[String]) -> Result<()> {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args(["run", "--quiet", "--profile", PROFILE]);
+    cargo
+        .args(["--package", "motorlink-world", "--"])
+        .args(args);
+    process::run(&mut cargo).map_err(refusal_of_flags)
+}
+
 /// Makes the README's screenshots.
 pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
     let (browser, _) = prepare(workspace)?;

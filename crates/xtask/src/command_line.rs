@@ -67,6 +67,12 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
+    /// Play worlds that fail, as many seeds as there is time for (`--seconds N`), or one (`--seed N`)
+    Soak {
+        /// Handed to the program that plays
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        args: Vec<String>,
+    },
     /// Make the README's screenshots
     Screenshots {
         /// Handed to the program that makes them

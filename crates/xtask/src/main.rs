@@ -76,6 +76,7 @@ fn obey(command: Command) -> Result<()> {
         }
         Command::Test { only, .. } => test::run(&workspace, only),
         Command::Bench { args } => bench::figures(&workspace, &args),
+        Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }
 }

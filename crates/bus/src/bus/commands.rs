@@ -135,7 +135,11 @@ impl Bus {
                 switch.then = Some(setpoint);
             }
             Control::Driven(driven) => {
-                check_drive(id, setpoint, consent, mode, faults)?;
+                // Whatever is known of its loop, values of that loop are sent already: rest is no worse.
+                let comes_to_rest = rests(setpoint) && setpoint.mode() == driven.goal.mode();
+                if !comes_to_rest {
+                    check_drive(id, setpoint, consent, mode, faults)?;
+                }
                 // An operator's act shows at once, at any rate.
                 *driven = Driven {
                     goal: setpoint,

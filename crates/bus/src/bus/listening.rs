@@ -198,22 +198,21 @@ impl Bus {
         let tells_round_trip = !motor.late.blurs_round_trips(now);
         if tells_round_trip {
             motor.round_trip.replied(took);
-        }
-        // A late reply may speak of the time before a switch.
-        if !motor.late.may_come(now) {
+            // A late reply may speak of the time before a switch.
             motor.loop_reported();
         }
         let Ok(reply) = Reply::decode(frame, asked) else {
             return;
         };
         let in_the_air = motor.loop_is_in_the_air();
+        let continues = motor.continues(now, &reply);
         match (&mut motor.control, reply.detail) {
             (Control::Switching(switch), _) => switch.heard(reply.mode),
             // A late reply may speak of the time before a switch.
             (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !in_the_air => {
                 stop.heard(&reply);
             }
-            (Control::Driven(driven), Detail::Drive { position }) if driven.hold => {
+            (Control::Driven(driven), Detail::Drive { position }) if driven.hold && continues => {
                 driven.goal = Setpoint::Position(position.into());
                 driven.hold = false;
                 driven.next_frame = now;
@@ -238,7 +237,12 @@ impl Bus {
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
-                self.keep(now, reply);
+                if motor.late.blurs_round_trips(now) {
+                    self.keep(now, reply);
+                } else {
+                    // Nobody knows how old it is: it pays a debt and is no reading of now.
+                    motor.late.replied();
+                }
             }
             None => self.counters.wrong_ids += 1,
         }

@@ -26,7 +26,7 @@ use crate::{
     scan::Ask,
     schedule::{Errand, Pace, Turn, next_turn},
     stop::ActiveStop,
-    timing::{EARLY, JUST_FREED},
+    timing::{CALL_FORGOTTEN, EARLY, JUST_FREED},
     watchdog::{Bark, Watchdog},
 };
 
@@ -252,7 +252,8 @@ impl Bus {
             .position(|motor| motor.id == id)
             .unwrap_or_else(|| {
                 let mut motor = Motor::new(now, id);
-                if let Some(sent) = self.called {
+                let called = self.called.filter(|sent| now.since(*sent) < CALL_FORGOTTEN);
+                if let Some(sent) = called {
                     motor.call_unanswered(sent);
                 }
                 self.motors.push(motor);
