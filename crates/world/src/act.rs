@@ -67,6 +67,8 @@ pub enum LineFault {
     Splits,
     /// The adapter holds what it receives for 16 ms.
     Holds,
+    /// Adapter or machine are held up, and hand out what they received 120 ms later.
+    Stalls,
     /// Noise stands beside 10 % of the replies.
     Strays,
     /// Another host's motor answers too.
@@ -110,6 +112,10 @@ impl LineFault {
             },
             Self::Holds => WireFaults {
                 hold: Duration::from_millis(16),
+                ..good
+            },
+            Self::Stalls => WireFaults {
+                hold: Duration::from_millis(120),
                 ..good
             },
             Self::Strays => WireFaults { stray: 0.1, ..good },

@@ -24,7 +24,7 @@ const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
 /// A sensor's step, noise, and the time that a reply was held.
 const TEMPERATURE_OFF_MAX_C: f32 = 4.0;
 /// A reply speaks of no earlier moment than this.
-const REPLY_HELD_MAX: Duration = Duration::from_millis(60);
+const REPLY_HELD_MAX: Duration = Duration::from_millis(250);
 /// A full scan proves for so long who is there.
 const PROOF_LASTS: Duration = Duration::from_secs(60);
 

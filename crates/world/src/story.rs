@@ -88,7 +88,7 @@ impl Teller {
     }
 
     fn line(&mut self) -> LineFault {
-        match self.rng.u8(..14) {
+        match self.rng.u8(..15) {
             0 => LineFault::LosesReplies,
             1 => LineFault::LosesRequests,
             2 => LineFault::CorruptsReplies,
@@ -99,6 +99,7 @@ impl Teller {
             7 => LineFault::Holds,
             8 => LineFault::Strays,
             9 => LineFault::Stranger,
+            10 => LineFault::Stalls,
             _ => LineFault::None,
         }
     }
