@@ -110,8 +110,8 @@ impl Deref for Desk {
 pub(crate) struct Parts {
     pub(crate) link: StoredValue<Option<WorkerLink>, LocalStorage>,
     pub(crate) clock: StoredValue<Clock>,
-    /// When something was asked for last by which a wheel may move, on the page's clock.
-    moved_ms: StoredValue<f64>,
+    /// When a wheel was started last, on the page's clock.
+    started_ms: StoredValue<f64>,
     /// The newest state, as the motors count. It changes with every message and is no signal.
     pub(crate) latest: StoredValue<Session>,
     /// Set on connecting until the tab has followed the motor's loop.
@@ -160,7 +160,7 @@ impl Desk {
         Self(Box::leak(Box::new(Parts {
             link: StoredValue::new_local(None),
             clock: StoredValue::new(Clock::default()),
-            moved_ms: StoredValue::new(f64::NEG_INFINITY),
+            started_ms: StoredValue::new(f64::NEG_INFINITY),
             latest: StoredValue::new(Session::default()),
             tab_to_follow: StoredValue::new(false),
             feed: StoredValue::new_local(TwinFeed::default()),
@@ -205,8 +205,11 @@ impl Desk {
             let fleet = self.together.fleet;
             fleet.with_untracked(|fleet| fleet.mirror(id))
         };
-        if command.may_move() {
-            self.moved_ms.set_value(page_now_ms());
+        if matches!(
+            command,
+            Command::Drive { .. } | Command::DriveTogether { .. }
+        ) {
+            self.started_ms.set_value(page_now_ms());
         }
         self.post(&ToWorker::Command {
             command: to_wire(command, mirror),
@@ -217,7 +220,7 @@ impl Desk {
     /// Why no motor can change its side now, whatever is shown of it: what was asked for last may not have
     /// been told yet, and a question may be open that has the sign of now.
     pub(crate) fn why_not_turn_sides(self) -> Option<String> {
-        let just_asked = page_now_ms() - self.moved_ms.get_value() < TOLD_WITHIN_MS;
+        let just_asked = page_now_ms() - self.started_ms.get_value() < TOLD_WITHIN_MS;
         let asks = self.dialog.with_untracked(Option::is_some);
         (just_asked || asks).then(|| "A motor is just being started. Try again.".to_owned())
     }
