@@ -98,14 +98,15 @@ impl Rows {
 }
 
 impl Row {
-    /// A row of four cells that is neither the head nor the line under it.
+    /// A row of four cells that is neither the head nor the line under it, and has been measured.
     fn of_table(line: &str) -> Option<Self> {
         let cells: Vec<&str> = line.strip_prefix('|')?.split('|').map(str::trim).collect();
         let [figure, _, measured, _, ""] = *cells.as_slice() else {
             return None;
         };
         let is_head = figure == "figure" || figure.starts_with("---");
-        (!is_head && !measured.is_empty()).then(|| Self {
+        let is_figure = !measured.is_empty() && !measured.starts_with("could not be measured");
+        (!is_head && is_figure).then(|| Self {
             figure: figure.to_owned(),
             line: line.trim().to_owned(),
         })
@@ -133,6 +134,7 @@ mod tests {
             "| figure | must | measured | reached |",
             "|---|---|---|---|",
             "| a | 1 | 4 | NO |",
+            "| load | | could not be measured: no answer | NO |",
             "| c | 5 | 6 | yes |",
         ]);
         let written = rows.put_into(&text).unwrap();

@@ -27,7 +27,9 @@ pub fn measure(watched: Duration) -> Result<()> {
     page.work()?;
     let (main_before, workers_before) =
         (page.script_and_layout()?, threads_time("DedicatedWorker")?);
-    let frames = page.evaluate(&count_frames(watched))?;
+    page.evaluate(COUNT_FRAMES)?;
+    thread::sleep(watched);
+    let frames = page.evaluate(FRAMES)?;
     let (main_after, workers_after) = (page.script_and_layout()?, threads_time("DedicatedWorker")?);
     let work = page.work()?;
 
@@ -106,21 +108,17 @@ fn per_cent(time: Duration, of: Duration) -> f64 {
     100.0 * time.as_secs_f64() / of.as_secs_f64()
 }
 
-fn count_frames(watched: Duration) -> String {
-    format!(
-        "new Promise((resolve) => {{
-            let frames = 0;
-            const until = performance.now() + {};
-            const count = (now) => {{
-                if (now >= until) return resolve(frames);
-                frames += 1;
-                requestAnimationFrame(count);
-            }};
-            requestAnimationFrame(count);
-        }})",
-        watched.as_millis()
-    )
-}
+/// Counts frames from now on. A minute is longer than an answer is waited for, so the count is asked for
+/// by itself.
+const COUNT_FRAMES: &str = "(() => {
+    globalThis.framesOfBench = 0;
+    const count = () => {
+        globalThis.framesOfBench += 1;
+        requestAnimationFrame(count);
+    };
+    requestAnimationFrame(count);
+})()";
+const FRAMES: &str = "globalThis.framesOfBench";
 
 /// Bytes that page and workers hold.
 fn heap(page: &Page) -> Result<u64> {
