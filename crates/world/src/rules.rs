@@ -82,6 +82,8 @@ pub(crate) struct Rules {
     last_sent: Option<Instant>,
     unlogged: VecDeque<Frame>,
     proof: Option<(MotorId, Instant)>,
+    /// What the operator asked for: from which ID to which.
+    id_change: Option<(MotorId, MotorId)>,
     /// When a motor's temperature was last changed by more than nature does.
     heated: Option<Instant>,
 }
@@ -112,6 +114,7 @@ impl Rules {
             Command::DriveTogether { parts, .. } | Command::AdjustTogether { parts, .. } => {
                 self.standing.extend(parts.parts());
             }
+            Command::SetId { from, to } => self.id_change = Some((from, to.id())),
             Command::SwitchMode { id, .. } => {
                 self.standing.remove(&id);
             }
@@ -201,10 +204,15 @@ impl Rules {
                     self.stops.remove(&id);
                 }
             }
-            Ok(Request::SetId { .. }) => {
+            Ok(Request::SetId { id: to }) => {
                 let proved = self.proof.filter(|(_, at)| now.since(*at) <= PROOF_LASTS);
-                if proved.is_none() {
-                    return broken(Rule::IdChangeIsProved, now, "without a scan that proves it");
+                let asked = self.id_change.filter(|(_, asked)| *asked == to.id());
+                if asked.is_none() || proved.map(|(id, _)| id) != asked.map(|(from, _)| from) {
+                    return broken(
+                        Rule::IdChangeIsProved,
+                        now,
+                        "not asked for, or without a scan that proves it",
+                    );
                 }
             }
             Ok(Request::Query { .. } | Request::IdQuery) => {}

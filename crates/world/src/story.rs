@@ -37,6 +37,12 @@ impl Story {
         let count = teller.rng.u8(1..=4);
         teller.motors = (1..=count).filter_map(|id| MotorId::new(id).ok()).collect();
         let mut acts = Vec::new();
+        // An ID is changed only behind a whole scan, which chance alone would hardly wait for.
+        if let (1, Some(from), Some(to)) = (count, teller.motors.first(), another_id()) {
+            acts.push(Act::Command(Command::FullScan));
+            acts.push(Act::Pause(Duration::from_secs(5)));
+            acts.push(Act::Command(Command::SetId { from: *from, to }));
+        }
         for _ in 0..ACTS {
             acts.push(teller.act());
             let pause = PAUSES_MS.get(teller.rng.usize(..PAUSES_MS.len()));
@@ -50,6 +56,10 @@ impl Story {
             acts,
         }
     }
+}
+
+fn another_id() -> Option<AssignableId> {
+    AssignableId::new(MotorId::new(9).ok()?).ok()
 }
 
 struct Teller {

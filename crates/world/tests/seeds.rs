@@ -6,6 +6,8 @@ use std::fmt::Write;
 use motorlink_world::{Coverage, Story, play, shrink};
 
 const SEEDS: u64 = 2_000;
+/// So many kinds of fault there are.
+const KINDS: usize = 19;
 /// Each fault happens at least so often.
 const EACH_FAULT: u64 = 100;
 
@@ -26,6 +28,7 @@ fn the_rules_hold_in_every_world() {
             );
         }
     }
+    assert_eq!(coverage.len(), KINDS, "{coverage:?}");
     for (fault, times) in &coverage {
         println!("{fault:?}: {times}");
         assert!(*times >= EACH_FAULT, "{fault:?} only {times} times");

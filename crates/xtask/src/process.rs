@@ -2,7 +2,7 @@
 
 use std::env;
 use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 
 use anyhow::{Context, Result};
 
@@ -40,6 +40,11 @@ pub fn run(command: &mut Command) -> Result<()> {
     let status = command
         .status()
         .with_context(|| format!("cannot start `{}`", words(command)))?;
+    succeeded(command, status)
+}
+
+/// An error where the program failed.
+fn succeeded(command: &Command, status: ExitStatus) -> Result<()> {
     if status.success() {
         return Ok(());
     }
@@ -64,14 +69,7 @@ pub fn run_and_hear(command: &mut Command, mut hear: impl FnMut(&str)) -> Result
         }
     }
     let status = child.wait()?;
-    if status.success() {
-        return Ok(());
-    }
-    Err(ChildFailed {
-        command: words(command),
-        code: status.code(),
-    }
-    .into())
+    succeeded(command, status)
 }
 
 /// Runs a program to its end and gives what it printed.
@@ -80,13 +78,7 @@ pub fn output(command: &mut Command) -> Result<String> {
         .stderr(Stdio::inherit())
         .output()
         .with_context(|| format!("cannot start `{}`", words(command)))?;
-    if !output.status.success() {
-        return Err(ChildFailed {
-            command: words(command),
-            code: output.status.code(),
-        }
-        .into());
-    }
+    succeeded(command, output.status)?;
     String::from_utf8(output.stdout)
         .with_context(|| format!("`{}` printed something other than text", words(command)))
 }
