@@ -1,12 +1,12 @@
 //! What an operator can ask of the bus, and why the bus may refuse.
 
-use std::fmt;
+use std::{fmt, time::Duration};
 
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Request, Rpm, Setpoint,
 };
 
-use crate::{CommandRate, Ramp, Repeat, StopReason, Together};
+use crate::{CommandRate, Crossed, Limits, Ramp, Repeat, StopReason, Together};
 
 /// An operator's act. Motion starts by [`Command::Drive`], by [`Command::DriveTogether`], by a frame
 /// that a person wrote ([`Command::SendRaw`]), and by nothing else.
@@ -89,6 +89,8 @@ pub enum Command {
     /// Let commanded speeds grow no faster than this; `None` is as fast as they are given. What is
     /// slower, and every stop, is sent at once.
     SetRamp(Option<Ramp>),
+    /// Stop a driven motor that crosses one of these, and start none that asks for more or is hotter.
+    SetLimits(Limits),
     /// Hold the present angle of a motor that is driven in the position loop.
     Hold(MotorId),
     /// Brake this motor to a standstill; it can be driven again at once.
@@ -99,7 +101,18 @@ pub enum Command {
     Release,
 }
 
+/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over at
+/// its end what was clicked at its beginning. Half of what the watchdog allows, and five times what a
+/// click takes on a slow machine.
+pub const ACT_AGE_MAX: Duration = Duration::from_millis(500);
+
 impl Command {
+    /// Whether this was asked for too long ago to be carried out.
+    #[must_use]
+    pub fn is_too_old(self, age: Duration) -> bool {
+        self.may_move() && age > ACT_AGE_MAX
+    }
+
     /// Whether a wheel may move by it, or a motor change.
     #[must_use]
     pub fn may_move(self) -> bool {
@@ -119,6 +132,7 @@ impl Command {
             | Self::StopRaw
             | Self::SetRate(_)
             | Self::SetRamp(_)
+            | Self::SetLimits(_)
             | Self::Hold(_)
             | Self::Stop(_)
             | Self::StopAll(_)
@@ -178,6 +192,15 @@ pub enum Refusal {
     },
     /// The operator has to be asked first.
     NeedsConsent(CurrentTarget),
+    /// It asks for more than the speed limit, in rpm.
+    AboveSpeedLimit(u16),
+    /// The motor is hotter than its limit.
+    TooHot {
+        /// Which motor.
+        id: MotorId,
+        /// How hot, and the limit.
+        crossed: Crossed,
+    },
     /// The motor is being stopped.
     Stopping(MotorId),
     /// The motor is not driven in the position loop, so there is no angle to hold.
@@ -237,6 +260,14 @@ impl fmt::Display for Refusal {
             Self::NeedsConsent(current) => {
                 write!(f, "{current} is above 6.1 A: confirm that it is meant.")
             }
+            Self::AboveSpeedLimit(limit) => write!(
+                f,
+                "That is above your speed limit of {limit} rpm. Ask for less, or raise the limit."
+            ),
+            Self::TooHot { id, crossed } => write!(
+                f,
+                "Motor {id} has {crossed}. Let it cool, or raise the limit."
+            ),
             Self::Stopping(id) => write!(
                 f,
                 "Motor {id} is being stopped. Press again when it stands."

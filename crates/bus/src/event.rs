@@ -2,7 +2,7 @@
 
 use motorlink_protocol::{AssignableId, Faults, Instant, Mode, MotorId, Reply, Rpm};
 
-use crate::{IdChangeOutcome, ScanReport, Traffic};
+use crate::{Crossed, IdChangeOutcome, ScanReport, Traffic};
 
 /// Something that happened, in the order in which it happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,6 +116,8 @@ pub enum WithdrawReason {
         /// The loop that it reports.
         reported: Mode,
     },
+    /// It crossed a limit that a person has set.
+    Limit(Crossed),
 }
 
 /// How a stop ended, motor by motor.

@@ -55,13 +55,18 @@ impl LateReplies {
     }
 
     /// The layout in which a reply to a request in `layout` can be read now: none while one in the other
-    /// may still come.
-    pub(crate) fn layout_of_reply(&self, now: Instant, layout: Layout) -> Option<Layout> {
-        let other = match layout {
-            Layout::Drive => self.query,
-            Layout::Query => self.drive,
+    /// may still come. Then this reply was perhaps that one, and the one to this request is owed as long.
+    pub(crate) fn layout_of_reply(&mut self, now: Instant, layout: Layout) -> Option<Layout> {
+        let (own, other) = match layout {
+            Layout::Drive => (&mut self.drive, &self.query),
+            Layout::Query => (&mut self.query, &self.drive),
         };
-        (!other.may_come(now)).then_some(layout)
+        if !other.may_come(now) {
+            return Some(layout);
+        }
+        own.sent = own.sent.or(other.sent);
+        own.replies = own.replies.max(other.replies);
+        None
     }
 
     /// Whether any may still come.
@@ -146,6 +151,23 @@ mod tests {
         assert!(late.may_come(at(9_999)));
         late.replied();
         assert!(!late.may_come(at(9_999)));
+    }
+
+    /// Each request is met by the reply to the one before it.
+    #[test]
+    fn one_that_was_met_by_another_is_owed_as_long() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Drive, at(0), 1);
+        late.replied();
+        assert_eq!(late.layout_of_reply(at(100), Layout::Query), None);
+        late.replied();
+        assert_eq!(late.layout_of_reply(at(120), Layout::Drive), None);
+        late.replied();
+        late.replied();
+        assert_eq!(
+            late.layout_of_reply(at(140), Layout::Drive),
+            Some(Layout::Drive)
+        );
     }
 
     #[test]

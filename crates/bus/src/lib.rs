@@ -35,6 +35,7 @@
 //! meant for, and reports no fault. Whatever ends that withdraws the setpoint and stops the motor;
 //! only a new command of an operator starts it again.
 
+mod angles;
 mod bus;
 mod command;
 mod counters;
@@ -43,6 +44,7 @@ mod exchange;
 mod id_change;
 mod last_second;
 mod late_replies;
+mod limits;
 mod line_use;
 mod mode_switch;
 mod motor;
@@ -63,11 +65,12 @@ mod traffic;
 mod watchdog;
 
 pub use bus::{Bus, Output};
-pub use command::{Command, Consent, Refusal, is_hazardous};
+pub use command::{ACT_AGE_MAX, Command, Consent, Refusal, is_hazardous};
 pub use counters::{Counters, LinkQuality};
 pub use event::{
     Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,
 };
+pub use limits::{Crossed, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};
 pub use ramp::{Ramp, RampOutOfRange};

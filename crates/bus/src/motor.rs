@@ -7,13 +7,16 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    Counters, LinkQuality, Sample,
+    Counters, Crossed, Limits, LinkQuality, Sample,
+    angles::Angles,
     counters::LossMeter,
     late_replies::LateReplies,
+    limits::Overcurrent,
     mode_switch::Switch,
     ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
+    safety::Known,
     stop::Stopping,
     temperatures::Temperatures,
     timing::{FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
@@ -123,10 +126,12 @@ pub(crate) struct Motor {
     last: Option<Sample>,
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
+    overcurrent: Overcurrent,
     watched_since: Instant,
     pub(crate) silent: bool,
     pub(crate) late: LateReplies,
     temperatures: Temperatures,
+    angles: Angles,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The loop that was asked for since the motor last said which it is in.
@@ -149,10 +154,12 @@ impl Motor {
             last: None,
             position: None,
             temperature: None,
+            overcurrent: Overcurrent::default(),
             watched_since: now,
             silent: false,
             late: LateReplies::default(),
             temperatures: Temperatures::default(),
+            angles: Angles::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
@@ -165,8 +172,10 @@ impl Motor {
     }
 
     /// Keeps what a reply says. Returns whether the motor had been silent.
-    pub(crate) fn heard(&mut self, at: Instant, reply: Reply) -> bool {
-        self.last = Some(Sample { at, reply });
+    pub(crate) fn heard(&mut self, at: Instant, reply: Reply, limits: Limits) -> bool {
+        let sample = Sample { at, reply };
+        self.last = Some(sample);
+        self.overcurrent.heard(sample, limits);
         self.unanswered_in_a_row = 0;
         self.late.replied();
         match reply.detail {
@@ -188,14 +197,21 @@ impl Motor {
         let Ok(reply) = Reply::decode(frame, Some(layout)) else {
             return Some(layout);
         };
-        match reply.detail {
-            Detail::Query { temperature, .. } => {
-                let certain = self.late.none_was_ever_owed();
-                let follows = self.temperatures.follows(now, temperature, certain);
-                follows.then_some(layout)
+        let certain = self.late.none_was_ever_owed();
+        let (degrees, fits) = match reply.detail {
+            Detail::Query {
+                temperature,
+                position,
+            } => {
+                let fits = self.temperatures.follows(now, temperature, certain);
+                (position.degrees(), fits)
             }
-            Detail::Drive { .. } | Detail::Undetermined(_) => Some(layout),
-        }
+            Detail::Drive { position } => (position.degrees(), true),
+            Detail::Undetermined(_) => return Some(layout),
+        };
+        // Each of them sees every reading.
+        let follows = self.angles.follows(now, degrees, reply.speed, certain);
+        (fits && follows).then_some(layout)
     }
 
     /// Whether the angle of a drive reply goes on from the one before it, where that is fresh. One that
@@ -294,6 +310,32 @@ impl Motor {
 
     pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
         self.fresh(now).map(|reply| reply.faults)
+    }
+
+    fn fresh_temperature(&self, now: Instant) -> Option<Celsius> {
+        let (_, temperature) = self
+            .temperature
+            .filter(|(at, _)| now.since(*at) <= FRESH_FOR)?;
+        Some(temperature)
+    }
+
+    pub(crate) fn known(&self, now: Instant) -> Known {
+        Known {
+            reported: self.fresh_mode(now),
+            faults: self.fresh_faults(now),
+            temperature: self.fresh_temperature(now),
+        }
+    }
+
+    /// The limit that it has crossed since it is driven.
+    pub(crate) fn crossed(
+        &self,
+        now: Instant,
+        limits: Limits,
+        driven_since: Instant,
+    ) -> Option<Crossed> {
+        let temperature = self.fresh_temperature(now);
+        limits.crossed(self.last?, temperature, self.overcurrent, driven_since)
     }
 
     pub(crate) fn last_mode(&self) -> Option<Mode> {

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpoint};
+use motorlink_protocol::{Celsius, CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpoint};
 
 use crate::{
-    Consent, Refusal, WithdrawReason,
+    Consent, Crossed, Limits, Refusal, WithdrawReason,
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 
@@ -82,14 +82,30 @@ pub const fn needs_consent(setpoint: Setpoint) -> Consent {
     }
 }
 
+/// What is known of a motor by replies of the last 500 ms.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known {
+    pub(crate) reported: Option<Mode>,
+    pub(crate) faults: Option<Faults>,
+    pub(crate) temperature: Option<Celsius>,
+}
+
 /// Whether a motor may be driven to a setpoint now, by what is known of it.
 pub(crate) fn check_drive(
     id: MotorId,
     setpoint: Setpoint,
     consent: Consent,
-    reported: Option<Mode>,
-    faults: Option<Faults>,
+    limits: Limits,
+    known: Known,
 ) -> Result<(), Refusal> {
+    let Known {
+        reported,
+        faults,
+        temperature,
+    } = known;
+    if !limits.allow(setpoint) {
+        return Err(Refusal::AboveSpeedLimit(limits.speed_rpm()));
+    }
     if let Setpoint::Current(target) = setpoint
         && needs_consent(setpoint) != Consent::None
         && consent != Consent::HighCurrent
@@ -98,6 +114,9 @@ pub(crate) fn check_drive(
     }
     if let Some(faults) = faults.filter(|faults| faults.any_named()) {
         return Err(Refusal::FaultActive { id, faults });
+    }
+    if let Some(crossed) = limits.too_hot(temperature) {
+        return Err(Refusal::TooHot { id, crossed });
     }
     match reported {
         None => Err(Refusal::NotHeard(id)),
@@ -110,7 +129,8 @@ pub(crate) fn check_drive(
     }
 }
 
-/// Whether a driven motor's setpoint must be taken back, by its last reply and the silence since.
+/// Whether a driven motor's setpoint must be taken back, by its last reply, the limit that it crossed
+/// and the silence since.
 ///
 /// A fault would end with the wheel starting by itself; a motor that lost power comes back in the
 /// velocity loop, where a raw current is read as a speed.
@@ -119,6 +139,7 @@ pub(crate) fn check_driven(
     asked: Option<Mode>,
     reported: Option<Mode>,
     faults: Faults,
+    crossed: Option<Crossed>,
     silent_for: Duration,
     unanswered: u32,
 ) -> Option<WithdrawReason> {
@@ -129,6 +150,9 @@ pub(crate) fn check_driven(
         && asked != reported
     {
         return Some(WithdrawReason::OtherLoop { reported });
+    }
+    if let Some(crossed) = crossed {
+        return Some(WithdrawReason::Limit(crossed));
     }
     let silent = silent_for >= DRIVEN_SILENCE_MAX && unanswered >= DRIVEN_UNANSWERED_MAX;
     silent.then_some(WithdrawReason::Silent)
@@ -218,7 +242,12 @@ mod tests {
         let velocity = Setpoint::velocity(SpeedTarget::clamped(100));
         let stalled = Faults::NONE.with(Fault::Stall);
         let drive = |setpoint, consent, reported, faults| {
-            check_drive(ID, setpoint, consent, reported, faults)
+            let known = Known {
+                reported,
+                faults,
+                temperature: Some(Celsius::new(75)),
+            };
+            check_drive(ID, setpoint, consent, Limits::default(), known)
         };
         let none = Some(Faults::NONE);
         assert_eq!(
@@ -270,23 +299,48 @@ mod tests {
         let hot = Faults::NONE.with(Fault::OverTemperature);
         let velocity = Some(Mode::Velocity);
         assert_eq!(
-            check_driven(velocity, velocity, Faults::NONE, ms(199), 9),
+            check_driven(velocity, velocity, Faults::NONE, None, ms(199), 9),
             None
         );
         assert_eq!(
-            check_driven(velocity, velocity, Faults::NONE, ms(200), 3),
+            check_driven(velocity, velocity, Faults::NONE, None, ms(200), 3),
             Some(WithdrawReason::Silent)
         );
         assert_eq!(
-            check_driven(velocity, velocity, hot, ms(0), 0),
+            check_driven(velocity, velocity, hot, None, ms(0), 0),
             Some(WithdrawReason::Fault(hot))
         );
         assert_eq!(
-            check_driven(Some(Mode::Current), velocity, Faults::NONE, ms(0), 0),
+            check_driven(Some(Mode::Current), velocity, Faults::NONE, None, ms(0), 0),
             Some(WithdrawReason::OtherLoop {
                 reported: Mode::Velocity
             })
         );
+        let crossed = Crossed::Temperature {
+            reached: Celsius::new(76),
+            limit: 75,
+        };
+        assert_eq!(
+            check_driven(velocity, velocity, Faults::NONE, Some(crossed), ms(0), 0),
+            Some(WithdrawReason::Limit(crossed))
+        );
+    }
+
+    #[test]
+    fn a_motor_is_asked_for_no_more_than_its_limits_and_not_while_it_is_too_hot() {
+        let limits = Limits::new(100, 2_700, 60).unwrap();
+        let drive = |rpm, celsius| {
+            let known = Known {
+                reported: Some(Mode::Velocity),
+                faults: Some(Faults::NONE),
+                temperature: Some(Celsius::new(celsius)),
+            };
+            let setpoint = Setpoint::velocity(SpeedTarget::clamped(rpm));
+            check_drive(ID, setpoint, Consent::None, limits, known)
+        };
+        assert_eq!(drive(-100, 60), Ok(()));
+        assert_eq!(drive(-101, 20), Err(Refusal::AboveSpeedLimit(100)));
+        assert!(matches!(drive(10, 61), Err(Refusal::TooHot { id: ID, .. })));
     }
 
     #[test]

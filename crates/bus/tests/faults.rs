@@ -10,7 +10,7 @@
 mod bench;
 
 use bench::{Bench, ID, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Activity, Command, Event, Refusal, WithdrawReason};
+use motorlink_bus::{Activity, Command, Event, Limits, Refusal, WithdrawReason};
 use motorlink_protocol::{Detail, Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
@@ -244,6 +244,9 @@ fn a_current_is_never_sent_to_a_motor_that_came_back_in_the_velocity_loop() {
 #[test]
 fn a_protection_takes_the_setpoint_and_its_end_does_not_bring_it_back() {
     let mut bench = Bench::one_motor();
+    // The limit of half a second would be crossed first.
+    let no_limits = Limits::new(330, 8_000, 80).unwrap();
+    bench.command(Command::SetLimits(no_limits)).unwrap();
     bench.world.motor_mut(ID).unwrap().block(true);
     bench.drive(rpm(100)).unwrap();
     bench.run_until(ms(7_000), |b| {

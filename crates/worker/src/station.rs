@@ -3,7 +3,7 @@
 use std::{cell::RefCell, rc::Rc};
 
 use motorlink_bus::{
-    Activity, Bus, Command, CommandRate, Event, Output, Ramp, Refusal, StopReason,
+    Activity, Bus, Command, CommandRate, Event, Limits, Output, Ramp, Refusal, StopReason,
 };
 use motorlink_messages::{Notice, ToPage, ToWorker, decode};
 use motorlink_protocol::{Instant, MotorId};
@@ -33,6 +33,7 @@ pub(crate) struct Station {
     pub(crate) selected: MotorId,
     rate: CommandRate,
     ramp: Option<Ramp>,
+    limits: Limits,
     /// Whether Stop all motors stands. It outlives the port.
     halted: bool,
     /// How much more our clock shows than the page's, by the quickest message so far.
@@ -66,6 +67,7 @@ pub(crate) fn start() {
             selected: MotorId::FIRST,
             rate: CommandRate::default(),
             ramp: None,
+            limits: Limits::default(),
             halted: false,
             ahead_of_page_ms: f64::INFINITY,
         })
@@ -186,6 +188,7 @@ impl Station {
         for command in [
             Command::SetRate(self.rate),
             Command::SetRamp(self.ramp),
+            Command::SetLimits(self.limits),
             Command::IdQuery,
             Command::Watch(self.selected),
         ] {

@@ -8,7 +8,7 @@ use crate::{
     exchange::Line,
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
-    safety::{check_drive, check_position_switch},
+    safety::{Known, check_drive, check_position_switch},
     stop::{ActiveStop, Stopping},
     timing::STOP_PATIENCE,
 };
@@ -40,6 +40,7 @@ impl Bus {
             Command::StopRaw => self.stop_raw(now),
             Command::SetRate(rate) => self.set_rate(now, rate),
             Command::SetRamp(ramp) => self.ramp = ramp,
+            Command::SetLimits(limits) => self.limits = limits,
             Command::DriveTogether { parts, consent } => {
                 self.drive_together(now, &parts, consent)?;
             }
@@ -125,20 +126,22 @@ impl Bus {
         self.check_not_halted()?;
         self.check_no_survey()?;
         self.check_no_raw_hazard()?;
+        let limits = self.limits;
         let motor = self.watch(now, id);
-        let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
+        let known = motor.known(now);
         let speed = motor.fresh_speed(now);
         match &mut motor.control {
             Control::Stopping(_) => return Err(Refusal::Stopping(id)),
             Control::Switching(switch) => {
-                check_drive(id, setpoint, consent, Some(switch.to), faults)?;
+                let reported = Some(switch.to);
+                check_drive(id, setpoint, consent, limits, Known { reported, ..known })?;
                 switch.then = Some(setpoint);
             }
             Control::Driven(driven) => {
                 // Whatever is known of its loop, values of that loop are sent already: rest is no worse.
                 let comes_to_rest = rests(setpoint) && setpoint.mode() == driven.goal.mode();
                 if !comes_to_rest {
-                    check_drive(id, setpoint, consent, mode, faults)?;
+                    check_drive(id, setpoint, consent, limits, known)?;
                 }
                 // An operator's act shows at once, at any rate.
                 *driven = Driven {
@@ -152,7 +155,7 @@ impl Bus {
                 }
             }
             Control::Idle => {
-                check_drive(id, setpoint, consent, mode, faults)?;
+                check_drive(id, setpoint, consent, limits, known)?;
                 motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
                 motor.may_turn = true;
             }

@@ -250,10 +250,11 @@ impl Bus {
 
     pub(super) fn keep(&mut self, now: Instant, reply: Reply) {
         // One that was forgotten meanwhile stays forgotten.
+        let limits = self.limits;
         let Some(motor) = self.motor_mut(reply.id) else {
             return;
         };
-        if motor.heard(now, reply) {
+        if motor.heard(now, reply, limits) {
             self.events.push_back(Event::MotorBack(reply.id));
         }
         self.events

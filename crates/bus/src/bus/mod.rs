@@ -16,7 +16,7 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 
 use crate::{
-    Activity, CommandRate, Counters, Event, MotorStatus, Ramp, StopReason,
+    Activity, CommandRate, Counters, Event, Limits, MotorStatus, Ramp, StopReason,
     exchange::Line,
     line_use::LineUse,
     motor::{Control, Motor},
@@ -56,6 +56,7 @@ pub struct Bus {
     round_trip: RoundTrip,
     rate: CommandRate,
     ramp: Option<Ramp>,
+    limits: Limits,
     /// The number of the last group that was driven together.
     last_group: u32,
     line_use: LineUse,
@@ -95,6 +96,7 @@ impl Bus {
             round_trip: RoundTrip::new(),
             rate: CommandRate::default(),
             ramp: None,
+            limits: Limits::default(),
             last_group: 0,
             line_use: LineUse::default(),
             query_was_last: false,

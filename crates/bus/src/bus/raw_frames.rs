@@ -170,6 +170,7 @@ impl Bus {
             asked,
             reported,
             motor.fresh_faults(now).unwrap_or(Faults::NONE),
+            motor.crossed(now, self.limits, raw.since),
             now.since(motor.quiet_since().max(raw.since)),
             motor.unanswered_in_a_row,
         );

@@ -20,6 +20,7 @@ impl Bus {
         self.check_not_halted()?;
         self.check_no_survey()?;
         self.check_no_raw_hazard()?;
+        let limits = self.limits;
         for (id, setpoint) in parts.parts() {
             let motor = self.motor_mut(id).ok_or(Refusal::NotHeard(id))?;
             match motor.control {
@@ -27,8 +28,7 @@ impl Bus {
                 Control::Switching(_) => return Err(Refusal::Switching(id)),
                 Control::Idle | Control::Driven(_) => {}
             }
-            let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
-            check_drive(id, setpoint, consent, mode, faults)?;
+            check_drive(id, setpoint, consent, limits, motor.known(now))?;
             self.check_takes_no_part_of_a_group(id, parts)?;
         }
         self.last_group += 1;
@@ -58,9 +58,9 @@ impl Bus {
             if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
                 return Err(Refusal::NotDriven(id));
             }
+            let limits = self.limits;
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
-            let (mode, faults) = (motor.fresh_mode(now), motor.fresh_faults(now));
-            check_drive(id, setpoint, consent, mode, faults)?;
+            check_drive(id, setpoint, consent, limits, motor.known(now))?;
             self.check_takes_no_part_of_a_group(id, parts)?;
         }
         for (id, setpoint) in parts.parts() {

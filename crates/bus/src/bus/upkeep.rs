@@ -28,6 +28,7 @@ impl Bus {
                         Some(driven.goal.mode()),
                         motor.last_mode(),
                         faults,
+                        motor.crossed(now, self.limits, driven.since),
                         quiet,
                         motor.unanswered_in_a_row,
                     );

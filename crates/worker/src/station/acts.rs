@@ -1,16 +1,13 @@
 //! What the page asks of the station: a motor to watch, an operator's act, a sign of life.
 
+use std::time::Duration;
+
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Adapter, Notice, VirtualWire};
 use motorlink_protocol::{Instant, MotorId};
 
 use super::Station;
 use crate::session::{Session, Stage};
-
-/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over
-/// at its end what was clicked at its beginning. Half of what the watchdog allows, and five times
-/// what a click takes on a slow machine.
-const COMMAND_AGE_MAX_MS: f64 = 500.0;
 
 impl Station {
     pub(super) fn select(&mut self, id: MotorId) {
@@ -36,13 +33,15 @@ impl Station {
         let now = self.now();
         // Before the page has said what time it is, nothing is open to be driven.
         let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
-        if command.may_move() && age_ms > COMMAND_AGE_MAX_MS {
+        let age = Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX);
+        if command.is_too_old(age) {
             self.outbox.notice(Notice::TooLate(command));
             return;
         }
         match command {
             Command::SetRate(rate) => self.rate = rate,
             Command::SetRamp(ramp) => self.ramp = ramp,
+            Command::SetLimits(limits) => self.limits = limits,
             Command::StopAll(_) => self.halted = true,
             Command::Release => self.halted = false,
             _ => {}
@@ -69,7 +68,10 @@ impl Station {
                     };
                     self.outbox.notice(Notice::StopEnded(report));
                 }
-                Command::Release | Command::SetRate(_) | Command::SetRamp(_) => {}
+                Command::Release
+                | Command::SetRate(_)
+                | Command::SetRamp(_)
+                | Command::SetLimits(_) => {}
                 _ => self.outbox.notice(Notice::NotConnected),
             },
         }
