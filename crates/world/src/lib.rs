@@ -18,7 +18,7 @@ mod shrink;
 mod story;
 
 pub use act::{Act, Fault, LineFault};
-pub use player::{Coverage, Failure, play};
+pub use player::{Coverage, Failure, play, what_passed};
 pub use rules::{Rule, Violation};
 pub use shrink::shrink;
 pub use story::Story;

@@ -10,7 +10,10 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use motorlink_world::{Coverage, Story, play, shrink};
+use motorlink_world::{Coverage, Story, play, shrink, what_passed};
+
+/// Lines of what passed before a rule was broken.
+const PASSED_SHOWN: usize = 40;
 
 fn main() -> ExitCode {
     match soak() {
@@ -76,6 +79,10 @@ fn holds(story: &Story, coverage: &mut Coverage) -> bool {
     println!("shrunk, with {:?}: {}", short.motors, last.violation);
     for act in &short.acts {
         println!("  {act:?}");
+    }
+    println!("the last that passed in it:");
+    for line in what_passed(&short, PASSED_SHOWN) {
+        println!("  {line}");
     }
     false
 }

@@ -1,10 +1,13 @@
 //! Plays a story over virtual time, and gives every step to the rules.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    time::Duration,
+};
 
-use motorlink_bus::{Bus, Command, Event, Output, StopReason};
+use motorlink_bus::{Bus, Command, Event, Limits, Output, StopReason};
 use motorlink_protocol::{Instant, MotorId, Request};
-use motorlink_simulator::{World, WorldConfig};
+use motorlink_simulator::{Speaker, World, WorldConfig};
 
 use crate::{
     act::{Act, Fault, LineFault},
@@ -14,6 +17,11 @@ use crate::{
 
 /// What the bus does at one moment is bounded: this is far above it, and far below a busy loop.
 const STEPS_AT_ONCE_MAX: u32 = 2_000;
+/// No hand is quicker than this.
+const PULLED_OUT_FOR: Duration = Duration::from_millis(50);
+/// How often the bus asks to be woken in a second: four times an exchange, at the most that the line
+/// carries.
+const WAKES_A_SECOND_MAX: u32 = 2_400;
 /// Behind the last act everything is stopped, and stands within this.
 const LAST_STOP: Duration = Duration::from_secs(8);
 /// Released, nothing but questions is heard for this long.
@@ -52,6 +60,22 @@ pub fn play(story: &Story, coverage: &mut Coverage) -> Result<(), Failure> {
     ended.map_err(|violation| Failure { step, violation })
 }
 
+/// What passed in a story up to its end, or to the first rule that did not hold: the last lines of it.
+#[must_use]
+pub fn what_passed(story: &Story, lines: usize) -> Vec<String> {
+    let mut player = Player::new(story);
+    player.passed = Some(VecDeque::with_capacity(lines));
+    for act in &story.acts {
+        player.note(|| format!("{act:?}"));
+        if player.act(act).is_err() {
+            return player.passed.into_iter().flatten().collect();
+        }
+    }
+    // Whether that breaks a rule is told elsewhere.
+    let _ = player.end();
+    player.passed.into_iter().flatten().collect()
+}
+
 struct Player {
     now: Instant,
     world: World,
@@ -60,10 +84,17 @@ struct Player {
     /// Whether Stop all motors stands, which outlives the port.
     halted: bool,
     page_answers: bool,
+    /// What was clicked while the page hung, and when.
+    clicked: Vec<(Instant, Command)>,
+    limits: Limits,
     rules: Rules,
     motors: Vec<MotorId>,
     /// Frames that were sent since the last look, but questions.
     acted: u64,
+    /// When the second began, and how often the bus has asked to be woken in it.
+    wakes: (Instant, u32),
+    /// What passed, where somebody wants to know; no more lines than it was made for.
+    passed: Option<VecDeque<String>>,
 }
 
 impl Player {
@@ -80,10 +111,15 @@ impl Player {
             bus: None,
             halted: false,
             page_answers: true,
+            clicked: Vec::new(),
+            limits: Limits::default(),
             rules: Rules::default(),
             motors: story.motors.clone(),
             acted: 0,
+            wakes: (now, 0),
+            passed: None,
         };
+        player.rules.line(now, true);
         player.plug();
         player
     }
@@ -95,20 +131,26 @@ impl Player {
         } else {
             Bus::new(self.now)
         };
-        for id in &self.motors {
+        let limits = Command::SetLimits(self.limits);
+        let watched = self.motors.iter().copied().map(Command::Watch);
+        self.rules.limits(self.limits);
+        for command in watched.chain([limits]) {
             // On a bus on which nothing drives this is not refused.
-            let _: Result<(), _> = bus.command(self.now, Command::Watch(*id));
+            let _: Result<(), _> = bus.command(self.now, command);
         }
         self.bus = Some(bus);
     }
 
     fn act(&mut self, act: &Act) -> Result<(), Violation> {
         match act {
-            // A page that hangs hears no click.
-            Act::Command(command) if self.page_answers => self.command(*command)?,
-            Act::Command(_) => {}
+            Act::Command(command) if self.page_answers => self.command(self.now, *command)?,
+            // It is heard when the page goes on.
+            Act::Command(command) => self.clicked.push((self.now, *command)),
             Act::Pause(duration) => self.run(*duration)?,
-            Act::Line(line) => self.world.set_faults(line.faults()),
+            Act::Line(line) => {
+                self.world.set_faults(line.faults());
+                self.rules.line(self.now, *line == LineFault::None);
+            }
             Act::Power { id, on } => {
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.power(*on);
@@ -125,14 +167,12 @@ impl Player {
                     motor.set_temperature_c((*celsius).into());
                 }
             }
-            Act::PageHangs(hangs) => {
-                self.page_answers = !hangs;
-                self.rules.page(self.now, !hangs);
-                if !hangs && let Some(bus) = &mut self.bus {
-                    bus.page_answered(self.now);
-                }
+            Act::PageHangs(true) => {
+                self.page_answers = false;
+                self.rules.page(self.now, false);
             }
-            Act::PageGoes => self.command(Command::StopAll(StopReason::PageGone))?,
+            Act::PageHangs(false) => self.page_goes_on()?,
+            Act::PageGoes => self.command(self.now, Command::StopAll(StopReason::PageGone))?,
             Act::Unplug => {
                 if let Some(mut bus) = self.bus.take() {
                     self.halted = bus.is_halted();
@@ -140,6 +180,7 @@ impl Player {
                         self.rules.told(self.now, &event, &self.world)?;
                     }
                     self.rules.port_lost();
+                    self.run(PULLED_OUT_FOR)?;
                 }
             }
             Act::Replug => {
@@ -151,17 +192,43 @@ impl Player {
         self.run(Duration::ZERO)
     }
 
-    fn command(&mut self, command: Command) -> Result<(), Violation> {
+    /// What was clicked meanwhile is handed over, before or behind the answer to the ping.
+    fn page_goes_on(&mut self) -> Result<(), Violation> {
+        self.page_answers = true;
+        self.rules.page(self.now, true);
+        let clicked = std::mem::take(&mut self.clicked);
+        let clicks_first = clicked.len().is_multiple_of(2);
+        if !clicks_first && let Some(bus) = &mut self.bus {
+            bus.page_answered(self.now);
+        }
+        for (given, command) in clicked {
+            self.command(given, command)?;
+        }
         if let Some(bus) = &mut self.bus {
+            bus.page_answered(self.now);
+        }
+        Ok(())
+    }
+
+    /// The operator asks for something at `given`. As in the worker, an act that comes late is not
+    /// carried out.
+    fn command(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
+        if let Command::SetLimits(limits) = command {
+            self.limits = limits;
+        }
+        if !command.is_too_old(self.now.since(given))
+            && let Some(bus) = &mut self.bus
+        {
             let answer = bus.command(self.now, command);
-            self.rules.commanded(self.now, command, answer, bus);
+            self.rules
+                .commanded(self.now, given, command, answer, bus)?;
         }
         self.run(Duration::ZERO)
     }
 
     /// Stops everything on a good line, and looks whether it stands and stays so.
     fn end(&mut self) -> Result<(), Violation> {
-        self.world.set_faults(LineFault::None.faults());
+        self.act(&Act::Line(LineFault::None))?;
         for motor in self.world.motors_mut() {
             motor.set_load_nm(0.0);
             motor.set_temperature_c(30.0);
@@ -173,7 +240,7 @@ impl Player {
         self.act(&Act::Replug)?;
         // A bus stops whom it has heard.
         self.run(REST)?;
-        self.command(Command::StopAll(StopReason::Operator))?;
+        self.command(self.now, Command::StopAll(StopReason::Operator))?;
         self.run(LAST_STOP)?;
         for motor in self.world.motors() {
             if motor.speed_rpm().abs() >= STANDS_RPM {
@@ -181,7 +248,7 @@ impl Player {
                 return self.restless(what);
             }
         }
-        self.command(Command::Release)?;
+        self.command(self.now, Command::Release)?;
         self.acted = 0;
         self.run(REST)?;
         if self.acted > 0 {
@@ -202,11 +269,13 @@ impl Player {
         let end = self.now + duration;
         loop {
             let wake = self.settle()?;
-            self.rules.passed(self.now)?;
+            self.rules.passed(self.now, &self.world)?;
             let next = [Some(end), wake, self.world.next_event()];
             let next = next.into_iter().flatten().min().unwrap_or(end);
+            self.count_wake(wake.is_some_and(|wake| wake <= next))?;
             self.now = next.max(self.now);
             self.world.advance(self.now);
+            self.hear_motors();
             while let Some(chunk) = self.world.receive(self.now) {
                 if let Some(bus) = &mut self.bus {
                     bus.receive(self.now, &chunk.bytes);
@@ -214,7 +283,39 @@ impl Player {
             }
             if self.now >= end {
                 self.settle()?;
-                return self.rules.passed(self.now);
+                return self.rules.passed(self.now, &self.world);
+            }
+        }
+    }
+
+    fn note(&mut self, what: impl FnOnce() -> String) {
+        let now = self.now;
+        if let Some(passed) = &mut self.passed {
+            if passed.len() == passed.capacity() {
+                passed.pop_front();
+            }
+            passed.push_back(format!("{now:?}  {}", what()));
+        }
+    }
+
+    fn count_wake(&mut self, is_wake: bool) -> Result<(), Violation> {
+        let (began, count) = &mut self.wakes;
+        if self.now.since(*began) >= Duration::from_secs(1) {
+            (*began, *count) = (self.now, 0);
+        }
+        *count += u32::from(is_wake);
+        if *count > WAKES_A_SECOND_MAX {
+            return self.restless("the bus asks to be woken again and again".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Lets the rules know what the motors said.
+    fn hear_motors(&mut self) {
+        let is_heard = self.bus.is_some();
+        for traffic in self.world.drain_traffic() {
+            if is_heard && let Speaker::Motor(_) = traffic.from {
+                self.rules.replied(traffic.at, traffic.frame);
             }
         }
     }
@@ -236,9 +337,12 @@ impl Player {
                     self.world.transmit(self.now, frame.bytes());
                 }
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
-                Output::Event(event) => self.rules.told(self.now, &event, &self.world)?,
+                Output::Event(event) => {
+                    self.note(|| format!("{event:?}"));
+                    self.rules.told(self.now, &event, &self.world)?;
+                }
                 Output::Wait(at) if at > self.now => {
-                    self.rules.keep_what_stands(self.now, bus);
+                    self.rules.settled(self.now, bus)?;
                     return Ok(Some(at));
                 }
                 Output::Wait(_) => break,

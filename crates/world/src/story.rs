@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use fastrand::Rng;
-use motorlink_bus::{Command, CommandRate, Consent, Ramp, StopReason, Together};
+use motorlink_bus::{Command, CommandRate, Consent, Limits, Ramp, StopReason, Together};
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget,
 };
@@ -117,7 +117,7 @@ impl Teller {
     fn command(&mut self, id: MotorId) -> Command {
         let consent = Consent::None;
         let setpoint = self.setpoint();
-        match self.rng.u8(..32) {
+        match self.rng.u8(..33) {
             0..=8 => Command::Drive {
                 id,
                 setpoint,
@@ -159,8 +159,17 @@ impl Teller {
             },
             29 => Command::Watch(id),
             30 => Command::SetRamp(Ramp::new(self.rng.u16(50..2_000)).ok()),
+            31 => Command::SetLimits(self.limits()),
             _ => Command::SetRate(CommandRate::new(self.rng.u16(1..=500)).unwrap_or_default()),
         }
+    }
+
+    /// Mostly such that something crosses them.
+    fn limits(&mut self) -> Limits {
+        let speed = self.rng.u16(20..=330);
+        let current = self.rng.u16(100..=3_000);
+        let temperature = self.rng.u16(30..=80);
+        Limits::new(speed, current, temperature).unwrap_or_default()
     }
 
     fn setpoint(&mut self) -> Setpoint {

@@ -1,0 +1,310 @@
+//! What an operator asked for, what stands of it, and what may be sent by it.
+
+use std::{collections::BTreeMap, time::Duration};
+
+use motorlink_bus::{
+    Activity, Bus, Command, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample,
+};
+use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_simulator::World;
+
+use super::{Outcome, Rule, broken};
+
+/// A page that does not answer has its motors stopped.
+const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
+/// An act that is older than this starts nothing.
+const ACT_AGE_MAX: Duration = Duration::from_millis(500);
+/// A full scan proves for so long who is there.
+const PROOF_LASTS: Duration = Duration::from_secs(60);
+/// A driven motor that is silent for longer loses its setpoint, once so many requests were in vain; the
+/// next may be on its way.
+const SILENCE_MAX: Duration = Duration::from_millis(200);
+const UNANSWERED_MAX: u32 = 4;
+/// What a wheel may overshoot its speed limit by.
+const OVERSHOOT_RPM: u16 = 10;
+
+/// An operator's command that stands.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    setpoint: Setpoint,
+    since: Instant,
+}
+
+/// What a motor has told since it is driven, as far as it matters for whether it may go on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    last: Option<Instant>,
+    /// Requests since then.
+    asked: u32,
+    overcurrent_since: Option<Instant>,
+    /// The limit that it crossed.
+    crossed: Option<&'static str>,
+}
+
+/// What the operator and the page did.
+#[derive(Debug, Default)]
+pub(super) struct Operator {
+    standing: BTreeMap<MotorId, Standing>,
+    told: BTreeMap<MotorId, Told>,
+    pub(super) limits: Limits,
+    page_silent_since: Option<Instant>,
+    proof: Option<(MotorId, Instant)>,
+    /// What was asked for: from which ID to which.
+    id_change: Option<(MotorId, MotorId)>,
+    /// Frames that drive, at this moment; they are judged when all that was heard is told.
+    driven_now: Vec<MotorId>,
+}
+
+impl Operator {
+    /// The operator asked for something, and the bus answered.
+    pub(super) fn commanded(
+        &mut self,
+        now: Instant,
+        given: Instant,
+        command: Command,
+        answer: Result<(), Refusal>,
+    ) -> Outcome {
+        if answer.is_err() {
+            return Ok(());
+        }
+        if command.may_move() && now.since(given) > ACT_AGE_MAX {
+            let what = format!("{command:?} of {given:?} was taken");
+            return broken(Rule::NoOldActs, now, what);
+        }
+        match command {
+            Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. } => {
+                self.stands(now, id, setpoint);
+            }
+            Command::DriveTogether { parts, .. } | Command::AdjustTogether { parts, .. } => {
+                for (id, setpoint) in parts.parts() {
+                    self.stands(now, id, setpoint);
+                }
+            }
+            Command::SetId { from, to } => self.id_change = Some((from, to.id())),
+            Command::SwitchMode { id, .. } => {
+                self.standing.remove(&id);
+            }
+            Command::SetLimits(limits) => self.limits = limits,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn stands(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) {
+        let since = self.standing.get(&id).map_or(now, |before| before.since);
+        if since == now {
+            self.told.insert(id, Told::default());
+        }
+        self.standing.insert(id, Standing { setpoint, since });
+    }
+
+    /// Those for whom a command stood that does no more.
+    pub(super) fn stop(&mut self, is_stopped: impl Fn(&MotorId) -> bool) -> (Vec<MotorId>, u32) {
+        let others = u32::try_from(self.standing.len()).unwrap_or(u32::MAX);
+        let driven: Vec<MotorId> = self.standing.keys().copied().filter(is_stopped).collect();
+        for id in &driven {
+            self.standing.remove(id);
+        }
+        (driven, others)
+    }
+
+    /// What the bus drives no more is driven by nobody's command any more, and only a new one can
+    /// change that. All that was heard is told now.
+    pub(super) fn keep_what_stands(&mut self, now: Instant, bus: &Bus) -> Outcome {
+        for id in std::mem::take(&mut self.driven_now) {
+            self.may_still_be_driven(now, id)?;
+        }
+        let driven: BTreeMap<MotorId, Activity> = bus
+            .motors(now)
+            .map(|status| (status.id, status.activity))
+            .collect();
+        // What was asked for during a mode switch stands behind it.
+        self.standing.retain(|id, _| {
+            let activity = driven.get(id);
+            matches!(
+                activity,
+                Some(Activity::Driven { .. } | Activity::Switching { .. })
+            )
+        });
+        Ok(())
+    }
+
+    fn may_still_be_driven(&self, now: Instant, id: MotorId) -> Outcome {
+        let Some(standing) = self.standing.get(&id) else {
+            return Ok(());
+        };
+        let told = self.told.get(&id).copied().unwrap_or_default();
+        let silent_since = told
+            .last
+            .map_or(standing.since, |at| at.max(standing.since));
+        if now.since(silent_since) > SILENCE_MAX && told.asked > UNANSWERED_MAX {
+            let what = format!("{id} is driven, and silent since {silent_since:?}");
+            return broken(Rule::SilentIsWithdrawn, now, what);
+        }
+        if let Some(limit) = told.crossed {
+            let what = format!("{id} is driven beyond its limit of {limit}");
+            return broken(Rule::LimitsHold, now, what);
+        }
+        Ok(())
+    }
+
+    /// The page answers, or does not.
+    pub(super) fn page(&mut self, now: Instant, answers: bool) {
+        if answers {
+            self.page_silent_since = None;
+        } else {
+            self.page_silent_since.get_or_insert(now);
+        }
+    }
+
+    /// The port is gone, and with it whatever stood; the limits are the page's.
+    pub(super) fn port_lost(&mut self) {
+        let (silent, limits) = (self.page_silent_since, self.limits);
+        *self = Self::default();
+        self.page_silent_since = silent;
+        self.limits = limits;
+    }
+
+    /// A frame goes out. Gives whether it is one that a stop may consist of.
+    pub(super) fn sent(
+        &mut self,
+        now: Instant,
+        frame: Frame,
+        bus: &Bus,
+        world: &World,
+    ) -> Result<bool, super::Violation> {
+        let request = Request::parse(&frame);
+        if let Ok(request) = request
+            && let Some(id) = addressee(&request)
+        {
+            self.told.entry(id).or_default().asked += 1;
+        }
+        match request {
+            Ok(Request::Drive { id, drive }) => {
+                let rests = drive.brakes() || drive.signed() == 0;
+                let in_position = world
+                    .motor(id)
+                    .is_some_and(|it| it.mode() == Mode::Position);
+                if rests && (!in_position || drive.brakes()) {
+                    return Ok(true);
+                }
+                self.drives(now, id, drive.signed(), drive.unsigned(), bus)?;
+            }
+            Ok(Request::SwitchMode { mode, .. }) => return Ok(mode == Mode::Velocity),
+            Ok(Request::SetId { id: to }) => {
+                let proved = self.proof.filter(|(_, at)| now.since(*at) <= PROOF_LASTS);
+                let asked = self.id_change.filter(|(_, asked)| *asked == to.id());
+                if asked.is_none() || proved.map(|(id, _)| id) != asked.map(|(from, _)| from) {
+                    return broken(
+                        Rule::IdChangeIsProved,
+                        now,
+                        "not asked for, or without a scan that proves it",
+                    );
+                }
+            }
+            Ok(Request::Query { .. } | Request::IdQuery) => {}
+            // Nobody in this world writes frames by hand.
+            other => {
+                let what = format!("{frame}: {other:?}");
+                return broken(Rule::DrivenByCommandOnly, now, what);
+            }
+        }
+        Ok(false)
+    }
+
+    fn drives(&mut self, now: Instant, id: MotorId, signed: i16, raw: u16, bus: &Bus) -> Outcome {
+        let Some(Standing { setpoint, .. }) = self.standing.get(&id) else {
+            let what = format!("{id} to {signed}, and no command stands");
+            return broken(Rule::DrivenByCommandOnly, now, what);
+        };
+        if let Some(since) = self.page_silent_since
+            && now.since(since) > PAGE_SILENT_MAX
+        {
+            let what = format!("{id} to {signed}, the page silent since {since:?}");
+            return broken(Rule::DeadPageStops, now, what);
+        }
+        self.driven_now.push(id);
+        let within = |goal: i16| {
+            let (low, high) = (goal.min(0), goal.max(0));
+            (low..=high).contains(&signed)
+        };
+        let fits = match setpoint {
+            // A ramp may still be on its way there.
+            Setpoint::Velocity { speed, .. } => within(speed.rpm()),
+            Setpoint::Current(current) => signed == current.raw() || signed == 0,
+            Setpoint::Position(target) => raw == target.raw() || holds(id, raw, bus, now),
+            Setpoint::Brake => false,
+        };
+        if fits {
+            return Ok(());
+        }
+        let what = format!("{id} to {signed}, commanded {setpoint:?}");
+        broken(Rule::NoMoreThanCommanded, now, what)
+    }
+
+    /// The bus tells something.
+    pub(super) fn told(&mut self, now: Instant, event: &Event) {
+        match event {
+            Event::Telemetry(sample) => self.reported(sample),
+            Event::ScanEnded(report) => {
+                self.proof = match report.found.as_slice() {
+                    [only] if report.complete => Some((*only, now)),
+                    _ => None,
+                };
+            }
+            // A good reply is a sign of life, whatever it can be read as.
+            Event::Traffic(traffic) => {
+                if let Passed::Heard { frame, .. } = traffic.passed
+                    && let [id, ..] = *frame.bytes()
+                    && let Ok(id) = MotorId::new(id)
+                {
+                    let told = self.told.entry(id).or_default();
+                    (told.last, told.asked) = (Some(traffic.at), 0);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn reported(&mut self, sample: &Sample) {
+        let Sample { at, reply } = sample;
+        let Some(standing) = self.standing.get(&reply.id) else {
+            return;
+        };
+        let told = self.told.entry(reply.id).or_default();
+        if reply.speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM {
+            told.crossed = Some("speed");
+        }
+        if reply.current.amps().abs() * 1_000.0 < f32::from(self.limits.current_ma()) + 1.0 {
+            told.overcurrent_since = None;
+        } else {
+            let since = *told.overcurrent_since.get_or_insert(*at);
+            if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
+                told.crossed = Some("current");
+            }
+        }
+        if let Detail::Query { temperature, .. } = reply.detail
+            && u16::from(temperature.degrees()) > self.limits.temperature_c()
+        {
+            told.crossed = Some("temperature");
+        }
+    }
+}
+
+fn addressee(request: &Request) -> Option<MotorId> {
+    match request {
+        Request::Drive { id, .. } | Request::Query { id } | Request::SwitchMode { id, .. } => {
+            Some(*id)
+        }
+        _ => None,
+    }
+}
+
+/// Hold: the angle at which it was.
+fn holds(id: MotorId, raw: u16, bus: &Bus, now: Instant) -> bool {
+    let status = bus.motors(now).find(|status| status.id == id);
+    matches!(
+        status.map(|status| status.activity),
+        Some(Activity::Driven { setpoint: Setpoint::Position(held) }) if held.raw() == raw
+    )
+}

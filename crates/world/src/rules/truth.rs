@@ -1,0 +1,107 @@
+//! Whether what is told is true of the motors.
+
+use std::{collections::BTreeMap, time::Duration};
+
+use motorlink_bus::{Event, Sample, StopReport};
+use motorlink_protocol::{Detail, Instant, MotorId};
+use motorlink_simulator::{VirtualMotor, World};
+
+use super::{Outcome, Rule, broken};
+
+/// A sensor's step, noise, and the time that a reply was held.
+const TEMPERATURE_OFF_MAX_C: f32 = 4.0;
+/// Of a wheel that stands, coarse steps of 1.4 degrees included.
+const ANGLE_OFF_MAX_DEG: f32 = 6.0;
+/// A reply speaks of no earlier moment than this.
+const REPLY_HELD_MAX: Duration = Duration::from_millis(250);
+/// Below this a wheel stands.
+const STANDS_RPM: f32 = 1.0;
+/// A wheel whose standstill was confirmed turns no faster than this: it may be pushed.
+const CONFIRMED_RPM: f32 = 10.0;
+
+/// What is known of the motors themselves.
+#[derive(Debug, Default)]
+pub(super) struct Truth {
+    /// When a motor's temperature was last changed by more than nature does.
+    heated: Option<Instant>,
+    /// Since when a wheel stands, and at which angle.
+    standing: BTreeMap<MotorId, (Instant, f32)>,
+}
+
+impl Truth {
+    /// A motor is as hot at once as it would be in minutes.
+    pub(super) fn heated(&mut self, now: Instant) {
+        self.heated = Some(now);
+    }
+
+    /// Time has passed.
+    pub(super) fn passed(&mut self, now: Instant, world: &World) {
+        for motor in world.motors() {
+            let angle = motor.angle_deg();
+            let stays = self.standing.get(&motor.id()).is_some_and(|(_, before)| {
+                apart(angle, *before) < STANDS_RPM && motor.speed_rpm().abs() < STANDS_RPM
+            });
+            if !stays {
+                self.standing.insert(motor.id(), (now, angle));
+            }
+        }
+    }
+
+    /// The bus tells something.
+    pub(super) fn told(&self, now: Instant, event: &Event, world: &World) -> Outcome {
+        match event {
+            Event::Telemetry(sample) => self.reported(now, sample, world),
+            Event::StopEnded(report) => confirmed(now, report, world),
+            _ => Ok(()),
+        }
+    }
+
+    fn reported(&self, now: Instant, sample: &Sample, world: &World) -> Outcome {
+        let reply = sample.reply;
+        let Some(motor) = world.motor(reply.id) else {
+            return Ok(());
+        };
+        if let Detail::Query { temperature, .. } = reply.detail
+            && self.heated.is_none_or(|at| now.since(at) >= REPLY_HELD_MAX)
+        {
+            let (read, truth) = (f32::from(temperature.degrees()), motor.temperature_c());
+            if (read - truth).abs() > TEMPERATURE_OFF_MAX_C {
+                let what = format!("{} reads {read} for {truth} degrees", reply.id);
+                return broken(Rule::TelemetryIsTrue, now, what);
+            }
+        }
+        let stands = self.standing.get(&reply.id);
+        let Some((_, truth)) = stands.filter(|(since, _)| now.since(*since) > REPLY_HELD_MAX)
+        else {
+            return Ok(());
+        };
+        let read = match reply.detail {
+            Detail::Drive { position } => position.degrees(),
+            Detail::Query { position, .. } => position.degrees(),
+            Detail::Undetermined(_) => return Ok(()),
+        };
+        if apart(read, *truth) > ANGLE_OFF_MAX_DEG {
+            let what = format!("{} reads {read} for {truth} degrees of angle", reply.id);
+            return broken(Rule::TelemetryIsTrue, now, what);
+        }
+        Ok(())
+    }
+}
+
+/// What is said to stand does.
+fn confirmed(now: Instant, report: &StopReport, world: &World) -> Outcome {
+    for outcome in report.motors.iter().filter(|outcome| outcome.confirmed) {
+        let speed = world.motor(outcome.id).map_or(0.0, VirtualMotor::speed_rpm);
+        if speed.abs() > CONFIRMED_RPM {
+            let what = format!("{} is said to stand, and turns at {speed} rpm", outcome.id);
+            return broken(Rule::StopEnds, now, what);
+        }
+    }
+    Ok(())
+}
+
+/// The way between two angles in degrees.
+fn apart(one: f32, other: f32) -> f32 {
+    let apart = (one - other).rem_euclid(360.0);
+    apart.min(360.0 - apart)
+}

@@ -1,0 +1,154 @@
+//! What passes on the wire, and what the log has of it.
+
+use std::{collections::VecDeque, time::Duration};
+
+use motorlink_bus::{Event, Passed};
+use motorlink_protocol::{Frame, Instant, Request};
+
+use super::{Outcome, Rule, broken};
+
+/// A frame of ten bytes at 115200 baud.
+const AIRTIME: Duration = Duration::from_micros(868);
+/// On a good line a reply is in the log within this: the longest window, and the frames before it.
+const LOGGED_WITHIN: Duration = Duration::from_millis(250);
+/// When a bad line becomes good, what it has held is over after this.
+const LINE_CLEARS: Duration = Duration::from_millis(250);
+
+/// A reply that a motor sent.
+#[derive(Clone, Copy, Debug)]
+struct Sent {
+    at: Instant,
+    frame: Frame,
+    /// Nothing was wrong with the line, and nobody else spoke.
+    undisturbed: bool,
+}
+
+/// The wire and its log.
+#[derive(Debug, Default)]
+pub(super) struct Wire {
+    last_sent: Option<Instant>,
+    last_was_for_all: bool,
+    unlogged: VecDeque<Frame>,
+    replies: VecDeque<Sent>,
+    line_is_good_since: Option<Instant>,
+    /// Readings of this moment, which the log must have too.
+    read: Vec<Frame>,
+    heard: Vec<Frame>,
+}
+
+impl Wire {
+    /// The line became good, or bad.
+    pub(super) fn line(&mut self, now: Instant, is_good: bool) {
+        self.line_is_good_since = is_good.then(|| self.line_is_good_since.unwrap_or(now));
+        if !is_good {
+            // What is on its way may be spoilt yet.
+            for sent in &mut self.replies {
+                sent.undisturbed = false;
+            }
+        }
+    }
+
+    /// A frame goes out.
+    pub(super) fn sent(&mut self, now: Instant, frame: Frame) -> Outcome {
+        if self.last_sent.is_some_and(|last| now < last + AIRTIME) {
+            return broken(Rule::OneFrameAtATime, now, format!("{frame}"));
+        }
+        self.last_sent = Some(now);
+        self.last_was_for_all = Request::parse(&frame) == Ok(Request::IdQuery);
+        self.unlogged.push_back(frame);
+        Ok(())
+    }
+
+    /// A motor replies.
+    pub(super) fn replied(&mut self, at: Instant, frame: Frame) {
+        let good = self
+            .line_is_good_since
+            .is_some_and(|since| at.since(since) > LINE_CLEARS);
+        self.replies.push_back(Sent {
+            at,
+            frame,
+            // All answer the ID query at once.
+            undisturbed: good && !self.last_was_for_all,
+        });
+    }
+
+    /// The port is closed: what is on its way is heard by nobody.
+    pub(super) fn port_lost(&mut self) {
+        let good = self.line_is_good_since;
+        *self = Self::default();
+        self.line_is_good_since = good;
+    }
+
+    /// The bus tells something.
+    pub(super) fn told(&mut self, now: Instant, event: &Event) -> Outcome {
+        match event {
+            Event::Traffic(traffic) => match traffic.passed {
+                Passed::Sent { frame, .. } => {
+                    if self.unlogged.pop_front() != Some(frame) {
+                        return broken(Rule::LogIsComplete, now, format!("{frame} out of turn"));
+                    }
+                }
+                Passed::Heard { frame, .. } => {
+                    self.heard.push(frame);
+                    return self.logged(now, frame);
+                }
+                Passed::Junk(_) | Passed::Silence { .. } => {}
+            },
+            Event::Telemetry(sample) => self.read.push(sample.reply.frame()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What is in the log came in the order in which it was sent, and nothing good before it is missing.
+    fn logged(&mut self, now: Instant, frame: Frame) -> Outcome {
+        // One that was spoilt may have said the same.
+        let is_it = |sent: &Sent| sent.undisturbed && sent.frame == frame;
+        let same = |sent: &Sent| sent.frame == frame;
+        let place = self.replies.iter().position(is_it);
+        let Some(place) = place.or_else(|| self.replies.iter().position(same)) else {
+            // Another host's motor, or bytes that chance made good.
+            return Ok(());
+        };
+        let missing = self.replies.drain(..=place).take(place);
+        match missing.into_iter().find(|sent| sent.undisturbed) {
+            Some(Sent { at, frame, .. }) => {
+                broken(Rule::GoodRepliesAreHeard, now, format!("{frame} of {at:?}"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// All that was heard at this moment is told.
+    pub(super) fn settled(&mut self, now: Instant) -> Outcome {
+        let heard = std::mem::take(&mut self.heard);
+        let unlogged = std::mem::take(&mut self.read)
+            .into_iter()
+            .find(|frame| !heard.contains(frame));
+        match unlogged {
+            Some(frame) => broken(
+                Rule::LogIsComplete,
+                now,
+                format!("{frame} was read, not logged"),
+            ),
+            None => Ok(()),
+        }
+    }
+
+    /// Time has passed.
+    pub(super) fn passed(&mut self, now: Instant) -> Outcome {
+        while let Some(Sent {
+            at,
+            frame,
+            undisturbed,
+        }) = self.replies.front().copied()
+            && now.since(at) > LOGGED_WITHIN
+        {
+            self.replies.pop_front();
+            if undisturbed {
+                return broken(Rule::GoodRepliesAreHeard, now, format!("{frame} of {at:?}"));
+            }
+        }
+        Ok(())
+    }
+}
