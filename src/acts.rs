@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_messages::{
     ToWorker,
-    bus::{Activity, Command, CommandRate, Consent, StopReason, needs_consent},
+    bus::{Activity, Command, CommandRate, Consent, Limits, StopReason, needs_consent},
     protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
 };
 
@@ -14,6 +14,7 @@ use crate::{
     one_stop::stop_of,
     permission::{why_not_drive, why_not_stop, why_not_switch},
     tab::Tab,
+    target::Target,
     words,
 };
 
@@ -227,6 +228,26 @@ impl Desk {
         if connected {
             self.command(Command::SetRate(rate));
         }
+    }
+
+    /// Takes the limits that were entered. Each is in its range.
+    pub(crate) fn set_limits(self) {
+        let whole = |target: Target| u16::try_from(target.get_untracked()).unwrap_or(0);
+        let limits = Limits::new(
+            whole(self.targets.speed_limit),
+            whole(self.targets.current_limit),
+            whole(self.targets.temperature_limit),
+        );
+        if let Ok(limits) = limits {
+            self.prefer(|preferences| preferences.limits = limits);
+            self.send_limits();
+        }
+    }
+
+    /// The worker keeps them for every port that is opened.
+    pub(crate) fn send_limits(self) {
+        let limits = self.preferences.with_untracked(|chosen| chosen.limits);
+        self.command(Command::SetLimits(limits));
     }
 
     /// Does what a key asks for. Stop all motors is not among them: it is posted by the handler of

@@ -89,6 +89,12 @@ pub(crate) struct Targets {
     pub(crate) position: Target,
     /// Drive frames a second.
     pub(crate) rate: Target,
+    /// In rpm.
+    pub(crate) speed_limit: Target,
+    /// In mA.
+    pub(crate) current_limit: Target,
+    /// In degrees Celsius.
+    pub(crate) temperature_limit: Target,
     /// The ID that a motor is to be given.
     pub(crate) new_id: Target,
 }
@@ -181,6 +187,9 @@ impl Desk {
                 current: Target::new(0),
                 position: Target::new(0),
                 rate: Target::new(preferences.rate.hertz().into()),
+                speed_limit: Target::new(preferences.limits.speed_rpm().into()),
+                current_limit: Target::new(preferences.limits.current_ma().into()),
+                temperature_limit: Target::new(preferences.limits.temperature_c().into()),
                 new_id: Target::new(NO_NEW_ID),
             },
             dialog: RwSignal::new(None),

@@ -1,7 +1,7 @@
 //! What a person types into a field, read into a value in range or into words that say why not.
 
 use motorlink_messages::{
-    bus::CommandRate,
+    bus::{CommandRate, Limits},
     protocol::{CurrentTarget, PositionTarget, SpeedTarget},
 };
 
@@ -58,7 +58,9 @@ impl Entry {
         reason = "a float cast saturates, and the value is clamped to its range"
     )]
     pub(crate) fn moved(self, value: i32, by: f64) -> i32 {
-        let shown = self.shown(value).round() + by;
+        // What is shown as a fraction goes in whole steps.
+        let grid = if self.scale < 1.0 { self.step } else { 1.0 };
+        let shown = (self.shown(value) / grid).round() * grid + by;
         ((shown / self.scale).round() as i32).clamp(self.min, self.max)
     }
 }
@@ -140,6 +142,72 @@ pub(crate) const RATE: Entry = Entry {
     step: 1.0,
     page: 10.0,
 };
+
+/// Speed at which a motor is stopped, in rpm.
+pub(crate) const SPEED_LIMIT: Entry = Entry {
+    min: Limits::SPEED_RPM.0 as i32,
+    max: Limits::SPEED_RPM.1 as i32,
+    read: |text| {
+        whole(text, |rpm| {
+            within_pair(rpm, Limits::SPEED_RPM, "Speed limit")
+        })
+    },
+    show: |rpm| rpm.to_string(),
+    scale: 1.0,
+    step: 10.0,
+    page: 50.0,
+};
+
+/// Current at which a motor is stopped, in mA, shown in amps.
+pub(crate) const CURRENT_LIMIT: Entry = Entry {
+    min: Limits::CURRENT_MA.0 as i32,
+    max: Limits::CURRENT_MA.1 as i32,
+    read: milliamps,
+    show: |milliamps| format!("{}.{}", milliamps / 1_000, milliamps % 1_000 / 100),
+    scale: 0.001,
+    step: 0.1,
+    page: 1.0,
+};
+
+/// Temperature at which a motor is stopped, in degrees Celsius.
+pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
+    min: Limits::TEMPERATURE_C.0 as i32,
+    max: Limits::TEMPERATURE_C.1 as i32,
+    read: |text| {
+        whole(text, |degrees| {
+            within_pair(degrees, Limits::TEMPERATURE_C, "Temperature limit")
+        })
+    },
+    show: |degrees| degrees.to_string(),
+    scale: 1.0,
+    step: 1.0,
+    page: 5.0,
+};
+
+fn within_pair(value: i32, (min, max): (u16, u16), quantity: &str) -> Result<i32, String> {
+    within(value, min.into(), max.into(), quantity)
+}
+
+/// Amps to a tenth.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, and the value is in its range"
+)]
+fn milliamps(text: &str) -> Typed {
+    let text = plain(text);
+    if is_unfinished(&text) {
+        return Typed::Unfinished;
+    }
+    let tenths = decimal(&text).map(|amps| (amps * 10.0).round() as i32);
+    let (least, most) = Limits::CURRENT_MA;
+    match tenths.map(|tenths| tenths.saturating_mul(100)) {
+        Some(value) if (least.into()..=most.into()).contains(&value) => Typed::Value(value),
+        Some(_) => Typed::Wrong(format!(
+            "Current limit goes from 0.1 to 8 A; {text} is outside."
+        )),
+        None => Typed::Wrong("Type a number of amps.".to_owned()),
+    }
+}
 
 fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String> {
     if (min..=max).contains(&value) {
@@ -253,6 +321,11 @@ mod tests {
             (ANGLE, ".5", 46),
             (ANGLE, "7.", 637),
             (RATE, "500", 500),
+            (SPEED_LIMIT, "1", 1),
+            (CURRENT_LIMIT, "2.7", 2_700),
+            (CURRENT_LIMIT, "8", 8_000),
+            (CURRENT_LIMIT, "0,1", 100),
+            (TEMPERATURE_LIMIT, "80", 80),
         ] {
             assert_eq!((entry.read)(text), Typed::Value(value), "{text}");
         }
@@ -275,6 +348,12 @@ mod tests {
             ),
             (ANGLE, "-1", "0 to 360"),
             (RATE, "0", "1 to 500"),
+            (SPEED_LIMIT, "0", "1 to 330"),
+            (CURRENT_LIMIT, "0", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "8.1", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "-3", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "99999999999999999999", "0.1 to 8 A"),
+            (TEMPERATURE_LIMIT, "81", "30 to 80"),
         ] {
             let Typed::Wrong(words) = (entry.read)(text) else {
                 panic!("{text} was taken");
@@ -306,12 +385,24 @@ mod tests {
         assert_eq!(POSITION.moved(50, -POSITION.step), 0);
         // From 44.99 degrees to 46.
         assert_eq!(ANGLE.moved(4_095, ANGLE.step), 4_187);
+        assert_eq!(CURRENT_LIMIT.moved(2_700, CURRENT_LIMIT.step), 2_800);
+        assert_eq!(CURRENT_LIMIT.moved(2_700, -CURRENT_LIMIT.page), 1_700);
+        assert_eq!(CURRENT_LIMIT.moved(7_900, CURRENT_LIMIT.page), 8_000);
     }
 
     #[test]
     fn what_is_shown_is_read_as_the_same() {
-        for entry in [SPEED, ACCELERATION, CURRENT, POSITION, ANGLE, RATE] {
-            for value in [entry.min, entry.min + 1, entry.max / 3, entry.max] {
+        for entry in [
+            SPEED,
+            ACCELERATION,
+            CURRENT,
+            POSITION,
+            ANGLE,
+            RATE,
+            SPEED_LIMIT,
+            TEMPERATURE_LIMIT,
+        ] {
+            for value in [entry.min, entry.min + 1, entry.max / 2, entry.max] {
                 let shown = (entry.show)(value);
                 assert_eq!((entry.read)(&shown), Typed::Value(value), "{shown}");
             }

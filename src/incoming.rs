@@ -29,6 +29,7 @@ impl Desk {
                 self.set_epoch(time_origin_ms);
                 self.worker.set(WorkerState::Running);
                 self.post(&ToWorker::Select(self.selected.get_untracked()));
+                self.send_limits();
             }
             ToPage::Died => self.worker_lost(),
             // Answered where it arrives.

@@ -1,7 +1,11 @@
 //! What the page remembers in this browser. A browser that keeps nothing, or keeps garbage, is one
 //! with nothing remembered.
 
-use motorlink_messages::{UsbId, bus::CommandRate, protocol::MotorId};
+use motorlink_messages::{
+    UsbId,
+    bus::{CommandRate, Limits},
+    protocol::MotorId,
+};
 
 /// The motor's make. Both are one design; the name is for the operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -93,6 +97,8 @@ pub struct Preferences {
     pub adapter: Option<UsbId>,
     /// Drive frames a second.
     pub rate: CommandRate,
+    /// What a driven motor may reach before it is stopped.
+    pub limits: Limits,
     /// The colours.
     pub theme: Theme,
     /// Whether a hidden page goes on driving.
@@ -108,6 +114,7 @@ impl Default for Preferences {
             model: Model::default(),
             adapter: None,
             rate: CommandRate::default(),
+            limits: Limits::default(),
             theme: Theme::default(),
             keep_driving: true,
             collapse_polls: true,
@@ -133,6 +140,9 @@ impl Preferences {
             rate: number("rate")
                 .and_then(|hertz| CommandRate::new(hertz).ok())
                 .unwrap_or(default.rate),
+            limits: lookup("limits")
+                .and_then(|text| limits_from(&text))
+                .unwrap_or(default.limits),
             theme: lookup("theme")
                 .and_then(|text| Theme::from_key(&text))
                 .unwrap_or(default.theme),
@@ -143,7 +153,7 @@ impl Preferences {
 
     /// As texts by name, what [`Preferences::from_store`] reads.
     #[must_use]
-    pub fn to_store(&self) -> [(&'static str, String); 7] {
+    pub fn to_store(&self) -> [(&'static str, String); 8] {
         let adapter = self.adapter.map(|usb| usb.to_string());
         let yes = |is| if is { "yes" } else { "no" }.to_owned();
         [
@@ -151,6 +161,7 @@ impl Preferences {
             ("model", self.model.key().to_owned()),
             ("adapter", adapter.unwrap_or_default()),
             ("rate", self.rate.hertz().to_string()),
+            ("limits", limits_to(self.limits)),
             ("theme", self.theme.key().to_owned()),
             ("keep-driving", yes(self.keep_driving)),
             ("collapse-polls", yes(self.collapse_polls)),
@@ -194,6 +205,18 @@ fn key(name: &str) -> String {
     format!("motorlink.{name}")
 }
 
+/// `330 2700 75`: rpm, mA, degrees Celsius.
+fn limits_to(limits: Limits) -> String {
+    let [speed, current, temperature]: [u16; 3] = limits.into();
+    format!("{speed} {current} {temperature}")
+}
+
+fn limits_from(text: &str) -> Option<Limits> {
+    let mut numbers = text.split(' ').map(|number| number.parse().ok());
+    let mut next = || numbers.next().flatten();
+    Limits::new(next()?, next()?, next()?).ok()
+}
+
 /// `1a86:7523`
 fn usb_from(text: &str) -> Option<UsbId> {
     let (vendor, product) = text.split_once(':')?;
@@ -223,6 +246,7 @@ mod tests {
                 product: 0x6001,
             }),
             rate: CommandRate::new(200).unwrap(),
+            limits: Limits::new(120, 1_500, 60).unwrap(),
             theme: Theme::Dark,
             keep_driving: false,
             collapse_polls: false,
@@ -239,7 +263,11 @@ mod tests {
             .map(|(name, _)| (name, "\u{0}rubbish:".to_owned()));
         assert_eq!(read(&HashMap::from(garbage)), Preferences::default());
         assert_eq!(read(&HashMap::new()), Preferences::default());
-        let out_of_range = HashMap::from([("motor", "255".into()), ("rate", "501".into())]);
+        let out_of_range = HashMap::from([
+            ("motor", "255".into()),
+            ("rate", "501".into()),
+            ("limits", "331 2700 75".into()),
+        ]);
         assert_eq!(read(&out_of_range), Preferences::default());
     }
 

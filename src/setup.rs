@@ -8,6 +8,9 @@
 //! | `command_rate_hz` | drive frames a second | 1 to 500 |
 //! | `keep_driving_while_hidden` | whether a hidden page goes on driving | `true`, `false` |
 //! | `ramp_rpm_per_s` | by how much a commanded speed may grow in a second | 0 (no ramp) to 10000 |
+//! | `speed_limit_rpm` | the speed at which a driven motor is stopped | 1 to 330 |
+//! | `current_limit_ma` | the current, for half a second | 100 to 8000 |
+//! | `temperature_limit_c` | the temperature | 30 to 80 |
 //! | `motors` | the motors, in any order | a list, each ID once |
 //! | `motors[].id` | must be there | 1 to 254 |
 //! | `motors[].name` | empty where it is left out | at most 16 characters, no control characters |
@@ -46,6 +49,12 @@ pub struct Setup {
     pub(crate) keep_driving: Option<bool>,
     /// In rpm a second, up to [`motorlink_messages::bus::Ramp::MAX`]; 0 is none.
     pub(crate) ramp: Option<u16>,
+    /// In rpm, in the range of [`motorlink_messages::bus::Limits`], as the next two.
+    pub(crate) speed_limit: Option<u16>,
+    /// In mA.
+    pub(crate) current_limit: Option<u16>,
+    /// In degrees Celsius.
+    pub(crate) temperature_limit: Option<u16>,
     pub(crate) fleet: Option<Fleet>,
 }
 
@@ -74,6 +83,15 @@ impl Setup {
         }
         if let Some(ramp) = self.ramp {
             let _ = write!(text, ",\n  \"ramp_rpm_per_s\": {ramp}");
+        }
+        for (name, limit) in [
+            ("speed_limit_rpm", self.speed_limit),
+            ("current_limit_ma", self.current_limit),
+            ("temperature_limit_c", self.temperature_limit),
+        ] {
+            if let Some(limit) = limit {
+                let _ = write!(text, ",\n  \"{name}\": {limit}");
+            }
         }
         if let Some(fleet) = &self.fleet {
             text.push_str(",\n  \"motors\": [");

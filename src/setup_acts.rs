@@ -26,6 +26,9 @@ impl Desk {
             rate: Some(preferences.rate),
             keep_driving: Some(preferences.keep_driving),
             ramp: u16::try_from(self.together.ramp.get_untracked()).ok(),
+            speed_limit: Some(preferences.limits.speed_rpm()),
+            current_limit: Some(preferences.limits.current_ma()),
+            temperature_limit: Some(preferences.limits.temperature_c()),
             fleet: Some(self.together.fleet.get_untracked()),
         }
     }
@@ -84,6 +87,17 @@ impl Desk {
         if let Some(ramp) = setup.ramp {
             self.together.ramp.set(ramp.into());
             self.set_ramp();
+        }
+        let limits = [
+            (self.targets.speed_limit, setup.speed_limit),
+            (self.targets.current_limit, setup.current_limit),
+            (self.targets.temperature_limit, setup.temperature_limit),
+        ];
+        if limits.iter().any(|(_, limit)| limit.is_some()) {
+            for (target, limit) in limits {
+                target.set(limit.map_or_else(|| target.get_untracked(), Into::into));
+            }
+            self.set_limits();
         }
         if let Some(fleet) = setup.fleet {
             self.replace_fleet(fleet);

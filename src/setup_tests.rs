@@ -1,6 +1,9 @@
 //! A setup as a file: there and back, and every way in which a file does not fit.
 
-use motorlink_messages::{bus::Ramp, protocol::MotorId};
+use motorlink_messages::{
+    bus::{Limits, Ramp},
+    protocol::MotorId,
+};
 use proptest::{collection::btree_map, option, prelude::*, sample::select};
 
 use super::*;
@@ -15,6 +18,9 @@ const ROVER: &str = r#"{
   "command_rate_hz": 200,
   "keep_driving_while_hidden": false,
   "ramp_rpm_per_s": 300,
+  "speed_limit_rpm": 120,
+  "current_limit_ma": 1500,
+  "temperature_limit_c": 60,
   "motors": [
     { "id": 1, "name": "Front \"left\"", "side": "left", "drives_together": true },
     { "id": 254, "name": "", "side": "none", "drives_together": false }
@@ -35,6 +41,9 @@ fn rover() -> Setup {
         rate: CommandRate::new(200).ok(),
         keep_driving: Some(false),
         ramp: Some(300),
+        speed_limit: Some(120),
+        current_limit: Some(1_500),
+        temperature_limit: Some(60),
         fleet: Some(fleet),
     }
 }
@@ -85,6 +94,9 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
     const MODEL: &str = "model: allowed is \"m0601\" or \"ddsm115\".";
     const RATE: &str = "command_rate_hz: allowed is a whole number from 1 to 500.";
     const KEEP: &str = "keep_driving_while_hidden: allowed is true or false.";
+    const SPEED: &str = "speed_limit_rpm: allowed is a whole number from 1 to 330.";
+    const CURRENT: &str = "current_limit_ma: allowed is a whole number from 100 to 8000.";
+    const TEMPERATURE: &str = "temperature_limit_c: allowed is a whole number from 30 to 80.";
     const RAMP: &str = "ramp_rpm_per_s: allowed is a whole number from 0 to 10000.";
     for (field, refusal) in [
         ("\"model\": \"M0601\"", MODEL),
@@ -101,12 +113,16 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"keep_driving_while_hidden\": 1", KEEP),
         ("\"ramp_rpm_per_s\": 10001", RAMP),
         ("\"ramp_rpm_per_s\": -0", RAMP),
+        ("\"speed_limit_rpm\": 331", SPEED),
+        ("\"current_limit_ma\": 2.7", CURRENT),
+        ("\"temperature_limit_c\": 29", TEMPERATURE),
         ("\"motors\": {}", "motors: allowed is a list of motors."),
         ("\"motors\": [1]", "motors[0]: allowed is fields in braces."),
         (
             "\"speed_max_rpm\": 100",
             "speed_max_rpm: unknown; there are motorlink_setup, model, command_rate_hz, \
-             keep_driving_while_hidden, ramp_rpm_per_s, motors.",
+             keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, \
+             temperature_limit_c, motors.",
         ),
         (
             "\"model\": \"m0601\", \"m\\u006fdel\": \"m0601\"",
@@ -231,6 +247,12 @@ fn the_ranges_that_are_told_are_those_that_hold() {
         ("command_rate_hz", most),
         ("ramp_rpm_per_s", 0),
         ("ramp_rpm_per_s", Ramp::MAX),
+        ("speed_limit_rpm", Limits::SPEED_RPM.0),
+        ("speed_limit_rpm", Limits::SPEED_RPM.1),
+        ("current_limit_ma", Limits::CURRENT_MA.0),
+        ("current_limit_ma", Limits::CURRENT_MA.1),
+        ("temperature_limit_c", Limits::TEMPERATURE_C.0),
+        ("temperature_limit_c", Limits::TEMPERATURE_C.1),
     ] {
         let file = with(&format!("\"{field}\": {value}"));
         assert!(Setup::from_json(file.as_bytes()).is_ok(), "{file}");
@@ -245,25 +267,35 @@ fn any_setup() -> impl Strategy<Value = Setup> {
         option::of(1_u16..=500),
         option::of(any::<bool>()),
         option::of(0..=Ramp::MAX),
+        (
+            option::of(1_u16..=330),
+            option::of(100_u16..=8_000),
+            option::of(30_u16..=80),
+        ),
         option::of(btree_map(1_u8..=254, member, 0..30)),
     )
-        .prop_map(|(model, hertz, keep_driving, ramp, members)| Setup {
-            model,
-            rate: hertz.and_then(|hertz| CommandRate::new(hertz).ok()),
-            keep_driving,
-            ramp,
-            fleet: members.map(|members| {
-                let mut fleet = Fleet::default();
-                for (number, (name, side, drives)) in members {
-                    fleet.change(id(number), |member| {
-                        member.set_name(&name);
-                        member.side = side;
-                        member.drives = drives;
-                    });
-                }
-                fleet
-            }),
-        })
+        .prop_map(
+            |(model, hertz, keep_driving, ramp, limits, members)| Setup {
+                model,
+                rate: hertz.and_then(|hertz| CommandRate::new(hertz).ok()),
+                keep_driving,
+                ramp,
+                speed_limit: limits.0,
+                current_limit: limits.1,
+                temperature_limit: limits.2,
+                fleet: members.map(|members| {
+                    let mut fleet = Fleet::default();
+                    for (number, (name, side, drives)) in members {
+                        fleet.change(id(number), |member| {
+                            member.set_name(&name);
+                            member.side = side;
+                            member.drives = drives;
+                        });
+                    }
+                    fleet
+                }),
+            },
+        )
 }
 
 proptest! {

@@ -290,6 +290,10 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
             format!("it reports the {reported}: it lost power, or another master spoke"),
             "Check its power, then switch its loop and press Start.",
         ),
+        WithdrawReason::Limit(crossed) => (
+            format!("{crossed}"),
+            "Find out why. The limits stand under Settings; nothing starts by itself.",
+        ),
     };
     words(
         Topic::Setpoint(id),

@@ -1,7 +1,7 @@
 //! Reads a file, and where it does not fit finds the place by which a refusal names it.
 
 use motorlink_messages::{
-    bus::{CommandRate, Ramp},
+    bus::{CommandRate, Limits, Ramp},
     protocol::MotorId,
 };
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
@@ -12,12 +12,15 @@ use crate::{
     preferences::Model,
 };
 
-const FIELDS: [&str; 6] = [
+const FIELDS: [&str; 9] = [
     "motorlink_setup",
     "model",
     "command_rate_hz",
     "keep_driving_while_hidden",
     "ramp_rpm_per_s",
+    "speed_limit_rpm",
+    "current_limit_ma",
+    "temperature_limit_c",
     "motors",
 ];
 const FIELDS_OF_MOTOR: [&str; 4] = ["id", "name", "side", "drives_together"];
@@ -26,6 +29,9 @@ const A_VERSION: &str = "1, the version that this page reads";
 const A_MODEL: &str = "\"m0601\" or \"ddsm115\"";
 const A_RATE: &str = "a whole number from 1 to 500";
 const A_RAMP: &str = "a whole number from 0 to 10000";
+const A_SPEED_LIMIT: &str = "a whole number from 1 to 330";
+const A_CURRENT_LIMIT: &str = "a whole number from 100 to 8000";
+const A_TEMPERATURE_LIMIT: &str = "a whole number from 30 to 80";
 const A_YES: &str = "true or false";
 const A_LIST: &str = "a list of motors";
 const AN_ID: &str = "a whole number from 1 to 254";
@@ -51,7 +57,17 @@ pub(super) fn read(file: &[u8]) -> Result<Setup, SetupError> {
     let file = json.value();
     // First of all: another version may have other fields.
     check_version(file)?;
-    let [_, model, rate, keep_driving, ramp, motors] = fields(file, &FIELDS)?;
+    let [
+        _,
+        model,
+        rate,
+        keep_driving,
+        ramp,
+        speed,
+        current,
+        temperature,
+        motors,
+    ] = fields(file, &FIELDS)?;
     Ok(Setup {
         model: fit(model, A_MODEL, |value| Model::from_key(&text_of(value)?))?,
         rate: fit(rate, A_RATE, |value| CommandRate::new(whole(value)?).ok())?,
@@ -59,7 +75,20 @@ pub(super) fn read(file: &[u8]) -> Result<Setup, SetupError> {
         ramp: fit(ramp, A_RAMP, |value| {
             whole(value).filter(|ramp| *ramp <= Ramp::MAX)
         })?,
+        speed_limit: limit(speed, A_SPEED_LIMIT, Limits::SPEED_RPM)?,
+        current_limit: limit(current, A_CURRENT_LIMIT, Limits::CURRENT_MA)?,
+        temperature_limit: limit(temperature, A_TEMPERATURE_LIMIT, Limits::TEMPERATURE_C)?,
         fleet: motors.map(fleet).transpose()?,
+    })
+}
+
+fn limit(
+    value: Option<Value>,
+    allowed: &'static str,
+    (least, most): (u16, u16),
+) -> Result<Option<u16>, SetupError> {
+    fit(value, allowed, |value| {
+        whole(value).filter(|limit| (least..=most).contains(limit))
     })
 }
 

@@ -15,6 +15,12 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
     tell(setup.rate.is_some(), "command rate");
     tell(setup.keep_driving.is_some(), "keep driving");
     tell(setup.ramp.is_some(), "ramp");
+    let limits = [
+        setup.speed_limit,
+        setup.current_limit,
+        setup.temperature_limit,
+    ];
+    tell(limits.iter().any(Option::is_some), "limits");
     match setup.fleet.as_ref().map(|fleet| fleet.members().count()) {
         Some(1) => tell(true, "1 motor"),
         Some(motors) => tell(true, &format!("{motors} motors")),
@@ -49,10 +55,10 @@ mod tests {
     #[test]
     fn what_was_taken_is_named() {
         let all = r#"{"motorlink_setup": 1, "model": "m0601", "command_rate_hz": 50,
-            "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0, "motors": [{"id": 1}]}"#;
+            "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0, "speed_limit_rpm": 100, "motors": [{"id": 1}]}"#;
         assert_eq!(
             of_file(all),
-            "Imported: model, command rate, keep driving, ramp, 1 motor."
+            "Imported: model, command rate, keep driving, ramp, limits, 1 motor."
         );
         let nobody = r#"{"motorlink_setup": 1, "motors": []}"#;
         assert_eq!(of_file(nobody), "Imported: 0 motors.");

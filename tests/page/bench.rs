@@ -262,7 +262,7 @@ pub fn document() -> Document {
     web_sys::window().unwrap().document().unwrap()
 }
 
-fn performance() -> web_sys::Performance {
+pub fn performance() -> web_sys::Performance {
     web_sys::window().unwrap().performance().unwrap()
 }
 

@@ -1,7 +1,11 @@
 //! What the browser remembers.
 
 use motorlink::{Model, Preferences, Theme};
-use motorlink_messages::{UsbId, bus::CommandRate, protocol::MotorId};
+use motorlink_messages::{
+    UsbId,
+    bus::{CommandRate, Limits},
+    protocol::MotorId,
+};
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::bench::{Bench, document};
@@ -16,6 +20,7 @@ async fn what_is_saved_is_there_after_a_reload() {
             product: 0x7523,
         }),
         rate: CommandRate::new(200).unwrap(),
+        limits: Limits::new(120, 1_500, 60).unwrap(),
         theme: Theme::Dark,
         keep_driving: false,
         collapse_polls: false,

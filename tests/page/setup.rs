@@ -4,7 +4,7 @@ use js_sys::Array;
 use motorlink::{Model, Preferences};
 use motorlink_messages::{
     ToWorker,
-    bus::{Activity, Command, CommandRate, Ramp},
+    bus::{Activity, Command, CommandRate, Limits, Ramp},
     protocol::{Mode, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::{JsCast, JsValue};
@@ -17,7 +17,8 @@ use crate::{
 };
 
 const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm115", "command_rate_hz": 120,
-    "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300, "motors": [
+    "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300,
+    "temperature_limit_c": 60, "motors": [
     {"id": 1, "name": "Port", "side": "left", "drives_together": true},
     {"id": 2, "name": "Starboard", "side": "right", "drives_together": true}]}"#;
 
@@ -97,15 +98,17 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let words = import(&bench, ROVER).await;
     assert_eq!(
         words,
-        "Imported: model, command rate, keep driving, ramp, 2 motors."
+        "Imported: model, command rate, keep driving, ramp, limits, 2 motors."
     );
     let told = [
         Command::SetRate(CommandRate::new(120).unwrap()),
         Command::SetRamp(Ramp::new(300).ok()),
+        Command::SetLimits(Limits::new(330, 2_700, 60).unwrap()),
     ];
     assert_eq!(bench.commands().await, told);
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
+    assert_eq!(value(&bench, "spinbutton", "Temperature limit"), "60");
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
     assert_eq!(side.value(), "right");

@@ -191,6 +191,8 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
 #[test]
 fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
     let mut story = Story::spinning()?;
+    // The limit of half a second would be crossed first.
+    story.page.fill("spinbutton", "Current limit", "8")?;
     story.adapter.act("block 1 on")?;
     let page = &story.page;
     let faults = page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {

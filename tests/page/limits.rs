@@ -1,0 +1,67 @@
+//! Limits that a person sets: told to the worker at once and at its start, and refused where typed.
+
+use motorlink::Preferences;
+use motorlink_messages::{
+    Notice, ToPage,
+    bus::{Command, Crossed, Limits, WithdrawReason},
+    protocol::{Celsius, Mode, MotorId},
+};
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{Event, FocusEvent};
+
+use crate::{
+    bench::{Bench, performance},
+    tools::tell,
+};
+
+fn leave(field: &web_sys::HtmlInputElement) {
+    let blur: Event = FocusEvent::new("blur").unwrap().into();
+    field.dispatch_event(&blur).unwrap();
+}
+
+#[wasm_bindgen_test]
+async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_changed() {
+    Preferences::default().save();
+    let bench = Bench::new("limits-told").await;
+    let time_origin_ms = performance().time_origin();
+    bench.say(&ToPage::Hello { time_origin_ms });
+    let first = Command::SetLimits(Limits::default());
+    assert_eq!(bench.commands().await, [first]);
+    for (name, text, limits) in [
+        ("Speed limit", "120", [120, 2_700, 75]),
+        ("Current limit", "1,5", [120, 1_500, 75]),
+        ("Temperature limit", "60", [120, 1_500, 60]),
+    ] {
+        leave(&bench.enter(name, text));
+        let limits = Limits::try_from(limits).unwrap();
+        assert_eq!(bench.commands().await, [Command::SetLimits(limits)]);
+        assert_eq!(Preferences::load().limits, limits, "kept");
+    }
+    let field = bench.enter("Current limit", "9");
+    leave(&field);
+    assert_eq!(bench.commands().await, []);
+    assert_eq!(field.get_attribute("aria-invalid").as_deref(), Some("true"));
+    assert_eq!(field.value(), "9", "nothing that was typed is lost");
+    Preferences::default().save();
+}
+
+#[wasm_bindgen_test]
+async fn the_limit_that_was_crossed_is_told() {
+    let bench = Bench::with_motor("limits-crossed", Mode::Velocity).await;
+    let crossed = Crossed::Temperature {
+        reached: Celsius::new(76),
+        limit: 75,
+    };
+    tell(&bench, |update| {
+        update.notices = vec![Notice::Withdrawn {
+            id: MotorId::FIRST,
+            reason: WithdrawReason::Limit(crossed),
+        }];
+    });
+    let told = || bench.text("region", "Notices");
+    bench
+        .until("the limit", || {
+            told().contains("76 °C, above your limit of 75 °C")
+        })
+        .await;
+}
