@@ -47,7 +47,7 @@ mod preferences;
 mod question;
 mod raw_acts;
 mod raw_cells;
-mod raw_editor;
+pub mod raw_editor;
 mod raw_words;
 mod recent;
 mod scan_words;

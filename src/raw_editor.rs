@@ -13,13 +13,13 @@ use motorlink_messages::protocol::{FRAME_LEN, Frame};
 
 /// What stands in the textbox, byte by byte: at most one more than a frame has.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Entered {
+pub struct Entered {
     pieces: Vec<Piece>,
 }
 
 /// What stands for one byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Piece {
+pub enum Piece {
     /// A byte.
     Byte(u8),
     /// One digit at the very end, behind which the next is awaited.
@@ -35,7 +35,7 @@ pub(crate) enum Piece {
 
 /// Why something is no byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Why {
+pub enum Why {
     /// Other characters than 0-9 and A-F.
     NotHex,
     /// A single digit between bytes: it may be either half.
@@ -52,7 +52,7 @@ pub(crate) enum Why {
 
 /// What the pieces make.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
+pub enum Outcome {
     /// Nothing is typed.
     Nothing,
     /// So many good bytes, and too few.
@@ -72,7 +72,7 @@ pub(crate) enum Outcome {
 
 /// The last byte of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Tenth {
+pub enum Tenth {
     /// The CRC, computed here.
     CrcAdded,
     /// 00, added to a set-ID frame as the maker sends it.
@@ -94,14 +94,15 @@ pub(crate) enum Tenth {
 const WHOLE_FRAMES: [usize; 2] = [2 * FRAME_LEN - 2, 2 * FRAME_LEN];
 
 /// First bytes of a set-ID frame.
-pub(crate) const SET_ID: [u8; 3] = [0xAA, 0x55, 0x53];
+pub const SET_ID: [u8; 3] = [0xAA, 0x55, 0x53];
 
 /// Second byte of a mode switch.
-pub(crate) const SWITCH_MODE: u8 = 0xA0;
+pub const SWITCH_MODE: u8 = 0xA0;
 
 impl Entered {
     /// Reads what stands in the textbox.
-    pub(crate) fn read(text: &str) -> Self {
+    #[must_use]
+    pub fn read(text: &str) -> Self {
         let mut entered = Self::default();
         match columns_of_log(text) {
             Some(Ok(words)) => words.for_each(|word| entered.take_word(word, false)),
@@ -121,12 +122,14 @@ impl Entered {
     }
 
     /// Byte by byte.
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    #[must_use]
+    pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
     /// What it makes.
-    pub(crate) fn outcome(&self) -> Outcome {
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
         if self.pieces.is_empty() {
             return Outcome::Nothing;
         }
@@ -153,7 +156,8 @@ impl Entered {
     }
 
     /// The frame that can be sent.
-    pub(crate) fn frame(&self) -> Option<Frame> {
+    #[must_use]
+    pub fn frame(&self) -> Option<Frame> {
         match self.outcome() {
             Outcome::Frame { frame, .. } => Some(frame),
             _ => None,
