@@ -142,5 +142,8 @@ fn permit_serial(profile: &Path, origin: &str) -> Result<()> {
     let dir = profile.join("Default");
     fs::create_dir_all(&dir).with_context(|| format!("no profile in {}", profile.display()))?;
     fs::write(dir.join("Preferences"), preferences.to_string())?;
+    // Lets chrome://discards be opened.
+    let local_state = json!({ "internal_only_uis_enabled": true });
+    fs::write(profile.join("Local State"), local_state.to_string())?;
     Ok(())
 }
