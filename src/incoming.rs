@@ -215,7 +215,8 @@ impl Desk {
             && self
                 .latest
                 .with_value(|session| matches!(session.connection, Connection::Connected(_)));
-        let died = |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(pings));
+        let died =
+            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(pings));
         if self.link.with_value(died) {
             self.worker_lost();
         }

@@ -73,7 +73,11 @@ impl WorkerLink {
     /// Looks whether a worker that pings has died without a word, and ends it if so: what is said of it
     /// then is true even if it only hung.
     pub(crate) fn has_died(&self, pings: bool) -> bool {
-        let looks = if pings { self.silent_looks.get() + 1 } else { 0 };
+        let looks = if pings {
+            self.silent_looks.get() + 1
+        } else {
+            0
+        };
         self.silent_looks.set(looks);
         let died = looks > SILENT_LOOKS_MAX;
         if died {
