@@ -140,6 +140,11 @@ impl Bench {
         self.server.origin()
     }
 
+    /// Stops debugging a page, which cannot be used any more.
+    pub(crate) fn let_go(&self, page: &Page) -> Result<()> {
+        self.chromium.detach(page.session.tab())
+    }
+
     pub(crate) fn downloads(&self) -> PathBuf {
         downloads_dir(self.dir.path())
     }

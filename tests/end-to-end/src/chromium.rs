@@ -9,7 +9,9 @@ use chromiumoxide::browser::{Browser, BrowserConfig};
 use chromiumoxide::cdp::browser_protocol::browser::{
     SetDownloadBehaviorBehavior, SetDownloadBehaviorParams,
 };
-use chromiumoxide::cdp::browser_protocol::target::{CreateTargetParams, TargetId};
+use chromiumoxide::cdp::browser_protocol::target::{
+    CreateTargetParams, DetachFromTargetParams, TargetId,
+};
 use futures::StreamExt;
 use serde_json::{Map, Value, json};
 
@@ -91,6 +93,16 @@ impl Chromium {
             .blocking
             .wait("a new tab", self.browser.new_page(blank))?;
         Ok(Session::new(self.blocking.clone(), tab))
+    }
+
+    /// Lets go of a tab as if nobody had ever debugged it.
+    pub fn detach(&self, tab: &chromiumoxide::Page) -> Result<()> {
+        let params = DetachFromTargetParams::builder()
+            .session_id(tab.session_id().clone())
+            .build();
+        self.blocking
+            .wait("to be left alone", self.browser.execute(params))
+            .map(drop)
     }
 
     /// Whether this tab is open.

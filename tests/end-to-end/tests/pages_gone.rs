@@ -16,15 +16,14 @@ use end_to_end::{Bench, Page, now_us};
 use story::{
     Story, assert_ends_braked, assert_quiet_console, connect, number,
     rules::{
-        frames_have_ceased, it_drives_again_when_asked, nothing_but_stops_and_questions,
+        frames_cease, it_drives_again_when_asked, nothing_but_stops_and_questions,
         nothing_moves_until_asked, the_motor_coasts, the_page_says,
     },
     wait_for_speed,
 };
 
-/// What a browser may take to end a page, on a busy machine; by far less than the virtual firmware
-/// drives on without frames it would still be a fault of ours.
-const ENDING: Duration = Duration::from_millis(500);
+/// Between leaving and returning: longer than what a page that goes has for its last frames.
+const AWAY: Duration = Duration::from_millis(500);
 
 /// Keeps the page's workers at hand, so that they can be ended behind its back.
 const KEEP_WORKERS: &str = "
@@ -50,40 +49,43 @@ fn a_new_page_starts_nothing(story: &mut Story) -> Result<()> {
 /// Leaves the page for an empty one, and goes back to it.
 fn leave_and_return(page: &Page) -> Result<()> {
     page.go("about:blank")?;
-    thread::sleep(ENDING);
+    thread::sleep(AWAY);
     page.back()
 }
 
-#[test]
-fn a_crashed_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<()> {
-    let mut story = Story::spinning()?;
+/// What is left when a page goes without a word: its adapter and its browser, and a page that is new.
+fn loses_its_page(story: Story, how: impl FnOnce(&Bench, Page) -> Result<()>) -> Result<()> {
     let Story {
         bench,
         adapter,
         page,
     } = story;
-    page.crash();
+    let lost = now_us();
+    how(&bench, page)?;
     let page = bench.open("/")?;
-    story = Story {
+    let mut story = Story {
         bench,
         adapter,
         page,
     };
-    frames_have_ceased(&story, now_us())?;
+    frames_cease(&story, lost)?;
     the_motor_coasts(&mut story)?;
     a_new_page_starts_nothing(&mut story)
 }
 
-/// A discard fires no event: the page is as if it had crashed, but for the tab that loads it again when
-/// it is looked at.
+/// A browser that writes down why it crashed does so for seconds, in which the worker lives on.
 #[test]
-fn a_discarded_page_lets_the_wheel_coast_and_starts_nothing_when_it_is_back() -> Result<()> {
-    let mut story = Story::spinning()?;
-    story.bench.discard(&story.page)?;
-    thread::sleep(ENDING);
-    frames_have_ceased(&story, now_us())?;
-    the_motor_coasts(&mut story)?;
-    a_new_page_starts_nothing(&mut story)
+fn a_crashed_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<()> {
+    loses_its_page(Story::spinning()?, |_, page| {
+        page.crash();
+        Ok(())
+    })
+}
+
+/// A discard fires no event.
+#[test]
+fn a_discarded_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<()> {
+    loses_its_page(Story::spinning()?, Bench::discard)
 }
 
 #[test]
@@ -133,9 +135,9 @@ fn a_worker_that_is_ended_is_missed_and_the_page_says_how_to_go_on() -> Result<(
     story.page.reload()?;
     connect(&story.page)?;
     it_drives_again_when_asked(&story.page)?;
+    let ended = now_us();
     story.page.evaluate("window.kept[0].terminate()")?;
-    thread::sleep(ENDING);
-    frames_have_ceased(&story, now_us())?;
+    frames_cease(&story, ended)?;
     the_motor_coasts(&mut story)?;
     the_page_says(&story.page, "The background worker has stopped")?;
     the_page_says(&story.page, "coasts to a standstill")?;

@@ -14,6 +14,10 @@ use super::{
 /// What a motor that nobody asks for anything may do unseen: a second.
 const WATCHED: Duration = Duration::from_secs(1);
 
+/// A page that hangs has its motors stopped within a second; as much again as other stories allow for the
+/// machine.
+const HUNG_MAX_US: u64 = 1_400_000;
+
 /// Frames may be written to an adapter that is just being pulled out: those of a write each, behind one
 /// that waits.
 const LOST_IN_A_PULL: usize = 3;
@@ -65,13 +69,20 @@ pub fn the_page_says(page: &Page, words: &str) -> Result<()> {
     })
 }
 
-/// Frames have ceased since a moment, and for a second from now: no host speaks for a page that is
-/// gone.
-pub fn frames_have_ceased(story: &Story, since_us: u64) -> Result<()> {
-    thread::sleep(WATCHED);
-    let host = story.since(since_us)?.from_host();
-    ensure!(host.is_empty(), "frames of a page that is gone:\n{host}");
-    Ok(())
+/// The line falls silent: no host speaks for a page that is gone. Until then nothing drives for longer
+/// than a page may hang.
+pub fn frames_cease(story: &Story, gone_us: u64) -> Result<()> {
+    wait_until("a second without a frame", PATIENCE, || {
+        let from_us = now_us();
+        thread::sleep(WATCHED);
+        let host = story.since(from_us)?.from_host();
+        Ok(if host.is_empty() {
+            Ok(())
+        } else {
+            Err(host.to_string())
+        })
+    })?;
+    nothing_but_stops_and_questions(&story.since(gone_us + HUNG_MAX_US)?)
 }
 
 /// By its own firmware the motor is not driven any more, whatever it was sent.
