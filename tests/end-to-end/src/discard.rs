@@ -6,7 +6,8 @@ use crate::bench::Bench;
 use crate::page::Page;
 use crate::wait::{PATIENCE, wait_until};
 
-/// Presses `[Urgent Discard]` in the row of the tab with this address; says whether there is one.
+/// Presses `[Urgent Discard]` in the row of the tab with this address, unless it is discarded; says so, or
+/// what the row reads.
 const DISCARD: &str = "(address) => {
     const inside = (root) => [...root.querySelectorAll('*')].flatMap((element) =>
         element.shadowRoot ? [element, ...inside(element.shadowRoot)] : [element]);
