@@ -65,7 +65,10 @@ fn start_worker(desk: Desk) {
     );
     if let Ok(link) = started {
         desk.link.set_value(Some(link));
-        set_interval(move || desk.look_after_worker(), LOOK_AFTER_WORKER);
+        let looking = set_interval_with_handle(move || desk.look_after_worker(), LOOK_AFTER_WORKER);
+        if let Ok(looking) = looking {
+            on_cleanup(move || looking.clear());
+        }
         desk.start_journal();
         if wants_virtual_motor() {
             desk.post(&ToWorker::ConnectVirtual);

@@ -12,16 +12,16 @@ use crate::{
     started_worker::{NoWorker, StartedWorker, post},
 };
 
-/// A worker with an open port pings four times a second. One that has said nothing when it was looked
-/// for so often, a second apart, is dead: a machine that is held up for so long is none to drive with.
+/// A worker with an open port pings four times a second. One that has not when it was looked for so often,
+/// a second apart, is dead: a machine that is held up for so long is none to drive with.
 const SILENT_LOOKS_MAX: u32 = 5;
 
 /// The page's end of the line to its worker.
 pub(crate) struct WorkerLink {
     worker: StartedWorker,
-    /// How often it was looked since anything came. Time alone would say nothing: a page that hung has
-    /// not yet been given what came meanwhile.
-    silent_looks: Rc<Cell<u32>>,
+    /// How often it was looked since the last ping, if there was one. Time alone would say nothing: a page
+    /// that hung has not yet been given what came meanwhile.
+    silent_looks: Rc<Cell<Option<u32>>>,
 }
 
 impl WorkerLink {
@@ -31,16 +31,18 @@ impl WorkerLink {
         mut hear: impl FnMut(ToPage) + 'static,
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
-        let silent_looks = Rc::new(Cell::new(0));
+        let silent_looks = Rc::new(Cell::new(None));
         let heard = Rc::clone(&silent_looks);
         let worker = StartedWorker::start(
             "",
             Box::new(move |worker, data| {
-                heard.set(0);
                 match decode::<ToPage>(&Uint8Array::new(data).to_vec()) {
                     // At once and before anything else: a hidden page answers too, and one whose
                     // handlers no longer run must not seem alive.
-                    Ok(ToPage::Ping) => pong(worker),
+                    Ok(ToPage::Ping) => {
+                        heard.set(Some(0));
+                        pong(worker);
+                    }
                     Ok(message) => {
                         if let ToPage::Hello { .. } = message {
                             pong(worker);
@@ -73,13 +75,9 @@ impl WorkerLink {
     /// Looks whether a worker that pings has died without a word, and ends it if so: what is said of it
     /// then is true even if it only hung.
     pub(crate) fn has_died(&self, pings: bool) -> bool {
-        let looks = if pings {
-            self.silent_looks.get() + 1
-        } else {
-            0
-        };
-        self.silent_looks.set(looks);
-        let died = looks > SILENT_LOOKS_MAX;
+        let looks = self.silent_looks.get().filter(|_| pings);
+        self.silent_looks.set(looks.map(|looks| looks + 1));
+        let died = looks >= Some(SILENT_LOOKS_MAX);
         if died {
             self.worker.end();
         }

@@ -12,7 +12,7 @@ mod story;
 use std::time::Duration;
 
 use anyhow::Result;
-use end_to_end::{Bench, Line, Page, Usb, now_us};
+use end_to_end::{Bench, Frame, Line, Page, Usb, now_us};
 use story::{
     Story, assert_quiet_console, connect, number,
     rules::{
@@ -77,15 +77,10 @@ fn the_second_tab_that_wants_the_port_says_so_and_gets_it_from_the_first() -> Re
     fails(&second)?;
     the_page_says(&second, OTHER_TAB)?;
     assert_quiet_console(&second);
-    // The first drives on, undisturbed: nobody else has spoken.
+    // The first drives on: nobody else has spoken. On a held-up machine it may have been stopped.
     let drives = story.since(asked)?.drives();
-    assert!(
-        drives
-            .frames
-            .iter()
-            .all(|frame| frame.drive_setpoint() == Some(100)),
-        "{drives}"
-    );
+    let its_own = |frame: &Frame| frame.drive_setpoint() == Some(100) || frame.is_stop();
+    assert!(drives.frames.iter().all(its_own), "{drives}");
     let strange = story.since(asked)?.from_host();
     assert!(
         strange.frames.iter().all(|frame| frame.id() == Some(1)),
