@@ -1,5 +1,7 @@
 //! The whole page.
 
+use std::time::Duration;
+
 use leptos::prelude::*;
 use motorlink_messages::ToWorker;
 
@@ -15,6 +17,9 @@ use crate::{
     ticking, words,
     worker_link::WorkerLink,
 };
+
+/// How often it is looked whether the worker lives; a hidden page's timers may come less often.
+const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
 
 /// The page: starts the worker and shows the desk.
 #[component]
@@ -60,6 +65,10 @@ fn start_worker(desk: Desk) {
     );
     if let Ok(link) = started {
         desk.link.set_value(Some(link));
+        let looking = set_interval_with_handle(move || desk.look_after_worker(), LOOK_AFTER_WORKER);
+        if let Ok(looking) = looking {
+            on_cleanup(move || looking.clear());
+        }
         desk.start_journal();
         if wants_virtual_motor() {
             desk.post(&ToWorker::ConnectVirtual);

@@ -18,6 +18,7 @@ use crate::{
     tab::Tab,
     twin::AngleQuality,
     words::{self, log_lines},
+    worker_link::WorkerLink,
 };
 
 impl Desk {
@@ -206,6 +207,19 @@ impl Desk {
         if let Some(mode) = mode.filter(Reading::is_fresh) {
             self.follow(mode.value);
             self.tab_to_follow.set_value(false);
+        }
+    }
+
+    /// Looks whether the worker lives. Called once a second.
+    pub(crate) fn look_after_worker(self) {
+        let pings = self.worker.get_untracked() == WorkerState::Running
+            && self
+                .latest
+                .with_value(|session| matches!(session.connection, Connection::Connected(_)));
+        let died =
+            |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(pings));
+        if self.link.with_value(died) {
+            self.worker_lost();
         }
     }
 

@@ -63,6 +63,7 @@ const fn failed_briefly(error: ConnectError) -> &'static str {
         ConnectError::OpenFailed => "Close other programs and tabs that use the port",
         ConnectError::AlreadyOpen => "Open already: press Disconnect, then Connect",
         ConnectError::Other => "Unplug the adapter, plug it in and press Connect",
+        ConnectError::OtherTab => "Another tab of MotorLink uses this adapter",
     }
 }
 
@@ -93,6 +94,10 @@ pub(crate) fn of_connect_error(error: ConnectError) -> Words {
         ConnectError::Other => port(
             "The browser could not open the port",
             &["Unplug the adapter, plug it in again and press Connect."],
+        ),
+        ConnectError::OtherTab => port(
+            "Another tab of MotorLink uses this adapter",
+            &["Press Disconnect there, or close that tab; then press Connect here."],
         ),
     }
 }

@@ -29,6 +29,7 @@ fn every_trouble_says_what_to_do() {
         ConnectError::OpenFailed,
         ConnectError::AlreadyOpen,
         ConnectError::Other,
+        ConnectError::OtherTab,
     ] {
         assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
         let (state, brief) = of_connection(Connection::Failed(error));

@@ -142,6 +142,8 @@ pub enum ConnectError {
     AlreadyOpen,
     /// The browser gave another error.
     Other,
+    /// Another tab of this page has the adapter, and all others of its make.
+    OtherTab,
 }
 
 /// Something that a person should know of.

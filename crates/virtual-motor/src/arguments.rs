@@ -49,6 +49,12 @@ struct Flags {
     /// Probability that a frame has one bit wrong, either way, 0 to 1
     #[arg(long, default_value = "0", value_name = "P", value_parser = probability)]
     corrupt: f64,
+    /// Probability that a reply is lost on top of that, 0 to 1
+    #[arg(long, default_value = "0", value_name = "P", value_parser = probability)]
+    lose_replies: f64,
+    /// Probability that a reply has one bit wrong on top of that, 0 to 1
+    #[arg(long, default_value = "0", value_name = "P", value_parser = probability)]
+    corrupt_replies: f64,
     /// Deliver replies in up to three pieces, up to 1 ms apart
     #[arg(long)]
     split: bool,
@@ -131,9 +137,9 @@ impl Flags {
                 faults: WireFaults {
                     echo: self.echo.unwrap_or_default(),
                     lose_request: self.loss,
-                    lose_reply: self.loss,
+                    lose_reply: either(self.loss, self.lose_replies),
                     corrupt_request: self.corrupt,
-                    corrupt_reply: self.corrupt,
+                    corrupt_reply: either(self.corrupt, self.corrupt_replies),
                     split: self.split.then(Split::default),
                     hold: Duration::from_millis(self.latency_ms),
                     ..WireFaults::default()
@@ -143,6 +149,11 @@ impl Flags {
             log: self.log,
         })
     }
+}
+
+/// The probability that one of two independent things happens, or both.
+fn either(one: f64, other: f64) -> f64 {
+    1.0 - (1.0 - one) * (1.0 - other)
 }
 
 fn number<T: std::str::FromStr + PartialOrd>(

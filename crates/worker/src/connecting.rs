@@ -12,6 +12,7 @@ use motorlink_protocol::MotorId;
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
+    claim::{claim, give_back},
     line::Line,
     serial::{self, ReadEnd},
     session::{OpenSession, Session, Stage},
@@ -59,6 +60,7 @@ pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wante
     let failure = open_any(shared, candidates, wanted, None, Otherwise::TakeTheFirst).await;
     if let Ok(Some(failure)) = failure {
         begin(shared, Session::Failed(failure));
+        give_back();
     }
 }
 
@@ -162,7 +164,11 @@ async fn open_one(
     candidate: PortRef,
     stage: Stage,
 ) -> Result<Result<u32, ConnectError>, Left> {
-    let opened = serial::open(candidate).await;
+    let opened = if claim(candidate.place).await {
+        serial::open(candidate).await
+    } else {
+        Err(ConnectError::OtherTab)
+    };
     if shared.borrow().generation != generation {
         if let Ok(line) = opened {
             serial::close(line, None).await;

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | `station` | the one owner: the session, the bus, and what is done with messages and events |
 //! | `connecting` | opening, trying and reopening serial ports |
+//! | `claim` | which adapters are this tab's and no other's |
 //! | `session` | the state of the port |
 //! | `telling` | what the bus tells, passed on to the page |
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
@@ -21,6 +22,7 @@
 //! | `journal` | the other worker: `motorlink-journal` in the browser |
 
 mod alarm;
+mod claim;
 mod connecting;
 mod journal;
 mod line;

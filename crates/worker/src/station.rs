@@ -10,6 +10,7 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
     alarm::Alarm,
+    claim::give_back,
     connecting,
     outbox::{Outbox, Present},
     scope::{self, Arrived, Clock},
@@ -135,6 +136,10 @@ fn close(shared: &Shared, then: Then) {
         }
         if shared.borrow().generation != generation {
             return;
+        }
+        // A tab that opens another port of the same make keeps its place.
+        if !matches!(then.0, Some(ToWorker::ConnectSerial { .. })) {
+            give_back();
         }
         match then.0 {
             Some(ToWorker::ConnectVirtual) => connecting::open_virtual(&shared),

@@ -8,6 +8,36 @@ const early = [];
 const keep = (event) => early.push(event);
 self.addEventListener("message", keep);
 
+// Which adapter is this tab's: see claim.rs of the worker.
+const none = { release() {} };
+let standing = Promise.resolve(none);
+
+const makeOf = (port) => Object.values(port.getInfo()).join(":");
+
+const lock = (name) => new Promise((give, fail) => {
+  const kept = (lock) => (lock ? new Promise(give) : give(null));
+  navigator.locks.request(name, { ifAvailable: true }, kept).catch(fail);
+});
+
+async function claim(held, place) {
+  const ports = place === undefined ? [] : await navigator.serial.getPorts();
+  const make = place in ports && makeOf(ports[place]);
+  if (make && make === held.make) return held;
+  held.release();
+  if (!make || !navigator.locks) return none;
+  for (let at = 0; at < ports.filter((port) => makeOf(port) === make).length; at += 1) {
+    const release = await lock(`adapter ${make} ${at}`);
+    if (release) return { make, release };
+  }
+  return null;
+}
+
+self.claimAdapter = async (place) => {
+  const claimed = standing.then((held) => claim(held, place)).catch(() => none);
+  standing = claimed.then((held) => held ?? none);
+  return (await claimed) !== null;
+};
+
 async function start() {
   const [glue, response] = await Promise.all([import("./{{glue}}"), fetch(wasmUrl)]);
   if (!response.ok) {

@@ -1,9 +1,10 @@
 //! A USB-RS485 adapter that can be plugged and pulled, with virtual motors on its wire.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
+use rustix::termios::{ioctl_tiocexcl, ioctl_tiocnxcl};
 
 use crate::motors::Motors;
 use crate::wire_log::WireLog;
@@ -124,6 +125,16 @@ impl Default for Usb {
     }
 }
 
+/// A port that another program has for itself alone, until dropped.
+pub struct Held(File);
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        // The program at its other end keeps the terminal open, so closing it here would not do.
+        let _ = ioctl_tiocnxcl(&self.0);
+    }
+}
+
 /// An adapter on the bench.
 pub struct Adapter {
     line: Line,
@@ -176,10 +187,21 @@ impl Adapter {
     ///
     /// When it is not plugged.
     pub fn unplug(&mut self) -> Result<()> {
-        ensure!(self.motors.is_some(), "{} is not plugged", self.name);
         self.motors = None;
-        fs::remove_file(self.udev_dir.join(&self.name))?;
-        Ok(())
+        fs::remove_file(self.udev_dir.join(&self.name))
+            .with_context(|| format!("{} is not plugged", self.name))
+    }
+
+    /// Opens it as another program that wants it for itself alone. A browser of
+    /// [`crate::Bench::start_as_user`] cannot open it then.
+    ///
+    /// # Errors
+    ///
+    /// When it does not open.
+    pub fn hold(&self) -> Result<Held> {
+        let file = File::options().read(true).write(true).open(self.node()?)?;
+        ioctl_tiocexcl(&file)?;
+        Ok(Held(file))
     }
 
     /// Takes its node away while the browser still lists it: opening it fails, as it does for a port

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
 use tempfile::TempDir;
 
 use crate::adapter::{Adapter, Line, Usb};
@@ -34,6 +35,21 @@ impl Bench {
     /// When something is not built or installed: the error says what to run.
     pub fn start() -> Result<Self> {
         Self::serving(&artefacts::dist()?)
+    }
+
+    /// A bench whose browser has no more rights than a person's: what another has for itself alone it
+    /// does not open. A port that it has opened once stays closed to it, since the program at the other
+    /// end keeps the terminal, and the terminal keeps who has it.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Bench::start`].
+    pub fn start_as_user() -> Result<Self> {
+        if rustix::process::geteuid().is_root() {
+            // Of this thread and what it starts: the browser.
+            remove_capability_from_bounding_set(CapabilitySet::SYS_ADMIN)?;
+        }
+        Self::start()
     }
 
     /// A bench for the page in another directory.
@@ -84,7 +100,7 @@ impl Bench {
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
         let url = format!("{}{path}", self.server.origin());
-        Page::load(self.new_tab()?, &url, downloads_dir(self.dir.path()))
+        Page::load(self.new_tab()?, &url, self.downloads())
     }
 
     /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.
@@ -124,7 +140,16 @@ impl Bench {
         self.server.origin()
     }
 
-    fn new_tab(&self) -> Result<Session> {
+    /// Stops debugging a page, which cannot be used any more.
+    pub(crate) fn let_go(&self, page: &Page) -> Result<()> {
+        self.chromium.detach(page.session.tab())
+    }
+
+    pub(crate) fn downloads(&self) -> PathBuf {
+        downloads_dir(self.dir.path())
+    }
+
+    pub(crate) fn new_tab(&self) -> Result<Session> {
         self.chromium.new_tab()
     }
 }

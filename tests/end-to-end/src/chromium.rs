@@ -9,7 +9,9 @@ use chromiumoxide::browser::{Browser, BrowserConfig};
 use chromiumoxide::cdp::browser_protocol::browser::{
     SetDownloadBehaviorBehavior, SetDownloadBehaviorParams,
 };
-use chromiumoxide::cdp::browser_protocol::target::{CreateTargetParams, TargetId};
+use chromiumoxide::cdp::browser_protocol::target::{
+    CreateTargetParams, DetachFromTargetParams, TargetId,
+};
 use futures::StreamExt;
 use serde_json::{Map, Value, json};
 
@@ -93,6 +95,16 @@ impl Chromium {
         Ok(Session::new(self.blocking.clone(), tab))
     }
 
+    /// Lets go of a tab as if nobody had ever debugged it.
+    pub fn detach(&self, tab: &chromiumoxide::Page) -> Result<()> {
+        let params = DetachFromTargetParams::builder()
+            .session_id(tab.session_id().clone())
+            .build();
+        self.blocking
+            .wait("to be left alone", self.browser.execute(params))
+            .map(drop)
+    }
+
     /// Whether this tab is open.
     pub fn has_tab(&self, id: &TargetId) -> Result<bool> {
         let tabs = self
@@ -142,5 +154,8 @@ fn permit_serial(profile: &Path, origin: &str) -> Result<()> {
     let dir = profile.join("Default");
     fs::create_dir_all(&dir).with_context(|| format!("no profile in {}", profile.display()))?;
     fs::write(dir.join("Preferences"), preferences.to_string())?;
+    // Lets chrome://discards be opened.
+    let local_state = json!({ "internal_only_uis_enabled": true });
+    fs::write(profile.join("Local State"), local_state.to_string())?;
     Ok(())
 }

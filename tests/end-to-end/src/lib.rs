@@ -30,6 +30,7 @@ mod chromium;
 mod clock;
 mod console;
 mod control;
+mod discard;
 mod downloads;
 pub mod figures;
 mod keyboard;
@@ -47,7 +48,7 @@ mod view;
 mod wait;
 mod wire_log;
 
-pub use adapter::{Adapter, Line, Usb};
+pub use adapter::{Adapter, Held, Line, Usb};
 pub use bench::Bench;
 pub use clock::now_us;
 pub use control::Control;

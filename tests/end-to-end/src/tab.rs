@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use chromiumoxide::cdp::browser_protocol::target::TargetId;
 use serde_json::json;
 
+use crate::cdp::at;
 use crate::page::Page;
 use crate::wait::{PATIENCE, wait_until};
 
@@ -62,6 +63,21 @@ impl Page {
             let state = self.visibility()?;
             Ok(if state == wanted { Ok(()) } else { Err(state) })
         })
+    }
+
+    /// Goes back to the page before this one, as a person does.
+    ///
+    /// # Errors
+    ///
+    /// When there is none.
+    pub fn back(&self) -> Result<()> {
+        let history = self.session.call("Page.getNavigationHistory", json!({}))?;
+        let here = at(&history, "/currentIndex").as_u64().unwrap_or_default();
+        let before = here.checked_sub(1).context("no page before this one")?;
+        let entry = at(&history, &format!("/entries/{before}/id"));
+        self.session
+            .call("Page.navigateToHistoryEntry", json!({ "entryId": entry }))
+            .map(drop)
     }
 
     /// Freezes the page, as a browser does with one long hidden: `freeze` happens, then nothing.

@@ -7,6 +7,7 @@
 )]
 
 pub mod exports;
+pub mod rules;
 
 use std::time::Duration;
 

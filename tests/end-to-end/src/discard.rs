@@ -1,0 +1,47 @@
+//! Discarding: a browser that wants memory throws a hidden page away, and no event happens.
+
+use anyhow::Result;
+
+use crate::bench::Bench;
+use crate::page::Page;
+use crate::wait::{PATIENCE, wait_until};
+
+/// Presses `[Urgent Discard]` in the row of the tab with this address, unless it is discarded; says so, or
+/// what the row reads.
+const DISCARD: &str = "(address) => {
+    const inside = (root) => [...root.querySelectorAll('*')].flatMap((element) =>
+        element.shadowRoot ? [element, ...inside(element.shadowRoot)] : [element]);
+    const row = inside(document).find((element) =>
+        element.tagName === 'TR' && element.querySelector('.tab-url-cell')?.textContent.includes(address));
+    const buttons = row ? [...row.querySelectorAll('.actions-cell *')] : [];
+    const urgent = buttons.findLast((element) => element.textContent.trim() === '[Urgent Discard]');
+    if (row?.textContent.includes('discarded')) return 'discarded';
+    urgent?.click();
+    return row ? row.textContent.replace(/\\s+/g, ' ') : 'no such tab';
+}";
+
+impl Bench {
+    /// Has the browser discard a page, by its own page for that, and lets go of the page before: a
+    /// page that somebody debugs is not discarded.
+    ///
+    /// # Errors
+    ///
+    /// When the browser does not show it, or does not discard it.
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "a discarded page must not be used again"
+    )]
+    pub fn discard(&self, page: Page) -> Result<()> {
+        let address = page.evaluate("location.host")?;
+        self.let_go(&page)?;
+        let discards = Page::load(self.new_tab()?, "chrome://discards/", self.downloads())?;
+        wait_until("the page to be discarded", PATIENCE, || {
+            let said = discards.evaluate(&format!("({DISCARD})({address})"))?;
+            Ok(if said == "discarded" {
+                Ok(())
+            } else {
+                Err(said.to_string())
+            })
+        })
+    }
+}

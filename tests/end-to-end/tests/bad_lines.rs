@@ -1,0 +1,142 @@
+//! Lines that lose, spoil, echo and split: what is driven on them, and what is shown of it.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod story;
+
+use std::{
+    thread,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Result, ensure};
+use end_to_end::{Line, Page, now_us};
+use story::{
+    Story, assert_ends_braked, assert_quiet_console,
+    rules::{nothing_but_stops_and_questions, the_log_has_it_all, what_is_shown_is_true},
+    wait_for_speed, wait_for_wire,
+};
+
+const DRIVEN_FOR: Duration = Duration::from_secs(10);
+
+/// What a wheel that is asked for 100 rpm may have, on its way up and down, with its own ripple.
+const TRUE_SPEEDS: std::ops::RangeInclusive<f64> = -5.0..=110.0;
+
+/// Whether the page still has the motor driven; if it has not, it says why.
+fn is_driven(page: &Page) -> Result<bool> {
+    let title = page.evaluate("document.title")?;
+    if title
+        .as_str()
+        .is_some_and(|title| title.contains("+100 rpm"))
+    {
+        return Ok(true);
+    }
+    let said = page.evaluate("document.body.innerText")?;
+    let said = said.as_str().unwrap_or_default();
+    ensure!(
+        said.contains("is being stopped") && said.contains("did not answer"),
+        "driven no more, and it does not say why: {said}"
+    );
+    Ok(false)
+}
+
+/// Drives for a while and stops: all that is shown is true, a drive that ends says why and starts no
+/// more, the stop ends braked, and the log has every frame.
+fn drives_and_stops_truly(story: &Story) -> Result<bool> {
+    let page = &story.page;
+    let pressed = now_us();
+    page.click("button", "+100")?;
+    wait_for_wire(story, pressed, "a drive frame", |wire| {
+        !wire.drives().is_empty()
+    })?;
+    // The title follows within a few frames of the screen.
+    thread::sleep(Duration::from_secs(1));
+    let until = Instant::now() + DRIVEN_FOR;
+    let mut driven = true;
+    while driven && Instant::now() < until {
+        what_is_shown_is_true(page, TRUE_SPEEDS)?;
+        driven = is_driven(page)?;
+    }
+    let stopped = now_us();
+    page.press("Escape")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
+    wait_for_speed(page, 0..=0)?;
+    // A frame may have been on its way to the wire.
+    let wire = story.since(stopped + 100_000)?;
+    nothing_but_stops_and_questions(&wire)?;
+    // It may have been stopped before, as the page has said then.
+    assert_ends_braked(&story.since(pressed)?);
+    page.click("button", "Release")?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    what_is_shown_is_true(page, TRUE_SPEEDS)?;
+    the_log_has_it_all(story, 0)?;
+    Ok(driven)
+}
+
+#[test]
+fn a_line_that_loses_and_spoils_replies_drives_on_or_says_why_not() -> Result<()> {
+    let faults = ["--lose-replies", "0.15", "--corrupt-replies", "0.15"];
+    let story = Story::connected(Line::default().with(&faults))?;
+    drives_and_stops_truly(&story)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}
+
+/// Half of all exchanges fail then.
+#[test]
+fn a_line_that_loses_and_spoils_both_ways_shows_nothing_untrue() -> Result<()> {
+    let faults = ["--loss", "0.15", "--corrupt", "0.15", "--seed", "7"];
+    let story = Story::connected(Line::default().with(&faults))?;
+    drives_and_stops_truly(&story)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}
+
+#[test]
+fn an_adapter_that_echoes_and_splits_every_read_drives_and_stops() -> Result<()> {
+    for echo in ["whole", "cut:3"] {
+        let faults = ["--echo", echo, "--split", "--latency-ms", "2"];
+        let story = Story::connected(Line::default().with(&faults))?;
+        drives_and_stops_truly(&story)?;
+        assert_quiet_console(&story.page);
+    }
+    Ok(())
+}
+
+/// Everything at once, and a pull of the plug.
+#[test]
+fn an_adapter_that_does_all_of_it_comes_back_from_a_pull() -> Result<()> {
+    let faults = [
+        "--echo",
+        "cut:5",
+        "--split",
+        "--lose-replies",
+        "0.1",
+        "--corrupt-replies",
+        "0.1",
+    ];
+    let mut story = Story::connected(Line::default().with(&faults))?;
+    let pressed = now_us();
+    story.page.click("button", "+100")?;
+    wait_for_wire(&story, pressed, "ten drive frames", |wire| {
+        wire.drives().len() >= 10
+    })?;
+    story.adapter.unplug()?;
+    let page = &story.page;
+    page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
+    let back = now_us();
+    story.adapter.plug()?;
+    let page = &story.page;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    thread::sleep(Duration::from_secs(1));
+    let drives = story.since(back)?.drives();
+    assert!(drives.is_empty(), "driven by nobody's command:\n{drives}");
+    drives_and_stops_truly(&story)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! The wall clock jumps, as when a machine is told the time: only in the page and its workers here, never
+//! in the machine.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod story;
+
+use std::{fs, path::Path, thread, time::Duration};
+
+use anyhow::{Context, Result};
+use end_to_end::{Bench, Frame, Line, PATIENCE, Page, Usb, artefacts, now_us, wait_until};
+use story::{
+    Story, assert_quiet_console, connect, number,
+    rules::{the_log_has_it_all, the_page_says, the_recording_is_intact, what_is_shown_is_true},
+    wait_for_speed,
+};
+
+/// Runs before anything of ours: from a word on a channel on the wall clock is a day behind.
+const CLOCK_THAT_JUMPS: &str = "
+    {
+        const True = Date;
+        let behind_ms = 0;
+        globalThis.Date = class extends True {
+            constructor(...all) { if (all.length) super(...all); else super(True.now() - behind_ms); }
+            static now() { return True.now() - behind_ms; }
+        };
+        new BroadcastChannel('clock').onmessage = () => {
+            behind_ms = 86_400_000;
+            new BroadcastChannel('jumped').postMessage(globalThis.name ?? '');
+        };
+    }
+";
+
+/// A copy of the built page whose scripts begin with the clock that jumps.
+fn pages_with_the_clock(dir: &Path) -> Result<()> {
+    for file in fs::read_dir(artefacts::dist()?)? {
+        let file = file?;
+        let name = file.file_name();
+        let text = name.to_string_lossy();
+        let mut content = fs::read(file.path())?;
+        if text.starts_with("page-boot-") || text.starts_with("worker-boot-") {
+            content.splice(0..0, CLOCK_THAT_JUMPS.bytes());
+        }
+        fs::write(dir.join(name), content)?;
+    }
+    Ok(())
+}
+
+fn age_of_speed(page: &Page) -> Result<f64> {
+    let age = page.find("output", "Speed")?.description;
+    number(&age).with_context(|| format!("no age: {age:?}"))
+}
+
+#[test]
+fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
+    let dir = tempfile::tempdir()?;
+    pages_with_the_clock(dir.path())?;
+    let bench = Bench::serving(dir.path())?;
+    let adapter = bench.plug(Line::default(), Usb::default())?;
+    let page = bench.open("/")?;
+    let story = Story {
+        bench,
+        adapter,
+        page,
+    };
+    let page = &story.page;
+    connect(page)?;
+    page.click("button", "+100")?;
+    wait_for_speed(page, 97..=103)?;
+
+    let jumped_us = now_us();
+    let told = page.evaluate(
+        "new Promise((told) => {
+            const heard = [];
+            const jumped = new BroadcastChannel('jumped');
+            jumped.onmessage = ({ data }) => { heard.push(data); };
+            new BroadcastChannel('clock').postMessage('jump');
+            const page = new BroadcastChannel('jumped');
+            setTimeout(() => told(heard.length), 500);
+        })",
+    )?;
+    // The page, the worker with the port, the journal.
+    assert_eq!(told, 3, "clocks that jumped");
+    let before_ms = page.evaluate("performance.timeOrigin + performance.now() - Date.now()")?;
+    let behind_ms = before_ms.as_f64().context("a time")?;
+    assert!(behind_ms > 86_000_000.0, "{behind_ms} ms behind");
+
+    for _ in 0..20 {
+        thread::sleep(Duration::from_millis(100));
+        what_is_shown_is_true(page, 0.0..=110.0)?;
+        let age_s = age_of_speed(page)?;
+        assert!(age_s < 2.0, "a speed of now is said to be {age_s} s old");
+    }
+    let drives = story.since(jumped_us)?.drives();
+    let asked = |frame: &Frame| frame.drive_setpoint() == Some(100);
+    if !drives.frames.iter().all(asked) {
+        // A machine that is held up may lose a motor for 200 ms, whatever its clock.
+        the_page_says(page, "is being stopped: it did not answer for 200 ms")?;
+        let its_own = |frame: &Frame| asked(frame) || frame.is_stop();
+        assert!(drives.frames.iter().all(its_own), "{drives}");
+    }
+    assert!(drives.len() > 60, "{} drive frames in 2.5 s", drives.len());
+    // What falls silent grows old as ever.
+    let mut story = story;
+    story.adapter.act("mute 1 on")?;
+    wait_until("the last speed to be old", PATIENCE, || {
+        let age_s = age_of_speed(&story.page)?;
+        Ok(if (2.0..20.0).contains(&age_s) {
+            Ok(())
+        } else {
+            Err(format!("{age_s} s"))
+        })
+    })?;
+    story.adapter.act("mute 1 off")?;
+    story.page.press("Escape")?;
+    wait_for_speed(&story.page, 0..=0)?;
+    // In order, though the wall clock is not.
+    the_log_has_it_all(&story, 0)?;
+    the_recording_is_intact(&story, jumped_us)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}
