@@ -1,0 +1,120 @@
+//! Sessions that ended, and whose files are still there.
+
+use std::time::Duration;
+
+use gloo_timers::future::sleep;
+use motorlink_journal::kept::{Segment, Summary};
+use motorlink_messages::journal::KeptSession;
+
+use super::disk::{Dir, OpenFile, Result};
+
+/// The file that a session has open for as long as it lives.
+pub(super) const ALIVE: &str = "alive";
+
+/// Bytes of all sessions that ended: with the living one, whose recording takes 80 MB and whose packets
+/// 22, a quarter of a gigabyte. The oldest go first.
+const BYTES_MAX: usize = 150_000_000;
+
+/// So many of them, however small: each is opened when the page is loaded.
+const SESSIONS_MAX: usize = 20;
+
+/// A page that was loaded again may be up before its predecessor has let go of its files.
+const LET_GO_WITHIN: Duration = Duration::from_secs(1);
+
+/// A session without packets is removed when it is so old; before, it may just have been begun by another
+/// tab.
+const BEGUN_WITHIN_MS: f64 = 10_000.0;
+
+/// A session that ended. While this is held, nobody else takes it.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) name: String,
+    pub(super) dir: Dir,
+    pub(super) alive: OpenFile,
+    /// In the order in which they are to be read.
+    pub(super) files: Vec<(Segment, usize)>,
+    pub(super) summary: Summary,
+    pub(super) session: KeptSession,
+}
+
+/// The name of a session that begins now: they sort by their age.
+pub(super) fn new_name(unix_ms: f64) -> String {
+    format!("{unix_ms:015.0}-{:06.0}", js_sys::Math::random() * 1e6)
+}
+
+/// The newest session that ended, but for `own`. Removes what is too much.
+pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Option<Found>> {
+    let mut newest = None;
+    let mut waits = true;
+    loop {
+        let mut is_held = false;
+        let mut bytes = 0;
+        for (place, name) in newest_first(sessions, own).await?.into_iter().enumerate() {
+            let dir = sessions.dir(&name).await?;
+            let Ok(alive) = dir.open(ALIVE).await else {
+                is_held = true;
+                continue;
+            };
+            let files = files_of(&dir).await?;
+            bytes += files.iter().map(|(_, size)| size).sum::<usize>();
+            if bytes > BYTES_MAX || place >= SESSIONS_MAX {
+                drop(alive);
+                sessions.remove(&name).await?;
+            } else if newest.is_none() && !(is_held && waits) {
+                let summary = summary(&dir, &files).await;
+                if let Some(session) = summary.session() {
+                    newest = Some(Found {
+                        name,
+                        dir,
+                        alive,
+                        files,
+                        summary,
+                        session,
+                    });
+                } else if begun_ms(&name).is_none_or(|ms| now_ms - ms > BEGUN_WITHIN_MS) {
+                    drop(alive);
+                    sessions.remove(&name).await?;
+                }
+            }
+        }
+        if newest.is_some() || !(is_held && waits) {
+            return Ok(newest);
+        }
+        waits = false;
+        sleep(LET_GO_WITHIN).await;
+    }
+}
+
+async fn newest_first(sessions: &Dir, own: &str) -> Result<Vec<String>> {
+    let mut names = sessions.names().await?;
+    names.retain(|name| name != own);
+    names.sort_unstable_by(|a, b| b.cmp(a));
+    Ok(names)
+}
+
+fn begun_ms(name: &str) -> Option<f64> {
+    name.split_once('-')?.0.parse().ok()
+}
+
+/// The files of a session, those of the packets first.
+async fn files_of(dir: &Dir) -> Result<Vec<(Segment, usize)>> {
+    let mut files = Vec::new();
+    for name in dir.names().await? {
+        if let Some(segment) = Segment::from_name(&name) {
+            files.push((segment, dir.size(&name).await?));
+        }
+    }
+    files.sort_unstable();
+    Ok(files)
+}
+
+async fn summary(dir: &Dir, files: &[(Segment, usize)]) -> Summary {
+    let mut summary = Summary::default();
+    for (segment, _) in files {
+        // A file that does not read costs only itself.
+        if let Ok(bytes) = dir.read(&segment.name()).await {
+            summary.add(segment.stream, bytes);
+        }
+    }
+    summary
+}
