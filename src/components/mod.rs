@@ -14,6 +14,7 @@ mod focus;
 mod graph;
 mod header;
 mod help_dialog;
+mod kept_session;
 mod link_panel;
 mod link_quality;
 pub(crate) mod live;

@@ -12,6 +12,7 @@ mod contract;
 mod fake_journal;
 mod graph;
 mod instruments;
+mod kept;
 mod link;
 mod log;
 mod log_bench;

@@ -148,9 +148,10 @@ impl Journal {
         self.page_changed = true;
     }
 
-    /// Takes in a session that is kept in these files, of these sizes. Asks for them one after the other by
+    /// Takes in a session that is kept in these files, in order, of these sizes. Asks for them one after the other by
     /// [`Output::NextKept`], to be answered by [`Journal::next_kept`], those of the packets first; meanwhile
     /// it goes on as it was. What is kept of this session goes behind them.
+    #[inline(never)]
     pub fn restore(&mut self, summary: &Summary, files: &[(Segment, usize)]) {
         if self.restoring.is_some() {
             return;
@@ -171,6 +172,7 @@ impl Journal {
     }
 
     /// Puts the session that was restored, with this one behind it, in the place of this one.
+    #[inline(never)]
     fn finish_restoring(&mut self) {
         let Some(restoring) = self.restoring.take() else {
             return;
@@ -185,6 +187,7 @@ impl Journal {
     }
 
     /// Forgets everything, and has everything removed that is kept.
+    #[inline(never)]
     fn erase(&mut self) {
         if let Some(keeper) = &mut self.keeper {
             keeper.erase();

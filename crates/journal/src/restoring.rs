@@ -93,6 +93,7 @@ impl Restoring {
     }
 
     /// Does so much. Says whether nothing is left to do: then [`Self::finish`] is due at once.
+    #[inline(never)]
     pub(crate) fn advance(
         &mut self,
         log: &mut Log,

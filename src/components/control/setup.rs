@@ -1,4 +1,4 @@
-//! Buttons `Export setup` and `Import setup`, and what became of the file.
+//! Buttons `Export setup`, `Import setup` and `Erase kept data`, and what became of it.
 //!
 //! They are HTML and two listeners on the window: as a view they would weigh many times as much.
 
@@ -11,14 +11,16 @@ use crate::{components::live::follow, desk::Desk, listener::on_window};
 const EXPORT: &str = "export-setup";
 const IMPORT: &str = "import-setup";
 const CHOOSER: &str = "setup-file";
+const ERASE: &str = "erase-kept";
 const SAID: &str = "setup-words";
 
-/// Buttons `Export setup` and `Import setup`, the browser's own chooser of files that the second one
+/// Buttons `Export setup`, `Import setup` and `Erase kept data`, the browser's own chooser of files that the second one
 /// opens, and status `Setup`.
 pub(super) const MARKUP: &str = concat!(
     r#"<button type="button" class="button small" id="export-setup" "#,
     r#"title="Names, sides, groups, ramp and rate as a file">Export setup</button>"#,
     r#"<button type="button" class="button small" id="import-setup">Import setup</button>"#,
+    r#"<button type="button" class="button small" id="erase-kept">Erase kept data</button>"#,
     r#"<input type="file" accept=".json" id="setup-file" hidden>"#,
     r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
 );
@@ -29,16 +31,27 @@ pub(super) fn keep_working(desk: Desk) {
         on_window(name, move |event| hear(desk, &event));
     }
     let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
-    follow(move || {
-        let Some(button) = document().get_element_by_id(IMPORT) else {
-            return;
-        };
-        let reason = why_not.get();
-        // They fail for names that are none, and these are ours.
-        let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
-        let title = reason.as_deref().unwrap_or("From a file that was exported");
-        let _ = button.set_attribute("title", title);
-    });
+    follow(move || say_why(IMPORT, why_not.get(), "From a file that was exported"));
+    follow(move || say_why(ERASE, desk.why_not_erase(why_not.get()), ERASES));
+    follow(move || say(desk.journal.erased.get()));
+}
+
+const ERASES: &str = "Everything that this browser keeps of this page: sessions and choices";
+
+/// A button that cannot be pressed for this reason, or that does this.
+fn say_why(id: &str, reason: Option<String>, hint: &str) {
+    let Some(button) = document().get_element_by_id(id) else {
+        return;
+    };
+    // They fail for names that are none, and these are ours.
+    let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
+    let _ = button.set_attribute("title", reason.as_deref().unwrap_or(hint));
+}
+
+fn say(words: &str) {
+    if let Some(said) = document().get_element_by_id(SAID) {
+        said.set_text_content(Some(words));
+    }
 }
 
 fn hear(desk: Desk, event: &Event) {
@@ -47,6 +60,7 @@ fn hear(desk: Desk, event: &Event) {
     let asked = match (event.type_().as_str(), id.as_str()) {
         ("click", EXPORT) => Asked::ForFile,
         ("click", IMPORT) => Asked::ToChoose,
+        ("click", ERASE) => Asked::ToErase,
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,
     };
@@ -59,12 +73,14 @@ enum Asked {
     ForFile,
     ToChoose,
     ToTakeIn,
+    ToErase,
 }
 
 async fn answer(desk: Desk, asked: Asked) {
-    if matches!(asked, Asked::ForFile) {
-        desk.export_setup();
-        return;
+    match asked {
+        Asked::ForFile => return desk.export_setup(),
+        Asked::ToErase => return desk.ask_to_erase(),
+        Asked::ToChoose | Asked::ToTakeIn => {}
     }
     let chooser = document().get_element_by_id(CHOOSER);
     let Some(chooser) = chooser.and_then(|chooser| chooser.dyn_into::<HtmlInputElement>().ok())
@@ -79,8 +95,5 @@ async fn answer(desk: Desk, asked: Asked) {
     // The same file can be chosen again when it was mended.
     chooser.set_value("");
     let Some(file) = file else { return };
-    let words = desk.import_setup(&file).await;
-    if let Some(said) = document().get_element_by_id(SAID) {
-        said.set_text_content(Some(&words));
-    }
+    say(&desk.import_setup(&file).await);
 }

@@ -114,7 +114,7 @@ impl Keeper {
         self.recorded.note(&Note::Exported);
     }
 
-    /// This session goes on behind another, of which these are the files and their sizes.
+    /// This session goes on behind another, of which these are the files in order, and their sizes.
     pub fn adopt(&mut self, before: &[(Segment, usize)]) {
         let packets = self.packets.go_behind(Stream::Packets, before);
         let recorded = self.recorded.go_behind(Stream::Recorded, before);
@@ -133,6 +133,7 @@ impl Keeper {
     }
 
     /// What is to be done now.
+    #[inline(never)]
     pub fn poll(&mut self, now: Instant) -> Option<Act> {
         if let Some(act) = self.acts.pop_front() {
             return Some(act);
@@ -293,18 +294,17 @@ impl Tape {
 
     /// Numbers its files behind these, and counts these as its own. Gives how much greater the numbers are.
     fn go_behind(&mut self, stream: Stream, before: &[(Segment, usize)]) -> u32 {
-        let mut files: Vec<(u32, usize)> = before
+        let mut files: VecDeque<(u32, usize)> = before
             .iter()
             .filter(|(segment, _)| segment.stream == stream)
             .map(|(segment, size)| (segment.number, *size))
             .collect();
-        files.sort_unstable();
-        let shift = files.last().map_or(0, |(number, _)| *number);
+        let shift = files.back().map_or(0, |(number, _)| *number);
         // Where it has no file yet, it begins one of its own: the last one of the other may be torn.
         let own = self.files.iter();
         files.extend(own.map(|(number, size)| (number.saturating_add(shift), *size)));
         let begins = self.files.is_empty();
-        self.files = files.into();
+        self.files = files;
         self.last = self.last.saturating_add(shift);
         self.wants_epoch |= begins;
         if begins && !self.files.is_empty() {

@@ -23,7 +23,7 @@ const LET_GO_WITHIN: Duration = Duration::from_secs(1);
 
 /// A session without packets is removed when it is so old; before, it may just have been begun by another
 /// tab.
-const BEGUN_WITHIN_MS: f64 = 10_000.0;
+const BEGUN_WITHIN_MS: u64 = 10_000;
 
 /// A session that ended. While this is held, nobody else takes it.
 #[derive(Debug)]
@@ -39,7 +39,18 @@ pub(super) struct Found {
 
 /// The name of a session that begins now: they sort by their age.
 pub(super) fn new_name(unix_ms: f64) -> String {
-    format!("{unix_ms:015.0}-{:06.0}", js_sys::Math::random() * 1e6)
+    let random = whole(js_sys::Math::random() * 1e6);
+    format!("{:015}-{random:06}", whole(unix_ms))
+}
+
+/// Formatting and reading fractions would weigh more than all of this.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a float cast saturates"
+)]
+const fn whole(number: f64) -> u64 {
+    number as u64
 }
 
 /// The newest session that ended, but for `own`. Removes what is too much.
@@ -71,7 +82,9 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
                         summary,
                         session,
                     });
-                } else if begun_ms(&name).is_none_or(|ms| now_ms - ms > BEGUN_WITHIN_MS) {
+                } else if begun_ms(&name)
+                    .is_none_or(|begun| whole(now_ms).saturating_sub(begun) > BEGUN_WITHIN_MS)
+                {
                     drop(alive);
                     sessions.remove(&name).await?;
                 }
@@ -86,13 +99,16 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
 }
 
 async fn newest_first(sessions: &Dir, own: &str) -> Result<Vec<String>> {
-    let mut names = sessions.names().await?;
-    names.retain(|name| name != own);
-    names.sort_unstable_by(|a, b| b.cmp(a));
-    Ok(names)
+    let mut sorted: Vec<String> = Vec::new();
+    for name in sessions.names().await? {
+        if name != own {
+            insert(&mut sorted, name, |a, b| a > b);
+        }
+    }
+    Ok(sorted)
 }
 
-fn begun_ms(name: &str) -> Option<f64> {
+fn begun_ms(name: &str) -> Option<u64> {
     name.split_once('-')?.0.parse().ok()
 }
 
@@ -101,11 +117,17 @@ async fn files_of(dir: &Dir) -> Result<Vec<(Segment, usize)>> {
     let mut files = Vec::new();
     for name in dir.names().await? {
         if let Some(segment) = Segment::from_name(&name) {
-            files.push((segment, dir.size(&name).await?));
+            let size = dir.size(&name).await?;
+            insert(&mut files, (segment, size), |a, b| a < b);
         }
     }
-    files.sort_unstable();
     Ok(files)
+}
+
+/// Puts something where it belongs: a few dozen, for which a sort of the library weighs too much.
+fn insert<T>(sorted: &mut Vec<T>, one: T, is_before: fn(&T, &T) -> bool) {
+    let place = sorted.iter().position(|other| is_before(&one, other));
+    sorted.insert(place.unwrap_or(sorted.len()), one);
 }
 
 async fn summary(dir: &Dir, files: &[(Segment, usize)]) -> Summary {

@@ -20,6 +20,8 @@ pub(super) struct Keeping {
     jobs: Jobs,
     /// Not there until the browser has given its files, and while a job is being done.
     store: Option<Store>,
+    /// The browser keeps no files.
+    is_in_memory_only: bool,
     /// The session that is offered.
     found: Option<Found>,
     /// The files of the session that is restored that have not been read yet.
@@ -60,7 +62,10 @@ pub(super) fn begin(shared: &Shared) {
     spawn_local(async move {
         let Some(sessions) = Dir::of_sessions().await else {
             // A browser that keeps no files: the journal is in memory alone.
-            shared.borrow_mut().journal.keep_no_more();
+            let desk = &mut *shared.borrow_mut();
+            desk.journal.keep_no_more();
+            desk.keeping.jobs = Jobs::default();
+            desk.keeping.is_in_memory_only = true;
             return;
         };
         let now_ms = js_sys::Date::now();
@@ -98,7 +103,9 @@ pub(super) fn handle(shared: &Shared, message: &ToJournal) {
         ToJournal::Erase => {
             keeping.found = None;
             keeping.to_read = None;
-            if !journal.is_keeping() {
+            if keeping.is_in_memory_only {
+                tell(&FromJournal::Erased);
+            } else if !journal.is_keeping() {
                 keeping.add(shared, Job::Act(Act::Erase));
             }
         }

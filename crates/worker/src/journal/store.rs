@@ -193,3 +193,121 @@ impl Files {
         self.dir.remove(&segment.name()).await
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use motorlink_bus::{JunkBytes, Passed, Traffic};
+    use motorlink_journal::kept::Keeper;
+    use motorlink_protocol::Instant;
+    use wasm_bindgen_test::wasm_bindgen_test;
+
+    use super::*;
+    use crate::journal::found::newest;
+
+    const NOW_MS: f64 = 1_795_266_900_000.0;
+
+    fn traffic(n: u64) -> Traffic {
+        Traffic {
+            at: Instant::from_millis(n),
+            passed: Passed::Junk(JunkBytes::new(&[1, 2, 3])),
+        }
+    }
+
+    /// What so many entries are written as.
+    fn written(entries: std::ops::Range<u64>) -> Vec<Act> {
+        let mut keeper = Keeper::default();
+        keeper.set_epoch(1_795_266_900_000_000);
+        for n in entries {
+            keeper.passed(&traffic(n), n % 2 == 0);
+        }
+        let mut now = Instant::ZERO;
+        let mut acts = Vec::new();
+        for _ in 0..40 {
+            acts.extend(keeper.poll(now));
+            now = now + std::time::Duration::from_millis(200);
+        }
+        acts
+    }
+
+    async fn sessions(name: &str) -> Dir {
+        let sessions = Dir::of_sessions().await.unwrap().dir(name).await.unwrap();
+        for name in sessions.names().await.unwrap() {
+            sessions.remove(&name).await.unwrap();
+        }
+        sessions
+    }
+
+    async fn store(sessions: &Dir, begun_ms: f64, entries: std::ops::Range<u64>) -> Store {
+        let mut store = Store::new(sessions.clone(), new_name(begun_ms));
+        for act in written(entries) {
+            store.work(Job::Act(act)).await.unwrap();
+        }
+        store
+    }
+
+    #[wasm_bindgen_test]
+    async fn a_session_is_found_when_it_has_ended_and_not_before() {
+        let sessions = sessions("test-found").await;
+        let older = store(&sessions, NOW_MS - 9_000.0, 0..5).await;
+        let living = store(&sessions, NOW_MS - 1_000.0, 0..100).await;
+        assert!(newest(&sessions, "", NOW_MS).await.unwrap().is_none());
+        drop(older);
+        let found = newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
+        assert_eq!(found.session.packets, 5);
+        assert!(
+            newest(&sessions, "", NOW_MS).await.unwrap().is_none(),
+            "it is held"
+        );
+        drop(living);
+        let found = newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
+        assert_eq!((found.session.packets, found.session.recorded), (100, 50));
+    }
+
+    #[wasm_bindgen_test]
+    async fn a_session_that_is_restored_and_this_one_are_one_session() {
+        let sessions = sessions("test-adopted").await;
+        drop(store(&sessions, NOW_MS - 9_000.0, 0..20).await);
+        let mut living = store(&sessions, NOW_MS, 0..7).await;
+        let own = living.name.clone();
+        let found = newest(&sessions, &own, NOW_MS).await.unwrap().unwrap();
+        living.work(Job::Restore(found)).await.unwrap();
+        let adopt = Act::Adopt {
+            packets: 1,
+            recorded: 1,
+        };
+        living.work(Job::Act(adopt)).await.unwrap();
+        assert_eq!(sessions.names().await.unwrap(), [living.name.clone()]);
+        drop(living);
+        let mut found = newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
+        assert_eq!((found.session.packets, found.session.recorded), (27, 14));
+        let names: Vec<String> = found.files.drain(..).map(|(file, _)| file.name()).collect();
+        assert_eq!(names, ["p1", "p2", "r1", "r2"]);
+    }
+
+    #[wasm_bindgen_test]
+    async fn erased_sessions_are_gone_and_a_forgotten_one_alone() {
+        let sessions = sessions("test-erased").await;
+        drop(store(&sessions, NOW_MS - 9_000.0, 0..20).await);
+        drop(store(&sessions, NOW_MS - 8_000.0, 0..30).await);
+        let mut living = store(&sessions, NOW_MS, 0..7).await;
+        let found = newest(&sessions, &living.name, NOW_MS).await.unwrap();
+        living.work(Job::Forget(found.unwrap())).await.unwrap();
+        assert_eq!(sessions.names().await.unwrap().len(), 2);
+        living.work(Job::Act(Act::Erase)).await.unwrap();
+        assert!(sessions.names().await.unwrap().is_empty());
+    }
+
+    #[wasm_bindgen_test]
+    async fn sessions_that_are_too_many_go_the_oldest_first() {
+        let sessions = sessions("test-bounded").await;
+        for minute in 0..23 {
+            drop(store(&sessions, NOW_MS + f64::from(minute) * 60_000.0, 0..3).await);
+        }
+        newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
+        let mut names = sessions.names().await.unwrap();
+        names.sort_unstable();
+        assert_eq!(names.len(), 20);
+        let begun = |minute: u32| new_name(NOW_MS + f64::from(minute) * 60_000.0);
+        assert_eq!(names[0][..15], begun(3)[..15]);
+    }
+}
