@@ -23,7 +23,9 @@ const SAID: &str = "kept-words";
 pub(super) const MARKUP: &str = concat!(
     r#"<p class="notice-title">Kept session</p>"#,
     r#"<p class="notice-advice" role="status" aria-label="Kept session" id="kept-words"></p>"#,
-    r#"<button type="button" class="button small" id="restore-session">Restore session</button> "#,
+    r#"<button type="button" class="button small" id="restore-session" "#,
+    r#"title="It stands before this one in log and recording; nothing is driven">"#,
+    r#"Restore session</button> "#,
     r#"<button type="button" class="button small" id="forget-session">Forget session</button>"#,
     r#"<button type="button" class="dismiss" aria-label="Dismiss kept session" "#,
     r#"title="It stays kept, and is offered again" id="leave-session"></button>"#,

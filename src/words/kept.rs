@@ -23,8 +23,7 @@ pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
                 format!("{date}, ")
             };
             format!(
-                "A session of {day}{} is kept in this browser: {}. Restored, it stands before this one in \
-                 log and recording; nothing is driven.",
+                "A session of {day}{} is kept in this browser: {}.",
                 of_hours(session),
                 of_content(session)
             )

@@ -18,8 +18,9 @@ const SAID: &str = "setup-words";
 /// opens, and status `Setup`.
 pub(super) const MARKUP: &str = concat!(
     r#"<button type="button" class="button small" id="export-setup" "#,
-    r#"title="Names, sides, groups, ramp and rate as a file">Export setup</button>"#,
-    r#"<button type="button" class="button small" id="import-setup">Import setup</button>"#,
+    r#"aria-label="Export setup" title="Names, sides, groups, ramp and rate as a file">Export</button>"#,
+    r#"<button type="button" class="button small" id="import-setup" "#,
+    r#"aria-label="Import setup">Import</button>"#,
     r#"<button type="button" class="button small" id="erase-kept">Erase kept data</button>"#,
     r#"<input type="file" accept=".json" id="setup-file" hidden>"#,
     r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
@@ -31,7 +32,13 @@ pub(super) fn keep_working(desk: Desk) {
         on_window(name, move |event| hear(desk, &event));
     }
     let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
-    follow(move || say_why(IMPORT, why_not.get(), "From a file that was exported"));
+    follow(move || {
+        say_why(
+            IMPORT,
+            why_not.get(),
+            "The setup from a file that was exported",
+        )
+    });
     follow(move || say_why(ERASE, desk.why_not_erase(why_not.get()), ERASES));
     follow(move || say(desk.journal.erased.get()));
 }

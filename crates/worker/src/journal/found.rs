@@ -18,8 +18,12 @@ const BYTES_MAX: usize = 150_000_000;
 /// So many of them, however small: each is opened when the page is loaded.
 const SESSIONS_MAX: usize = 20;
 
-/// A page that was loaded again may be up before its predecessor has let go of its files.
-const LET_GO_WITHIN: Duration = Duration::from_secs(1);
+/// A page that was loaded again may be up before its predecessor has let go of its files: after a reload
+/// by tenths of a second, after a crash on a machine that is held up by seconds. So it looks again.
+const LOOK_AGAIN_AFTER: Duration = Duration::from_secs(1);
+
+/// How often it looks before what is held must be another living tab's.
+const LOOKS: u32 = 6;
 
 /// A session without packets is removed when it is so old; before, it may just have been begun by another
 /// tab.
@@ -56,8 +60,8 @@ const fn whole(number: f64) -> u64 {
 /// The newest session that ended, but for `own`. Removes what is too much.
 pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Option<Found>> {
     let mut newest = None;
-    let mut waits = true;
-    loop {
+    for look in 1..=LOOKS {
+        let waits = look < LOOKS;
         let mut is_held = false;
         let mut bytes = 0;
         for (place, name) in newest_first(sessions, own).await?.into_iter().enumerate() {
@@ -91,11 +95,11 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
             }
         }
         if newest.is_some() || !(is_held && waits) {
-            return Ok(newest);
+            break;
         }
-        waits = false;
-        sleep(LET_GO_WITHIN).await;
+        sleep(LOOK_AGAIN_AFTER).await;
     }
+    Ok(newest)
 }
 
 async fn newest_first(sessions: &Dir, own: &str) -> Result<Vec<String>> {
