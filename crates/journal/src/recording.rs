@@ -226,7 +226,7 @@ impl Recording {
                 *next >= samples.end()
             };
         let rolled = copied(&other.rolling, rolling, &mut |sample| {
-            self.roll_sample(sample)
+            self.roll_sample(sample);
         });
         let recorded_all = copied(&other.recorded, recorded, &mut |sample| {
             if self.recorded.len() < self.recorded_max {

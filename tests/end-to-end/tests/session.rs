@@ -151,24 +151,15 @@ fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
         .filter(is_sent)
         .map(|row| row[4].as_str())
         .collect();
-    // Of the end of the first session the page knew nothing: it is left out on the wire too.
-    let host = timed(&wire.from_host());
-    let known = host
+    let behind = timed(&wire.since(crashed_us + 500_000).from_host());
+    let known = behind
         .iter()
-        .filter(|(at_us, _)| *at_us > crashed_us + 500_000);
-    let behind: Vec<(u64, String)> = known.cloned().collect();
-    let second = &sent[sent.len().saturating_sub(behind.len())..];
-    let overlap = second.iter().rposition(|row| *row == behind[0].1);
+        .rposition(|(_, frame)| Some(&frame.as_str()) == sent.last());
+    let (last_us, _) = behind[known.expect("the last row is on the wire")];
     assert!(
-        overlap.is_some(),
-        "the second session is not behind the first"
+        sent.contains(&behind[0].1.as_str()),
+        "the second session is in it"
     );
-    let last_us = behind
-        .iter()
-        .rev()
-        .find(|(_, frame)| sent.last() == Some(&frame.as_str()))
-        .expect("the last row is on the wire")
-        .0;
     assert!(crashed_again_us.saturating_sub(last_us) < LOST_US_MAX);
     let times = log.column("time")?;
     assert!(times.is_sorted(), "times go forward");
@@ -203,7 +194,7 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     page.click("button", "Disconnect")?;
     page.click("button", "Erase kept data")?;
     page.click("button", "Cancel")?;
-    assert_eq!(page.find("textbox", "Name of 0x01")?.value, "Port");
+    assert_ne!(page.evaluate("Object.keys(localStorage).length")?, 0);
     page.click("button", "Erase kept data")?;
     page.click("button", "Erase")?;
     page.wait_for_text("status", "Setup", |text| text.contains("Erased"))?;
@@ -231,8 +222,9 @@ fn the_session_of_another_living_tab_is_left_alone() -> Result<()> {
     assert_nothing_offered(&second)?;
     first.show()?;
     first.crash();
-    second.reload()?;
-    offered(&second)?;
+    // Chromium may run both tabs in one process.
+    let third = bench.open("/")?;
+    offered(&third)?;
     assert!(adapter.wire()?.drives().is_empty());
     Ok(())
 }
