@@ -85,13 +85,12 @@ impl Page {
     fn run(&mut self) -> Option<Instant> {
         loop {
             match self.journal.poll(self.now) {
-                Output::Tell(message) => self.told.push(message),
+                Output::Tell(message) | Output::NoFile(message) => self.told.push(message),
                 Output::Part(mut bytes) => self.parts.append(&mut bytes),
                 Output::File(message) => {
                     self.told.push(message);
                     self.file = Some(String::from_utf8(std::mem::take(&mut self.parts)).unwrap());
                 }
-                Output::NoFile(message) => self.told.push(message),
                 Output::Keep(act) => self.act(act),
                 Output::NextKept => {
                     let next = (!self.kept.is_empty()).then(|| self.kept.remove(0));
