@@ -33,26 +33,24 @@ pub(super) fn keep_working(desk: Desk) {
     }
     let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
     follow(move || {
-        say_why(
-            IMPORT,
-            why_not.get(),
-            "The setup from a file that was exported",
-        )
+        let reason = why_not.get();
+        say_why(IMPORT, reason.as_deref(), IMPORTS);
+        say_why(ERASE, desk.why_not_erase(reason).as_deref(), ERASES);
     });
-    follow(move || say_why(ERASE, desk.why_not_erase(why_not.get()), ERASES));
     follow(move || say(desk.journal.erased.get()));
 }
 
+const IMPORTS: &str = "The setup from a file that was exported";
 const ERASES: &str = "Everything that this browser keeps of this page: sessions and choices";
 
 /// A button that cannot be pressed for this reason, or that does this.
-fn say_why(id: &str, reason: Option<String>, hint: &str) {
+fn say_why(id: &str, reason: Option<&str>, hint: &str) {
     let Some(button) = document().get_element_by_id(id) else {
         return;
     };
     // They fail for names that are none, and these are ours.
     let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
-    let _ = button.set_attribute("title", reason.as_deref().unwrap_or(hint));
+    let _ = button.set_attribute("title", reason.unwrap_or(hint));
 }
 
 fn say(words: &str) {
