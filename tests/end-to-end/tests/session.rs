@@ -59,9 +59,9 @@ fn assert_nothing_offered(page: &Page) -> Result<()> {
 
 /// A worker that outlives its page for a moment brakes; nothing else is sent behind a crash.
 fn assert_driven_by_nobody(adapter: &Adapter, crashed_us: u64) -> Result<()> {
-    let drives = adapter.wire()?.since(crashed_us + LOST_US_MAX).drives();
-    let is_drive = |frame: &&Frame| !frame.brakes() && !frame.is_stop();
-    let driven = drives.frames.iter().find(is_drive);
+    let told = adapter.wire()?.since(crashed_us + LOST_US_MAX).drives();
+    let moves = |frame: &&Frame| !frame.brakes() && !frame.is_stop();
+    let driven = told.frames.iter().find(moves);
     assert!(driven.is_none(), "driven by nobody's command: {driven:?}");
     Ok(())
 }
@@ -78,8 +78,8 @@ fn assert_whole_until_a_second_before(
         assert_eq!(*row, frame, "{what}, row {place}");
     }
     // The last frame may stand on the wire only when the page is gone.
-    let last_us = frames[rows.len().min(frames.len()) - 1].0;
-    let lost_us = crashed_us.saturating_sub(last_us);
+    let newest_us = frames[rows.len().min(frames.len()) - 1].0;
+    let lost_us = crashed_us.saturating_sub(newest_us);
     assert!(lost_us < LOST_US_MAX, "{what}: {lost_us} us are lost");
     lost_us
 }
@@ -157,12 +157,12 @@ fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
     let known = behind
         .iter()
         .rposition(|(_, frame)| Some(&frame.as_str()) == sent.last());
-    let (last_us, _) = behind[known.expect("the last row is on the wire")];
+    let (newest_us, _) = behind[known.expect("the last row is on the wire")];
     assert!(
         sent.contains(&behind[0].1.as_str()),
         "the second session is in it"
     );
-    assert!(crashed_again_us.saturating_sub(last_us) < LOST_US_MAX);
+    assert!(crashed_again_us.saturating_sub(newest_us) < LOST_US_MAX);
     let times = log.column("time")?;
     assert!(times.is_sorted(), "times go forward");
     assert_quiet_console(&page);
