@@ -102,6 +102,7 @@ impl Desk {
                 self.send_order(order, Consent::HighCurrent);
             }
             Some(Dialog::ClearLog(_)) => self.clear_log(),
+            Some(Dialog::EraseKept) => self.erase_kept(),
             Some(Dialog::Help) | None => {}
         }
     }

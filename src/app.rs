@@ -8,8 +8,8 @@ use motorlink_messages::ToWorker;
 use crate::{
     components::{
         ControlPanel, Graph, Header, HelpDialog, LinkPanel, MotorStrip, Notices, PacketLog,
-        QuestionDialog, Recording, StoppedDialog, Telemetry, TogetherPanel, WheelPanel,
-        live::follow,
+        QuestionDialog, Recording, SettingsPanel, StoppedDialog, Telemetry, TogetherPanel,
+        WheelPanel, live::follow,
     },
     desk::{Desk, WorkerState},
     keyboard, lifecycle,
@@ -42,6 +42,7 @@ pub fn App() -> impl IntoView {
             <MotorStrip />
             <LinkPanel />
             <TogetherPanel />
+            <SettingsPanel />
         </div>
         <main class="desk" inert=behind_dialog>
             <ControlPanel />

@@ -65,6 +65,14 @@ pub(crate) fn local_time(wall_ms: f64) -> String {
     time_of_day(local_ms(wall_ms))
 }
 
+/// `2026-11-21`, the local date at a moment of the wall clock in milliseconds.
+pub(crate) fn local_date(wall_ms: f64) -> String {
+    let iso: String = js_sys::Date::new(&local_ms(wall_ms).into())
+        .to_iso_string()
+        .into();
+    iso.chars().take(10).collect()
+}
+
 /// A moment of the wall clock in milliseconds as if it were in Greenwich when it is so late here.
 fn local_ms(wall_ms: f64) -> f64 {
     let date = js_sys::Date::new(&wall_ms.into());

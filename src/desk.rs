@@ -58,6 +58,8 @@ pub(crate) enum Dialog {
     HighCurrent(CurrentTarget),
     /// The question whether all of the log is to be forgotten, and how many entries that are.
     ClearLog(u64),
+    /// The question whether everything that the browser keeps is to be erased.
+    EraseKept,
     /// The question whether the only motor is to have another ID.
     ChangeId {
         /// Its present one.

@@ -7,4 +7,6 @@ pub(crate) enum Drawer {
     Link,
     /// Several motors as one.
     Together,
+    /// Limits, the setup as a file, and what is kept.
+    Settings,
 }

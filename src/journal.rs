@@ -13,9 +13,10 @@ use crate::{
     download::save_blob,
     format::grouped,
     journal_link::JournalLink,
+    kept::Offer,
     log_feed::{LogFeed, LogState},
     words::{
-        journal as words,
+        journal as words, kept as kept_words,
         log_lines::{self, Line},
     },
 };
@@ -41,6 +42,10 @@ pub(crate) struct Journal {
     pub(crate) recording: RwSignal<RecordingStatus>,
     /// The file that is being written; one at a time.
     pub(crate) exporting: RwSignal<Option<Exporting>>,
+    /// The session that the browser keeps, and what is done with it.
+    pub(crate) kept: RwSignal<Offer>,
+    /// What became of the wish to erase everything that is kept.
+    pub(crate) erased: RwSignal<&'static str>,
 }
 
 impl Journal {
@@ -52,6 +57,8 @@ impl Journal {
             log: RwSignal::new(LogState::default()),
             recording: RwSignal::new(RecordingStatus::default()),
             exporting: RwSignal::new(None),
+            kept: RwSignal::new(Offer::None),
+            erased: RwSignal::new(""),
         }
     }
 }
@@ -157,7 +164,7 @@ impl Desk {
         self.journal.exporting.set(Some(exporting));
     }
 
-    fn tell_journal(self, message: &ToJournal) {
+    pub(crate) fn tell_journal(self, message: &ToJournal) {
         self.journal.link.with_value(|link| {
             if let Some(link) = link {
                 link.post(message);
@@ -196,6 +203,10 @@ impl Desk {
                     self.say(words::of_nothing_to_export(what));
                 }
             }
+            FromJournal::Kept(session) => self.journal.kept.set(Offer::Open(session)),
+            FromJournal::Restored => self.session_restored(),
+            FromJournal::Erased => self.kept_data_erased(),
+            FromJournal::NotKept(why) => self.log_now(kept_words::of_not_kept(why)),
             FromJournal::Died => self.journal_lost(),
         }
     }
@@ -214,13 +225,14 @@ impl Desk {
         self.journal.feed.update_value(LogFeed::lose);
         self.journal.recording.set(RecordingStatus::default());
         self.journal.exporting.set(None);
+        self.journal.kept.set(Offer::None);
         // Where the other worker has failed too, the page says that instead.
         if self.worker.get_untracked() != WorkerState::Dead {
             self.say(words::of_dead_journal());
         }
     }
 
-    fn log_now(self, line: Line) {
+    pub(crate) fn log_now(self, line: Line) {
         self.log(self.now(), line);
     }
 }

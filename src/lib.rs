@@ -31,6 +31,7 @@ mod id_manager;
 mod incoming;
 mod journal;
 mod journal_link;
+mod kept;
 mod keyboard;
 mod keys;
 mod lifecycle;

@@ -97,6 +97,11 @@ impl LogFeed {
         ToJournal::Clear
     }
 
+    /// The journal has numbered the rows anew by itself.
+    pub(crate) fn renumbered(&mut self) {
+        self.begin_anew();
+    }
+
     /// The rows are numbered anew, so a place among the old ones is none.
     fn begin_anew(&mut self) {
         self.generation = self.generation.wrapping_add(1);

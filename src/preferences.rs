@@ -197,12 +197,26 @@ pub(crate) fn remember(name: &str, text: &str) {
     }
 }
 
+/// Has this browser forget all of it, whatever its name.
+pub(crate) fn forget_all() {
+    let Some(storage) = storage() else { return };
+    let length = storage.length().unwrap_or_default();
+    let names = (0..length).filter_map(|place| storage.key(place).ok()?);
+    let ours: Vec<String> = names.filter(|name| name.starts_with(PREFIX)).collect();
+    for name in ours {
+        let _ = storage.remove_item(&name);
+    }
+}
+
+/// Before every name, because all pages of an origin share one store.
+const PREFIX: &str = "motorlink.";
+
 fn storage() -> Option<web_sys::Storage> {
     web_sys::window()?.local_storage().ok()?
 }
 
 fn key(name: &str) -> String {
-    format!("motorlink.{name}")
+    format!("{PREFIX}{name}")
 }
 
 /// `330 2700 75`: rpm, mA, degrees Celsius.

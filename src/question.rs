@@ -35,6 +35,7 @@ impl Dialog {
             Self::ChangeId { from, to } => change_id(from, to),
             Self::Hazard(order) => hazard(order),
             Self::ClearLog(entries) => clear_log(entries),
+            Self::EraseKept => erase_kept(),
             Self::HighRawCurrent { current, .. } => high_current(current, "Send "),
         })
     }
@@ -79,6 +80,19 @@ fn clear_log(entries: u64) -> Question {
                 recording stays."
                 .to_owned(),
         yes,
+    }
+}
+
+fn erase_kept() -> Question {
+    Question {
+        name: "Erase kept data",
+        title: "Erase kept data?".to_owned(),
+        words: "Every session that this browser keeps goes, with its packets and its recording, this \
+                one too: the packet log begins anew.\nSo do names, sides and groups of motors, ramp, rate, \
+                model, theme and the other choices. None of it can be brought back. Motors are not \
+                touched."
+            .to_owned(),
+        yes: "Erase".to_owned(),
     }
 }
 

@@ -74,7 +74,7 @@ impl Desk {
     }
 
     /// Nothing of it starts or stops a wheel.
-    fn take_setup(self, setup: Setup) {
+    pub(crate) fn take_setup(self, setup: Setup) {
         self.prefer(|preferences| {
             preferences.model = setup.model.unwrap_or(preferences.model);
             preferences.keep_driving = setup.keep_driving.unwrap_or(preferences.keep_driving);

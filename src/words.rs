@@ -12,6 +12,7 @@ use crate::{
 };
 
 pub(crate) mod journal;
+pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
 pub(crate) mod setup;

@@ -53,6 +53,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
             <div class="motor-strip-end">
                 <DrawerButton which=Drawer::Together label="Drive together" />
                 <DrawerButton which=Drawer::Link label="Link" />
+                <DrawerButton which=Drawer::Settings label="Settings" />
             </div>
         </section>
     }

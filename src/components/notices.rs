@@ -8,9 +8,13 @@ use motorlink_messages::{
 };
 
 use crate::{
-    components::live::{heard, live},
+    components::{
+        kept_session,
+        live::{heard, live},
+    },
     desk::use_desk,
     format,
+    kept::Offer,
     notice_board::{NoticeBoard, Posted, Tone},
     session::{Reading, Session},
 };
@@ -25,8 +29,19 @@ pub(crate) fn Notices() -> impl IntoView {
     let slots: Vec<_> = (0..NoticeBoard::SLOTS)
         .map(|place| view! { <Slot place /> })
         .collect();
+    let nothing_kept = move || desk.journal.kept.with(|offer| *offer == Offer::None);
+    kept_session::keep_working(desk);
     view! {
-        <section class="panel notices" aria-label="Notices" class:empty=live(none)>
+        <section
+            class="panel notices"
+            aria-label="Notices"
+            class:empty=live(move || none() && nothing_kept())
+        >
+            <div
+                class="notice kept"
+                hidden=live(nothing_kept)
+                inner_html=kept_session::MARKUP
+            ></div>
             <div hidden=live(move || !none())>
                 <h2>"Next"</h2>
                 <p class="next-steps">

@@ -119,7 +119,8 @@ fn fleet(motors: Value) -> Result<Fleet, SetupError> {
         let side = fit(side, A_SIDE, |value| Side::from_key(&text_of(value)?))?;
         let drives = fit(drives, A_YES, yes)?;
         fleet.change(id, |member| {
-            member.set_name(&name.unwrap_or_default());
+            // As it is written: what stands round it is only there while somebody types.
+            member.set_name(name.unwrap_or_default().trim());
             member.side = side.unwrap_or_default();
             member.drives = drives.unwrap_or_default();
         });

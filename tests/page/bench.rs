@@ -185,6 +185,15 @@ impl Bench {
         field
     }
 
+    /// Has a panel of the drawer lie open.
+    pub async fn open(&self, panel: &str) {
+        let is_open = || !self.find_all("region", panel).is_empty();
+        if !is_open() {
+            self.click(panel);
+            self.until("the panel", is_open).await;
+        }
+    }
+
     pub async fn until(&self, what: &str, is: impl Fn() -> bool) {
         for _ in 0..100 {
             if is() {

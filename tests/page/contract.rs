@@ -6,7 +6,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use crate::bench::Bench;
 
 /// What is there whichever tab is open.
-const ALWAYS: [(&str, &str); 43] = [
+const ALWAYS: [(&str, &str); 40] = [
     ("button", "Connect"),
     ("button", "Choose another port"),
     ("button", "Virtual motor"),
@@ -16,9 +16,6 @@ const ALWAYS: [(&str, &str); 43] = [
     ("status", "Link"),
     ("button", "Stop all motors"),
     ("spinbutton", "Command rate"),
-    ("spinbutton", "Speed limit"),
-    ("spinbutton", "Current limit"),
-    ("spinbutton", "Temperature limit"),
     ("checkbox", "Keep driving while hidden"),
     ("button", "Theme"),
     ("button", "Help"),

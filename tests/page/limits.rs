@@ -27,6 +27,7 @@ async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_ch
     bench.say(&ToPage::Hello { time_origin_ms });
     let first = Command::SetLimits(Limits::default());
     assert_eq!(bench.commands().await, [first]);
+    bench.open("Settings").await;
     for (name, text, limits) in [
         ("Speed limit", "120", [120, 2_700, 75]),
         ("Current limit", "1,5", [120, 1_500, 75]),

@@ -12,6 +12,7 @@ mod contract;
 mod fake_journal;
 mod graph;
 mod instruments;
+mod kept;
 mod limits;
 mod link;
 mod log;

@@ -43,6 +43,7 @@ async fn page(name: &str) -> Bench {
 
 /// Chooses a file with this text, and waits for words about it.
 async fn import(bench: &Bench, text: &str) -> String {
+    bench.open("Settings").await;
     let said = bench.find("status", "Setup");
     said.set_text_content(None);
     let parts = Array::of1(&JsValue::from_str(text));
@@ -58,6 +59,7 @@ async fn import(bench: &Bench, text: &str) -> String {
     chooser.dispatch_event(&change).unwrap();
     let words = || said.text_content().unwrap_or_default();
     bench.until("words", || !words().is_empty()).await;
+    bench.open("Drive together").await;
     words()
 }
 
@@ -157,6 +159,7 @@ async fn while_a_motor_is_driven_no_setup_is_taken_in() {
     let bench = page("setup-driven").await;
     let setpoint = Setpoint::velocity(SpeedTarget::new(100).unwrap());
     bench.report(motor(Mode::Velocity, Activity::Driven { setpoint }), false);
+    bench.open("Settings").await;
     let button = bench.find("button", "Import setup");
     bench
         .until("the button to say why", || button.has_attribute("disabled"))
@@ -168,6 +171,7 @@ async fn while_a_motor_is_driven_no_setup_is_taken_in() {
     let words = import(&bench, ROVER).await;
     assert!(words.contains("Stop motor 0x01 first"), "{words}");
     assert_eq!(kept(), before);
+    bench.open("Settings").await;
     let export = bench.find("button", "Export setup");
     assert!(!export.has_attribute("disabled"));
     forget();

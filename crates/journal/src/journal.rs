@@ -3,10 +3,19 @@
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::Traffic;
-use motorlink_messages::journal::{Export, FromJournal, RecordingStatus, ToJournal, Window};
+use motorlink_messages::journal::{
+    Export, Filter, FromJournal, RecordingStatus, ToJournal, Window,
+};
 use motorlink_protocol::Instant;
 
-use crate::{csv_file::CsvFile, log::Log, recording::Recording, wall_clock::WallClock};
+use crate::{
+    csv_file::CsvFile,
+    kept::{Act, Keeper, Segment, Stream, Summary, Timeline},
+    log::Log,
+    recording::Recording,
+    restoring::{Restoring, Wants},
+    wall_clock::WallClock,
+};
 
 /// A page of the log at most 30 times a second.
 const PAGE_PERIOD: Duration = Duration::from_micros(33_400);
@@ -29,6 +38,10 @@ pub enum Output {
     File(FromJournal),
     /// Give the parts that are kept up, and tell the page why.
     NoFile(FromJournal),
+    /// Do this with the files of the session.
+    Keep(Act),
+    /// Give the next file of the session that is restored: see [`Journal::restore`].
+    NextKept,
     /// There is work: see [`Journal::work`]. Between two of these, let messages in.
     Work,
     /// Nothing is to be done until something comes, or until then.
@@ -50,6 +63,16 @@ pub struct Journal {
     page_told: Option<Instant>,
     status: RecordingStatus,
     status_told: Option<Instant>,
+    /// Puts the times that come in on the log's clock.
+    timeline: Timeline,
+    /// The epoch of the times that come in, in microseconds since 1970.
+    epoch_us: Option<i64>,
+    filter: Filter,
+    /// Where the session is kept.
+    keeper: Option<Keeper>,
+    restoring: Option<Box<Restoring>>,
+    /// Files that were asked for while a session was being restored.
+    put_off: Vec<Export>,
     /// Files that are wanted, of which the first is being made.
     files: VecDeque<CsvFile>,
     progress_told: Option<Instant>,
@@ -76,6 +99,12 @@ impl Journal {
             page_told: None,
             status: RecordingStatus::default(),
             status_told: None,
+            timeline: Timeline::default(),
+            epoch_us: None,
+            filter: Filter::default(),
+            keeper: None,
+            restoring: None,
+            put_off: Vec::new(),
             files: VecDeque::new(),
             progress_told: None,
             outgoing: VecDeque::new(),
@@ -89,11 +118,87 @@ impl Journal {
             .set_clock(self.log.clock().with_utc_offset(minutes));
     }
 
+    /// The same journal, which from now on keeps what comes in: see [`Output::Keep`].
+    #[must_use]
+    pub fn keeping(mut self) -> Self {
+        self.keeper = Some(Keeper::default());
+        self
+    }
+
+    /// From now on nothing is kept, whatever comes in.
+    pub fn keep_no_more(&mut self) {
+        self.keeper = None;
+    }
+
+    /// Whether it keeps what comes in.
+    #[must_use]
+    pub const fn is_keeping(&self) -> bool {
+        self.keeper.is_some()
+    }
+
     /// Takes what has passed on the line.
     pub fn passed(&mut self, traffic: &Traffic) {
-        self.log.passed(traffic);
-        self.recording.passed(traffic);
+        let at = self.timeline.at(traffic.at);
+        let placed = Traffic { at, ..*traffic };
+        self.log.passed(&placed);
+        let recorded = self.recording.passed(&placed);
+        if let Some(keeper) = &mut self.keeper {
+            keeper.passed(traffic, recorded);
+        }
         self.page_changed = true;
+    }
+
+    /// Takes in a session that is kept in these files, in order, of these sizes. Asks for them one after the other by
+    /// [`Output::NextKept`], to be answered by [`Journal::next_kept`], those of the packets first; meanwhile
+    /// it goes on as it was. What is kept of this session goes behind them.
+    #[inline(never)]
+    pub fn restore(&mut self, summary: &Summary, files: &[(Segment, usize)]) {
+        if self.restoring.is_some() {
+            return;
+        }
+        if let Some(keeper) = &mut self.keeper {
+            keeper.adopt(files);
+        }
+        let offset = self.own_clock.utc_offset_minutes();
+        let clock = WallClock::from_us(summary.first_epoch_us(), offset);
+        self.restoring = Some(Box::new(Restoring::new(clock, &self.log, &self.recording)));
+    }
+
+    /// The file that was asked for; `None` when there is no more.
+    pub fn next_kept(&mut self, file: Option<(Stream, Vec<u8>)>) {
+        if let Some(restoring) = &mut self.restoring {
+            restoring.take(file);
+        }
+    }
+
+    /// Puts the session that was restored, with this one behind it, in the place of this one.
+    #[inline(never)]
+    fn finish_restoring(&mut self) {
+        let Some(restoring) = self.restoring.take() else {
+            return;
+        };
+        (self.log, self.recording, self.timeline) =
+            restoring.finish(&mut self.log, &self.recording, &self.filter);
+        self.page_changed = true;
+        self.outgoing.push_back(Output::Tell(FromJournal::Restored));
+        for what in std::mem::take(&mut self.put_off) {
+            self.make(what);
+        }
+    }
+
+    /// Forgets everything, and has everything removed that is kept.
+    #[inline(never)]
+    fn erase(&mut self) {
+        if let Some(keeper) = &mut self.keeper {
+            keeper.erase();
+        }
+        self.restoring = None;
+        self.put_off.clear();
+        for file in std::mem::take(&mut self.files) {
+            self.no_file(file.what(), true);
+        }
+        self.log.clear();
+        self.recording = Recording::with_capacity(self.recording.capacity());
     }
 
     /// Does what the page asks.
@@ -108,12 +213,28 @@ impl Journal {
         match message {
             ToJournal::Epoch { unix_ms } => {
                 let offset = self.own_clock.utc_offset_minutes();
-                self.log.set_clock(WallClock::new(unix_ms, offset));
+                self.set_epoch(WallClock::new(unix_ms, offset));
             }
-            ToJournal::Say { at, error, text } => self.log.say(at, error, &text),
+            ToJournal::Say { at, error, text } => {
+                self.log.say(self.timeline.at(at), error, &text);
+                if let Some(keeper) = &mut self.keeper {
+                    keeper.say(at, error, &text);
+                }
+            }
             ToJournal::Look(window) => self.window = Some(window),
-            ToJournal::Filter(filter) => self.log.filter(&filter),
-            ToJournal::Clear => self.log.clear(),
+            ToJournal::Filter(filter) => {
+                self.log.filter(&filter);
+                self.filter = filter;
+            }
+            ToJournal::Clear => {
+                self.log.clear();
+                if let Some(restoring) = &mut self.restoring {
+                    restoring.clear();
+                }
+                if let Some(keeper) = &mut self.keeper {
+                    keeper.clear();
+                }
+            }
             ToJournal::ExportLog => self.make(Export::Log),
             ToJournal::ExportTelemetry => self.make(Export::Telemetry),
             ToJournal::CancelExport => {
@@ -121,13 +242,38 @@ impl Journal {
                     self.no_file(file.what(), true);
                 }
             }
-            ToJournal::Record(on) => self.recording.record(on),
+            ToJournal::Record(on) => {
+                let anew = self.recording.record(on);
+                if let Some(keeper) = &mut self.keeper {
+                    keeper.record(on, anew);
+                }
+            }
+            ToJournal::Erase => self.erase(),
+            // They are about files, and for the caller: see `Self::restore`.
+            ToJournal::Restore | ToJournal::Forget => {}
         }
+    }
+
+    fn set_epoch(&mut self, clock: WallClock) {
+        let epoch_us = clock.zero_us();
+        if let Some(keeper) = &mut self.keeper {
+            keeper.set_epoch(epoch_us);
+        }
+        if self.timeline.has_runs() {
+            self.timeline.begin(epoch_us);
+        } else {
+            self.log.set_clock(clock);
+        }
+        self.epoch_us = Some(epoch_us);
     }
 
     /// Begins a file, unless such a one is being made.
     fn make(&mut self, what: Export) {
         if self.files.iter().any(|file| file.what() == what) {
+            return;
+        }
+        if self.restoring.is_some() && self.files.is_empty() {
+            self.put_off.push(what);
             return;
         }
         let file = match what {
@@ -170,12 +316,24 @@ impl Journal {
         if let Some(progress) = self.progress(now) {
             return Output::Tell(progress);
         }
+        if let Some(act) = self.keeper.as_mut().and_then(|keeper| keeper.poll(now)) {
+            return Output::Keep(act);
+        }
         if !self.log.is_filtered() || !self.files.is_empty() {
             return Output::Work;
         }
+        // Before the epoch is known, nothing of this session has a time.
+        let restoring = self.restoring.as_mut().filter(|_| self.epoch_us.is_some());
+        match restoring.map(|restoring| restoring.wants()) {
+            Some(Wants::File) => return Output::NextKept,
+            Some(Wants::Work) => return Output::Work,
+            Some(Wants::Nothing) | None => {}
+        }
         let page_due = (self.page_changed && self.window.is_some()).then_some(page_due);
         let status_due = (status != self.status).then_some(status_due);
-        Output::Wait(page_due.into_iter().chain(status_due).min())
+        let keep_due = self.keeper.as_ref().and_then(Keeper::due);
+        let dues = [page_due, status_due, keep_due];
+        Output::Wait(dues.into_iter().flatten().min())
     }
 
     fn progress(&mut self, now: Instant) -> Option<FromJournal> {
@@ -200,6 +358,11 @@ impl Journal {
             return;
         }
         let Some(file) = self.files.front_mut() else {
+            if let Some(restoring) = &mut self.restoring
+                && restoring.advance(&mut self.log, &self.recording, self.epoch_us, entries)
+            {
+                self.finish_restoring();
+            }
             return;
         };
         let is_whole = file.advance(&self.log, &self.recording, entries);
@@ -219,6 +382,11 @@ impl Journal {
         }
         if let Some(until) = file.recorded_until() {
             self.recording.exported(until);
+            if let Some(keeper) = &mut self.keeper
+                && self.recording.status().exported
+            {
+                keeper.exported();
+            }
         }
         let mut name = String::from(match what {
             Export::Log => "motorlink-log-",

@@ -14,6 +14,8 @@
 //! | `routine` | which exchanges are routine |
 //! | `words` | an entry in words |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
+//! | `kept` | the session on disk: what is written, and how it is read back |
+//! | `restoring` | a kept session on its way into the journal, a slice at a time |
 //! | `csv_file` | CSV files, made a slice at a time |
 //! | `wall_clock` | the time of day |
 //! | `chunks`, `entry`, `texts`, `digits` | how it is kept small and quick |
@@ -23,8 +25,10 @@ mod csv_file;
 mod digits;
 mod entry;
 mod journal;
+pub mod kept;
 mod log;
 mod recording;
+mod restoring;
 mod routine;
 mod sieve;
 mod texts;

@@ -140,6 +140,34 @@ impl Log {
         self.gone = 0;
     }
 
+    /// Adds an entry of another log.
+    pub(crate) fn copy(&mut self, other: &Self, number: u64, at: impl FnOnce(Instant) -> Instant) {
+        let Some(entry) = other.entries.get(number) else {
+            return;
+        };
+        let what = match entry.what {
+            What::Said { error, text } => What::Said {
+                error,
+                text: self.texts.keep(other.texts.get(text)),
+            },
+            passed @ What::Passed(_) => passed,
+        };
+        self.take(at(entry.at), what, entry.routine);
+    }
+
+    /// Goes on as another log whose entries have been copied behind these: what is routine, and how often
+    /// the rows were numbered anew. Then they are, once more, by this filter.
+    pub(crate) fn go_on_as(&mut self, other: &mut Self, filter: &Filter) {
+        std::mem::swap(&mut self.routine, &mut other.routine);
+        self.view.go_on_as(&other.view);
+        self.filter(filter);
+    }
+
+    /// As many entries as it keeps.
+    pub(crate) const fn capacity(&self) -> u64 {
+        self.capacity
+    }
+
     /// Shows other entries. The newest are rows at once, the others by [`Log::advance`].
     pub fn filter(&mut self, filter: &Filter) {
         let words = Words {

@@ -31,6 +31,18 @@ pub(crate) struct Sample {
 
 const _: () = assert!(size_of::<Sample>() == 24);
 
+impl Sample {
+    /// What has passed, where it is a good reply.
+    fn of(traffic: &Traffic) -> Option<Self> {
+        let Passed::Heard { frame, asked } = traffic.passed else {
+            return None;
+        };
+        let at = traffic.at;
+        let is_reply = Reply::decode(&frame, asked).is_ok();
+        is_reply.then_some(Self { at, frame, asked })
+    }
+}
+
 /// Which samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Which {
@@ -85,31 +97,44 @@ impl Recording {
         }
     }
 
-    /// Takes the sample out of what has passed, where it is a good reply.
-    pub fn passed(&mut self, traffic: &Traffic) {
-        let Passed::Heard { frame, asked } = traffic.passed else {
-            return;
+    /// Takes the sample out of what has passed, where it is a good reply. Says whether it was recorded.
+    pub fn passed(&mut self, traffic: &Traffic) -> bool {
+        let Some(sample) = Sample::of(traffic) else {
+            return false;
         };
-        if Reply::decode(&frame, asked).is_err() {
-            return;
+        self.roll_sample(sample);
+        self.record_sample(sample)
+    }
+
+    /// The same, but records nothing.
+    pub(crate) fn roll(&mut self, traffic: &Traffic) {
+        if let Some(sample) = Sample::of(traffic) {
+            self.roll_sample(sample);
         }
-        let at = traffic.at;
-        let sample = Sample { at, frame, asked };
+    }
+
+    /// The same, but only records.
+    pub(crate) fn record_again(&mut self, traffic: &Traffic) {
+        if let Some(sample) = Sample::of(traffic) {
+            self.record_sample(sample);
+        }
+    }
+
+    fn roll_sample(&mut self, sample: Sample) {
         // Ten minutes up to the newest sample, not up to now: what a motor did before its plug was
         // pulled can be exported half an hour later.
-        let kept_from = at - ROLLING;
+        let kept_from = sample.at - ROLLING;
         while self.rolling.len() >= ROLLING_MAX
             || self.rolling.oldest().is_some_and(|old| old.at < kept_from)
         {
             self.rolling.pop();
         }
         self.rolling.push(sample);
-        self.record_sample(sample);
     }
 
-    fn record_sample(&mut self, sample: Sample) {
+    fn record_sample(&mut self, sample: Sample) -> bool {
         let State::On { newest } = &mut self.state else {
-            return;
+            return false;
         };
         let before = newest.replace(sample.at);
         self.recorded_for += sample.at.since(before.unwrap_or(sample.at));
@@ -117,16 +142,24 @@ impl Recording {
         if self.recorded.len() >= self.recorded_max {
             self.state = State::Full;
         }
+        true
     }
 
     /// Begins or ends the recording. It goes on behind what is there, unless all of that was exported:
-    /// then it begins anew. What is full has to be exported first.
-    pub fn record(&mut self, on: bool) {
-        if on && self.is_exported() {
+    /// then it begins anew, and says so. What is full has to be exported first.
+    pub fn record(&mut self, on: bool) -> bool {
+        let anew = on && self.is_exported();
+        if anew {
             self.recorded.clear();
             self.recorded_for = Duration::ZERO;
             self.state = State::Off;
         }
+        self.record_on(on);
+        anew
+    }
+
+    /// The same, whatever was exported.
+    pub(crate) fn record_on(&mut self, on: bool) {
         self.state = match (on, self.state) {
             (_, State::Full) => State::Full,
             (true, State::Off) => State::On { newest: None },
@@ -164,6 +197,64 @@ impl Recording {
     /// A file has been made of the recording up to this sample.
     pub(crate) fn exported(&mut self, until: u64) {
         self.exported_until = self.exported_until.max(until);
+    }
+
+    /// A file has been made of all of it.
+    pub(crate) fn all_exported(&mut self) {
+        self.exported_until = self.recorded.end();
+    }
+
+    /// Copies samples of another recording behind these, from these numbers on and so many at most of
+    /// either kind. Says whether that was all.
+    pub(crate) fn copy(
+        &mut self,
+        other: &Self,
+        from: &mut [u64; 2],
+        most: u64,
+        mut at: impl FnMut(Instant) -> Instant,
+    ) -> bool {
+        let [rolling, recorded] = from;
+        let mut copied =
+            |samples: &Chunks<Sample>, next: &mut u64, keep: &mut dyn FnMut(Sample)| {
+                *next = (*next).max(samples.first());
+                let until = samples.end().min(*next + most);
+                while let Some(sample) = samples.get(*next).filter(|_| *next < until) {
+                    let at = at(sample.at);
+                    keep(Sample { at, ..sample });
+                    *next += 1;
+                }
+                *next >= samples.end()
+            };
+        let rolled = copied(&other.rolling, rolling, &mut |sample| {
+            self.roll_sample(sample);
+        });
+        let recorded_all = copied(&other.recorded, recorded, &mut |sample| {
+            if self.recorded.len() < self.recorded_max {
+                self.recorded.push(sample);
+            }
+        });
+        rolled && recorded_all
+    }
+
+    /// Goes on as another one whose samples have been copied behind these.
+    pub(crate) fn go_on_as(&mut self, other: &Self, mut at: impl FnMut(Instant) -> Instant) {
+        let own = self.recorded.len() - other.recorded.len().min(self.recorded.len());
+        if other.is_exported() && own == 0 {
+            self.all_exported();
+        }
+        self.recorded_for += other.recorded_for;
+        self.state = match other.state {
+            _ if self.recorded.len() >= self.recorded_max => State::Full,
+            State::On { newest } => State::On {
+                newest: newest.map(&mut at),
+            },
+            State::Off | State::Full => State::Off,
+        };
+    }
+
+    /// As many samples as this one may record.
+    pub(crate) const fn capacity(&self) -> u64 {
+        self.recorded_max
     }
 
     pub(crate) const fn samples(&self, which: Which) -> &Chunks<Sample> {

@@ -3,6 +3,15 @@
 /// Bytes that a line may have. What the page says is a sentence or two.
 const LINE_MAX: usize = 1_000;
 
+/// As much of a text as a line may have.
+pub(crate) fn cut(text: &str) -> &str {
+    let ends = text
+        .char_indices()
+        .map(|(start, one)| start + one.len_utf8());
+    let end = ends.take_while(|end| *end <= LINE_MAX).last();
+    text.get(..end.unwrap_or(0)).unwrap_or_default()
+}
+
 /// Stands for one text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TextRef(u32);
@@ -18,11 +27,7 @@ pub(crate) struct Texts {
 impl Texts {
     /// Keeps a text, cut where it is longer than any that the page says.
     pub(crate) fn keep(&mut self, text: &str) -> TextRef {
-        let ends = text
-            .char_indices()
-            .map(|(start, one)| start + one.len_utf8());
-        let end = ends.take_while(|end| *end <= LINE_MAX).last();
-        let text: Box<str> = text.get(..end.unwrap_or(0)).unwrap_or_default().into();
+        let text: Box<str> = cut(text).into();
         self.bytes += text.len();
         let free = self.free.pop();
         let slot = free.and_then(|number| {

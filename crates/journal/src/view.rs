@@ -99,6 +99,11 @@ impl View {
         self.generation = self.generation.wrapping_add(1);
     }
 
+    /// Counts the changes of the filter on from those of another view.
+    pub(crate) const fn go_on_as(&mut self, other: &Self) {
+        self.generation = other.generation;
+    }
+
     /// Looks at so many entries more, towards the oldest. Says whether it is through.
     pub(crate) fn advance(
         &mut self,

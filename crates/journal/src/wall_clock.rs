@@ -37,6 +37,19 @@ impl WallClock {
         }
     }
 
+    /// A clock that showed so many microseconds since 1970, UTC, at [`Instant::ZERO`].
+    pub(crate) const fn from_us(zero_us: i64, utc_offset_minutes: i32) -> Self {
+        Self {
+            zero_us,
+            utc_offset_minutes,
+        }
+    }
+
+    /// Microseconds since 1970 at [`Instant::ZERO`].
+    pub(crate) const fn zero_us(self) -> i64 {
+        self.zero_us
+    }
+
     /// The same clock with another local time.
     #[must_use]
     pub const fn with_utc_offset(self, utc_offset_minutes: i32) -> Self {

@@ -85,6 +85,7 @@ impl Caller {
                     self.now = self.now + Duration::from_millis(1);
                     self.journal.work(self.now, 500);
                 }
+                Output::Keep(_) | Output::NextKept => panic!("nothing is kept here"),
                 Output::Wait(until) => return until,
             }
         }

@@ -42,6 +42,12 @@ pub enum ToJournal {
     CancelExport,
     /// Begin or end the recording. It goes on where it was until it has been exported.
     Record(bool),
+    /// Take in the session that was offered: its entries and samples stand before those of this one.
+    Restore,
+    /// Remove the session that was offered.
+    Forget,
+    /// Remove everything that is kept, and forget the log and the recording. The rows are numbered anew.
+    Erase,
 }
 
 /// Rows to be seen.
@@ -116,8 +122,40 @@ pub enum FromJournal {
         /// Whether a person cancelled it.
         cancelled: bool,
     },
+    /// The browser keeps a session that ended; offered until it is restored or forgotten.
+    Kept(KeptSession),
+    /// The session that was offered stands in log and recording. The rows are numbered anew.
+    Restored,
+    /// Everything that was kept has been removed.
+    Erased,
+    /// From now on nothing is kept, and why; the log and the recording go on in memory.
+    NotKept(NotKept),
     /// The journal has failed; the log and the recording are lost.
     Died,
+}
+
+/// A session that the browser keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct KeptSession {
+    /// When the first of it happened, in milliseconds since 1970, UTC.
+    pub from_ms: f64,
+    /// When the last of it happened.
+    pub to_ms: f64,
+    /// Entries of the log that passed on the line.
+    pub packets: u64,
+    /// Samples that were recorded.
+    pub recorded: u64,
+    /// Time that was recorded, in milliseconds.
+    pub recorded_ms: u64,
+}
+
+/// Why the browser keeps no copy of the session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NotKept {
+    /// The browser has no room for it.
+    NoRoom,
+    /// Its storage fails.
+    Failed,
 }
 
 /// Which file.

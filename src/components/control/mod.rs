@@ -9,7 +9,6 @@ mod panel;
 mod position;
 mod raw_hex;
 mod settings;
-mod setup;
 mod slider;
 mod velocity;
 

@@ -4,18 +4,14 @@ use leptos::prelude::*;
 
 use crate::components::live::{heard, live};
 
-use super::{number_field::NumberField, setup};
+use super::number_field::NumberField;
 use crate::{desk::use_desk, entry};
-
-const WHAT_LIMITS_DO: &str =
-    "A driven motor that turns faster, gets hotter, or draws more for half a second is stopped";
 
 #[component]
 pub(super) fn Settings() -> impl IntoView {
     let desk = use_desk();
     let rate = desk.targets.rate;
     let keep_driving = move || desk.preferences.with(|chosen| chosen.keep_driving);
-    setup::keep_working(desk);
     view! {
         <div class="settings">
             <NumberField
@@ -37,25 +33,6 @@ pub(super) fn Settings() -> impl IntoView {
                 />
                 "Keep driving while hidden"
             </label>
-            <div class="limits" role="group" aria-label="Limits" title=WHAT_LIMITS_DO>
-                <span class="field-name">"Stops above"</span>
-                {[
-                    ("Speed limit", "rpm", desk.targets.speed_limit, entry::SPEED_LIMIT),
-                    ("Current limit", "A", desk.targets.current_limit, entry::CURRENT_LIMIT),
-                    (
-                        "Temperature limit",
-                        "°C",
-                        desk.targets.temperature_limit,
-                        entry::TEMPERATURE_LIMIT,
-                    ),
-                ]
-                    .map(|(name, unit, target, entry)| {
-                        view! {
-                            <NumberField name unit target entry on_edit=move || desk.set_limits() />
-                        }
-                    })}
-            </div>
-            <div class="setup" inner_html=setup::MARKUP></div>
         </div>
     }
 }

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use end_to_end::{Line, Page, now_us};
-use story::{Story, assert_ends_braked, assert_quiet_console, wait_for_speed};
+use story::{Story, assert_ends_braked, assert_quiet_console, open_panel, wait_for_speed};
 
 /// It was stopped and said why, the log has it, and nothing drives any more.
 fn is_stopped_and_said(story: &Story, since_us: u64, why: &str) -> Result<()> {
@@ -30,6 +30,7 @@ fn is_stopped_and_said(story: &Story, since_us: u64, why: &str) -> Result<()> {
 #[test]
 fn a_wheel_beyond_its_speed_limit_is_stopped_and_faster_ones_are_not_started() -> Result<()> {
     let story = Story::spinning()?;
+    open_panel(&story.page, "Settings")?;
     let lowered = now_us();
     story.page.fill("spinbutton", "Speed limit", "60")?;
     is_stopped_and_said(&story, lowered, "above your limit of 60 rpm")?;
@@ -55,12 +56,14 @@ fn a_hot_motor_is_stopped_before_it_protects_itself() -> Result<()> {
 fn limits_are_kept_for_the_next_port_and_the_next_visit() -> Result<()> {
     let story = Story::connected(Line::default())?;
     let page = &story.page;
+    open_panel(page, "Settings")?;
     page.fill("spinbutton", "Speed limit", "60")?;
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     page.reload()?;
     page.click("button", "Connect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    open_panel(page, "Settings")?;
     assert_eq!(page.find("spinbutton", "Speed limit")?.value, "60");
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
     page.click("button", "+100")?;

@@ -13,7 +13,7 @@ use std::fs;
 
 use anyhow::Result;
 use end_to_end::{Download, Line, Page};
-use story::{Story, assert_quiet_console, wait_for_speed, wait_until_enabled};
+use story::{Story, assert_quiet_console, open_panel, wait_for_speed, wait_until_enabled};
 
 /// A page on which motor 1 is `Port`, a left wheel that drives together with others, at 120 Hz.
 fn rover() -> Result<Story> {
@@ -40,8 +40,11 @@ fn shown(page: &Page) -> Result<[String; 5]> {
 }
 
 fn import(page: &Page, file: &Download, wanted: &str) -> Result<String> {
+    open_panel(page, "Settings")?;
     page.upload("Import setup", &file.path)?;
-    page.wait_for_text("status", "Setup", |text| text.contains(wanted))
+    let words = page.wait_for_text("status", "Setup", |text| text.contains(wanted))?;
+    open_panel(page, "Drive together")?;
+    Ok(words)
 }
 
 #[test]
@@ -49,7 +52,9 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
     let story = rover()?;
     let page = &story.page;
     let mine = shown(page)?;
+    open_panel(page, "Settings")?;
     let file = page.download("Export setup")?;
+    open_panel(page, "Drive together")?;
     assert_eq!(file.name, "motorlink-setup.json");
     let json = String::from_utf8(file.bytes()?)?;
     assert!(json.contains("\"motorlink_setup\": 1"), "{json}");
@@ -83,6 +88,7 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
 fn while_a_wheel_turns_no_setup_is_taken_in() -> Result<()> {
     let story = Story::spinning()?;
     let page = &story.page;
+    open_panel(page, "Settings")?;
     wait_until_enabled(page, "button", "Import setup", false)?;
     let why = page.find("button", "Import setup")?.description;
     assert!(why.contains("Stop motor 0x01 first"), "{why}");

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use end_to_end::{Line, PATIENCE, Page, wait_until};
-use story::{Story, assert_quiet_console, number, wait_for_speed, wait_until_enabled};
+use story::{Story, assert_quiet_console, number, open_panel, wait_for_speed, wait_until_enabled};
 
 /// A stall takes the motor 5 s to notice and as long to forget.
 const STALL_PATIENCE: Duration = Duration::from_secs(40);
@@ -192,6 +192,7 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
 fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
     let mut story = Story::spinning()?;
     // The limit of half a second would be crossed first.
+    open_panel(&story.page, "Settings")?;
     story.page.fill("spinbutton", "Current limit", "8")?;
     story.adapter.act("block 1 on")?;
     let page = &story.page;

@@ -2,7 +2,11 @@
 //! for both.
 
 mod again;
+mod disk;
 mod files;
+mod found;
+mod keeping;
+mod store;
 
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
@@ -10,13 +14,13 @@ use js_sys::{Date, Uint8Array};
 use motorlink_journal::{Journal, Output, WallClock};
 use motorlink_messages::{
     decode, encode,
-    journal::{FromJournal, traffic},
+    journal::{FromJournal, ToJournal, traffic},
 };
 use motorlink_protocol::Instant;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
-use self::{again::Again, files::Parts};
+use self::{again::Again, files::Parts, keeping::Keeping, store::Job};
 use crate::scope::{self, Arrived, Clock, report};
 
 /// A turn ends after this long, so that messages and traffic are taken in.
@@ -32,6 +36,7 @@ struct Desk {
     journal: Journal,
     parts: Parts,
     again: Again,
+    keeping: Keeping,
     utc_offset_asked: Instant,
 }
 
@@ -51,15 +56,18 @@ pub(crate) fn start() {
         });
         RefCell::new(Desk {
             clock,
-            journal: Journal::new(own_clock),
+            journal: Journal::new(own_clock).keeping(),
             parts: Parts::default(),
             again,
+            keeping: Keeping::default(),
             utc_offset_asked: now,
         })
     });
+    keeping::begin(&shared);
     scope::on_message(move |arrived| match arrived {
-        Arrived::Message(bytes) => match decode(&bytes) {
+        Arrived::Message(bytes) => match decode::<ToJournal>(&bytes) {
             Ok(message) => {
+                keeping::handle(&shared, &message);
                 shared.borrow_mut().journal.handle(message);
                 turn(&shared);
             }
@@ -122,6 +130,7 @@ fn turn(shared: &Shared) {
         journal,
         parts,
         again,
+        keeping,
         utc_offset_asked,
     } = &mut *desk;
     let began = clock.now();
@@ -139,6 +148,8 @@ fn turn(shared: &Shared) {
                 parts.clear();
                 tell(&message);
             }
+            Output::Keep(act) => keeping.add(shared, Job::Act(act)),
+            Output::NextKept => keeping.read_next(shared),
             Output::Work if now.since(began) < TURN => journal.work(now, STEP),
             Output::Work => return again.soon(),
             Output::Wait(None) => return,

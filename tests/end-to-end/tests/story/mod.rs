@@ -120,6 +120,14 @@ pub fn wait_until_enabled(page: &Page, role: &str, name: &str, enabled: bool) ->
     })
 }
 
+/// Has a panel of the drawer lie open.
+pub fn open_panel(page: &Page, name: &str) -> Result<()> {
+    if page.find_all("region", name)?.is_empty() {
+        page.click("button", name)?;
+    }
+    Ok(())
+}
+
 /// The console of a page that has nothing to complain about.
 pub fn assert_quiet_console(page: &Page) {
     assert_eq!(page.console_errors(), Vec::<String>::new());

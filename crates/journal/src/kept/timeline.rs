@@ -1,0 +1,137 @@
+//! The times of several runs of the page on one clock.
+//!
+//! Every run counts from its own beginning. Kept ones are put where the wall clock says they were; where
+//! it was set back between two of them, the later one goes right behind the earlier, because a log goes
+//! forward.
+
+use motorlink_protocol::Instant;
+
+/// Puts moments of several runs on the clock of the first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Timeline {
+    /// Microseconds since 1970 at the zero of what comes out.
+    base_us: i64,
+    /// Runs that have a place, by their epochs, and how much later their zero is than ours.
+    runs: Vec<(i64, i64)>,
+    run: Run,
+    newest_us: i64,
+}
+
+/// The run whose moments come in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Run {
+    /// Its zero is so much later than ours.
+    Placed { offset_us: i64 },
+    /// It gets its place with its first moment.
+    New { epoch_us: i64 },
+}
+
+impl Default for Run {
+    fn default() -> Self {
+        Self::Placed { offset_us: 0 }
+    }
+}
+
+impl Timeline {
+    /// What comes out counts from this moment, in microseconds since 1970: that of the earliest run.
+    pub(crate) fn from(base_us: i64) -> Self {
+        Self {
+            base_us,
+            ..Self::default()
+        }
+    }
+
+    /// Whether it puts several runs on one clock.
+    pub(crate) const fn has_runs(&self) -> bool {
+        !self.runs.is_empty()
+    }
+
+    /// The moments of another run come in, behind all that have come.
+    pub(crate) fn begin(&mut self, epoch_us: i64) {
+        self.run = match self.offset_us(epoch_us) {
+            Some(offset_us) => Run::Placed { offset_us },
+            None => Run::New { epoch_us },
+        };
+    }
+
+    /// The same for a run that may have been before all that have come.
+    pub(crate) fn recall(&mut self, epoch_us: i64) {
+        let offset_us = self.offset_us(epoch_us);
+        let offset_us = offset_us.unwrap_or(epoch_us.saturating_sub(self.base_us));
+        self.run = Run::Placed { offset_us };
+    }
+
+    fn offset_us(&self, epoch_us: i64) -> Option<i64> {
+        let mut runs = self.runs.iter();
+        runs.find(|run| run.0 == epoch_us).map(|run| run.1)
+    }
+
+    /// A moment of this run on our clock.
+    pub(crate) fn at(&mut self, instant: Instant) -> Instant {
+        let own_us = i64::try_from(instant.as_micros()).unwrap_or(i64::MAX);
+        let offset_us = match self.run {
+            Run::Placed { offset_us } => offset_us,
+            Run::New { epoch_us } => {
+                let by_the_wall = epoch_us.saturating_sub(self.base_us);
+                let offset_us = by_the_wall.max(self.newest_us.saturating_sub(own_us));
+                self.runs.push((epoch_us, offset_us));
+                self.run = Run::Placed { offset_us };
+                offset_us
+            }
+        };
+        let us = own_us.saturating_add(offset_us).max(0);
+        self.newest_us = self.newest_us.max(us);
+        Instant::from_micros(us.unsigned_abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ms(timeline: &mut Timeline, millis: u64) -> u64 {
+        timeline.at(Instant::from_millis(millis)).as_micros() / 1000
+    }
+
+    #[test]
+    fn one_run_keeps_its_times() {
+        assert_eq!(ms(&mut Timeline::default(), 5), 5);
+    }
+
+    #[test]
+    fn a_later_run_stands_where_the_wall_clock_says() {
+        let mut timeline = Timeline::from(1_000_000);
+        timeline.begin(1_000_000);
+        assert_eq!(ms(&mut timeline, 200), 200);
+        timeline.begin(61_000_000);
+        assert_eq!(ms(&mut timeline, 5), 60_005);
+        // The head of another file of the same run.
+        timeline.begin(61_000_000);
+        assert_eq!(ms(&mut timeline, 7), 60_007);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_puts_no_run_before_another() {
+        let mut timeline = Timeline::from(1_000_000);
+        timeline.begin(1_000_000);
+        assert_eq!(ms(&mut timeline, 5_000), 5_000);
+        timeline.begin(900_000);
+        assert_eq!(ms(&mut timeline, 300), 5_000);
+        assert_eq!(ms(&mut timeline, 310), 5_010);
+        timeline.begin(1_000_000);
+        assert_eq!(ms(&mut timeline, 5_001), 5_001, "it keeps its place");
+        timeline.recall(900_000);
+        assert_eq!(ms(&mut timeline, 300), 5_000);
+    }
+
+    #[test]
+    fn a_run_that_was_before_all_is_no_reason_to_move() {
+        let mut timeline = Timeline::from(1_000_000);
+        timeline.begin(61_000_000);
+        assert_eq!(ms(&mut timeline, 0), 60_000);
+        timeline.recall(1_000_000);
+        assert_eq!(ms(&mut timeline, 10), 10);
+        timeline.recall(0);
+        assert_eq!(ms(&mut timeline, 10), 0, "there is no time before zero");
+    }
+}

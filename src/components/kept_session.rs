@@ -1,0 +1,63 @@
+//! The session that the browser keeps, among the notices, with buttons `Restore session` and
+//! `Forget session`. As HTML, it weighs a tenth of a view.
+
+use leptos::{prelude::*, task::spawn_local};
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event};
+
+use crate::{
+    clock::{page_now_ms, page_origin_ms},
+    components::live::follow,
+    desk::Desk,
+    kept::Offer,
+    listener::on_window,
+    words::kept as words,
+};
+
+const RESTORE: &str = "restore-session";
+const FORGET: &str = "forget-session";
+const LEAVE: &str = "leave-session";
+const SAID: &str = "kept-words";
+
+/// Status `Kept session`, and what can be done with it.
+pub(super) const MARKUP: &str = concat!(
+    r#"<p class="notice-title">Kept session</p>"#,
+    r#"<p class="notice-advice" role="status" aria-label="Kept session" id="kept-words"></p>"#,
+    r#"<button type="button" class="button small" id="restore-session" "#,
+    r#"title="It stands before this one in log and recording; nothing is driven">"#,
+    r#"Restore session</button> "#,
+    r#"<button type="button" class="button small" id="forget-session">Forget session</button>"#,
+    r#"<button type="button" class="dismiss" aria-label="Dismiss kept session" "#,
+    r#"title="It stays kept, and is offered again" id="leave-session"></button>"#,
+);
+
+/// Has it show what there is, and its buttons work, from now on.
+pub(super) fn keep_working(desk: Desk) {
+    on_window("click", move |event| hear(desk, &event));
+    follow(move || {
+        let offer = desk.journal.kept.get();
+        if let Some(said) = document().get_element_by_id(SAID) {
+            let now_ms = page_origin_ms() + page_now_ms();
+            said.set_text_content(Some(&words::of_offer(&offer, now_ms)));
+        }
+        for id in [RESTORE, FORGET, LEAVE] {
+            if let Some(button) = document().get_element_by_id(id) {
+                let is_open = matches!(offer, Offer::Open(_));
+                let _ = button.toggle_attribute_with_force("disabled", !is_open);
+            }
+        }
+    });
+}
+
+fn hear(desk: Desk, event: &Event) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let id = target.map(|target| target.id()).unwrap_or_default();
+    let act: fn(Desk) = match id.as_str() {
+        RESTORE => Desk::restore_session,
+        FORGET => Desk::forget_session,
+        LEAVE => |desk| desk.journal.kept.set(Offer::None),
+        _ => return,
+    };
+    // Afterwards: what hides a button must not do so while it is being pressed.
+    spawn_local(async move { act(desk) });
+}

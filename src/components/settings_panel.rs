@@ -1,0 +1,163 @@
+//! Panel `Settings`: limits, the setup as a file, and what this browser keeps.
+//!
+//! The buttons are HTML and two listeners on the window: as a view they would weigh many times as much.
+
+use leptos::{prelude::*, task::spawn_local};
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event, HtmlInputElement};
+
+use super::{control::NumberField, drawer::panel_of_drawer};
+use crate::{
+    components::live::follow,
+    desk::{Desk, use_desk},
+    drawer::Drawer,
+    entry,
+    listener::on_window,
+};
+
+const EXPORT: &str = "export-setup";
+const IMPORT: &str = "import-setup";
+const CHOOSER: &str = "setup-file";
+const ERASE: &str = "erase-kept";
+const SAID: &str = "setup-words";
+
+const LIMITS: &str = concat!(
+    "<h3>Limits</h3>",
+    "<p>A driven motor that turns faster, gets hotter, or draws more for half a second is stopped.</p>",
+);
+
+/// Buttons `Export setup`, `Import setup` and `Erase kept data`, the browser's own chooser of files that
+/// the second one opens, and status `Setup`.
+const FILES: &str = concat!(
+    "<h3>Setup</h3>",
+    "<p>Names, sides, groups, ramp, rate and limits, as a file for another browser.</p>",
+    r#"<div class="button-row two">"#,
+    r#"<button type="button" class="button" id="export-setup">Export setup</button>"#,
+    r#"<button type="button" class="button" id="import-setup">Import setup</button></div>"#,
+    r#"<input type="file" accept=".json" id="setup-file" hidden>"#,
+    "<h3>Kept in this browser</h3>",
+    "<p>Sessions and what was set are kept here, and leave it only as files that you export.</p>",
+    r#"<button type="button" class="button" id="erase-kept">Erase kept data</button>"#,
+    r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
+);
+
+/// Panel `Settings`.
+#[component]
+pub(crate) fn SettingsPanel() -> impl IntoView {
+    let desk = use_desk();
+    let targets = desk.targets;
+    let limits = [
+        (
+            "Speed limit",
+            "rpm",
+            targets.speed_limit,
+            entry::SPEED_LIMIT,
+        ),
+        (
+            "Current limit",
+            "A",
+            targets.current_limit,
+            entry::CURRENT_LIMIT,
+        ),
+        (
+            "Temperature limit",
+            "°C",
+            targets.temperature_limit,
+            entry::TEMPERATURE_LIMIT,
+        ),
+    ];
+    keep_working(desk);
+    panel_of_drawer(
+        Drawer::Settings,
+        "Settings",
+        view! {
+            <div class="settings-panel">
+                <div inner_html=LIMITS></div>
+                {limits
+                    .map(|(name, unit, target, entry)| {
+                        view! {
+                            <NumberField name unit target entry on_edit=move || desk.set_limits() />
+                        }
+                    })}
+                <div inner_html=FILES></div>
+            </div>
+        },
+    )
+}
+
+/// Has the buttons work from now on.
+fn keep_working(desk: Desk) {
+    for name in ["click", "change"] {
+        on_window(name, move |event| hear(desk, &event));
+    }
+    let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
+    follow(move || {
+        let reason = why_not.get();
+        say_why(IMPORT, reason.as_deref(), IMPORTS);
+        say_why(ERASE, desk.why_not_erase(reason).as_deref(), ERASES);
+    });
+    follow(move || say(desk.journal.erased.get()));
+}
+
+const IMPORTS: &str = "From a file that was exported";
+const ERASES: &str = "Everything that this browser keeps of this page: sessions and choices";
+
+/// A button that cannot be pressed for this reason, or that does this.
+fn say_why(id: &str, reason: Option<&str>, hint: &str) {
+    let Some(button) = document().get_element_by_id(id) else {
+        return;
+    };
+    // They fail for names that are none, and these are ours.
+    let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
+    let _ = button.set_attribute("title", reason.unwrap_or(hint));
+}
+
+fn say(words: &str) {
+    if let Some(said) = document().get_element_by_id(SAID) {
+        said.set_text_content(Some(words));
+    }
+}
+
+fn hear(desk: Desk, event: &Event) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let id = target.map(|target| target.id()).unwrap_or_default();
+    let asked = match (event.type_().as_str(), id.as_str()) {
+        ("click", EXPORT) => Asked::ForFile,
+        ("click", IMPORT) => Asked::ToChoose,
+        ("click", ERASE) => Asked::ToErase,
+        ("change", CHOOSER) => Asked::ToTakeIn,
+        _ => return,
+    };
+    // Afterwards: what is done presses something in its turn, and this listener hears one press at a
+    // time.
+    spawn_local(answer(desk, asked));
+}
+
+enum Asked {
+    ForFile,
+    ToChoose,
+    ToTakeIn,
+    ToErase,
+}
+
+async fn answer(desk: Desk, asked: Asked) {
+    match asked {
+        Asked::ForFile => return desk.export_setup(),
+        Asked::ToErase => return desk.ask_to_erase(),
+        Asked::ToChoose | Asked::ToTakeIn => {}
+    }
+    let chooser = document().get_element_by_id(CHOOSER);
+    let Some(chooser) = chooser.and_then(|chooser| chooser.dyn_into::<HtmlInputElement>().ok())
+    else {
+        return;
+    };
+    if matches!(asked, Asked::ToChoose) {
+        chooser.click();
+        return;
+    }
+    let file = chooser.files().and_then(|files| files.get(0));
+    // The same file can be chosen again when it was mended.
+    chooser.set_value("");
+    let Some(file) = file else { return };
+    say(&desk.import_setup(&file).await);
+}
