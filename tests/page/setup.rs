@@ -110,7 +110,6 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     assert_eq!(bench.commands().await, told);
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
-    assert_eq!(value(&bench, "spinbutton", "Temperature limit"), "60");
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
     assert_eq!(side.value(), "right");
@@ -118,6 +117,8 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     assert!(drives.checked());
     assert_eq!(model.value(), Model::Ddsm115.key());
     bench.find("button", "Motor 0x02, Starboard, right, mirrored");
+    bench.open("Settings").await;
+    assert_eq!(value(&bench, "spinbutton", "Temperature limit"), "60");
     let (preferences, fleet, ramp) = kept();
     assert_eq!(preferences.rate.hertz(), 120);
     assert_eq!(preferences.model, Model::Ddsm115);

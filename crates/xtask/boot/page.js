@@ -1,6 +1,19 @@
 // Starts the page. `cargo xtask build` fills in the names in double braces.
 
 const wasmUrl = new URL("./{{wasm}}", import.meta.url);
+
+// The policy in index.html lets markup and workers only through here: no element that could load or run
+// something, and no script but our own.
+const loads = /<\s*(script|iframe|frame|object|embed|base|meta|link|form)\b/i;
+globalThis.trustedTypes?.createPolicy("default", {
+  createHTML: (html) => (loads.test(html) ? null : html),
+  createScriptURL: (url) => {
+    const { origin, pathname } = new URL(url, import.meta.url);
+    const folder = new URL("./", import.meta.url);
+    return origin === folder.origin && pathname.startsWith(folder.pathname) ? url : null;
+  },
+});
+
 let loaded = false;
 
 // Module, glue and words are all there is before the Rust code runs, so what goes wrong up to then

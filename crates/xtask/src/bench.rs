@@ -8,10 +8,10 @@ use anyhow::{Result, bail};
 use crate::browser::{self, Browser};
 use crate::failure::refusal_of_flags;
 use crate::foreign;
-use crate::performance::Rows;
 use crate::process;
 use crate::site::{self, Profile};
 use crate::size;
+use crate::tables::Rows;
 use crate::workspace::Workspace;
 
 /// Optimised for speed: these programs stand for a motor, which answers after 0.6 ms.
@@ -77,7 +77,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
         // What one of them cannot measure keeps none of the others from it.
         failed = failed.and(process::run_and_hear(&mut command, |line| rows.hear(line)));
     }
-    rows.write_into(&workspace.root().join("README.md"))?;
+    rows.write_into(&workspace.root().join("README.md"), "bench")?;
     let files = site::files_of(&dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
     let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
@@ -114,13 +114,16 @@ fn full_scans(workspace: &Workspace) -> Command {
 
 /// Plays worlds that fail.
 pub fn soak(workspace: &Workspace, args: &[String]) -> Result<()> {
+    process::run(worlds(workspace).args(args)).map_err(refusal_of_flags)
+}
+
+/// The program that plays them.
+pub fn worlds(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
+    cargo.args(["--package", "motorlink-world", "--"]);
     cargo
-        .args(["--package", "motorlink-world", "--"])
-        .args(args);
-    process::run(&mut cargo).map_err(refusal_of_flags)
 }
 
 /// Makes the README's screenshots.
@@ -157,7 +160,7 @@ fn list(files: &[site::SiteFile]) -> String {
 }
 
 /// Builds everything; gives the browser and the site's directory.
-fn prepare(workspace: &Workspace) -> Result<(Browser, PathBuf)> {
+pub fn prepare(workspace: &Workspace) -> Result<(Browser, PathBuf)> {
     ensure_linux()?;
     let browser = browser::ensure()?;
     let dist = site::build(workspace, Profile::Release)?;

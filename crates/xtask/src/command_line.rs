@@ -7,6 +7,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use crate::failure::BAD_INPUT_CODE;
+use crate::reliability;
 use crate::steps::{self, Step};
 
 /// Builds, serves, tests and measures MotorLink.
@@ -72,6 +73,15 @@ pub enum Command {
         /// Handed to the program that plays
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
+    },
+    /// Play 10,000 worlds, fuzz, and play the stories under faults in a browser; into docs/reliability.md
+    Reliability {
+        /// Only this part of it
+        #[arg(value_parser = reliability::PARTS)]
+        part: Option<String>,
+        /// How long each part that reads input is fuzzed
+        #[arg(long, default_value_t = 600)]
+        seconds: u64,
     },
     /// Make the README's screenshots
     Screenshots {

@@ -10,14 +10,15 @@ mod command_line;
 mod failure;
 mod foreign;
 mod fresh_name;
-mod performance;
 mod process;
+mod reliability;
 mod serve;
 mod site;
 mod site_path;
 mod size;
 mod slim;
 mod steps;
+mod tables;
 mod template;
 mod test;
 mod tools;
@@ -76,6 +77,9 @@ fn obey(command: Command) -> Result<()> {
         }
         Command::Test { only, .. } => test::run(&workspace, only),
         Command::Bench { args } => bench::figures(&workspace, &args),
+        Command::Reliability { part, seconds } => {
+            reliability::show(&workspace, part.as_deref(), seconds)
+        }
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }

@@ -1,6 +1,6 @@
 //! The checks, each a step with a name, in the order in which they run: the quick ones first.
 
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use anyhow::Result;
 
@@ -37,12 +37,18 @@ pub struct Step {
 }
 
 /// Every step, in order.
-pub static STEPS: [Step; 10] = [
+pub static STEPS: [Step; 11] = [
     Step {
         name: "format",
         about: "the sources are formatted",
         needs: &[],
         run: |workspace| cargo(workspace, &["fmt", "--all", "--check"]),
+    },
+    Step {
+        name: "dependencies",
+        about: "what we depend on is locked, licensed, from the registry, and there once",
+        needs: &[],
+        run: dependencies,
     },
     Step {
         name: "clippy",
@@ -170,6 +176,43 @@ fn wasm(workspace: &Workspace, verb: &str, args: &[&str]) -> Result<()> {
 
 fn strict_doc(mut command: Command) -> Result<()> {
     process::run(command.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Advisories need a database that lies outside the registries: where it cannot be had, that is said.
+fn dependencies(workspace: &Workspace) -> Result<()> {
+    let mut locked = cargo_command(
+        workspace,
+        &["metadata", "--locked", "--format-version", "1"],
+    );
+    process::run(locked.stdout(Stdio::null()))?;
+    let deny = tools::ensure_cargo_deny()?;
+    let check = |of: &[&str], what: &[&str]| {
+        let mut command = Command::new(&deny);
+        command
+            .current_dir(workspace.root())
+            .arg("--all-features")
+            .args(of)
+            .args(["check", "--hide-inclusion-graph", "--deny", "warnings"])
+            .args(what);
+        process::run(&mut command)
+    };
+    let all = ["--workspace"];
+    check(&all, &["licenses", "sources"])?;
+    // What is in the page, and what is in its workers.
+    check(&[], &["bans"])?;
+    // The worker has not all that is excepted for the page.
+    let skips = ["--allow", "unmatched-skip", "--allow", "unnecessary-skip"];
+    check(
+        &["--manifest-path", "crates/worker/Cargo.toml"],
+        &[&skips[..], &["bans"]].concat(),
+    )?;
+    let mut fetch = Command::new(&deny);
+    fetch.current_dir(workspace.root()).args(["fetch", "db"]);
+    if process::run(&mut fetch).is_err() {
+        println!("the advisories were not looked at: their database cannot be fetched from here");
+        return Ok(());
+    }
+    check(&all, &["advisories"])
 }
 
 fn test_wasm(workspace: &Workspace) -> Result<()> {

@@ -1,6 +1,7 @@
 //! The tools a build needs, fetched where they are missing: the wasm target and wasm-bindgen.
 
 use std::env;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -77,6 +78,74 @@ pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
     // Some 300 MB that nobody needs again.
     let _ = fs::remove_dir_all(cache.join("build"));
     Ok(cached)
+}
+
+/// A program that one command of ours runs, built once into our cache.
+struct Pinned {
+    package: &'static str,
+    version: &'static str,
+}
+
+/// Fuzzes: see `reliability`.
+const CARGO_FUZZ: Pinned = Pinned {
+    package: "cargo-fuzz",
+    version: "0.13.1",
+};
+
+/// Looks at licences, sources and duplicates of what we depend on.
+const CARGO_DENY: Pinned = Pinned {
+    package: "cargo-deny",
+    version: "0.18.9",
+};
+
+impl Pinned {
+    /// The directory of the program, which is built where it is missing.
+    fn ensure(&self) -> Result<PathBuf> {
+        let Self { package, version } = self;
+        let cache = cache_dir()?;
+        let root = cache.join("tools").join(format!("{package}-{version}"));
+        let dir = root.join("bin");
+        let program = dir.join(format!("{package}{}", env::consts::EXE_SUFFIX));
+        if program.is_file() {
+            return Ok(dir);
+        }
+        println!(
+            "building {package} {version} into {} (once)",
+            root.display()
+        );
+        let mut install = process::cargo();
+        install
+            .args([
+                "install",
+                "--locked",
+                package,
+                "--version",
+                version,
+                "--root",
+            ])
+            .arg(&root)
+            .env("CARGO_TARGET_DIR", cache.join("build"))
+            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+        process::run(&mut install)?;
+        let _ = fs::remove_dir_all(cache.join("build"));
+        Ok(dir)
+    }
+}
+
+/// A PATH on which cargo finds cargo-fuzz.
+pub fn path_with_cargo_fuzz() -> Result<OsString> {
+    let dir = CARGO_FUZZ.ensure()?;
+    let path = env::var_os("PATH").unwrap_or_default();
+    let dirs = std::iter::once(dir).chain(env::split_paths(&path));
+    Ok(env::join_paths(dirs)?)
+}
+
+/// cargo-deny itself.
+pub fn ensure_cargo_deny() -> Result<PathBuf> {
+    let program = format!("cargo-deny{}", env::consts::EXE_SUFFIX);
+    Ok(CARGO_DENY.ensure()?.join(program))
 }
 
 /// Where tools outlive `cargo clean` and are shared by all checkouts.

@@ -1,12 +1,15 @@
-//! The README's table of performance: what the bench printed, and nothing else.
+//! Tables in documents: what a program of ours printed, and nothing else.
 
 use std::{fs, path::Path};
 
 use anyhow::{Context, Result};
 
-/// The table stands between these two lines.
-const BEGIN: &str = "<!-- measured: made by `cargo xtask bench`, not by hand -->";
+/// A table stands between a line that says which command made it and this one.
 const END: &str = "<!-- end of what was measured -->";
+
+fn begin(command: &str) -> String {
+    format!("<!-- measured: made by `cargo xtask {command}`, not by hand -->")
+}
 
 const HEAD: &str = "| figure | must | measured | reached |\n|---|---|---|---|\n";
 
@@ -65,25 +68,26 @@ impl Rows {
         }
     }
 
-    /// Puts these rows into the table of a file, whose other rows stay.
+    /// Puts these rows into the table that this command makes in a file. Its other rows stay.
     ///
     /// # Errors
     ///
     /// Where the file cannot be read or written, or has no place for the table.
-    pub fn write_into(self, file: &Path) -> Result<()> {
+    pub fn write_into(self, file: &Path, command: &str) -> Result<()> {
         let text = fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
-        let text = self.put_into(&text)?;
+        let text = self.put_into(&text, command)?;
         fs::write(file, text).with_context(|| format!("{}", file.display()))
     }
 
-    fn put_into(self, text: &str) -> Result<String> {
+    fn put_into(self, text: &str, command: &str) -> Result<String> {
+        let begin = begin(command);
         let place = || {
-            let (before, rest) = text.split_once(BEGIN)?;
+            let (before, rest) = text.split_once(&begin)?;
             let (table, after) = rest.split_once(END)?;
             Some((before, table, after))
         };
         let (before, table, after) =
-            place().with_context(|| format!("no place for the table: `{BEGIN}` .. `{END}`"))?;
+            place().with_context(|| format!("no place for the table: `{begin}` .. `{END}`"))?;
         let mut all = Self::default();
         for row in table.lines().filter_map(Row::of_table).chain(self.rows) {
             all.put(row);
@@ -93,7 +97,7 @@ impl Rows {
             lines.push_str(&row.line);
             lines.push('\n');
         }
-        Ok(format!("{before}{BEGIN}\n\n{HEAD}{lines}\n{END}{after}"))
+        Ok(format!("{before}{begin}\n\n{HEAD}{lines}\n{END}{after}"))
     }
 }
 
@@ -127,8 +131,9 @@ mod tests {
 
     #[test]
     fn a_row_replaces_that_of_its_figure_and_all_else_stays() {
+        let begin = begin("bench");
         let text =
-            format!("# A\n{BEGIN}\n\n{HEAD}| a | 1 | 2 | yes |\n| b | | 3 ns | |\n\n{END}\nend\n");
+            format!("# A\n{begin}\n\n{HEAD}| a | 1 | 2 | yes |\n| b | | 3 ns | |\n\n{END}\nend\n");
         let rows = heard(&[
             "time stolen by the host meanwhile: 0.0 %",
             "| figure | must | measured | reached |",
@@ -137,12 +142,15 @@ mod tests {
             "| load | | could not be measured: no answer | NO |",
             "| c | 5 | 6 | yes |",
         ]);
-        let written = rows.put_into(&text).unwrap();
+        let written = rows.put_into(&text, "bench").unwrap();
         let expected = format!(
-            "# A\n{BEGIN}\n\n{HEAD}| a | 1 | 4 | NO |\n| b | | 3 ns | |\n| c | 5 | 6 | yes |\n\n{END}\nend\n"
+            "# A\n{begin}\n\n{HEAD}| a | 1 | 4 | NO |\n| b | | 3 ns | |\n| c | 5 | 6 | yes |\n\n{END}\nend\n"
         );
         assert_eq!(written, expected);
-        assert_eq!(Rows::default().put_into(&written).unwrap(), expected);
+        assert_eq!(
+            Rows::default().put_into(&written, "bench").unwrap(),
+            expected
+        );
     }
 
     #[test]
@@ -163,6 +171,6 @@ mod tests {
 
     #[test]
     fn a_file_without_a_place_is_refused() {
-        assert!(Rows::default().put_into("# A\n").is_err());
+        assert!(Rows::default().put_into("# A\n", "bench").is_err());
     }
 }
