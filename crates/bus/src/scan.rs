@@ -279,15 +279,22 @@ impl Scan {
         if address.looks > 0 && !address.is_found() {
             address.noisy = true;
         }
-        let sent = address.unanswered.take();
-        let took = sent.map(|sent| now.since(sent));
-        let Some(took) = took.filter(|took| *took <= LATE_REPLY_MAX) else {
+        let Some(sent) = address.unanswered.take() else {
             return;
         };
+        // However late: it was not lost on the line.
         if address.replies > 0 {
             self.lost = self.lost.saturating_sub(1);
         }
-        self.took(took);
+        if self.pass > self.passes() {
+            // For this loss the silent addresses were being asked once more.
+            self.pass = self.passes();
+            self.queue = self.doubtful();
+        }
+        let took = now.since(sent);
+        if took <= LATE_REPLY_MAX {
+            self.took(took);
+        }
     }
 
     pub(crate) fn status(&self) -> SurveyStatus {

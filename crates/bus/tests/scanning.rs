@@ -198,6 +198,28 @@ fn a_machine_that_is_held_up_now_and_then_makes_no_slow_scan() {
     assert!(late > 10, "{late} replies were late");
 }
 
+/// However long it was held up: what it hands out then was not lost on the line, and no address has to be
+/// asked once more for it.
+#[test]
+fn a_machine_that_stood_still_for_a_moment_makes_no_slow_scan() {
+    for seed in 0..20 {
+        let mut bench = unknown(&[1, 90, 254], WireFaults::default(), seed);
+        bench.command(Command::FullScan).unwrap();
+        while scan_ended(&bench).is_none() {
+            bench.run(ms(430 + 7 * seed));
+            bench.now = bench.now + ms(80);
+            bench.world.advance(bench.now);
+        }
+        let report = scan_ended(&bench).unwrap();
+        assert_eq!(report.found, ids(&[1, 90, 254]), "seed {seed}");
+        assert!(
+            report.took_ms <= 3_000,
+            "seed {seed}: {} ms",
+            report.took_ms
+        );
+    }
+}
+
 /// The figure over 1,000 seeds is printed by `cargo xtask bench`; here a few, so that a scan that
 /// gives up too early is noticed.
 #[test]

@@ -92,7 +92,7 @@ fn fuzz(workspace: &Workspace, seconds: u64, rows: &mut Rows) -> Result<()> {
                 ("a crash", "NO")
             };
             let row = format!(
-                "| fuzzing `{target}`, {seconds} s | nothing found | {runs} executions, {found} found | {reached} |"
+                "| fuzzing `{target}`, {seconds} s | nothing found | {runs} executions, {found} | {reached} |"
             );
             println!("{row}");
             rows.hear(&row);
