@@ -127,6 +127,8 @@ pub(crate) struct Motor {
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
     overcurrent: Overcurrent,
+    /// The limit that a reply has crossed since it is driven, whatever later ones said.
+    crossed: Option<Crossed>,
     watched_since: Instant,
     pub(crate) silent: bool,
     pub(crate) late: LateReplies,
@@ -155,6 +157,7 @@ impl Motor {
             position: None,
             temperature: None,
             overcurrent: Overcurrent::default(),
+            crossed: None,
             watched_since: now,
             silent: false,
             late: LateReplies::default(),
@@ -176,6 +179,10 @@ impl Motor {
         let sample = Sample { at, reply };
         self.last = Some(sample);
         self.overcurrent.heard(sample, limits);
+        if let Control::Driven(driven) = self.control {
+            let crossed = limits.crossed(sample, None, self.overcurrent, driven.since);
+            self.crossed = self.crossed.or(crossed);
+        }
         self.unanswered_in_a_row = 0;
         self.late.replied();
         match reply.detail {
@@ -327,6 +334,13 @@ impl Motor {
         }
     }
 
+    /// It is stopped: what it crossed is done with.
+    pub(crate) fn stops(&mut self, stop: Stopping) {
+        self.control = Control::Stopping(stop);
+        self.may_turn = true;
+        self.crossed = None;
+    }
+
     /// The limit that it has crossed since it is driven.
     pub(crate) fn crossed(
         &self,
@@ -334,6 +348,9 @@ impl Motor {
         limits: Limits,
         driven_since: Instant,
     ) -> Option<Crossed> {
+        if self.crossed.is_some() {
+            return self.crossed;
+        }
         let temperature = self.fresh_temperature(now);
         limits.crossed(self.last?, temperature, self.overcurrent, driven_since)
     }

@@ -176,24 +176,32 @@ fn the_other_motors_of_a_group_stop_too() {
 }
 
 #[test]
-fn raw_frames_end_at_a_limit_as_any_driving_does() {
-    let mut bench = limited(50, 2_700, 75);
+fn raw_frames_are_held_to_the_limits_as_any_driving_is() {
     let interval = RawInterval::new(20).unwrap();
-    let repeat = Repeat::Times { count: 0, interval };
-    let frame = Request::drive(ID, rpm(100)).frame();
     let consent = Consent::None;
-    let send = Command::SendRaw {
-        frame,
-        repeat,
+    let send = |setpoint| Command::SendRaw {
+        frame: Request::drive(ID, setpoint).frame(),
+        repeat: Repeat::Times { count: 0, interval },
         consent,
     };
-    bench.command(send).unwrap();
+    let mut bench = limited(50, 2_700, 75);
+    assert_eq!(
+        bench.command(send(rpm(100))),
+        Err(Refusal::AboveSpeedLimit(50))
+    );
+    bench.switch(Mode::Current);
+    bench.command(send(amps(0.4))).unwrap();
     bench.run(ms(2_000));
     assert!(matches!(
         crossed(&bench),
         Some(Crossed::Speed { limit: 50, .. })
     ));
     assert_stopped_for_good(&mut bench);
+    heat(&mut bench, &[72, 74, 76]);
+    assert!(matches!(
+        bench.command(send(rpm(10))),
+        Err(Refusal::TooHot { id: ID, .. })
+    ));
 }
 
 #[test]

@@ -17,8 +17,8 @@ use crate::{
 
 /// What the bus does at one moment is bounded: this is far above it, and far below a busy loop.
 const STEPS_AT_ONCE_MAX: u32 = 2_000;
-/// No hand is quicker than this.
-const PULLED_OUT_FOR: Duration = Duration::from_millis(50);
+/// No hand is quicker than this, and no system finds an adapter sooner. What the adapter held is gone then.
+const PULLED_OUT_FOR: Duration = Duration::from_millis(300);
 /// How often the bus asks to be woken in a second: four times an exchange, at the most that the line
 /// carries.
 const WAKES_A_SECOND_MAX: u32 = 2_400;

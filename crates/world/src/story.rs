@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use fastrand::Rng;
-use motorlink_bus::{Command, CommandRate, Consent, Limits, Ramp, StopReason, Together};
+use motorlink_bus::{
+    Command, CommandRate, Consent, Limits, Ramp, RawInterval, Repeat, StopReason, Together,
+};
 use motorlink_protocol::{
-    AssignableId, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget,
+    AssignableId, CurrentTarget, Mode, MotorId, PositionTarget, Request, Setpoint, SpeedTarget,
 };
 
 use crate::act::{Act, LineFault};
@@ -117,7 +119,7 @@ impl Teller {
     fn command(&mut self, id: MotorId) -> Command {
         let consent = Consent::None;
         let setpoint = self.setpoint();
-        match self.rng.u8(..33) {
+        match self.rng.u8(..36) {
             0..=8 => Command::Drive {
                 id,
                 setpoint,
@@ -159,8 +161,35 @@ impl Teller {
             },
             29 => Command::Watch(id),
             30 => Command::SetRamp(Ramp::new(self.rng.u16(50..2_000)).ok()),
+            33..=34 => self.raw(id),
+            35 => Command::StopRaw,
             31 => Command::SetLimits(self.limits()),
             _ => Command::SetRate(CommandRate::new(self.rng.u16(1..=500)).unwrap_or_default()),
+        }
+    }
+
+    /// Frames that a person wrote: to drive, to switch, to ask.
+    fn raw(&mut self, id: MotorId) -> Command {
+        let request = match self.rng.u8(..4) {
+            0 => Request::Query { id },
+            1 => Request::SwitchMode {
+                id,
+                mode: Mode::Current,
+            },
+            _ => Request::drive(id, self.setpoint()),
+        };
+        let interval = RawInterval::new(self.rng.u16(2..=60));
+        let repeat = match interval {
+            Ok(interval) if self.rng.bool() => Repeat::Times {
+                count: self.rng.u32(..60),
+                interval,
+            },
+            _ => Repeat::Once,
+        };
+        Command::SendRaw {
+            frame: request.frame(),
+            repeat,
+            consent: Consent::None,
         }
     }
 

@@ -277,8 +277,7 @@ impl Bus {
                 continue;
             }
             let (fresh, last) = motor.known_loop(now);
-            motor.control = Control::Stopping(Stopping::begin(now, fresh, last, round));
-            motor.may_turn = true;
+            motor.stops(Stopping::begin(now, fresh, last, round));
         }
         match &mut self.stop {
             Some(stop) => stop.join(reason),

@@ -4,7 +4,7 @@ use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, S
 
 use super::Bus;
 use crate::{
-    Consent, Event, IdQueryOutcome, RawAnswer, RawStatus, Refusal, Repeat, StopReason,
+    Consent, Event, IdQueryOutcome, Limits, RawAnswer, RawStatus, Refusal, Repeat, StopReason,
     exchange::Expects,
     motor::{Control, Motor},
     raw::{Deed, Raw},
@@ -51,6 +51,20 @@ impl Bus {
     fn check_deed(&self, now: Instant, raw: &Raw, consent: Consent) -> Result<(), Refusal> {
         let motor = self.motors.iter().find(|m| Some(m.id) == raw.addressee);
         let mode = motor.and_then(|motor| motor.fresh_mode(now));
+        if let (Deed::Drive { value }, Some(id)) = (raw.deed, raw.addressee) {
+            let temperature = motor.and_then(|motor| motor.known(now).temperature);
+            if let Some(crossed) = self.limits.too_hot(temperature) {
+                return Err(Refusal::TooHot { id, crossed });
+            }
+            // Where its loop is unknown, it may be meant as a speed.
+            let may_be_speed = matches!(mode, None | Some(Mode::Velocity));
+            let limit = self.limits.speed_rpm();
+            // What no motor takes as a speed is none.
+            let is_speed = value.unsigned_abs() <= Limits::SPEED_RPM.1;
+            if may_be_speed && is_speed && value.unsigned_abs() > limit {
+                return Err(Refusal::AboveSpeedLimit(limit));
+            }
+        }
         match (raw.deed, raw.addressee) {
             (Deed::Switch(Mode::Position), Some(id)) => {
                 check_position_switch(id, motor.and_then(|motor| motor.fresh_speed(now)))

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{
-    Activity, Bus, Command, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample,
+    Activity, Bus, Command, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample, is_hazardous,
 };
 use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::World;
@@ -37,8 +37,8 @@ struct Told {
     /// Requests since then.
     asked: u32,
     overcurrent_since: Option<Instant>,
-    /// The limit that it crossed.
-    crossed: Option<&'static str>,
+    /// The limit that it crossed, and when that was heard.
+    crossed: Option<(Instant, &'static str)>,
 }
 
 /// What the operator and the page did.
@@ -51,6 +51,8 @@ pub(super) struct Operator {
     proof: Option<(MotorId, Instant)>,
     /// What was asked for: from which ID to which.
     id_change: Option<(MotorId, MotorId)>,
+    /// The frame that a person wrote and that is still sent.
+    raw: Option<Frame>,
     /// Frames that drive, at this moment; they are judged when all that was heard is told.
     driven_now: Vec<MotorId>,
 }
@@ -85,6 +87,8 @@ impl Operator {
                 self.standing.remove(&id);
             }
             Command::SetLimits(limits) => self.limits = limits,
+            Command::SendRaw { frame, .. } => self.raw = Some(frame),
+            Command::StopRaw => self.raw = None,
             _ => {}
         }
         Ok(())
@@ -98,8 +102,9 @@ impl Operator {
         self.standing.insert(id, Standing { setpoint, since });
     }
 
-    /// Those for whom a command stood that does no more.
+    /// Those for whom a command stood that does no more. A person's own frames end with any stop.
     pub(super) fn stop(&mut self, is_stopped: impl Fn(&MotorId) -> bool) -> (Vec<MotorId>, u32) {
+        self.raw = None;
         let others = u32::try_from(self.standing.len()).unwrap_or(u32::MAX);
         let driven: Vec<MotorId> = self.standing.keys().copied().filter(is_stopped).collect();
         for id in &driven {
@@ -126,6 +131,9 @@ impl Operator {
                 Some(Activity::Driven { .. } | Activity::Switching { .. })
             )
         });
+        self.raw = self
+            .raw
+            .filter(|_| bus.raw().is_some_and(|raw| raw.running));
         Ok(())
     }
 
@@ -141,7 +149,8 @@ impl Operator {
             let what = format!("{id} is driven, and silent since {silent_since:?}");
             return broken(Rule::SilentIsWithdrawn, now, what);
         }
-        if let Some(limit) = told.crossed {
+        // A frame of the same moment may have gone before the reply came.
+        if let Some((_, limit)) = told.crossed.filter(|(heard, _)| *heard < now) {
             let what = format!("{id} is driven beyond its limit of {limit}");
             return broken(Rule::LimitsHold, now, what);
         }
@@ -179,6 +188,9 @@ impl Operator {
         {
             self.told.entry(id).or_default().asked += 1;
         }
+        if self.raw == Some(frame) {
+            return self.raw_goes_out(now, frame);
+        }
         match request {
             Ok(Request::Drive { id, drive }) => {
                 let rests = drive.brakes() || drive.signed() == 0;
@@ -203,13 +215,24 @@ impl Operator {
                 }
             }
             Ok(Request::Query { .. } | Request::IdQuery) => {}
-            // Nobody in this world writes frames by hand.
+            // Nothing else is the bus's own.
             other => {
                 let what = format!("{frame}: {other:?}");
                 return broken(Rule::DrivenByCommandOnly, now, what);
             }
         }
         Ok(false)
+    }
+
+    /// A person wrote it: it may be anything, but not behind a page that hangs.
+    fn raw_goes_out(&self, now: Instant, frame: Frame) -> Result<bool, super::Violation> {
+        match self.page_silent_since {
+            Some(since) if is_hazardous(&frame) && now.since(since) > PAGE_SILENT_MAX => {
+                let what = format!("{frame} of a person, the page silent since {since:?}");
+                broken(Rule::DeadPageStops, now, what)
+            }
+            _ => Ok(false),
+        }
     }
 
     fn drives(&mut self, now: Instant, id: MotorId, signed: i16, raw: u16, bus: &Bus) -> Outcome {
@@ -273,20 +296,20 @@ impl Operator {
         };
         let told = self.told.entry(reply.id).or_default();
         if reply.speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM {
-            told.crossed = Some("speed");
+            told.crossed = told.crossed.or(Some((*at, "speed")));
         }
         if reply.current.amps().abs() * 1_000.0 < f32::from(self.limits.current_ma()) + 1.0 {
             told.overcurrent_since = None;
         } else {
             let since = *told.overcurrent_since.get_or_insert(*at);
             if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
-                told.crossed = Some("current");
+                told.crossed = told.crossed.or(Some((*at, "current")));
             }
         }
         if let Detail::Query { temperature, .. } = reply.detail
             && u16::from(temperature.degrees()) > self.limits.temperature_c()
         {
-            told.crossed = Some("temperature");
+            told.crossed = told.crossed.or(Some((*at, "temperature")));
         }
     }
 }
