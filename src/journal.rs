@@ -205,7 +205,7 @@ impl Desk {
             }
             FromJournal::Kept(session) => self.journal.kept.set(Offer::Open(session)),
             FromJournal::Restored => self.session_restored(),
-            FromJournal::Erased => self.kept_data_erased(),
+            FromJournal::Erased { all } => self.kept_data_erased(all),
             FromJournal::NotKept(why) => self.log_now(kept_words::of_not_kept(why)),
             FromJournal::Died => self.journal_lost(),
         }

@@ -101,8 +101,9 @@ impl Desk {
         self.look();
     }
 
-    pub(crate) fn kept_data_erased(self) {
-        self.journal.erased.set(words::ERASED);
-        self.log_now(log_lines::calm(words::ERASED));
+    pub(crate) fn kept_data_erased(self, all: bool) {
+        let words = words::of_erased(all);
+        self.journal.erased.set(words);
+        self.log_now(log_lines::calm(words));
     }
 }

@@ -9,7 +9,14 @@ use crate::{
     kept::Offer,
 };
 
-pub(crate) const ERASED: &str = "Erased: this browser keeps nothing of this page any more.";
+/// What became of what was kept.
+pub(crate) const fn of_erased(all: bool) -> &'static str {
+    if all {
+        "Erased. What is done from now on is kept anew."
+    } else {
+        "Erased, but for what other tabs of this page have open. Close them and erase again."
+    }
+}
 
 /// What is said of the session that is kept. `now_ms` is on the wall clock.
 pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {

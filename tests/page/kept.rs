@@ -124,7 +124,7 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
     let kept = |name: &str| storage.get_item(name).unwrap();
     assert_eq!(kept("motorlink.theme"), None);
     assert_eq!(kept("motorlink.fleet"), None);
-    journal.say(&FromJournal::Erased);
+    journal.say(&FromJournal::Erased { all: true });
     bench
         .until("words", || bench.text("status", "Setup").contains("Erased"))
         .await;

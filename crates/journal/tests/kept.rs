@@ -120,7 +120,7 @@ impl Page {
             }
             Act::Erase => {
                 self.disk.clear();
-                self.told.push(FromJournal::Erased);
+                self.told.push(FromJournal::Erased { all: true });
             }
         }
     }
@@ -360,7 +360,7 @@ fn erased_is_erased_and_the_session_begins_anew() {
     page.handle(ToJournal::Record(false));
     page.pass(300);
     page.handle(ToJournal::Erase);
-    assert!(page.told.contains(&FromJournal::Erased));
+    assert!(page.told.contains(&FromJournal::Erased { all: true }));
     assert!(page.disk.is_empty());
     assert_eq!(page.recording(), RecordingStatus::default());
     page.drive(1_000..1_010);

@@ -127,7 +127,10 @@ pub enum FromJournal {
     /// The session that was offered stands in log and recording. The rows are numbered anew.
     Restored,
     /// Everything that was kept has been removed.
-    Erased,
+    Erased {
+        /// Whether nothing is left; what other tabs have open is.
+        all: bool,
+    },
     /// From now on nothing is kept, and why; the log and the recording go on in memory.
     NotKept(NotKept),
     /// The journal has failed; the log and the recording are lost.

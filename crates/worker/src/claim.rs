@@ -1,8 +1,8 @@
 //! Which adapter is this tab's: two tabs must not speak on one line.
 //!
 //! A Web Lock decides, since whatever ends a worker gives its locks back. Web Serial has no name for an
-//! adapter that another tab would know, so a make has as many locks as there are adapters of it, and
-//! which of these is free is found by opening them. Claims are carried out one after the other, so that
+//! adapter that another tab would know, so the tabs that have one of a make are counted against the
+//! adapters of it that are plugged in; which of these is free is found by opening them. Claims are carried out one after the other, so that
 //! the last is what stands; what the browser refuses is as without locks.
 //!
 //! The script that starts the worker (`crates/xtask/boot/worker.js`) takes and keeps the lock: a promise

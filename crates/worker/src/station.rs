@@ -243,6 +243,8 @@ impl Station {
             .map(|m| m.id)
             .collect();
         self.outbox.notice(Notice::AdapterLost { driven });
+        // What is not there is nobody's; when it is back it is claimed anew.
+        give_back();
         let waiting = if leaving.is_some() {
             Session::Closed
         } else {

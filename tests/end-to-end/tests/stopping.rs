@@ -217,3 +217,29 @@ fn a_hung_page_has_its_wheel_stopped_within_a_second() -> Result<()> {
         .wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
     story.stays_undriven(Duration::from_secs(1))
 }
+
+/// The page hangs for 0.7 s with a press in its hands: too short for the worker to miss it, too long for a
+/// hand that is still where it was.
+#[test]
+fn an_act_that_comes_late_starts_nothing() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    let press_after = |ms: u32| {
+        page.evaluate(&format!(
+            "(() => {{
+                const press = new MouseEvent('click', {{ bubbles: true, cancelable: true }});
+                const until = performance.now() + {ms};
+                while (performance.now() < until);
+                const is = (it) => it.textContent.trim() === '+100';
+                const button = [...document.querySelectorAll('button')].find(is);
+                // Behind what the worker has told meanwhile, without which the page itself refuses.
+                setTimeout(() => button.dispatchEvent(press), 200);
+            }})()"
+        ))
+    };
+    press_after(700)?;
+    page.wait_for_text("region", "Notices", |text| text.contains("too late"))?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    press_after(0)?;
+    wait_for_speed(page, 97..=103)
+}

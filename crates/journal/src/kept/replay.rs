@@ -72,7 +72,11 @@ impl Replay {
                     match note {
                         Note::Say { at, error, text } => log.say(timeline.at(at), error, &text),
                         Note::Clear => log.clear(),
-                        Note::Record(on) => recording.record_on(on),
+                        Note::Record(on) => {
+                            // A crash ended the one before without a word.
+                            recording.record_on(false);
+                            recording.record_on(on);
+                        }
                         Note::Exported => recording.all_exported(),
                     }
                 }

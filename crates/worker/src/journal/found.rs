@@ -72,7 +72,9 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
             };
             let files = files_of(&dir).await?;
             bytes += files.iter().map(|(_, size)| size).sum::<usize>();
-            if bytes > BYTES_MAX || place >= SESSIONS_MAX {
+            // The newest is offered, however large.
+            let is_too_much = bytes > BYTES_MAX && newest.is_some();
+            if is_too_much || place >= SESSIONS_MAX {
                 drop(alive);
                 sessions.remove(&name).await?;
             } else if newest.is_none() && !(is_held && waits) {

@@ -10,7 +10,7 @@ use super::{
     Desk, Shared,
     disk::{Dir, why},
     found::{self, Found},
-    store::{Job, Jobs, Store},
+    store::{Done, Job, Jobs, Store},
     tell, turn,
 };
 
@@ -24,6 +24,8 @@ pub(super) struct Keeping {
     is_in_memory_only: bool,
     /// The session that is offered.
     found: Option<Found>,
+    /// How often everything was erased: what was looked for before is not offered.
+    erased: u32,
     /// The files of the session that is restored that have not been read yet.
     to_read: Option<(Dir, VecDeque<Segment>)>,
 }
@@ -73,9 +75,15 @@ pub(super) fn begin(shared: &Shared) {
         let store = Store::new(sessions.clone(), name.clone());
         shared.borrow_mut().keeping.store = Some(store);
         work(&shared).await;
+        let erased = shared.borrow().keeping.erased;
         if let Ok(Some(found)) = found::newest(&sessions, &name, now_ms).await {
+            let keeping = &mut shared.borrow_mut().keeping;
+            if keeping.erased != erased {
+                keeping.add(&shared, Job::Forget(found));
+                return;
+            }
             tell(&FromJournal::Kept(found.session));
-            shared.borrow_mut().keeping.found = Some(found);
+            keeping.found = Some(found);
         }
     });
 }
@@ -101,10 +109,11 @@ pub(super) fn handle(shared: &Shared, message: &ToJournal) {
             }
         }
         ToJournal::Erase => {
+            keeping.erased += 1;
             keeping.found = None;
             keeping.to_read = None;
             if keeping.is_in_memory_only {
-                tell(&FromJournal::Erased);
+                tell(&FromJournal::Erased { all: true });
             } else if !journal.is_keeping() {
                 keeping.add(shared, Job::Act(Act::Erase));
             }
@@ -133,11 +142,16 @@ async fn work(shared: &Shared) {
             (store, job)
         };
         let erases = matches!(job, Job::Act(Act::Erase));
+        // What is not removed or flushed is still there; what is not written is not kept.
+        let writes = matches!(job, Job::Act(Act::Append(..) | Act::Adopt { .. }));
         let done = store.work(job).await;
-        if erases && done.is_ok() {
-            tell(&FromJournal::Erased);
+        if erases {
+            let all = matches!(done, Ok(Done::All));
+            tell(&FromJournal::Erased { all });
         }
-        if let Err(error) = &done {
+        if let Err(error) = &done
+            && writes
+        {
             store.let_go();
             give_up(shared, why(error));
         }

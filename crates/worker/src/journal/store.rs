@@ -34,6 +34,15 @@ pub(super) enum Job {
     Forget(Found),
 }
 
+/// What came of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Done {
+    /// It is done.
+    All,
+    /// Something that another tab has open is still there.
+    Partly,
+}
+
 /// What is to be done, in order.
 #[derive(Debug, Default)]
 pub(super) struct Jobs(VecDeque<Job>);
@@ -72,18 +81,17 @@ impl Store {
     }
 
     /// Does it.
-    pub(super) async fn work(&mut self, job: Job) -> Result<()> {
+    pub(super) async fn work(&mut self, job: Job) -> Result<Done> {
         match job {
-            Job::Act(act) => self.act(act).await,
-            Job::Restore(found) => {
-                self.restored = Some(found);
-                Ok(())
-            }
+            Job::Act(Act::Erase) => return self.erase().await,
+            Job::Act(act) => self.act(act).await?,
+            Job::Restore(found) => self.restored = Some(found),
             Job::Forget(Found { name, alive, .. }) => {
                 drop(alive);
-                self.sessions.remove(&name).await
+                self.sessions.remove(&name).await?;
             }
         }
+        Ok(Done::All)
     }
 
     /// Lets go of the files of this session, which stay as they are.
@@ -103,14 +111,21 @@ impl Store {
                 open.map(|(_, file)| file).try_for_each(OpenFile::flush)
             }
             Act::Adopt { packets, recorded } => self.adopt([packets, recorded]).await,
-            Act::Erase => self.erase().await,
+            Act::Erase => self.erase().await.map(|_| ()),
         }
     }
 
     async fn append(&mut self, segment: Segment, bytes: &[u8]) -> Result<()> {
         if self.files.is_none() {
             let dir = self.sessions.dir(&self.name).await?;
-            self.files = Some(Files::of(dir).await?);
+            let files = if let Ok(files) = Files::of(dir).await {
+                files
+            } else {
+                // Another tab that looks for ended sessions has it in its hands: it begins as another.
+                self.name = new_name(js_sys::Date::now());
+                Files::of(self.sessions.dir(&self.name).await?).await?
+            };
+            self.files = Some(files);
         }
         match &mut self.files {
             Some(files) => files.file(segment).await?.append(bytes),
@@ -151,15 +166,18 @@ impl Store {
         self.sessions.remove(&own).await
     }
 
-    async fn erase(&mut self) -> Result<()> {
+    async fn erase(&mut self) -> Result<Done> {
         self.files = None;
         self.restored = None;
+        let mut done = Done::All;
         for name in self.sessions.names().await? {
             // Those of another living tab are open, and stay.
-            let _ = self.sessions.remove(&name).await;
+            if self.sessions.remove(&name).await.is_err() {
+                done = Done::Partly;
+            }
         }
         self.name = new_name(js_sys::Date::now());
-        Ok(())
+        Ok(done)
     }
 }
 
@@ -293,7 +311,13 @@ mod tests {
         let found = newest(&sessions, &living.name, NOW_MS).await.unwrap();
         living.work(Job::Forget(found.unwrap())).await.unwrap();
         assert_eq!(sessions.names().await.unwrap().len(), 2);
-        living.work(Job::Act(Act::Erase)).await.unwrap();
+        let other_tab = store(&sessions, NOW_MS - 7_000.0, 0..3).await;
+        let erased = living.work(Job::Act(Act::Erase)).await;
+        assert_eq!(erased.unwrap(), Done::Partly, "what is open stays");
+        assert_eq!(sessions.names().await.unwrap().len(), 1);
+        drop(other_tab);
+        let erased = living.work(Job::Act(Act::Erase)).await;
+        assert_eq!(erased.unwrap(), Done::All);
         assert!(sessions.names().await.unwrap().is_empty());
     }
 
