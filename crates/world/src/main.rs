@@ -51,10 +51,10 @@ fn soak() -> Result<bool> {
         for (step, act) in story.acts.iter().enumerate() {
             println!("{step:4}  {act:?}");
         }
-        return Ok(holds(&story, &mut Coverage::new()));
+        return Ok(holds(&story, &mut Coverage::default()));
     }
     let until = Instant::now() + Duration::from_secs(seconds);
-    let mut coverage = Coverage::new();
+    let mut coverage = Coverage::default();
     let (mut seed, mut broken) = (from, 0_u64);
     while seed - from < seeds && Instant::now() < until {
         broken += u64::from(!holds(&Story::of(seed), &mut coverage));
@@ -77,9 +77,13 @@ fn print_table(seeds: Range<u64>, broken: u64, coverage: &Coverage) {
         yes(broken == 0)
     );
     for rule in Rule::ALL {
-        println!("| rule `{rule:?}` | | checked after every step | |");
+        let times = coverage.judged.get(&rule).copied().unwrap_or(0);
+        println!(
+            "| rule `{rule:?}` | had something to judge 100 times or more | {times} times | {} |",
+            yes(times >= 100)
+        );
     }
-    for (fault, times) in coverage {
+    for (fault, times) in &coverage.faults {
         println!(
             "| fault `{fault:?}` | 100 times or more | {times} times | {} |",
             yes(*times >= 100)

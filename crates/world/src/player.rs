@@ -29,8 +29,14 @@ const REST: Duration = Duration::from_secs(1);
 /// Below this a wheel stands.
 const STANDS_RPM: f32 = 1.0;
 
-/// How often each fault happened.
-pub type Coverage = BTreeMap<Fault, u64>;
+/// What happened in the stories that were played.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    /// How often each fault happened.
+    pub faults: BTreeMap<Fault, u64>,
+    /// How often each rule had something to judge.
+    pub judged: BTreeMap<Rule, u64>,
+}
 
 /// Where a story broke a rule.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,12 +56,16 @@ pub fn play(story: &Story, coverage: &mut Coverage) -> Result<(), Failure> {
     let mut player = Player::new(story);
     for (step, act) in story.acts.iter().enumerate() {
         if let Some(fault) = act.fault() {
-            *coverage.entry(fault).or_default() += 1;
+            *coverage.faults.entry(fault).or_default() += 1;
         }
         let outcome = player.act(act);
         outcome.map_err(|violation| Failure { step, violation })?;
     }
     let ended = player.end();
+    player.rules.judge(Rule::ComesToRest);
+    for (rule, times) in &player.rules.judged {
+        *coverage.judged.entry(*rule).or_default() += times;
+    }
     let step = story.acts.len();
     ended.map_err(|violation| Failure { step, violation })
 }
@@ -216,9 +226,9 @@ impl Player {
         if let Command::SetLimits(limits) = command {
             self.limits = limits;
         }
-        if !command.is_too_old(self.now.since(given))
-            && let Some(bus) = &mut self.bus
-        {
+        if command.is_too_old(self.now.since(given)) {
+            self.rules.judge(Rule::NoOldActs);
+        } else if let Some(bus) = &mut self.bus {
             let answer = bus.command(self.now, command);
             self.rules
                 .commanded(self.now, given, command, answer, bus)?;

@@ -12,7 +12,9 @@ mod wire;
 
 use std::{collections::BTreeMap, fmt, time::Duration};
 
-use motorlink_bus::{Bus, Command, Event, Limits, Refusal, StopReport};
+use motorlink_bus::{
+    Bus, Command, Event, Limits, Passed, Refusal, StopReason, StopReport, WithdrawReason,
+};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::World;
 
@@ -111,12 +113,20 @@ pub(crate) struct Rules {
     truth: Truth,
     /// Who has to get a frame of a stop, and until when.
     stops: BTreeMap<MotorId, Instant>,
+    /// When each motor got its last frame that a stop may consist of.
+    rested: BTreeMap<MotorId, Instant>,
     /// Who has to be in the report of the stop.
     reported: Vec<MotorId>,
     stop_began: Option<Instant>,
+    /// How often each rule had something to judge: one that never has would hold whatever happens.
+    pub(crate) judged: BTreeMap<Rule, u64>,
 }
 
 impl Rules {
+    pub(crate) fn judge(&mut self, rule: Rule) {
+        *self.judged.entry(rule).or_default() += 1;
+    }
+
     /// The operator asked for something at `given`, and the bus answered now.
     pub(crate) fn commanded(
         &mut self,
@@ -147,9 +157,14 @@ impl Rules {
     fn stop_begins(&mut self, now: Instant, is_stopped: impl Fn(&MotorId) -> bool) {
         let (driven, others) = self.operator.stop(is_stopped);
         for id in driven {
+            self.reported.push(id);
+            // A stop that the bus begins is told behind its first frame.
+            if self.rested.get(&id) == Some(&now) {
+                self.judge(Rule::StopIsNext);
+                continue;
+            }
             let until = now + STOP_REACHES_WITHIN + WINDOW_MAX * others;
             self.stops.entry(id).or_insert(until);
-            self.reported.push(id);
         }
     }
 
@@ -194,13 +209,26 @@ impl Rules {
 
     /// A frame goes out.
     pub(crate) fn sent(&mut self, now: Instant, frame: Frame, bus: &Bus, world: &World) -> Outcome {
+        self.judge(Rule::OneFrameAtATime);
         self.wire.sent(now, frame)?;
         let may_stop = self.operator.sent(now, frame, bus, world)?;
         if may_stop
             && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
                 Request::parse(&frame)
         {
-            self.stops.remove(&id);
+            self.rested.insert(id, now);
+            if self.stops.remove(&id).is_some() {
+                self.judge(Rule::StopIsNext);
+            }
+        } else {
+            match Request::parse(&frame) {
+                Ok(Request::Drive { .. }) => {
+                    self.judge(Rule::DrivenByCommandOnly);
+                    self.judge(Rule::NoMoreThanCommanded);
+                }
+                Ok(Request::SetId { .. }) => self.judge(Rule::IdChangeIsProved),
+                _ => {}
+            }
         }
         Ok(())
     }
@@ -216,11 +244,31 @@ impl Rules {
         self.wire.told(now, event)?;
         self.truth.told(now, event, world)?;
         match event {
-            Event::StopBegan(_) => self.stop_began = Some(now),
+            Event::StopBegan(reason) => {
+                self.stop_began = Some(now);
+                if *reason == StopReason::PageSilent {
+                    self.judge(Rule::DeadPageStops);
+                    self.stop_begins(now, |_| true);
+                }
+            }
             Event::StopEnded(report) => {
                 self.stop_began = None;
+                self.judge(Rule::StopEnds);
                 return self.names_all(now, report);
             }
+            Event::Withdrawn { id, reason } => {
+                match reason {
+                    WithdrawReason::Silent => self.judge(Rule::SilentIsWithdrawn),
+                    WithdrawReason::Limit(_) => self.judge(Rule::LimitsHold),
+                    WithdrawReason::Fault(_) | WithdrawReason::OtherLoop { .. } => {}
+                }
+                self.stop_begins(now, |other| other == id);
+            }
+            Event::Telemetry(_) => self.judge(Rule::TelemetryIsTrue),
+            Event::Traffic(traffic) => self.judge(match traffic.passed {
+                Passed::Heard { .. } => Rule::GoodRepliesAreHeard,
+                _ => Rule::LogIsComplete,
+            }),
             _ => {}
         }
         Ok(())

@@ -18,7 +18,7 @@ pub fn shrink(story: &Story, failure: &Failure) -> (Story, Failure) {
             let mut shorter = best.clone();
             let end = (at + length).min(shorter.acts.len());
             shorter.acts.drain(at..end);
-            match play(&shorter, &mut Coverage::new()) {
+            match play(&shorter, &mut Coverage::default()) {
                 Err(other) if other.violation.rule == found.violation.rule => {
                     best = shorter;
                     found = other;

@@ -119,7 +119,7 @@ impl Teller {
     fn command(&mut self, id: MotorId) -> Command {
         let consent = Consent::None;
         let setpoint = self.setpoint();
-        match self.rng.u8(..36) {
+        match self.rng.u8(..38) {
             0..=8 => Command::Drive {
                 id,
                 setpoint,
@@ -163,7 +163,7 @@ impl Teller {
             30 => Command::SetRamp(Ramp::new(self.rng.u16(50..2_000)).ok()),
             33..=34 => self.raw(id),
             35 => Command::StopRaw,
-            31 => Command::SetLimits(self.limits()),
+            31 | 36..=37 => Command::SetLimits(self.limits()),
             _ => Command::SetRate(CommandRate::new(self.rng.u16(1..=500)).unwrap_or_default()),
         }
     }
@@ -195,8 +195,8 @@ impl Teller {
 
     /// Mostly such that something crosses them.
     fn limits(&mut self) -> Limits {
-        let speed = self.rng.u16(20..=330);
-        let current = self.rng.u16(100..=3_000);
+        let speed = self.rng.u16(10..=90);
+        let current = self.rng.u16(100..=500);
         let temperature = self.rng.u16(30..=80);
         Limits::new(speed, current, temperature).unwrap_or_default()
     }

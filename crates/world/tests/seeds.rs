@@ -3,17 +3,17 @@
 
 use std::fmt::Write;
 
-use motorlink_world::{Coverage, Story, play, shrink};
+use motorlink_world::{Coverage, Rule, Story, play, shrink};
 
 const SEEDS: u64 = 2_000;
 /// So many kinds of fault there are.
 const KINDS: usize = 19;
-/// Each fault happens at least so often.
-const EACH_FAULT: u64 = 100;
+/// Each fault happens, and each rule has something to judge, at least so often.
+const EACH: u64 = 100;
 
 #[test]
 fn the_rules_hold_in_every_world() {
-    let mut coverage = Coverage::new();
+    let mut coverage = Coverage::default();
     for seed in 1..=SEEDS {
         let story = Story::of(seed);
         if let Err(failure) = play(&story, &mut coverage) {
@@ -28,9 +28,16 @@ fn the_rules_hold_in_every_world() {
             );
         }
     }
-    assert_eq!(coverage.len(), KINDS, "{coverage:?}");
-    for (fault, times) in &coverage {
+    let Coverage { faults, judged } = coverage;
+    assert_eq!(faults.len(), KINDS, "{faults:?}");
+    for (fault, times) in &faults {
         println!("{fault:?}: {times}");
-        assert!(*times >= EACH_FAULT, "{fault:?} only {times} times");
+        assert!(*times >= EACH, "{fault:?} only {times} times");
+    }
+    // A rule that has nothing to judge holds whatever happens.
+    for rule in Rule::ALL {
+        let times = judged.get(&rule).copied().unwrap_or(0);
+        println!("{rule:?}: {times}");
+        assert!(times >= EACH, "{rule:?} judged only {times} times");
     }
 }
