@@ -117,6 +117,8 @@ pub(crate) struct Scan {
     lost: u32,
     /// When the last of them was asked: its reply may still be on its way.
     last_lost: Option<Instant>,
+    /// Who was asked last, and did not answer.
+    unanswered_before: Option<MotorId>,
     looks_since_sample: u8,
     next_sample: usize,
     sampling_since: Option<Instant>,
@@ -152,6 +154,7 @@ impl Scan {
             exchanges: clean_exchanges,
             lost: 0,
             last_lost: None,
+            unanswered_before: None,
             looks_since_sample: 0,
             next_sample: 0,
             sampling_since: None,
@@ -236,6 +239,14 @@ impl Scan {
         if let Look::Reply(took) = look {
             self.took(took);
         }
+        let before = self
+            .unanswered_before
+            .take()
+            .filter(|_| look == Look::Noise);
+        if let Some(before) = before {
+            self.collided(before);
+        }
+        self.unanswered_before = (!matches!(look, Look::Reply(_))).then_some(id);
         let Some(address) = self.addresses.get_mut(place(id)) else {
             return false;
         };
@@ -268,6 +279,21 @@ impl Scan {
             self.queue.push_front(id);
         }
         false
+    }
+
+    /// This address was asked, nothing came in its window, and then noise in the next: a machine that was
+    /// held up let the question out late, and its answer met the next question on the line. Of the line
+    /// that says nothing.
+    fn collided(&mut self, id: MotorId) {
+        let Some(address) = self.addresses.get_mut(place(id)) else {
+            return;
+        };
+        address.unanswered = None;
+        if address.replies > 0 {
+            self.lost = self.lost.saturating_sub(1);
+        } else {
+            address.noisy = true;
+        }
     }
 
     /// A good frame of this motor came when another was asked: its window was too short, and nothing
@@ -376,3 +402,7 @@ impl Scan {
 const fn place(id: MotorId) -> usize {
     id.get() as usize - 1
 }
+
+#[cfg(test)]
+#[path = "scan_tests.rs"]
+mod tests;
