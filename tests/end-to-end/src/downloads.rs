@@ -129,8 +129,12 @@ fn files_in(dir: &Path) -> Result<Vec<PathBuf>> {
     entries.map(|entry| Ok(entry?.path())).collect()
 }
 
-/// Chromium writes under another name, some versions under a hidden one, and renames at the end.
+/// Chromium writes under another name, some versions under a hidden one, and renames at the end. Until then
+/// an empty file keeps the place: no file of ours is empty.
 fn is_complete(path: &Path) -> bool {
+    if fs::metadata(path).is_ok_and(|file| file.len() == 0) {
+        return false;
+    }
     let hidden = path
         .file_name()
         .is_none_or(|name| name.to_string_lossy().starts_with('.'));

@@ -194,6 +194,7 @@ fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
     // The limit of half a second would be crossed first.
     open_panel(&story.page, "Settings")?;
     story.page.fill("spinbutton", "Current limit", "8")?;
+    story.page.click("button", "Settings")?;
     story.adapter.act("block 1 on")?;
     let page = &story.page;
     let faults = page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {
