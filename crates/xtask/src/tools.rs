@@ -54,29 +54,8 @@ pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
         return Ok(on_path);
     }
 
-    println!(
-        "building wasm-bindgen {version} into {} (once)",
-        root.display()
-    );
-    let mut install = process::cargo();
-    install
-        .args([
-            "install",
-            "wasm-bindgen-cli",
-            "--version",
-            version,
-            "--root",
-        ])
-        .arg(&root)
-        // Beside the workspace's own builds it would rebuild what they share, and they it.
-        .env("CARGO_TARGET_DIR", cache.join("build"))
-        // Built in two thirds of the time, and as fast on modules of our size.
-        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
-        .env("CARGO_PROFILE_RELEASE_LTO", "off")
-        .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
-    process::run(&mut install)?;
-    // Some 300 MB that nobody needs again.
-    let _ = fs::remove_dir_all(cache.join("build"));
+    // Its lock file names a crate that may be missing.
+    install("wasm-bindgen-cli", version, &root, &[])?;
     Ok(cached)
 }
 
@@ -109,29 +88,34 @@ impl Pinned {
         if program.is_file() {
             return Ok(dir);
         }
-        println!(
-            "building {package} {version} into {} (once)",
-            root.display()
-        );
-        let mut install = process::cargo();
-        install
-            .args([
-                "install",
-                "--locked",
-                package,
-                "--version",
-                version,
-                "--root",
-            ])
-            .arg(&root)
-            .env("CARGO_TARGET_DIR", cache.join("build"))
-            .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
-            .env("CARGO_PROFILE_RELEASE_LTO", "off")
-            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
-        process::run(&mut install)?;
-        let _ = fs::remove_dir_all(cache.join("build"));
+        install(package, version, &root, &["--locked"])?;
         Ok(dir)
     }
+}
+
+/// Builds a program into a directory of its own.
+fn install(package: &str, version: &str, root: &Path, flags: &[&str]) -> Result<()> {
+    println!(
+        "building {package} {version} into {} (once)",
+        root.display()
+    );
+    let build = cache_dir()?.join("build");
+    let mut install = process::cargo();
+    install
+        .args(["install", package, "--version", version])
+        .args(flags)
+        .arg("--root")
+        .arg(root)
+        // Beside the workspace's own builds it would rebuild what they share, and they it.
+        .env("CARGO_TARGET_DIR", &build)
+        // Built in two thirds of the time, and as fast for what we ask of it.
+        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
+        .env("CARGO_PROFILE_RELEASE_LTO", "off")
+        .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
+    process::run(&mut install)?;
+    // Some 300 MB that nobody needs again.
+    let _ = fs::remove_dir_all(build);
+    Ok(())
 }
 
 /// A PATH on which cargo finds cargo-fuzz.

@@ -1,0 +1,97 @@
+//! What is crossed, when, and what is let pass.
+
+use motorlink_protocol::{Detail, Faults, Mode, MotorId, Reply, SpeedTarget};
+
+use super::*;
+
+fn sample(at_ms: u64, rpm: i16, amps: f32) -> Sample {
+    Sample {
+        at: Instant::from_millis(at_ms),
+        reply: Reply {
+            id: MotorId::FIRST,
+            mode: Mode::Velocity,
+            current: Current::from_amps(amps),
+            speed: Rpm::new(rpm),
+            detail: Detail::Undetermined([0, 0]),
+            faults: Faults::NONE,
+        },
+    }
+}
+
+fn crossed(limits: Limits, samples: &[Sample], celsius: Option<u8>) -> Option<Crossed> {
+    let mut over = Overcurrent::default();
+    for sample in samples {
+        over.heard(*sample, limits);
+    }
+    let last = *samples.last().unwrap();
+    limits.crossed(last, celsius.map(Celsius::new), over, Instant::ZERO)
+}
+
+#[test]
+fn a_speed_is_crossed_beyond_what_a_wheel_overshoots() {
+    let limits = Limits::new(100, 2_700, 75).unwrap();
+    for rpm in [0, 100, -100, 110, -110] {
+        assert_eq!(crossed(limits, &[sample(1, rpm, 0.1)], None), None);
+    }
+    for rpm in [111, -111, i16::MIN] {
+        let crossed = crossed(limits, &[sample(1, rpm, 0.1)], None);
+        assert!(matches!(crossed, Some(Crossed::Speed { limit: 100, .. })));
+    }
+}
+
+#[test]
+fn a_current_is_crossed_by_every_reply_of_half_a_second() {
+    let limits = Limits::default();
+    let at = |ms, amps| sample(ms, 0, amps);
+    let short = [at(0, 2.8), at(499, -5.0)];
+    assert_eq!(crossed(limits, &short, None), None);
+    let broken = [at(0, 2.8), at(300, 2.6), at(700, 2.8)];
+    assert_eq!(crossed(limits, &broken, None), None);
+    let long = [at(0, 2.8), at(300, -2.8), at(500, 2.75)];
+    let words = crossed(limits, &long, None).unwrap().to_string();
+    assert_eq!(words, "2.750 A, above your limit of 2.7 A");
+}
+
+#[test]
+fn what_it_drew_before_it_was_driven_is_not_counted() {
+    let (limits, mut over) = (Limits::default(), Overcurrent::default());
+    for ms in [0, 400, 800] {
+        over.heard(sample(ms, 0, 3.0), limits);
+    }
+    let last = sample(800, 0, 3.0);
+    let since = |ms| limits.crossed(last, None, over, Instant::from_millis(ms));
+    assert_eq!(since(301), None);
+    assert!(since(300).is_some());
+}
+
+#[test]
+fn a_temperature_is_crossed_above_its_limit_and_unknown_is_not_hot() {
+    let cool = [sample(1, 0, 0.0)];
+    assert_eq!(crossed(Limits::default(), &cool, None), None);
+    assert_eq!(crossed(Limits::default(), &cool, Some(75)), None);
+    let hot = crossed(Limits::default(), &cool, Some(76)).unwrap();
+    assert_eq!(hot.to_string(), "76 °C, above your limit of 75 °C");
+}
+
+#[test]
+fn limits_lie_within_what_the_motor_takes() {
+    assert_eq!(Limits::new(330, 2_700, 75), Ok(Limits::default()));
+    for (speed, current, temperature) in [
+        (0, 2_700, 75),
+        (331, 2_700, 75),
+        (330, 99, 75),
+        (330, 8_001, 75),
+        (330, 2_700, 29),
+        (330, 2_700, 81),
+    ] {
+        assert!(Limits::new(speed, current, temperature).is_err());
+    }
+}
+
+#[test]
+fn only_a_speed_is_refused_before_it_is_reached() {
+    let limits = Limits::new(100, 100, 30).unwrap();
+    let speed = |rpm| Setpoint::velocity(SpeedTarget::clamped(rpm));
+    assert!(limits.allow(speed(100)) && limits.allow(speed(-100)) && limits.allow(Setpoint::Brake));
+    assert!(!limits.allow(speed(101)) && !limits.allow(speed(-330)));
+}
