@@ -51,6 +51,11 @@ impl StartedWorker {
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
 
+        // Page and workers are one program, compiled once. What cannot be posted is told as a worker that
+        // does not start.
+        worker
+            .post_message(&wasm_bindgen::module())
+            .map_err(|_| NoWorker::NotStarted)?;
         Ok(Self {
             worker,
             _on_message: on_message,

@@ -25,6 +25,7 @@ use web_sys::{
 const WORKER: &str = r"
     const bench = new BroadcastChannel('CHANNEL' + (self.name ? '-' + self.name : ''));
     self.onmessage = (event) => {
+        if (event.data instanceof WebAssembly.Module) return;
         bench.postMessage(event.data instanceof MessagePort ? 'line' : event.data);
     };
     bench.onmessage = (event) => self.postMessage(event.data);

@@ -38,14 +38,22 @@ function explain(error) {
   document.body.replaceChildren(words);
 }
 
-async function start() {
-  // Both at once: the module need not wait for the glue. An import in a try can be explained.
-  const [glue, response] = await Promise.all([import("./{{glue}}"), fetch(wasmUrl)]);
+// Compiled while it comes. A server that does not know what wasm is still serves the page.
+async function compiled(fetched) {
+  const response = await fetched;
   if (!response.ok) {
     throw new Error(`${wasmUrl.pathname}: ${response.status}`);
   }
+  return response.headers.get("Content-Type") === "application/wasm"
+    ? WebAssembly.compileStreaming(response)
+    : WebAssembly.compile(await response.arrayBuffer());
+}
+
+async function start() {
+  // Both at once: the module need not wait for the glue. An import in a try can be explained.
+  const [glue, module] = await Promise.all([import("./{{glue}}"), compiled(fetch(wasmUrl))]);
   loaded = true;
-  await glue.default({ module_or_path: response });
+  await glue.default({ module_or_path: module });
 }
 
 start().catch(explain);

@@ -1,11 +1,16 @@
 // Starts the worker. `cargo xtask build` fills in the names in double braces.
 
-const wasmUrl = new URL("./{{wasm}}", import.meta.url);
+// The page is compiled already, and its module is the first that it posts.
+let started;
+const module = new Promise((give) => { started = give; });
 
 // A module worker gets its messages from its first await on, and one that nobody listens to is
 // lost. Keep what the page says before the Rust code listens.
 const early = [];
-const keep = (event) => early.push(event);
+const keep = (event) => {
+  if (event.data instanceof WebAssembly.Module) started(event.data);
+  else early.push(event);
+};
 self.addEventListener("message", keep);
 
 // Which adapter is this tab's: see claim.rs of the worker.
@@ -48,11 +53,8 @@ self.claimAdapter = async (place) => {
 };
 
 async function start() {
-  const [glue, response] = await Promise.all([import("./{{glue}}"), fetch(wasmUrl)]);
-  if (!response.ok) {
-    throw new Error(`${wasmUrl.pathname}: ${response.status}`);
-  }
-  await glue.default({ module_or_path: response });
+  const glue = await import("./{{glue}}");
+  await glue.default({ module_or_path: await module });
   self.removeEventListener("message", keep);
   for (const { data, ports } of early) {
     self.dispatchEvent(new MessageEvent("message", { data, ports: [...ports] }));

@@ -1,5 +1,5 @@
-//! From Rust to what a browser loads: cargo builds the wasm files, wasm-bindgen makes a module and
-//! its JavaScript glue of each.
+//! From Rust to what a browser loads: cargo builds the wasm file, wasm-bindgen makes a module and its
+//! JavaScript glue of it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,26 +12,8 @@ use crate::site::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// A program of ours that runs in the browser.
-#[derive(Debug, Clone, Copy)]
-pub struct Program {
-    /// Its package and binary.
-    pub package: &'static str,
-    /// What its files are called in the site.
-    pub stem: &'static str,
-}
-
-/// The app in the window.
-pub const PAGE: Program = Program {
-    package: "motorlink",
-    stem: "page",
-};
-
-/// The owner of port and bus, in its own thread.
-pub const WORKER: Program = Program {
-    package: "motorlink-worker",
-    stem: "worker",
-};
+/// The package, the binary and the stem of its files: the page and its workers are one program.
+pub const PROGRAM: &str = "motorlink";
 
 /// What wasm-bindgen makes of a program.
 #[derive(Debug, Clone, Default)]
@@ -44,12 +26,11 @@ pub struct Module {
     pub snippets: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Builds the page's and the worker's module, in this order.
-pub fn build(workspace: &Workspace, profile: Profile) -> Result<(Module, Module)> {
+/// Builds the module.
+pub fn build(workspace: &Workspace, profile: Profile) -> Result<Module> {
     tools::ensure_wasm_target()?;
     let programs = tools::ensure_wasm_bindgen(workspace)?;
 
-    // One call for both, so that what they share is built once.
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
     cargo.args([
@@ -59,31 +40,20 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<(Module, Module)
         "--profile",
         profile.cargo_name(),
     ]);
-    for program in [PAGE, WORKER] {
-        cargo.args(["--package", program.package, "--bin", program.package]);
-    }
-    process::run(&mut cargo)?;
-
-    let module = |program| bind(workspace, profile, &programs.bindgen, program);
-    Ok((module(PAGE)?, module(WORKER)?))
+    process::run(cargo.args(["--package", PROGRAM, "--bin", PROGRAM]))?;
+    bind(workspace, profile, &programs.bindgen)
 }
 
-fn bind(
-    workspace: &Workspace,
-    profile: Profile,
-    bindgen: &Path,
-    program: Program,
-) -> Result<Module> {
+fn bind(workspace: &Workspace, profile: Profile, bindgen: &Path) -> Result<Module> {
     let built = workspace
         .target()
         .join(WASM_TARGET)
         .join(profile.target_dir())
-        .join(format!("{}.wasm", program.package));
+        .join(format!("{PROGRAM}.wasm"));
     let out = workspace
         .target()
         .join("bindgen")
-        .join(profile.target_dir())
-        .join(program.stem);
+        .join(profile.target_dir());
     // Snippets of an earlier build would be taken along.
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
@@ -100,17 +70,17 @@ fn bind(
         // The names of functions are a third of the file, and say nothing without the source.
         command.args(["--remove-name-section", "--remove-producers-section"]);
     }
-    command.args(["--out-name", program.stem, "--out-dir"]);
+    command.args(["--out-name", PROGRAM, "--out-dir"]);
     process::run(command.arg(&out).arg(&built))?;
 
     let file = |name: String| {
         let path = out.join(name);
         fs::read(&path).with_context(|| format!("reading {}", path.display()))
     };
-    let glue = file(format!("{}.js", program.stem))?;
+    let glue = file(format!("{PROGRAM}.js"))?;
     Ok(Module {
         glue: String::from_utf8(glue).context("the glue is not text")?,
-        wasm: file(format!("{}_bg.wasm", program.stem))?,
+        wasm: file(format!("{PROGRAM}_bg.wasm"))?,
         snippets: files_below(&out.join("snippets"))?,
     })
 }

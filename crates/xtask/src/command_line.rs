@@ -68,6 +68,12 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
+    /// Bring the files of translations, locales/*.po, up to date with the code
+    Words {
+        /// Change nothing; fail where one is not up to date or lacks a translation
+        #[arg(long)]
+        check: bool,
+    },
     /// Play worlds that fail, as many seeds as there is time for (`--seconds N`), or one (`--seed N`)
     Soak {
         /// Handed to the program that plays

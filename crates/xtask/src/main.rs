@@ -22,6 +22,7 @@ mod tables;
 mod template;
 mod test;
 mod tools;
+mod words;
 mod workspace;
 
 use std::process::ExitCode;
@@ -80,6 +81,7 @@ fn obey(command: Command) -> Result<()> {
         Command::Reliability { part, seconds } => {
             reliability::show(&workspace, part.as_deref(), seconds)
         }
+        Command::Words { check } => words::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 
-use crate::bindgen::{self, Module, files_below};
+use crate::bindgen::{self, Module, PROGRAM, files_below};
 use crate::fresh_name::{fresh_name, short_hash};
 use crate::size;
 use crate::slim;
@@ -61,8 +61,7 @@ pub struct SiteFile {
 /// What the site is made of.
 #[derive(Debug, Clone, Default)]
 struct Parts {
-    page: Module,
-    worker: Module,
+    program: Module,
     page_boot: String,
     worker_boot: String,
     style: String,
@@ -72,11 +71,10 @@ struct Parts {
 
 /// Builds the site, prints how large it is, and gives its directory.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
-    let (page, worker) = bindgen::build(workspace, profile)?;
+    let program = bindgen::build(workspace, profile)?;
     let boot = workspace.root().join("crates/xtask/boot");
     let parts = Parts {
-        page,
-        worker,
+        program,
         page_boot: read(&boot.join("page.js"))?,
         worker_boot: read(&boot.join("worker.js"))?,
         style: style(&workspace.root().join("style"))?,
@@ -123,16 +121,22 @@ fn style(dir: &Path) -> Result<String> {
 
 fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let mut files = Files::default();
-    let page = files.add_program("page", &parts.page, &parts.page_boot)?;
-    let worker = files.add_program("worker", &parts.worker, &parts.worker_boot)?;
+    let names = files.add_program(&parts.program);
+    let page_boot = files.add_boot(
+        "page",
+        &parts.page_boot,
+        &[("wasm", &names.wasm), ("glue", &names.glue)],
+    )?;
+    let worker_boot = files.add_boot("worker", &parts.worker_boot, &[("glue", &names.glue)])?;
     let style = files.add_fresh("style", "css", slim::css(&parts.style).as_bytes());
     let index = fill(
         &parts.index,
         &[
-            ("worker", &worker.boot),
+            ("worker", &worker_boot),
             ("style", &style),
-            ("glue", &page.glue),
-            ("boot", &page.boot),
+            ("wasm", &names.wasm),
+            ("glue", &names.glue),
+            ("boot", &page_boot),
         ],
     )?;
     files.add(PathBuf::from("index.html"), index.as_bytes());
@@ -142,9 +146,9 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     Ok(files.0)
 }
 
-/// The names of a program's files that others refer to.
+/// The names of the program's files that others refer to.
 struct Names {
-    boot: String,
+    wasm: String,
     glue: String,
 }
 
@@ -163,21 +167,25 @@ impl Files {
         name
     }
 
-    fn add_program(&mut self, stem: &str, module: &Module, boot: &str) -> Result<Names> {
+    fn add_program(&mut self, module: &Module) -> Names {
         let mut glue = module.glue.clone();
         if !module.snippets.is_empty() {
             let texts = module.snippets.iter().map(|(_, text)| text.as_slice());
-            let dir = format!("{stem}-snippets-{}", short_hash(texts));
+            let dir = format!("{PROGRAM}-snippets-{}", short_hash(texts));
             glue = glue.replace("./snippets/", &format!("./{dir}/"));
             for (path, text) in &module.snippets {
                 self.add(Path::new(&dir).join(path), text);
             }
         }
-        let wasm = self.add_fresh(stem, "wasm", &module.wasm);
-        let glue = self.add_fresh(&format!("{stem}-glue"), "js", glue.as_bytes());
-        let boot = fill(boot, &[("wasm", &wasm), ("glue", &glue)])?;
-        let boot = self.add_fresh(&format!("{stem}-boot"), "js", boot.as_bytes());
-        Ok(Names { boot, glue })
+        Names {
+            wasm: self.add_fresh(PROGRAM, "wasm", &module.wasm),
+            glue: self.add_fresh(&format!("{PROGRAM}-glue"), "js", glue.as_bytes()),
+        }
+    }
+
+    fn add_boot(&mut self, stem: &str, boot: &str, names: &[(&str, &str)]) -> Result<String> {
+        let boot = fill(boot, names)?;
+        Ok(self.add_fresh(&format!("{stem}-boot"), "js", boot.as_bytes()))
     }
 }
 
@@ -201,16 +209,14 @@ mod tests {
     use super::*;
 
     fn parts() -> Parts {
-        let module = |name: &str| Module {
-            glue: format!("// {name}\nimport './snippets/lib-1/inline0.js';"),
-            wasm: name.as_bytes().to_vec(),
-            snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
-        };
         Parts {
-            page: module("page"),
-            worker: module("worker"),
+            program: Module {
+                glue: "import './snippets/lib-1/inline0.js';".to_owned(),
+                wasm: b"program".to_vec(),
+                snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
+            },
             page_boot: "{{wasm}} {{glue}}".to_owned(),
-            worker_boot: "{{wasm}} {{glue}}".to_owned(),
+            worker_boot: "{{glue}}".to_owned(),
             style: "p {}".to_owned(),
             index: include_str!("../../../index.html").to_owned(),
             public: vec![(PathBuf::from("icon.svg"), b"<svg/>".to_vec())],
@@ -231,28 +237,28 @@ mod tests {
     fn each_file_names_those_it_loads() {
         let files = assemble(&parts()).unwrap();
         let (_, index) = starting(&files, "index.html");
-        for stem in ["page-boot-", "page-glue-", "worker-boot-", "style-"] {
+        for stem in ["page-boot-", "motorlink-glue-", "worker-boot-", "style-"] {
             let (name, _) = starting(&files, stem);
             assert!(
                 index.contains(&format!("\"./{name}\"")),
                 "{stem} in {index}"
             );
         }
-        for program in ["page", "worker"] {
-            let (_, boot) = starting(&files, &format!("{program}-boot-"));
-            let (glue, glue_text) = starting(&files, &format!("{program}-glue-"));
-            assert!(boot.contains(&glue) && boot.contains(".wasm"));
-            let (snippet, _) = starting(&files, &format!("{program}-snippets-"));
-            assert!(glue_text.contains(&format!("'./{snippet}'")), "{glue_text}");
+        let (glue, glue_text) = starting(&files, "motorlink-glue-");
+        for boot in ["page-boot-", "worker-boot-"] {
+            assert!(starting(&files, boot).1.contains(&glue));
         }
+        assert!(starting(&files, "page-boot-").1.contains(".wasm"));
+        let (snippet, _) = starting(&files, "motorlink-snippets-");
+        assert!(glue_text.contains(&format!("'./{snippet}'")), "{glue_text}");
         starting(&files, "icon.svg");
     }
 
     #[test]
-    fn a_changed_worker_changes_every_name_on_the_way_to_it() {
+    fn a_changed_file_changes_every_name_on_the_way_to_it() {
         let before = assemble(&parts()).unwrap();
         let mut changed = parts();
-        changed.worker.wasm.push(b'!');
+        changed.worker_boot.push('!');
         let after = assemble(&changed).unwrap();
         assert_ne!(
             starting(&before, "worker-boot-"),
@@ -267,8 +273,8 @@ mod tests {
             starting(&after, "page-boot-")
         );
         assert_eq!(
-            starting(&before, "worker-glue-"),
-            starting(&after, "worker-glue-")
+            starting(&before, "motorlink-glue-"),
+            starting(&after, "motorlink-glue-")
         );
     }
 

@@ -9,6 +9,7 @@ use crate::browser;
 use crate::process;
 use crate::site::{self, Profile};
 use crate::tools::{self, WASM_TARGET};
+use crate::words;
 use crate::workspace::Workspace;
 
 /// Leaves what only runs in the browser out of a call on the whole workspace.
@@ -37,12 +38,18 @@ pub struct Step {
 }
 
 /// Every step, in order.
-pub static STEPS: [Step; 11] = [
+pub static STEPS: [Step; 12] = [
     Step {
         name: "format",
         about: "the sources are formatted",
         needs: &[],
         run: |workspace| cargo(workspace, &["fmt", "--all", "--check"]),
+    },
+    Step {
+        name: "words",
+        about: "every message of the code has its translations",
+        needs: &[],
+        run: |workspace| words::update(workspace, true),
     },
     Step {
         name: "dependencies",

@@ -2,8 +2,8 @@
 //!
 //! Everything that touches the motors happens in the first, away from the page: a hidden page's timers
 //! crawl and a busy page is late, but a worker's loop goes on. The journal keeps the packet log and the
-//! recording, away from both: what takes long there delays no frame and no screen. Both are one program,
-//! so that a visit loads no more; the name that the page gives a worker says which it is. What crosses
+//! recording, away from both: what takes long there delays no frame and no screen. Both are one program
+//! with the page, so that a visit loads it once; the name that the page gives a worker says which it is. What crosses
 //! to the page and back is in `motorlink-messages`.
 //!
 //! | file | what it holds |
@@ -39,7 +39,8 @@ use motorlink_messages::ToPage;
 /// The name by which the page starts the journal.
 const JOURNAL: &str = "journal";
 
-fn main() {
+/// Starts as the worker that its name says. Called in the scope of a dedicated worker.
+pub fn start() {
     if scope::global().name() == JOURNAL {
         on_panic(journal::died);
         journal::start();

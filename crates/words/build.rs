@@ -1,0 +1,102 @@
+//! Makes one table of the translations: every message gets a number, and each language a text in which
+//! the messages stand in the order of their numbers.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// Between context and message, as gettext has it in its own files.
+const CONTEXT_END: char = '\u{4}';
+
+/// Between two messages; no message holds it.
+const MESSAGE_END: char = '\0';
+
+/// Every message with its translation, sorted by message.
+type Messages = BTreeMap<String, String>;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let top = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("../../locales");
+    println!("cargo::rerun-if-changed={}", top.display());
+    let is_released = env::var("PROFILE")? == "release";
+
+    let chinese = read(&top.join("zh.po"), is_released)?;
+    let german = read(&top.join("de.po"), is_released)?;
+    if !chinese.keys().eq(german.keys()) {
+        return Err("zh.po and de.po hold other messages: run `cargo xtask words`".into());
+    }
+
+    let mut table = String::new();
+    writeln!(table, "const KEYS: [&str; {}] = [", chinese.len())?;
+    for key in chinese.keys() {
+        writeln!(table, "    {key:?},")?;
+    }
+    writeln!(table, "];")?;
+    let english = chinese.keys().map(|key| english(key));
+    writeln!(table, "static ENGLISH: &str = {:?};", joined(english))?;
+    let chinese = chinese.values().map(String::as_str);
+    writeln!(table, "static CHINESE: &str = {:?};", joined(chinese))?;
+    let german = german.values().map(String::as_str);
+    writeln!(table, "static GERMAN: &str = {:?};", joined(german))?;
+    let out = PathBuf::from(env::var("OUT_DIR")?).join("table.rs");
+    Ok(fs::write(out, table)?)
+}
+
+/// The messages of a file. Where one is not translated yet, the English stands for it, but not in what
+/// is released.
+fn read(path: &Path, is_released: bool) -> Result<Messages, Box<dyn Error>> {
+    let catalogue =
+        polib::po_file::parse(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let mut messages = Messages::new();
+    for message in catalogue.messages() {
+        let (msgid, translated) = (message.msgid(), message.msgstr()?);
+        let text = if translated.is_empty() {
+            let lacks = format!("{} lacks a translation of {msgid:?}", path.display());
+            if is_released {
+                return Err(lacks.into());
+            }
+            println!("cargo::warning={lacks}");
+            msgid
+        } else {
+            translated
+        };
+        if placeholders(text) != placeholders(msgid) {
+            let words = format!(
+                "{}: the translation of {msgid:?} has other places to fill",
+                path.display()
+            );
+            return Err(words.into());
+        }
+        let key = message.msgctxt().map_or_else(
+            || msgid.to_owned(),
+            |context| format!("{context}{CONTEXT_END}{msgid}"),
+        );
+        messages.insert(key, text.to_owned());
+    }
+    Ok(messages)
+}
+
+/// The names in braces, sorted: languages differ in their order.
+fn placeholders(text: &str) -> Vec<&str> {
+    let opened = text.split('{').skip(1);
+    let mut names: Vec<&str> = opened
+        .filter_map(|rest| Some(rest.split_once('}')?.0))
+        .collect();
+    names.sort_unstable();
+    names
+}
+
+fn english(key: &str) -> &str {
+    key.split_once(CONTEXT_END).map_or(key, |(_, msgid)| msgid)
+}
+
+fn joined<'a>(texts: impl Iterator<Item = &'a str>) -> String {
+    let mut joined = String::new();
+    for text in texts {
+        joined.push_str(text);
+        joined.push(MESSAGE_END);
+    }
+    joined.pop();
+    joined
+}

@@ -1,0 +1,107 @@
+//! The languages, and which is spoken.
+
+use std::cell::Cell;
+
+/// A language of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Language {
+    /// The language of the code.
+    #[default]
+    English,
+    /// Simplified Chinese.
+    Chinese,
+    /// German.
+    German,
+}
+
+impl Language {
+    /// All, in the order in which they are offered.
+    pub const ALL: [Self; 3] = [Self::English, Self::Chinese, Self::German];
+
+    /// As its speakers call it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::English => "English",
+            Self::Chinese => "简体中文",
+            Self::German => "Deutsch",
+        }
+    }
+
+    /// The tag of BCP 47, for the attribute `lang`.
+    #[must_use]
+    pub const fn tag(self) -> &'static str {
+        match self {
+            Self::English => "en",
+            Self::Chinese => "zh-Hans",
+            Self::German => "de",
+        }
+    }
+
+    /// The two letters by which it is remembered, asked for in an address, and found among files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::English => "en",
+            Self::Chinese => "zh",
+            Self::German => "de",
+        }
+    }
+
+    /// The language of a tag of BCP 47, such as `de`, `zh-CN` or `en-GB`. Who reads Chinese in any script
+    /// is given the one that there is.
+    #[must_use]
+    pub fn from_tag(tag: &str) -> Option<Self> {
+        let language = tag.split('-').next().unwrap_or_default();
+        Self::ALL
+            .into_iter()
+            .find(|known| known.key().eq_ignore_ascii_case(language))
+    }
+
+    /// Between whole and fraction.
+    #[must_use]
+    pub const fn decimal_mark(self) -> char {
+        match self {
+            Self::English | Self::Chinese => '.',
+            Self::German => ',',
+        }
+    }
+}
+
+thread_local! {
+    static SPOKEN: Cell<Language> = const { Cell::new(Language::English) };
+}
+
+/// Has this thread speak a language from now on. A page and each of its workers are a thread.
+pub fn speak(language: Language) {
+    SPOKEN.set(language);
+}
+
+/// The language that this thread speaks; English at first.
+#[must_use]
+pub fn spoken() -> Language {
+    SPOKEN.get()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_browser_s_language_is_found_by_its_first_part() {
+        for (tag, language) in [
+            ("en-GB", Some(Language::English)),
+            ("zh-CN", Some(Language::Chinese)),
+            ("zh-Hant-TW", Some(Language::Chinese)),
+            ("DE", Some(Language::German)),
+            ("fr", None),
+            ("", None),
+        ] {
+            assert_eq!(Language::from_tag(tag), language, "{tag}");
+        }
+        for language in Language::ALL {
+            assert_eq!(Language::from_tag(language.key()), Some(language));
+            assert_eq!(Language::from_tag(language.tag()), Some(language));
+        }
+    }
+}
