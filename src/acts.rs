@@ -1,11 +1,13 @@
 //! What an operator does, turned into commands.
 
+use crate::words::terms;
 use leptos::prelude::*;
 use motorlink_messages::{
     ToWorker,
     bus::{Activity, Command, CommandRate, Consent, Limits, StopReason, needs_consent},
     protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
 };
+use motorlink_words::tr;
 
 use crate::{
     desk::{Desk, Dialog, Targets},
@@ -76,7 +78,7 @@ impl Desk {
     pub(crate) fn drive(self, setpoint: Setpoint) {
         let id = self.selected.get_untracked();
         if let Some(reason) = why_not_drive(&self.present(), id, setpoint.mode()) {
-            self.refuse(format!("Motor {id} was not driven"), reason);
+            self.refuse(tr!("Motor {id} was not driven", id), reason);
             return;
         }
         if let (Setpoint::Current(target), Consent::HighCurrent) =
@@ -149,7 +151,7 @@ impl Desk {
     /// Stops the chosen motor as its loop allows: see [`stop_of`].
     pub(crate) fn stop_motor(self, tab: Tab) {
         if let Some(reason) = why_not_stop(&self.present()) {
-            self.refuse("Nothing was stopped".to_owned(), reason);
+            self.refuse(tr!("Nothing was stopped").to_owned(), reason);
             return;
         }
         let id = self.selected.get_untracked();
@@ -171,7 +173,10 @@ impl Desk {
     pub(crate) fn switch(self, mode: Mode) {
         let id = self.selected.get_untracked();
         if let Some(reason) = why_not_switch(&self.present(), id, mode) {
-            self.refuse(format!("The {mode} was not asked for"), reason);
+            self.refuse(
+                tr!("The {mode} was not asked for", mode = terms::mode(mode)),
+                reason,
+            );
             return;
         }
         self.asked.set(Some(mode));

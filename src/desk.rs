@@ -1,6 +1,7 @@
 //! Everything that the components share: what is shown, what was entered, and the line to the
 //! worker.
 
+use motorlink_words::tr;
 use std::ops::Deref;
 
 use leptos::prelude::*;
@@ -233,7 +234,7 @@ impl Desk {
     pub(crate) fn why_not_turn_sides(self) -> Option<String> {
         let just_asked = page_now_ms() - self.started_ms.get_value() < TOLD_WITHIN_MS;
         let asks = self.dialog.with_untracked(Option::is_some);
-        (just_asked || asks).then(|| "A motor is just being started. Try again.".to_owned())
+        (just_asked || asks).then(|| tr!("A motor is just being started. Try again.").to_owned())
     }
 
     /// Puts words on the notice board and a line into the log.

@@ -4,6 +4,7 @@ use motorlink_messages::{
     bus::{CommandRate, Limits},
     protocol::{CurrentTarget, PositionTarget, SpeedTarget},
 };
+use motorlink_words::tr;
 
 use crate::format;
 
@@ -72,7 +73,11 @@ const DEGREES_PER_RAW: f64 = 360.0 / PositionTarget::MAX as f64;
 pub(crate) const SPEED: Entry = Entry {
     min: SpeedTarget::MIN,
     max: SpeedTarget::MAX,
-    read: |text| whole(text, |rpm| SpeedTarget::new(rpm).map(Into::into)),
+    read: |text| {
+        whole(text, |rpm| {
+            within(rpm, SpeedTarget::MIN, SpeedTarget::MAX, tr!("Speed in rpm"))
+        })
+    },
     show: format::signed,
     scale: 1.0,
     step: 1.0,
@@ -83,7 +88,7 @@ pub(crate) const SPEED: Entry = Entry {
 pub(crate) const ACCELERATION: Entry = Entry {
     min: 0,
     max: 255,
-    read: |text| whole(text, |byte| within(byte, 0, 255, "Acceleration")),
+    read: |text| whole(text, |byte| within(byte, 0, 255, tr!("Acceleration"))),
     show: |byte| byte.to_string(),
     scale: 1.0,
     step: 1.0,
@@ -94,7 +99,16 @@ pub(crate) const ACCELERATION: Entry = Entry {
 pub(crate) const CURRENT: Entry = Entry {
     min: CurrentTarget::MIN,
     max: CurrentTarget::MAX,
-    read: |text| whole(text, |raw| CurrentTarget::new(raw).map(Into::into)),
+    read: |text| {
+        whole(text, |raw| {
+            within(
+                raw,
+                CurrentTarget::MIN,
+                CurrentTarget::MAX,
+                tr!("Raw current"),
+            )
+        })
+    },
     show: format::signed,
     scale: 1.0,
     step: 100.0,
@@ -105,7 +119,16 @@ pub(crate) const CURRENT: Entry = Entry {
 pub(crate) const POSITION: Entry = Entry {
     min: PositionTarget::MIN,
     max: PositionTarget::MAX,
-    read: |text| whole(text, |raw| PositionTarget::new(raw).map(Into::into)),
+    read: |text| {
+        whole(text, |raw| {
+            within(
+                raw,
+                PositionTarget::MIN,
+                PositionTarget::MAX,
+                tr!("Raw position"),
+            )
+        })
+    },
     show: |raw| raw.to_string(),
     scale: 1.0,
     step: 100.0,
@@ -133,7 +156,7 @@ pub(crate) const RATE: Entry = Entry {
                 hertz,
                 CommandRate::MIN.into(),
                 CommandRate::MAX.into(),
-                "Command rate in Hz",
+                tr!("Command rate in Hz"),
             )
         })
     },
@@ -149,7 +172,7 @@ pub(crate) const SPEED_LIMIT: Entry = Entry {
     max: Limits::SPEED_RPM.1 as i32,
     read: |text| {
         whole(text, |rpm| {
-            within_pair(rpm, Limits::SPEED_RPM, "Speed limit")
+            within_pair(rpm, Limits::SPEED_RPM, tr!("Speed limit"))
         })
     },
     show: |rpm| rpm.to_string(),
@@ -175,7 +198,7 @@ pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
     max: Limits::TEMPERATURE_C.1 as i32,
     read: |text| {
         whole(text, |degrees| {
-            within_pair(degrees, Limits::TEMPERATURE_C, "Temperature limit")
+            within_pair(degrees, Limits::TEMPERATURE_C, tr!("Temperature limit"))
         })
     },
     show: |degrees| degrees.to_string(),
@@ -202,10 +225,11 @@ fn milliamps(text: &str) -> Typed {
     let (least, most) = Limits::CURRENT_MA;
     match tenths.map(|tenths| tenths.saturating_mul(100)) {
         Some(value) if (least.into()..=most.into()).contains(&value) => Typed::Value(value),
-        Some(_) => Typed::Wrong(format!(
-            "Current limit goes from 0.1 to 8 A; {text} is outside."
+        Some(_) => Typed::Wrong(tr!(
+            "Current limit goes from 0.1 to 8 A; {text} is outside.",
+            text
         )),
-        None => Typed::Wrong("Type a number of amps.".to_owned()),
+        None => Typed::Wrong(tr!("Type a number of amps.").to_owned()),
     }
 }
 
@@ -213,8 +237,12 @@ fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String>
     if (min..=max).contains(&value) {
         Ok(value)
     } else {
-        Err(format!(
-            "{quantity} goes from {min} to {max}; {value} is outside"
+        Err(tr!(
+            "{quantity} goes from {min} to {max}; {value} is outside.",
+            quantity,
+            min,
+            max,
+            value
         ))
     }
 }
@@ -242,7 +270,9 @@ pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, 
         return Typed::Unfinished;
     }
     match text.parse::<i32>() {
-        Ok(value) => check(value).map_or_else(|error| Typed::Wrong(sentence(&error)), Typed::Value),
+        Ok(value) => {
+            check(value).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
+        }
         // Digits alone that do not fit are far out of any range; say the range, not "no number".
         Err(_) if is_digits(text.trim_start_matches(['-', '+'])) => {
             let far = if text.starts_with('-') {
@@ -250,9 +280,9 @@ pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, 
             } else {
                 i32::MAX
             };
-            check(far).map_or_else(|error| Typed::Wrong(sentence(&error)), Typed::Value)
+            check(far).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
         }
-        Err(_) => Typed::Wrong("Type a whole number.".to_owned()),
+        Err(_) => Typed::Wrong(tr!("Type a whole number.").to_owned()),
     }
 }
 
@@ -270,10 +300,11 @@ fn degrees(text: &str) -> Typed {
         Some(angle) if (0.0..=360.0).contains(&angle) => {
             Typed::Value(PositionTarget::from_degrees(angle).into())
         }
-        Some(_) => Typed::Wrong(format!(
-            "Angle goes from 0 to 360 degrees; {text} is outside."
+        Some(_) => Typed::Wrong(tr!(
+            "Angle goes from 0 to 360 degrees; {text} is outside.",
+            text
         )),
-        None => Typed::Wrong("Type a number of degrees.".to_owned()),
+        None => Typed::Wrong(tr!("Type a number of degrees.").to_owned()),
     }
 }
 
@@ -295,11 +326,6 @@ fn decimal(text: &str) -> Option<f32> {
     };
     let thousandths: String = part.chars().chain("000".chars()).take(3).collect();
     Some(sign * (number(whole) + number(&thousandths) / 1000.0))
-}
-
-/// As a sentence of its own under a field.
-pub(crate) fn sentence(error: &impl ToString) -> String {
-    format!("{}.", format::capitalized(&error.to_string()))
 }
 
 #[cfg(test)]
@@ -370,10 +396,10 @@ mod tests {
         }
         assert_eq!(
             (SPEED.read)("12a"),
-            Typed::Wrong("Type a whole number.".to_owned())
+            Typed::Wrong(tr!("Type a whole number.").to_owned())
         );
         for text in ["NaN", "1e2", "1.2.3", ".", "--1", "inf"] {
-            let words = "Type a number of degrees.".to_owned();
+            let words = tr!("Type a number of degrees.").to_owned();
             assert_eq!((ANGLE.read)(text), Typed::Wrong(words), "{text}");
         }
     }

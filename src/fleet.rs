@@ -1,6 +1,7 @@
 //! Who is who among the motors: their names, their sides and which of them drive together, as this
 //! browser remembers it for each ID.
 
+use motorlink_words::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{
@@ -203,18 +204,23 @@ pub(crate) fn rows_html(found: &[MotorId], fleet: &Fleet) -> String {
         let _ = write!(
             html,
             "<li class=\"fleet-row\"><label class=\"check\"><input type=\"checkbox\" \
-             id=\"drive-{number}\" aria-label=\"Drive {id}\"{checked}><b>{id}</b></label>\
+             id=\"drive-{number}\" aria-label=\"{}\"{checked}><b>{id}</b></label>\
              <input type=\"text\" class=\"fleet-name\" id=\"name-{number}\" \
-             aria-label=\"Name of {id}\" placeholder=\"Name\" maxlength=\"{NAME_MAX}\" \
+             aria-label=\"{}\" placeholder=\"{}\" maxlength=\"{NAME_MAX}\" \
              autocomplete=\"off\" spellcheck=\"false\" value=\"{}\">\
-             <select class=\"select fleet-side\" id=\"side-{number}\" aria-label=\"Side of {id}\">",
-            escaped(member.name())
+             <select class=\"select fleet-side\" id=\"side-{number}\" aria-label=\"{}\">",
+            tr!("Drive {id}", id),
+            tr!("Name of {id}", id),
+            tr!("Name"),
+            escaped(member.name()),
+            tr!("Side of {id}", id)
         );
         for side in Side::ALL {
             let selected = if side == member.side { " selected" } else { "" };
             let words = match side {
-                Side::None => "no side",
-                side => side.key(),
+                Side::None => tr!("no side"),
+                Side::Left => tr!("left"),
+                Side::Right => tr!("right"),
             };
             let key = side.key();
             let _ = write!(html, "<option value=\"{key}\"{selected}>{words}</option>");
@@ -222,7 +228,8 @@ pub(crate) fn rows_html(found: &[MotorId], fleet: &Fleet) -> String {
         html.push_str("</select></li>");
     }
     if html.is_empty() {
-        html.push_str("<li class=\"quiet\">Motors that answer stand here.</li>");
+        let words = tr!("Motors that answer stand here.");
+        let _ = write!(html, "<li class=\"quiet\">{words}</li>");
     }
     html
 }

@@ -3,6 +3,8 @@
 use std::time::Duration;
 
 use motorlink_messages::protocol::{Current, CurrentTarget, PositionTarget, Rpm, Setpoint};
+pub(crate) use motorlink_words::terms::in_language;
+use motorlink_words::tr;
 
 /// Shown where nothing is known. Unknown is not zero.
 pub(crate) const UNKNOWN: &str = "–";
@@ -12,6 +14,16 @@ const MINUS: char = '\u{2212}';
 
 /// Narrow, and no line breaks at it.
 const GROUP_SPACE: char = '\u{202F}';
+
+/// `2.7`, `0.125`: amps from milliamps, to a tenth where that is all.
+pub(crate) fn milliamps(milliamps: u16) -> String {
+    let (amps, rest) = (milliamps / 1_000, milliamps % 1_000);
+    in_language(if rest.is_multiple_of(100) {
+        format!("{amps}.{}", rest / 100)
+    } else {
+        format!("{amps}.{rest:03}")
+    })
+}
 
 /// `+100`, `−50`, `0`
 pub(crate) fn signed(value: i32) -> String {
@@ -25,7 +37,9 @@ pub(crate) fn signed(value: i32) -> String {
 /// `+0.18`, `−0.50`, `0.00`: a value that rounds to zero has no sign.
 fn signed_decimal(value: f32, decimals: usize) -> String {
     let digits = format!("{:.decimals$}", value.abs());
-    if digits.bytes().all(|byte| matches!(byte, b'0' | b'.')) {
+    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    let digits = in_language(digits);
+    if is_zero {
         return digits;
     }
     let sign = if value < 0.0 { MINUS } else { '+' };
@@ -49,16 +63,16 @@ pub(crate) fn amps_of(target: CurrentTarget) -> String {
 
 /// `90.00`
 pub(crate) fn angle_of(target: PositionTarget) -> String {
-    format!("{:.2}", target.degrees())
+    in_language(format!("{:.2}", target.degrees()))
 }
 
 /// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: what a motor is driven to.
 pub(crate) fn goal(setpoint: Setpoint) -> String {
     match setpoint {
         Setpoint::Velocity { speed, .. } => format!("{} rpm", signed(speed.rpm().into())),
-        Setpoint::Brake => "brake".to_owned(),
+        Setpoint::Brake => tr!("brake").to_owned(),
         Setpoint::Current(target) => amps_of(target),
-        Setpoint::Position(target) => format!("{:.1}°", target.degrees()),
+        Setpoint::Position(target) => in_language(format!("{:.1}°", target.degrees())),
     }
 }
 
@@ -67,7 +81,7 @@ pub(crate) fn age(age: Duration) -> String {
     let tenths = age.as_secs() * 10 + u64::from(age.subsec_millis()).div_ceil(100);
     let tenths = tenths.max(1);
     match tenths {
-        0..100 => format!("{}.{} s", tenths / 10, tenths % 10),
+        0..100 => in_language(format!("{}.{} s", tenths / 10, tenths % 10)),
         100..1200 => format!("{} s", tenths / 10),
         _ => format!("{} min", tenths / 600),
     }
@@ -105,12 +119,12 @@ pub(crate) fn stopwatch(millis: u64) -> String {
 /// `2.9`, milliseconds from microseconds.
 pub(crate) fn milliseconds(micros: u32) -> String {
     let tenths = micros.div_ceil(100);
-    format!("{}.{}", tenths / 10, tenths % 10)
+    in_language(format!("{}.{}", tenths / 10, tenths % 10))
 }
 
 /// `0.4`, percent from per mille.
 pub(crate) fn percent(per_mille: u16) -> String {
-    format!("{}.{}", per_mille / 10, per_mille % 10)
+    in_language(format!("{}.{}", per_mille / 10, per_mille % 10))
 }
 
 #[cfg(test)]

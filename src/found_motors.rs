@@ -1,5 +1,7 @@
 //! The list `Motors found`: who has answered, and what each reports.
 
+use crate::words::terms;
+use motorlink_words::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{
@@ -43,16 +45,20 @@ pub(crate) fn found_motors(
 
 fn reports(session: &Session, id: MotorId) -> String {
     let Some(mode) = session.mode(id) else {
-        return "answered the scan".to_owned();
+        return tr!("answered the scan").to_owned();
     };
     // Nobody else is asked while the bus is scanned.
     if !mode.is_fresh() && session.survey.is_none() {
-        return "does not answer now".to_owned();
+        return tr!("does not answer now").to_owned();
     }
     let faults = session.faults(id).filter(Reading::is_fresh);
     match faults.filter(|faults| !faults.value.is_none()) {
-        Some(faults) => format!("{}, fault: {}", mode.value, faults.value),
-        None => mode.value.to_string(),
+        Some(faults) => tr!(
+            "{mode}, fault: {faults}",
+            mode = terms::mode(mode.value),
+            faults = terms::faults(faults.value)
+        ),
+        None => terms::mode(mode.value).to_owned(),
     }
 }
 
@@ -67,9 +73,9 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
     {
         let number = id.get();
         let chip = if *chosen {
-            "<span class=\"chip active\">chosen</span>"
+            format!("<span class=\"chip active\">{}</span>", tr!("chosen"))
         } else {
-            ""
+            String::new()
         };
         let _ = write!(
             html,
@@ -79,7 +85,8 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
         );
     }
     if motors.is_empty() {
-        html.push_str("<li class=\"quiet\">No motor has answered yet.</li>");
+        let words = tr!("No motor has answered yet.");
+        let _ = write!(html, "<li class=\"quiet\">{words}</li>");
     }
     html
 }
@@ -87,7 +94,7 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
 /// Why the only motor that is known needs no such ID.
 pub(crate) fn objection(session: &Session, to: AssignableId) -> Option<String> {
     let only = session.found() == [to.id()];
-    only.then(|| Refusal::SameId(to.id()).to_string())
+    only.then(|| terms::refusal(Refusal::SameId(to.id())))
 }
 
 #[cfg(test)]

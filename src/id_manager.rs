@@ -9,6 +9,7 @@ use motorlink_messages::{
     bus::{Command, IdChangeOutcome, ScanReport, SurveyStatus},
     protocol::{AssignableId, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{
     notice_board::{Remedy, Tone, Topic, Words},
@@ -159,21 +160,23 @@ impl IdManager {
     pub(crate) fn words(&self) -> Words {
         match (&self.wish, &self.said) {
             (Wish::Proving { to, .. } | Wish::Asking { to, .. }, _) => calm(
-                format!(
-                    "Before {} is set, a full scan proves that one motor is there",
-                    to.id()
+                tr!(
+                    "Before {id} is set, a full scan proves that one motor is there",
+                    id = to.id()
                 ),
-                "What is driven is stopped first. Then you are asked.",
+                tr!("What is driven is stopped first. Then you are asked."),
             ),
             (Wish::Setting { from, to }, _) => calm(
-                format!("Motor {from} is being given ID {}", to.id()),
-                "Leave its power on: five frames, then both IDs are asked.",
+                tr!("Motor {from} is being given ID {to}", from, to = to.id()),
+                tr!("Leave its power on: five frames, then both IDs are asked."),
             ),
             (Wish::None, Some(said)) => said.clone(),
             (Wish::None, None) => calm(
-                "Who is there?".to_owned(),
-                "Scan asks all at once, which is enough for one motor; Full scan asks each of 254 \
-                 addresses. Set ID begins with a full scan.",
+                tr!("Who is there?").to_owned(),
+                tr!(
+                    "Scan asks all at once, which is enough for one motor; Full scan asks each of 254 \
+                 addresses. Set ID begins with a full scan."
+                ),
             ),
         }
     }

@@ -5,6 +5,7 @@ use motorlink_messages::{
     journal::{Export, Filter, FromJournal, RecordingStatus, ToJournal},
     protocol::Instant,
 };
+use motorlink_words::tr;
 use web_sys::Blob;
 
 use crate::{
@@ -189,16 +190,17 @@ impl Desk {
                 self.journal.exporting.set(None);
                 if let Some(file) = file {
                     save_blob(&file, &name);
-                    self.log_now(log_lines::calm(format!(
-                        "Exported {} rows to {name}",
-                        grouped(rows)
+                    self.log_now(log_lines::calm(tr!(
+                        "Exported {rows} rows to {name}",
+                        rows = grouped(rows),
+                        name
                     )));
                 }
             }
             FromJournal::NotExported { what, cancelled } => {
                 self.journal.exporting.set(None);
                 if cancelled {
-                    self.log_now(log_lines::calm("Export was cancelled"));
+                    self.log_now(log_lines::calm(tr!("Export was cancelled")));
                 } else {
                     self.say(words::of_nothing_to_export(what));
                 }

@@ -5,6 +5,7 @@ use motorlink_messages::{
     bus::{CommandRate, Limits},
     journal::{KeptSession, ToJournal},
 };
+use motorlink_words::tr;
 
 use crate::{
     desk::{Desk, Dialog},
@@ -12,7 +13,7 @@ use crate::{
     log_feed::LogFeed,
     preferences::{Model, Preferences, forget_all},
     setup::Setup,
-    words::{journal::NO_JOURNAL, kept as words, log_lines},
+    words::{journal::no_journal, kept as words, log_lines},
 };
 
 /// A session that the browser keeps, and what is done with it.
@@ -58,10 +59,10 @@ impl Desk {
     /// Why nothing can be erased now, where a setup could not be taken in for this reason either.
     pub(crate) fn why_not_erase(self, in_use: Option<String>) -> Option<String> {
         if !self.journal.alive.get() {
-            return Some(NO_JOURNAL.to_owned());
+            return Some(no_journal().to_owned());
         }
         let records = self.journal.recording.with(|status| status.recording);
-        let records = records.then(|| "End the recording first.".to_owned());
+        let records = records.then(|| tr!("End the recording first.").to_owned());
         records.or(in_use)
     }
 
@@ -76,7 +77,7 @@ impl Desk {
         let in_use = untrack(|| self.why_not_import(&self.present()));
         let in_use = in_use.or_else(|| self.why_not_turn_sides());
         if let Some(reason) = untrack(|| self.why_not_erase(in_use)) {
-            self.refuse("Nothing was erased".to_owned(), reason);
+            self.refuse(tr!("Nothing was erased").to_owned(), reason);
             return;
         }
         self.journal.kept.set(Offer::None);

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
+use motorlink_words::tr;
 use web_sys::VisibilityState;
 
 use crate::{
@@ -60,8 +61,8 @@ fn visibility_changed(desk: Desk) {
 fn title(session: &Session) -> String {
     let said = |motor: &MotorStatus| match motor.activity {
         Activity::Driven { setpoint } => Some(format::goal(setpoint)),
-        Activity::DrivenRaw => Some("raw frames".to_owned()),
-        Activity::Stopping { confirmed: false } => Some("stopping".to_owned()),
+        Activity::DrivenRaw => Some(tr!("raw frames").to_owned()),
+        Activity::Stopping { confirmed: false } => Some(tr!("stopping").to_owned()),
         Activity::Stopping { confirmed: true } | Activity::Switching { .. } | Activity::Idle => {
             None
         }
@@ -70,7 +71,10 @@ fn title(session: &Session) -> String {
     match driven.as_slice() {
         [] => TITLE.to_owned(),
         [one] => format!("● {one} - {TITLE}"),
-        several => format!("● {} motors - {TITLE}", several.len()),
+        several => format!(
+            "● {} - {TITLE}",
+            tr!("{motors} motors", motors = several.len())
+        ),
     }
 }
 

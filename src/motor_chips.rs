@@ -1,5 +1,6 @@
 //! The chips of the strip: who has answered, and what each reports.
 
+use motorlink_words::tr;
 use std::fmt::Write;
 
 use motorlink_messages::protocol::{Faults, MotorId};
@@ -45,19 +46,25 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
         let name = escaped(member.name().trim());
         let (side, of_side) = match member.side {
             Side::None => ("", ""),
-            Side::Left => ("L", ", left"),
-            Side::Right => ("R", ", right, mirrored"),
+            Side::Left => (tr!("L" as "left side"), tr!("left")),
+            Side::Right => (tr!("R" as "right side"), tr!("right, mirrored")),
         };
         let title = if member.side.mirror().is_mirrored() {
-            " title=\"Mirrored: speed and current have the other sign than the wire's\""
+            let words = tr!("Mirrored: speed and current have the other sign than the wire's");
+            format!(" title=\"{words}\"")
         } else {
-            ""
+            String::new()
         };
-        let of_name = if name.is_empty() { "" } else { ", " };
+        let mut label = tr!("Motor {id}", id);
+        for part in [name.as_str(), of_side] {
+            if !part.is_empty() {
+                label = format!("{label}, {part}");
+            }
+        }
         let _ = write!(
             html,
             "<button type=\"button\" class=\"motor-chip\" value=\"{}\" aria-pressed=\"{}\" \
-             aria-label=\"Motor {id}{of_name}{name}{of_side}\"><b>{id}</b>\
+             aria-label=\"{label}\"><b>{id}</b>\
              <span class=\"motor-name\">{name}</span><span class=\"motor-side\"{title}>{side}</span>",
             id.get(),
             *id == selected
@@ -71,7 +78,8 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
         html.push_str("</button>");
     }
     if html.is_empty() {
-        html.push_str("<span class=\"quiet\">Motors that answer stand here.</span>");
+        let words = tr!("Motors that answer stand here.");
+        let _ = write!(html, "<span class=\"quiet\">{words}</span>");
     }
     html
 }

@@ -2,6 +2,7 @@
 //! not push out the others.
 
 use motorlink_messages::protocol::MotorId;
+use motorlink_words::tr;
 
 /// What a notice is about. A new one takes the place of an older one on the same topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,11 +56,11 @@ pub(crate) enum Remedy {
 }
 
 impl Remedy {
-    pub(crate) const fn label(self) -> &'static str {
+    pub(crate) fn label(self) -> &'static str {
         match self {
-            Self::ShowAllPorts => "Show all ports",
-            Self::FullScan => "Scan every address",
-            Self::Reload => "Reload the page",
+            Self::ShowAllPorts => tr!("Show all ports"),
+            Self::FullScan => tr!("Scan every address"),
+            Self::Reload => tr!("Reload the page"),
         }
     }
 }

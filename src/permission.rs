@@ -3,15 +3,16 @@
 //! The bus decides what is driven and refuses what must not be; these are its rules as far as a
 //! person can know them beforehand, so that a button says why before it is pressed.
 
+use crate::words::terms;
 use motorlink_messages::{
     Connection,
     bus::{Activity, NotTogether, Refusal, Together, check_position_switch},
     protocol::{Mode, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{
     fleet::{Crew, Side},
-    format,
     session::{Session, is_in_hand},
 };
 
@@ -21,29 +22,29 @@ fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
         return Some(reason.to_owned());
     }
     if session.halted {
-        return Some(Refusal::Halted.to_string());
+        return Some(terms::refusal(Refusal::Halted));
     }
     let heard = session.mode(id).filter(super::session::Reading::is_fresh);
     if session.survey.is_some() {
-        return Some(Refusal::Surveying.to_string());
+        return Some(terms::refusal(Refusal::Surveying));
     }
     if heard.is_none() {
-        return Some(Refusal::NotHeard(id).to_string());
+        return Some(terms::refusal(Refusal::NotHeard(id)));
     }
     let mut activities = session.motors.iter().map(|motor| motor.activity);
     activities
         .any(|activity| activity == Activity::DrivenRaw)
-        .then(|| Refusal::RawRunning.to_string())
+        .then(|| terms::refusal(Refusal::RawRunning))
 }
 
 fn why_not_connected(connection: Connection) -> Option<&'static str> {
     match connection {
         Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
-            Some("Not connected. Press Connect or Virtual motor.")
+            Some(tr!("Not connected. Press Connect or Virtual motor."))
         }
-        Connection::Connecting => Some("The port is being opened."),
-        Connection::Reconnecting(_) => Some("The adapter is unplugged. Plug it in again."),
+        Connection::Connecting => Some(tr!("The port is being opened.")),
+        Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it in again.")),
     }
 }
 
@@ -53,17 +54,29 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
         return Some(reason);
     }
     match session.motor(id)?.activity {
-        Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
-        Activity::Switching { to } => return Some(format!("Motor {id} is changing to the {to}.")),
+        Activity::Stopping { .. } => return Some(terms::refusal(Refusal::Stopping(id))),
+        Activity::Switching { to } => {
+            return Some(tr!(
+                "Motor {id} is changing to the {mode}.",
+                id,
+                mode = terms::mode(to)
+            ));
+        }
         Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     let faults = session.faults(id)?.value;
     if faults.any_named() {
-        return Some(Refusal::FaultActive { id, faults }.to_string());
+        return Some(terms::refusal(Refusal::FaultActive { id, faults }));
     }
     let reported = session.mode(id)?.value;
-    (reported != mode)
-        .then(|| format!("Motor {id} reports the {reported}. Press Switch to {mode} first."))
+    (reported != mode).then(|| {
+        tr!(
+            "Motor {id} reports the {reported}. Press Switch to {mode} first.",
+            id,
+            reported = terms::mode(reported),
+            mode = terms::mode(mode)
+        )
+    })
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
@@ -72,25 +85,24 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
         return Some(reason.to_owned());
     }
     if session.halted {
-        return Some(Refusal::Halted.to_string());
+        return Some(terms::refusal(Refusal::Halted));
     }
     if session.survey.is_some() {
-        return Some(Refusal::Surveying.to_string());
+        return Some(terms::refusal(Refusal::Surveying));
     }
     if crew.is_empty() {
-        return Some("Tick the motors that are to drive.".to_owned());
+        return Some(tr!("Tick the motors that are to drive.").to_owned());
     }
     if crew.len() > Together::MAX {
-        let words = NotTogether::TooMany.to_string();
-        return Some(format!("{}.", format::capitalized(&words)));
+        return Some(terms::not_together(NotTogether::TooMany));
     }
     crew.iter().find_map(|(id, _)| {
         let reason = why_not_drive(session, *id, Mode::Velocity)?;
-        let named = reason.starts_with(&format!("Motor {id} "));
+        let named = reason.contains(&id.to_string());
         Some(if named {
             reason
         } else {
-            format!("Motor {id}: {reason}")
+            tr!("Motor {id}: {reason}", id, reason)
         })
     })
 }
@@ -99,7 +111,7 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
 pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
     why_not_together(session, crew).or_else(|| {
         let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
-        Some(format!("To steer, choose the side of motor {id}."))
+        Some(tr!("To steer, choose the side of motor {id}.", id))
     })
 }
 
@@ -107,7 +119,10 @@ pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
 pub(crate) fn why_not_side(session: &Session, id: MotorId) -> Option<String> {
     let in_hand = session.motor(id).is_some_and(is_in_hand);
     in_hand.then(|| {
-        format!("Motor {id} is driven or being stopped. Its side is changed at a standstill.")
+        tr!(
+            "Motor {id} is driven or being stopped. Its side is changed at a standstill.",
+            id
+        )
     })
 }
 
@@ -117,21 +132,25 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
         return Some(reason);
     }
     match session.motor(id)?.activity {
-        Activity::Stopping { .. } => return Some(Refusal::Stopping(id).to_string()),
-        Activity::Switching { to } => return Some(format!("Motor {id} is changing to the {to}.")),
+        Activity::Stopping { .. } => return Some(terms::refusal(Refusal::Stopping(id))),
+        Activity::Switching { to } => {
+            return Some(tr!(
+                "Motor {id} is changing to the {mode}.",
+                id,
+                mode = terms::mode(to)
+            ));
+        }
         Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
     }
     if session.mode(id)?.value == mode {
-        return Some(format!("The motor is in the {mode}."));
+        return Some(tr!("The motor is in the {mode}.", mode = terms::mode(mode)));
     }
     if mode != Mode::Position {
         return None;
     }
     let speed = session.speed(id).filter(super::session::Reading::is_fresh);
     let speed = speed.map(|reading| reading.value);
-    check_position_switch(id, speed)
-        .err()
-        .map(|refusal| refusal.to_string())
+    check_position_switch(id, speed).err().map(terms::refusal)
 }
 
 /// Why this motor cannot be stopped on its own. Stop all motors has no such reason, ever.
@@ -145,7 +164,7 @@ pub(crate) fn why_not_scan(session: &Session) -> Option<String> {
         return Some(reason.to_owned());
     }
     let surveying = session.survey.is_some();
-    surveying.then(|| Refusal::Surveying.to_string())
+    surveying.then(|| terms::refusal(Refusal::Surveying))
 }
 
 /// Why there is no scan to end.
@@ -153,24 +172,24 @@ pub(crate) fn why_not_cancel(session: &Session) -> Option<String> {
     session
         .survey
         .is_none()
-        .then(|| "No scan is running.".to_owned())
+        .then(|| tr!("No scan is running.").to_owned())
 }
 
 /// Why a frame that a person wrote cannot be sent; one that moves nothing can while all motors are
 /// stopped.
 pub(crate) fn why_not_send(session: &Session, hazardous: bool) -> Option<String> {
     why_not_scan(session)
-        .or_else(|| (hazardous && session.halted).then(|| Refusal::Halted.to_string()))
+        .or_else(|| (hazardous && session.halted).then(|| terms::refusal(Refusal::Halted)))
 }
 
 /// Why no other setup can be taken in: it says which wheel is mirrored and who drives with whom, and
 /// that changes under nobody's hands.
 pub(crate) fn why_not_import(session: &Session, pad_is_held: bool) -> Option<String> {
     if pad_is_held {
-        return Some("Let go of the drive pad first.".to_owned());
+        return Some(tr!("Let go of the drive pad first.").to_owned());
     }
     let motor = session.in_hand().next()?;
-    Some(format!("Stop motor {} first: it is in use.", motor.id))
+    Some(tr!("Stop motor {id} first: it is in use.", id = motor.id))
 }
 
 #[cfg(test)]

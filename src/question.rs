@@ -2,8 +2,9 @@
 
 use motorlink_messages::{
     bus::Repeat,
-    protocol::{AssignableId, CurrentTarget, Frame, MotorId},
+    protocol::{AssignableId, Frame, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{desk::Dialog, format, words};
 
@@ -31,25 +32,29 @@ impl Dialog {
     pub(crate) fn question(self) -> Option<Question> {
         Some(match self {
             Self::Help => return None,
-            Self::HighCurrent(target) => high_current(target, "Drive at "),
+            Self::HighCurrent(target) => {
+                high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
+            }
             Self::ChangeId { from, to } => change_id(from, to),
             Self::Hazard(order) => hazard(order),
             Self::ClearLog(entries) => clear_log(entries),
             Self::EraseKept => erase_kept(),
-            Self::HighRawCurrent { current, .. } => high_current(current, "Send "),
+            Self::HighRawCurrent { current, .. } => {
+                high_current(tr!("Send {amps}", amps = format::amps_of(current)))
+            }
         })
     }
 }
 
-fn high_current(target: CurrentTarget, verb: &str) -> Question {
-    let yes = format!("{verb}{}", format::amps_of(target));
+fn high_current(yes: String) -> Question {
     Question {
-        name: "High current",
+        name: tr!("High current"),
         title: format!("{yes}?"),
-        words:
+        words: tr!(
             "This is above 6.1 A. The motor stalls at 2.7 A, and its protection trips at 4.6 A in \
-                a phase. Fasten the motor and keep fingers clear."
-                .to_owned(),
+             a phase. Fasten the motor and keep fingers clear."
+        )
+        .to_owned(),
         yes,
     }
 }
@@ -57,65 +62,73 @@ fn high_current(target: CurrentTarget, verb: &str) -> Question {
 fn change_id(from: MotorId, to: AssignableId) -> Question {
     let to = to.id();
     Question {
-        name: "Change the ID?",
-        title: "Change the ID?".to_owned(),
-        words: format!(
-            "Motor {from} will answer as {to} ({}) from now on. It keeps that in its flash, through \
+        name: tr!("Change the ID?"),
+        title: tr!("Change the ID?").to_owned(),
+        words: tr!(
+            "Motor {from} will answer as {to} ({number}) from now on. It keeps that in its flash, through \
              power-off.\nIt takes one new ID between two power-ups: to change it again, switch its power \
              off and on first.\nOnly one motor may be connected. The scan has found one; others that \
              are without power now would not be changed.",
-            to.get()
+            from,
+            to,
+            number = to.get()
         ),
-        yes: format!("Set ID {to}"),
+        yes: tr!("Set ID {to}", to),
     }
 }
 
 fn clear_log(entries: u64) -> Question {
     let yes = words::journal::of_clearing(entries);
     Question {
-        name: "Clear the packet log",
+        name: tr!("Clear the packet log"),
         title: format!("{yes}?"),
-        words:
+        words: tr!(
             "They cannot be brought back, and no CSV file that is made later will have them. The \
-                recording stays."
-                .to_owned(),
+             recording stays."
+        )
+        .to_owned(),
         yes,
     }
 }
 
 fn erase_kept() -> Question {
     Question {
-        name: "Erase kept data",
-        title: "Erase kept data?".to_owned(),
-        words: "Every session that this browser keeps goes, with its packets and its recording, this \
-                one too: the packet log begins anew.\nSo do names, sides and groups of motors, ramp, rate, \
-                model, theme and the other choices. None of it can be brought back. Motors are not \
-                touched."
-            .to_owned(),
-        yes: "Erase".to_owned(),
+        name: tr!("Erase kept data"),
+        title: tr!("Erase kept data?").to_owned(),
+        words: tr!(
+            "Every session that this browser keeps goes, with its packets and its recording, this \
+             one too: the packet log begins anew.\nSo do names, sides and groups of motors, ramp, rate, \
+             model, theme and the other choices. None of it can be brought back. Motors are not \
+             touched."
+        )
+        .to_owned(),
+        yes: tr!("Erase").to_owned(),
     }
 }
 
 fn hazard(order: RawOrder) -> Question {
     let often = match order.repeat {
-        Repeat::Times { count: 0, .. } => " It is repeated until you stop it.",
+        Repeat::Times { count: 0, .. } => tr!(" It is repeated until you stop it."),
         Repeat::Times { .. } | Repeat::Once => "",
     };
     Question {
-        name: "Send this frame?",
-        title: "Send this frame?".to_owned(),
-        words: format!(
-            "{}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
+        name: tr!("Send this frame?"),
+        title: tr!("Send this frame?").to_owned(),
+        words: tr!(
+            "{frame}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
              keep fingers clear.\nSTOP, Space and Escape stop it. You are asked this once, until the \
              page is closed.",
-            order.frame
+            frame = order.frame,
+            often
         ),
-        yes: "Send it".to_owned(),
+        yes: tr!("Send it").to_owned(),
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use motorlink_messages::protocol::CurrentTarget;
+
     use super::*;
 
     fn order(repeat: Repeat) -> RawOrder {

@@ -1,11 +1,13 @@
 //! What an operator does in the tab `Raw Hex`, and what the page does about it.
 
+use crate::words::terms;
 use leptos::prelude::*;
 use motorlink_messages::{
     Notice,
     bus::{Command, Consent, Refusal, Repeat, is_hazardous},
     protocol::{Frame, Layout, MotorId, Request},
 };
+use motorlink_words::tr;
 
 use crate::{
     desk::{Desk, Dialog},
@@ -119,7 +121,7 @@ impl Desk {
                 refusal,
             } => (*frame, *repeat, *refusal),
             Notice::TooLate(Command::SendRaw { .. }) => {
-                let words = "It came too late: the page was busy. Press Send again.";
+                let words = tr!("It came too late: the page was busy. Press Send again.");
                 return self.raw.refused.set(Some(words.to_owned()));
             }
             _ => return,
@@ -134,10 +136,10 @@ impl Desk {
             }
             Refusal::NeedsConsent(current) => {
                 let amps = format::amps_of(current);
-                let words = format!("{amps} is above 6.1 A. Press Send again to be asked.");
+                let words = tr!("{amps} is above 6.1 A. Press Send again to be asked.", amps);
                 self.raw.refused.set(Some(words));
             }
-            refusal => self.raw.refused.set(Some(refusal.to_string())),
+            refusal => self.raw.refused.set(Some(terms::refusal(refusal))),
         }
     }
 }

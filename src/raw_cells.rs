@@ -1,5 +1,6 @@
 //! The bytes of a frame that a person writes, each with what it means.
 
+use motorlink_words::tr;
 use std::fmt::Write;
 
 use motorlink_messages::protocol::{FRAME_LEN, Frame, Request, RequestError};
@@ -20,31 +21,65 @@ fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
     };
     if [byte(0), byte(1), byte(2)] == SET_ID.map(Some) {
         return [
-            "set ID", "set ID", "set ID", "new ID", "zero", "zero", "zero", "zero", "zero",
-            "no CRC",
+            tr!("set ID"),
+            tr!("set ID"),
+            tr!("set ID"),
+            tr!("new ID"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("no CRC"),
         ];
     }
     match byte(1) {
         Some(DRIVE) => [
             "ID",
-            "command",
-            "value high",
-            "value low",
-            "zero",
-            "zero",
-            "accel",
-            "brake",
-            "zero",
+            tr!("command" as "byte"),
+            tr!("value high"),
+            tr!("value low"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("accel" as "byte"),
+            tr!("brake" as "byte"),
+            tr!("zero" as "byte"),
             "CRC",
         ],
         Some(QUERY) => [
-            "ID", "command", "zero", "zero", "zero", "zero", "zero", "zero", "zero", "CRC",
+            "ID",
+            tr!("command" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            "CRC",
         ],
         Some(SWITCH_MODE) => [
-            "ID", "command", "zero", "zero", "zero", "zero", "zero", "zero", "zero", "mode",
+            "ID",
+            tr!("command" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("mode" as "byte"),
         ],
         _ => [
-            "ID", "command", "byte 2", "byte 3", "byte 4", "byte 5", "byte 6", "byte 7", "byte 8",
+            "ID",
+            tr!("command" as "byte"),
+            tr!("byte 2"),
+            tr!("byte 3"),
+            tr!("byte 4"),
+            tr!("byte 5"),
+            tr!("byte 6"),
+            tr!("byte 7"),
+            tr!("byte 8"),
             "CRC",
         ],
     }
@@ -70,7 +105,7 @@ pub(crate) fn cells(entered: &Entered) -> String {
             Some(Piece::Byte(byte)) => format!("{byte:02X}"),
             Some(Piece::Half(digit)) => format!("{digit}·"),
             Some(Piece::Wrong { text, .. }) => {
-                (class, label) = (" wrong", "no byte");
+                (class, label) = (" wrong", tr!("no byte"));
                 text.chars().take(SHOWN_MAX).collect()
             }
             None => "··".to_owned(),
@@ -83,9 +118,9 @@ pub(crate) fn cells(entered: &Entered) -> String {
                 (class, text) = (" added", format!("{byte:02X}"));
             }
             label = match tenth {
-                Some(Tenth::CrcAdded) => "CRC added",
-                Some(Tenth::ZeroAdded) => "added",
-                Some(Tenth::WrongCrc { .. }) => "wrong CRC",
+                Some(Tenth::CrcAdded) => tr!("CRC added"),
+                Some(Tenth::ZeroAdded) => tr!("added" as "byte"),
+                Some(Tenth::WrongCrc { .. }) => tr!("wrong CRC"),
                 _ => label,
             };
         }

@@ -1,9 +1,11 @@
 //! A frame that a person writes, in words: what it asks, or what is wrong, and what came of it.
 
+use crate::words::terms;
 use motorlink_messages::{
     bus::{RawAnswer, RawStatus},
     protocol::{Frame, Mode, MotorId, Request, explain_heard, explain_sent},
 };
+use motorlink_words::tr;
 
 use crate::{
     format,
@@ -20,16 +22,16 @@ const SHOWN_MAX: usize = 12;
 pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> String {
     match entered.outcome() {
         Outcome::Nothing => {
-            "Nine bytes get their CRC here; ten are sent as they are. Lines of the log can be pasted."
+            tr!("Nine bytes get their CRC here; ten are sent as they are. Lines of the log can be pasted.")
                 .to_owned()
         }
-        Outcome::TooFew(9) => "Byte 9 has one digit so far.".to_owned(),
+        Outcome::TooFew(9) => tr!("Byte 9 has one digit so far.").to_owned(),
         Outcome::TooFew(bytes) => {
-            format!("{bytes} of 9 bytes; the CRC is added behind them.")
+            tr!("{bytes} of 9 bytes; the CRC is added behind them.", bytes)
         }
         Outcome::LoopMissing => {
-            "A mode switch ends with its loop instead of a CRC. Type byte 9: 01 current, 02 velocity, \
-             03 position."
+            tr!("A mode switch ends with its loop instead of a CRC. Type byte 9: 01 current, 02 velocity, \
+             03 position.")
                 .to_owned()
         }
         Outcome::Wrong(place) => match entered.pieces().get(place) {
@@ -43,37 +45,38 @@ pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> Str
 fn what_is_wrong(place: usize, text: &str, why: Why) -> String {
     let text: String = text.chars().take(SHOWN_MAX).collect();
     let why = match why {
-        Why::NotHex => "is not hex: two of 0-9 and A-F make a byte",
+        Why::NotHex => tr!("is not hex: two of 0-9 and A-F make a byte"),
         Why::OneDigit => "is one digit: a byte has two",
-        Why::NoDigits => "has no digits behind it",
+        Why::NoDigits => tr!("has no digits behind it"),
         Why::ManyDigits => "has more than two digits: put spaces between the bytes",
         Why::NotOneLogLine => {
-            return format!(
-                "“{text}” is from the packet log: paste one whole line of it, or the bytes."
+            return tr!(
+                "“{text}” is from the packet log: paste one whole line of it, or the bytes.",
+                text
             );
         }
-        Why::Surplus => "is one too many: a frame has ten bytes, 0 to 9",
+        Why::Surplus => tr!("is one too many: a frame has ten bytes, 0 to 9"),
     };
-    format!("Byte {place}: “{text}” {why}.")
+    tr!("Byte {place}: “{text}” {why}.", place, text, why)
 }
 
 fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String {
     let request = Request::parse(frame);
     let to = request.ok().and_then(|request| request.addressee());
     let mode = chosen.filter(|(id, _)| Some(*id) == to);
+    let meaning = terms::explained(explain_sent(frame, mode.map(|(_, mode)| mode)));
     let mut words = match to {
-        Some(id) => format!("To motor {id}: "),
-        None => String::new(),
+        Some(id) => tr!("To motor {id}: {meaning}.", id, meaning),
+        None => format!("{}.", format::capitalized(&meaning)),
     };
-    words += &explain_sent(frame, mode.map(|(_, mode)| mode)).to_string();
-    words = format::capitalized(&words);
-    words.push('.');
-    words += match (request.is_ok(), tenth) {
-        (false, _) => " It is sent as it is.",
-        (true, Tenth::ZeroAdded | Tenth::NoCrc) => " It carries no CRC and is not answered.",
-        (true, Tenth::Loop) => " Byte 9 is the loop: it carries no CRC and is not answered.",
-        (true, _) => "",
+    let rest = match (request.is_ok(), tenth) {
+        (false, _) => tr!("It is sent as it is."),
+        (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("It carries no CRC and is not answered."),
+        (true, Tenth::Loop) => tr!("Byte 9 is the loop: it carries no CRC and is not answered."),
+        (true, _) => return words,
     };
+    words.push(' ');
+    words.push_str(rest);
     words
 }
 
@@ -87,24 +90,29 @@ pub(crate) fn sent(raw: &RawStatus) -> String {
     } = raw;
     if *count == 1 {
         let words = match (sent, raw.running) {
-            (0, true) => "Is being sent",
-            (0, false) => "Stopped before it was sent",
-            _ => "Sent once",
+            (0, true) => tr!("Is being sent"),
+            (0, false) => tr!("Stopped before it was sent"),
+            _ => tr!("Sent once"),
         };
         return words.to_owned();
     }
     let state = if raw.running {
-        "Repeating: sent"
+        tr!("Repeating: sent")
     } else if *count == 0 || sent < count {
-        "Stopped: sent"
+        tr!("Stopped: sent")
     } else {
-        "Sent"
+        tr!("Sent")
     };
-    let of = match count {
-        0 => String::new(),
-        count => format!(" of {count}"),
-    };
-    format!("{state} {sent}{of}, answered {answered}")
+    match count {
+        0 => tr!("{state} {sent}, answered {answered}", state, sent, answered),
+        count => tr!(
+            "{state} {sent} of {count}, answered {answered}",
+            state,
+            sent,
+            count,
+            answered
+        ),
+    }
 }
 
 /// What came after the last of them.
@@ -117,18 +125,23 @@ pub(crate) fn answer(raw: &RawStatus) -> String {
             after_us,
         }) => {
             let from = frame.bytes().first().copied().unwrap_or_default();
-            format!(
-                "{frame}\nFrom 0x{from:02X} after {} ms: {}",
-                format::milliseconds(after_us),
-                explain_heard(&frame, asked)
+            tr!(
+                "{frame}\nFrom {from} after {ms} ms: {meaning}",
+                frame,
+                from = format!("0x{from:02X}"),
+                ms = format::milliseconds(after_us),
+                meaning = terms::explained(explain_heard(&frame, asked))
             )
         }
         Some(RawAnswer::Garbled) => {
-            "Bytes came, but no good reply: several motors at once, or noise.".to_owned()
+            tr!("Bytes came, but no good reply: several motors at once, or noise.").to_owned()
         }
-        Some(RawAnswer::NoneExpected) => "Sent. Such a frame has no answer.".to_owned(),
+        Some(RawAnswer::NoneExpected) => tr!("Sent. Such a frame has no answer.").to_owned(),
         Some(RawAnswer::Silence { waited_us }) => {
-            format!("No answer within {} ms.", format::milliseconds(waited_us))
+            tr!(
+                "No answer within {ms} ms.",
+                ms = format::milliseconds(waited_us)
+            )
         }
     }
 }

@@ -1,24 +1,25 @@
 //! What scans and ID changes say when they end: what was found, and what to do.
 
-use std::fmt::Write;
-
 use motorlink_messages::{
     Notice,
     bus::{Command, IdChangeOutcome, IdQueryOutcome, ScanReport, SurveyStatus},
     protocol::{AssignableId, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{
+    format::in_language,
     notice_board::{Remedy, Tone, Topic, Words},
-    words::WIRING,
+    words::wiring,
 };
 
 /// More IDs than these are counted, not named.
 const NAMED_MAX: usize = 8;
 
 /// Why an ID is only changed on a bus with one motor.
-const ONE_MOTOR_ONLY: &str =
-    "Every motor that hears a new ID takes it: leave only the one connected that is to get it.";
+fn one_motor_only() -> &'static str {
+    tr!("Every motor that hears a new ID takes it: leave only the one connected that is to get it.")
+}
 
 fn words(tone: Tone, title: impl Into<String>, advice: &[&str]) -> Words {
     Words {
@@ -52,24 +53,32 @@ pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> Words {
     let said = match outcome {
         IdQueryOutcome::One(id) => words(
             Tone::Calm,
-            format!("Motor {id} answers"),
-            &["One clean answer. Full scan makes sure that there is no other."],
+            tr!("Motor {id} answers", id),
+            &[tr!(
+                "One clean answer. Full scan makes sure that there is no other."
+            )],
         ),
         IdQueryOutcome::Cancelled => words(
             Tone::Calm,
-            "The ID query was not sent: a stop came first",
-            &["Press Scan again."],
+            tr!("The ID query was not sent: a stop came first"),
+            &[tr!("Press Scan again.")],
         ),
-        IdQueryOutcome::Nobody => words(Tone::Warning, "No motor answers on this adapter", &WIRING),
+        IdQueryOutcome::Nobody => words(
+            Tone::Warning,
+            tr!("No motor answers on this adapter"),
+            &wiring(),
+        ),
         IdQueryOutcome::Garbled => Words {
             remedy: Some(Remedy::FullScan),
             ..words(
                 Tone::Warning,
-                "Several motors answered at once, or there is noise on the line",
+                tr!("Several motors answered at once, or there is noise on the line"),
                 &[
-                    "Full scan asks every address on its own and finds them all.",
-                    "Only one motor on the line? Then check A and B, and put 120 Ω across them \
-                     beyond 1 m.",
+                    tr!("Full scan asks every address on its own and finds them all."),
+                    tr!(
+                        "Only one motor on the line? Then check A and B, and put 120 Ω across them \
+                     beyond 1 m."
+                    ),
                 ],
             )
         },
@@ -84,57 +93,77 @@ pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> Words {
 pub(crate) fn of_scan(report: &ScanReport) -> Words {
     let found = found(&report.found);
     if !report.complete {
-        let title = format!("The scan was cancelled after {} addresses", report.asked);
-        return words(Tone::Calm, title, &[&format!("Until then: {found}.")]);
+        let title = tr!(
+            "The scan was cancelled after {count} addresses",
+            count = report.asked
+        );
+        return words(Tone::Calm, title, &[&tr!("Until then: {found}.", found)]);
     }
     if !report.noisy.is_empty() {
-        let title = format!("Noise, but no clean answer at {}", ids(&report.noisy));
+        let title = tr!(
+            "Noise, but no clean answer at {ids}",
+            ids = ids(&report.noisy)
+        );
         let shared =
-            "Two motors may share an ID there: connect one of them alone and give it another.";
-        let line = "Else check A and B, and put 120 Ω across them beyond 1 m.";
-        let rest = format!("Besides: {found}.");
+            tr!("Two motors may share an ID there: connect one of them alone and give it another.");
+        let line = tr!("Else check A and B, and put 120 Ω across them beyond 1 m.");
+        let rest = tr!("Besides: {found}.", found);
         return words(Tone::Warning, title, &[shared, line, &rest]);
     }
     if report.found.is_empty() {
-        return words(Tone::Warning, "No motor answers at any address", &WIRING);
+        return words(
+            Tone::Warning,
+            tr!("No motor answers at any address"),
+            &wiring(),
+        );
     }
     let took = tenths_of_a_second(report.took_ms);
-    let title = format!("Full scan: {found}");
+    let title = tr!("Full scan: {found}", found);
     words(
         Tone::Calm,
         title,
-        &[&format!(
-            "All {} addresses were asked, in {took}.",
-            report.asked
+        &[&tr!(
+            "All {count} addresses were asked, in {took}.",
+            count = report.asked,
+            took
         )],
     )
 }
 
 /// A full scan that was to prove that one motor is there has not proved it.
 pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> Words {
-    let unchanged = |why: &str| format!("The ID was not changed: {why}");
+    let unchanged = |why: &str| tr!("The ID was not changed: {why}", why);
     if !report.complete {
-        let advice = "Only a whole scan proves that one motor is there. Press Set ID again.";
-        return words(Tone::Calm, unchanged("the scan was cancelled"), &[advice]);
+        let advice = tr!("Only a whole scan proves that one motor is there. Press Set ID again.");
+        return words(
+            Tone::Calm,
+            unchanged(tr!("the scan was cancelled")),
+            &[advice],
+        );
     }
     if !report.noisy.is_empty() {
-        let noise = format!("noise at {}", ids(&report.noisy));
-        let advice = "Two motors may share an ID there, or the line is bad.";
-        return words(Tone::Warning, unchanged(&noise), &[advice, ONE_MOTOR_ONLY]);
+        let noise = tr!("noise at {ids}", ids = ids(&report.noisy));
+        let advice = tr!("Two motors may share an ID there, or the line is bad.");
+        return words(
+            Tone::Warning,
+            unchanged(&noise),
+            &[advice, one_motor_only()],
+        );
     }
     match report.found.as_slice() {
-        [] => words(Tone::Warning, unchanged("no motor answers"), &WIRING),
+        [] => words(Tone::Warning, unchanged(tr!("no motor answers")), &wiring()),
         [only] => words(
             Tone::Calm,
-            format!("Motor {only} has this ID already"),
-            &[&format!(
-                "{} is {only}: there is nothing to change.",
-                to.id().get()
+            tr!("Motor {only} has this ID already", only),
+            &[&tr!(
+                "{number} is {only}: there is nothing to change.",
+                number = to.id().get(),
+                only
             )],
         ),
         several => {
-            let count = format!("{} motors answer, {}", several.len(), ids(several));
-            words(Tone::Warning, unchanged(&count), &[ONE_MOTOR_ONLY])
+            let count = several_answer(several);
+            words(Tone::Warning, unchanged(&count), &[one_motor_only()])
         }
     }
 }
@@ -142,58 +171,78 @@ pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> Words {
 /// How an ID change ended.
 pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOutcome) -> Words {
     let to = to.id();
-    let unchanged = |why: &str| format!("The ID was not changed: {why}");
+    let unchanged = |why: &str| tr!("The ID was not changed: {why}", why);
     match outcome {
         IdChangeOutcome::Changed => words(
             Tone::Calm,
-            format!("Motor {from} is motor {to} now"),
+            tr!("Motor {from} is motor {to} now", from, to),
             &[
-                "The new ID answers and the old one is silent. The motor keeps it through power-off.",
-                "To change it again, switch the motor's power off and on first.",
+                tr!(
+                    "The new ID answers and the old one is silent. The motor keeps it through power-off."
+                ),
+                tr!("To change it again, switch the motor's power off and on first."),
             ],
         ),
         IdChangeOutcome::Kept => words(
             Tone::Warning,
-            format!("Motor {from} kept its ID"),
+            tr!("Motor {from} kept its ID", from),
             &[
-                "It has taken an ID since power-up already (its firmware allows one), or it did not \
-                 hear five frames in a row.",
-                "Switch its power off and on, then press Set ID again.",
+                tr!(
+                    "It has taken an ID since power-up already (its firmware allows one), or it did not \
+                 hear five frames in a row."
+                ),
+                tr!("Switch its power off and on, then press Set ID again."),
             ],
         ),
         IdChangeOutcome::Lost => words(
             Tone::Error,
-            format!("Neither {from} nor {to} answers"),
-            &["Check the motor's power and plugs, then press Full scan to see which ID it has."],
+            tr!("Neither {from} nor {to} answers", from, to),
+            &[tr!(
+                "Check the motor's power and plugs, then press Full scan to see which ID it has."
+            )],
         ),
         IdChangeOutcome::Both => words(
             Tone::Error,
-            format!("Both {from} and {to} answer: there is more than one motor"),
-            &["Press Full scan to see who is there.", ONE_MOTOR_ONLY],
+            tr!(
+                "Both {from} and {to} answer: there is more than one motor",
+                from,
+                to
+            ),
+            &[
+                tr!("Press Full scan to see who is there."),
+                one_motor_only(),
+            ],
         ),
         IdChangeOutcome::NotAlone => words(
             Tone::Warning,
-            unchanged("the line is not as the scan found it"),
+            unchanged(tr!("the line is not as the scan found it")),
             &[
-                "Nothing was sent. A motor was added or removed, or the answer was lost.",
-                ONE_MOTOR_ONLY,
+                tr!("Nothing was sent. A motor was added or removed, or the answer was lost."),
+                one_motor_only(),
             ],
         ),
         IdChangeOutcome::NotStopped => words(
             Tone::Error,
-            unchanged("a motor did not confirm its stop"),
-            &["Nothing was sent. Look at the wheel; if it turns, switch its power off."],
+            unchanged(tr!("a motor did not confirm its stop")),
+            &[tr!(
+                "Nothing was sent. Look at the wheel; if it turns, switch its power off."
+            )],
         ),
         IdChangeOutcome::Cancelled { frames_sent: 0 } => words(
             Tone::Calm,
-            unchanged("it was cancelled"),
-            &["Nothing was sent."],
+            unchanged(tr!("it was cancelled")),
+            &[tr!("Nothing was sent.")],
         ),
         IdChangeOutcome::Cancelled { frames_sent } => words(
             Tone::Warning,
-            format!("The ID change was cut short after {frames_sent} frames"),
-            &[&format!(
-                "The motor may have either ID, {from} or {to}: press Full scan to see which."
+            tr!(
+                "The ID change was cut short after {frames_sent} frames",
+                frames_sent
+            ),
+            &[&tr!(
+                "The motor may have either ID, {from} or {to}: press Full scan to see which.",
+                from,
+                to
             )],
         ),
     }
@@ -202,17 +251,17 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
 /// How far a scan or ID change is.
 pub(crate) fn of_progress(survey: Option<&SurveyStatus>) -> String {
     match survey {
-        None => "No scan is running; a scan first stops what is driven".to_owned(),
-        Some(SurveyStatus::Stopping) => "What is driven is stopped first".to_owned(),
+        None => tr!("No scan is running; a scan first stops what is driven").to_owned(),
+        Some(SurveyStatus::Stopping) => tr!("What is driven is stopped first").to_owned(),
         Some(SurveyStatus::Scanning {
             asked, of, left_ms, ..
         }) => {
             // Rounded up: nobody minds a scan that is over sooner.
             let left = left_ms.div_ceil(1_000).max(1);
-            format!("{asked} of {of}, about {left} s left")
+            tr!("{asked} of {of}, about {left} s left", asked, of, left)
         }
         Some(SurveyStatus::SettingId { from, to }) => {
-            format!("Motor {from} is being given ID {}", to.id())
+            tr!("Motor {from} is being given ID {to}", from, to = to.id())
         }
     }
 }
@@ -220,10 +269,18 @@ pub(crate) fn of_progress(survey: Option<&SurveyStatus>) -> String {
 /// `motor 0x01 answers`, `3 motors answer, 0x01, 0x02, 0x07`.
 fn found(motors: &[MotorId]) -> String {
     match motors {
-        [] => "no motor answers".to_owned(),
-        [only] => format!("motor {only} answers"),
-        several => format!("{} motors answer, {}", several.len(), ids(several)),
+        [] => tr!("no motor answers").to_owned(),
+        [only] => tr!("motor {only} answers", only),
+        several => several_answer(several),
     }
+}
+
+fn several_answer(motors: &[MotorId]) -> String {
+    tr!(
+        "{count} motors answer, {ids}",
+        count = motors.len(),
+        ids = ids(motors)
+    )
 }
 
 fn ids(motors: &[MotorId]) -> String {
@@ -235,7 +292,8 @@ fn ids(motors: &[MotorId]) -> String {
         text.push_str(&id.to_string());
     }
     if motors.len() > NAMED_MAX {
-        let _ = write!(text, " and {} more", motors.len() - NAMED_MAX);
+        let count = motors.len() - NAMED_MAX;
+        return tr!("{ids} and {count} more", ids = text, count);
     }
     text
 }
@@ -243,7 +301,7 @@ fn ids(motors: &[MotorId]) -> String {
 /// `2.1 s`
 fn tenths_of_a_second(millis: u32) -> String {
     let tenths = millis.div_ceil(100);
-    format!("{}.{} s", tenths / 10, tenths % 10)
+    in_language(format!("{}.{} s", tenths / 10, tenths % 10))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use js_sys::{Array, Uint8Array};
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 
@@ -50,9 +51,9 @@ impl Desk {
     pub(crate) async fn import_setup(self, file: &File) -> String {
         let words = match read(file).await {
             Some(read) => self.take_file(read),
-            None => words::of_refusal("The file cannot be read. Choose it again."),
+            None => words::of_refusal(tr!("The file cannot be read. Choose it again.")),
         };
-        self.log(self.now(), log_lines::calm(format!("Setup: {words}")));
+        self.log(self.now(), log_lines::calm(tr!("Setup: {words}", words)));
         words
     }
 

@@ -1,6 +1,7 @@
 //! A value that is entered: the last good one, and what is being typed over it.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use crate::entry::{Entry, Typed};
 
@@ -73,7 +74,7 @@ impl Target {
                         *draft = None;
                         good = true;
                     }
-                    Typed::Unfinished => typing.trouble = Some("Type a number.".to_owned()),
+                    Typed::Unfinished => typing.trouble = Some(tr!("Type a number.").to_owned()),
                     Typed::Wrong(words) => typing.trouble = Some(words),
                 }
             }

@@ -6,6 +6,7 @@ use motorlink_messages::{
     bus::{Activity, Command, Consent, Ramp},
     protocol::MotorId,
 };
+use motorlink_words::tr;
 use web_sys::VisibilityState;
 
 use crate::{
@@ -99,7 +100,7 @@ impl Desk {
     pub(crate) fn set_side(self, id: MotorId, side: Side) {
         let reason = why_not_side(&self.present(), id).or_else(|| self.why_not_turn_sides());
         if let Some(reason) = reason {
-            self.refuse(format!("The side of motor {id} was not changed"), reason);
+            self.refuse(tr!("The side of motor {id} was not changed", id), reason);
             return;
         }
         self.change_member(id, |member| member.side = side);
@@ -120,7 +121,7 @@ impl Desk {
     pub(crate) fn start_together(self) {
         let crew = self.together.fleet.with_untracked(Fleet::crew);
         if let Some(reason) = why_not_together(&self.present(), &crew) {
-            self.refuse("Nothing was driven".to_owned(), reason);
+            self.refuse(tr!("Nothing was driven").to_owned(), reason);
             return;
         }
         let rpm = self.together.speed.get_untracked();

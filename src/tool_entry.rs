@@ -1,11 +1,13 @@
 //! The fields of the tools: the new ID of a motor, how often a frame is repeated, and the ramp.
 
+use crate::words::terms;
 use motorlink_messages::{
     bus::{Ramp, RawInterval},
     protocol::{AssignableId, MotorId, MotorIdError},
 };
+use motorlink_words::tr;
 
-use crate::entry::{Entry, Typed, plain, sentence, whole};
+use crate::entry::{Entry, Typed, plain, whole};
 
 /// Stands for a new ID that nobody has entered yet; no motor has it.
 pub(crate) const NO_NEW_ID: i32 = 0;
@@ -34,7 +36,7 @@ pub(crate) const COUNT: Entry = Entry {
     read: |text| {
         whole(text, |count| {
             let fits = (0..=COUNT_MAX).contains(&count);
-            fits.then_some(count).ok_or("type 0 to 1,000,000")
+            fits.then_some(count).ok_or(tr!("Type 0 to 1,000,000."))
         })
     },
     show: |count| count.to_string(),
@@ -50,7 +52,7 @@ pub(crate) const INTERVAL: Entry = Entry {
     read: |text| {
         whole(text, |millis| {
             let fits = interval(millis).is_some();
-            fits.then_some(millis).ok_or("type 2 to 60,000")
+            fits.then_some(millis).ok_or(tr!("Type 2 to 60,000."))
         })
     },
     show: |millis| millis.to_string(),
@@ -69,7 +71,7 @@ pub(crate) const RAMP: Entry = Entry {
         }
         whole(text, |rpm| {
             let fits = (0..=Ramp::MAX.into()).contains(&rpm);
-            fits.then_some(rpm).ok_or("type 0 to 10,000")
+            fits.then_some(rpm).ok_or(tr!("Type 0 to 10,000."))
         })
     },
     show: |rpm| rpm.to_string(),
@@ -88,10 +90,10 @@ pub(crate) fn assignable(id: i32) -> Option<AssignableId> {
     check(id).ok()
 }
 
-fn check(id: i32) -> Result<AssignableId, String> {
-    let byte = u8::try_from(id).map_err(|_| MotorIdError::TooLarge.to_string())?;
-    let id = MotorId::new(byte).map_err(|error| error.to_string())?;
-    AssignableId::new(id).map_err(|error| error.to_string())
+fn check(id: i32) -> Result<AssignableId, &'static str> {
+    let byte = u8::try_from(id).map_err(|_| terms::no_motor_id(MotorIdError::TooLarge))?;
+    let id = MotorId::new(byte).map_err(terms::no_motor_id)?;
+    AssignableId::new(id).map_err(terms::not_assignable)
 }
 
 fn new_id(text: &str) -> Typed {
@@ -102,7 +104,7 @@ fn new_id(text: &str) -> Typed {
         return if number.bytes().all(|digit| digit.is_ascii_digit()) {
             whole(&text, |id| check(id).map(|_| id))
         } else {
-            Typed::Wrong("Type a number, such as 5 or 0x05.".to_owned())
+            Typed::Wrong(tr!("Type a number, such as 5 or 0x05.").to_owned())
         };
     };
     if digits.is_empty() {
@@ -111,10 +113,10 @@ fn new_id(text: &str) -> Typed {
     let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     match i32::from_str_radix(digits, 16) {
         Ok(id) if is_hex => {
-            check(id).map_or_else(|error| Typed::Wrong(sentence(&error)), |_| Typed::Value(id))
+            check(id).map_or_else(|error| Typed::Wrong(error.to_owned()), |_| Typed::Value(id))
         }
-        Err(_) if is_hex => Typed::Wrong(sentence(&MotorIdError::TooLarge)),
-        _ => Typed::Wrong("Behind 0x come hex digits, as in 0x0A.".to_owned()),
+        Err(_) if is_hex => Typed::Wrong(terms::no_motor_id(MotorIdError::TooLarge).to_owned()),
+        _ => Typed::Wrong(tr!("Behind 0x come hex digits, as in 0x0A.").to_owned()),
     }
 }
 

@@ -5,6 +5,7 @@ use motorlink_messages::{
     bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
     protocol::{Mode, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{
     notice_board::{Remedy, Tone, Topic, Words},
@@ -16,6 +17,7 @@ pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
 pub(crate) mod setup;
+pub(crate) mod terms;
 
 /// What can go wrong before the worker is asked to open a port.
 #[cfg_attr(
@@ -49,22 +51,25 @@ fn words(topic: Topic, tone: Tone, title: impl Into<String>, advice: &[&str]) ->
 /// The second line of the connection's state.
 pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
     match connection {
-        Connection::Disconnected => ("Disconnected", "No port is open".to_owned()),
-        Connection::Connecting => ("Connecting", "Opening the port".to_owned()),
-        Connection::Connected(adapter) => ("Connected", adapter.to_string()),
-        Connection::Reconnecting(adapter) => ("Reconnecting", format!("Plug {adapter} in again")),
-        Connection::Failed(error) => ("Failed", failed_briefly(error).to_owned()),
+        Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
+        Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
+        Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
+        Connection::Reconnecting(adapter) => (
+            tr!("Reconnecting"),
+            tr!("Plug {adapter} in again", adapter = terms::adapter(adapter)),
+        ),
+        Connection::Failed(error) => (tr!("Failed"), failed_briefly(error).to_owned()),
     }
 }
 
-const fn failed_briefly(error: ConnectError) -> &'static str {
+fn failed_briefly(error: ConnectError) -> &'static str {
     match error {
-        ConnectError::NoWebSerial => "No Web Serial: use Chrome, Edge or the virtual motor",
-        ConnectError::PortGone => "The port is gone: press Choose another port",
-        ConnectError::OpenFailed => "Close other programs and tabs that use the port",
-        ConnectError::AlreadyOpen => "Open already: press Disconnect, then Connect",
-        ConnectError::Other => "Unplug the adapter, plug it in and press Connect",
-        ConnectError::OtherTab => "Another tab of MotorLink uses this adapter",
+        ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
+        ConnectError::PortGone => tr!("The port is gone: press Choose another port"),
+        ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
+        ConnectError::AlreadyOpen => tr!("Open already: press Disconnect, then Connect"),
+        ConnectError::Other => tr!("Unplug the adapter, plug it in and press Connect"),
+        ConnectError::OtherTab => tr!("Another tab of MotorLink uses this adapter"),
     }
 }
 
@@ -74,31 +79,45 @@ pub(crate) fn of_connect_error(error: ConnectError) -> Words {
     match error {
         ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
         ConnectError::PortGone => port(
-            "The port is not there any more",
-            &["Plug the adapter in, then press Connect or Choose another port."],
+            tr!("The port is not there any more"),
+            &[tr!(
+                "Plug the adapter in, then press Connect or Choose another port."
+            )],
         ),
         ConnectError::OpenFailed => port(
-            "The port does not open",
+            tr!("The port does not open"),
             &[
-                "In use? Close other tabs and programs that hold it, such as a serial monitor.",
-                "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
-                 from snap or Flatpak may not see ports at all: use a packaged one.",
-                "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty.",
-                "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI).",
-                "Gone? Unplug the adapter and plug it in again.",
+                tr!(
+                    "In use? Close other tabs and programs that hold it, such as a serial monitor."
+                ),
+                tr!(
+                    "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
+                 from snap or Flatpak may not see ports at all: use a packaged one."
+                ),
+                tr!(
+                    "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty."
+                ),
+                tr!(
+                    "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI)."
+                ),
+                tr!("Gone? Unplug the adapter and plug it in again."),
             ],
         ),
         ConnectError::AlreadyOpen => port(
-            "The port is open already",
-            &["Press Disconnect, then Connect."],
+            tr!("The port is open already"),
+            &[tr!("Press Disconnect, then Connect.")],
         ),
         ConnectError::Other => port(
-            "The browser could not open the port",
-            &["Unplug the adapter, plug it in again and press Connect."],
+            tr!("The browser could not open the port"),
+            &[tr!(
+                "Unplug the adapter, plug it in again and press Connect."
+            )],
         ),
         ConnectError::OtherTab => port(
-            "Another tab of MotorLink uses this adapter",
-            &["Press Disconnect there, or close that tab; then press Connect here."],
+            tr!("Another tab of MotorLink uses this adapter"),
+            &[tr!(
+                "Press Disconnect there, or close that tab; then press Connect here."
+            )],
         ),
     }
 }
@@ -109,22 +128,26 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
     match trouble {
         PickTrouble::NoWebSerial => port(
             Tone::Warning,
-            "This browser cannot open serial ports",
+            tr!("This browser cannot open serial ports"),
             &[
-                "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
-                 https or from localhost.",
-                "The virtual motor works here: press Virtual motor.",
+                tr!(
+                    "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
+                 https or from localhost."
+                ),
+                tr!("The virtual motor works here: press Virtual motor."),
             ],
         ),
         PickTrouble::Dismissed { filtered: true } => Words {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Calm,
-                "No port was chosen",
+                tr!("No port was chosen"),
                 &[
-                    "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
-                     ports.",
-                    "Nothing in the list? Check the USB cable: some carry power only.",
+                    tr!(
+                        "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
+                     ports."
+                    ),
+                    tr!("Nothing in the list? Check the USB cable: some carry power only."),
                 ],
             )
         },
@@ -132,28 +155,28 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Calm,
-                "No port was chosen",
-                &[
+                tr!("No port was chosen"),
+                &[tr!(
                     "Is the adapter not in the list? Check the USB cable (some carry power only) and \
-                     the driver of its chip.",
-                ],
+                     the driver of its chip."
+                )],
             )
         },
         PickTrouble::Forbidden => port(
             Tone::Error,
-            "The browser forbids serial ports to this page",
-            &[
+            tr!("The browser forbids serial ports to this page"),
+            &[tr!(
                 "Allow serial ports in the site settings (left of the address), or ask who manages \
-                 this browser.",
-            ],
+                 this browser."
+            )],
         ),
         PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
         PickTrouble::Unknown => Words {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Error,
-                "The browser's list of ports did not open",
-                &["Press Choose another port, or reload the page."],
+                tr!("The browser's list of ports did not open"),
+                &[tr!("Press Choose another port, or reload the page.")],
             )
         },
     }
@@ -166,14 +189,14 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
         Notice::TooLate(_) => words(
             Topic::Command,
             Tone::Warning,
-            "That was not done: it came too late",
-            &["The page was busy when you pressed. Press again."],
+            tr!("That was not done: it came too late"),
+            &[tr!("The page was busy when you pressed. Press again.")],
         ),
         Notice::NotConnected => words(
             Topic::Command,
             Tone::Calm,
-            "Nothing is connected",
-            &["Press Connect or Virtual motor."],
+            tr!("Nothing is connected"),
+            &[tr!("Press Connect or Virtual motor.")],
         ),
         Notice::IdQueryEnded(
             outcome
@@ -195,14 +218,16 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
         Notice::AdapterBack => words(
             Topic::Port,
             Tone::Calm,
-            "The adapter is back",
-            &["Nothing drives. Press Start when you are ready."],
+            tr!("The adapter is back"),
+            &[tr!("Nothing drives. Press Start when you are ready.")],
         ),
         Notice::LineError => words(
             Topic::Line,
             Tone::Warning,
-            "Damaged bytes on the line",
-            &["Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."],
+            tr!("Damaged bytes on the line"),
+            &[tr!(
+                "Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."
+            )],
         ),
         // Shown where the motor, its loop and the stop are shown.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
@@ -234,49 +259,68 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
         return None;
     }
     let title = match command {
-        Command::Drive { id, .. } => format!("Motor {id} was not driven"),
-        Command::DriveTogether { .. } => "The motors were not driven".to_owned(),
-        Command::SwitchMode { mode, .. } => format!("The {mode} was not asked for"),
-        Command::IdQuery => "The ID query was not sent".to_owned(),
-        Command::FullScan => "The bus was not scanned".to_owned(),
-        Command::SetId { .. } => "The ID was not changed".to_owned(),
-        Command::SendRaw { .. } => "The frame was not sent".to_owned(),
-        _ => "That was not done".to_owned(),
+        Command::Drive { id, .. } => tr!("Motor {id} was not driven", id),
+        Command::DriveTogether { .. } => tr!("The motors were not driven").to_owned(),
+        Command::SwitchMode { mode, .. } => {
+            tr!("The {mode} was not asked for", mode = terms::mode(mode))
+        }
+        Command::IdQuery => tr!("The ID query was not sent").to_owned(),
+        Command::FullScan => tr!("The bus was not scanned").to_owned(),
+        Command::SetId { .. } => tr!("The ID was not changed").to_owned(),
+        Command::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
+        _ => tr!("That was not done").to_owned(),
     };
     Some(words(
         Topic::Command,
         Tone::Warning,
         title,
-        &[&refusal.to_string()],
+        &[&terms::refusal(refusal)],
     ))
 }
 
 /// What to check where nobody answers, in the order in which it is mostly the reason.
-pub(crate) const WIRING: [&str; 4] = [
-    "Is the motor's 18 V supply on?",
-    "Is the brown wire tied to GND?",
-    "Swap orange and white: adapters label A and B both ways.",
-    "Is it the right ID? Choose another in the list Motor.",
-];
+pub(crate) fn wiring() -> [&'static str; 4] {
+    [
+        tr!("Is the motor's 18 V supply on?"),
+        tr!("Is the brown wire tied to GND?"),
+        tr!("Swap orange and white: adapters label A and B both ways."),
+        tr!("Is it the right ID? Choose another in the list Motor."),
+    ]
+}
 
 fn of_silence(id: MotorId) -> Words {
     words(
         Topic::Answer,
         Tone::Warning,
-        format!("Motor {id} has not answered for 2 s"),
-        &WIRING,
+        tr!("Motor {id} has not answered for 2 s", id),
+        &wiring(),
     )
 }
 
 fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
     let title = reported.map_or_else(
-        || format!("Motor {id} reports no loop; the {asked} was asked for"),
-        |reported| format!("Motor {id} stays in the {reported}; the {asked} was asked for"),
+        || {
+            tr!(
+                "Motor {id} reports no loop; the {asked} was asked for",
+                id,
+                asked = terms::mode(asked)
+            )
+        },
+        |reported| {
+            tr!(
+                "Motor {id} stays in the {reported}; the {asked} was asked for",
+                id,
+                reported = terms::mode(reported),
+                asked = terms::mode(asked)
+            )
+        },
     );
     let advice = match asked {
-        Mode::Position => "It refuses the position loop at 10 rpm and above: stop it, then switch.",
+        Mode::Position => {
+            tr!("It refuses the position loop at 10 rpm and above: stop it, then switch.")
+        }
         Mode::Current | Mode::Velocity => {
-            "Press Switch again. If it stays, turn its power off and on."
+            tr!("Press Switch again. If it stays, turn its power off and on.")
         }
     };
     words(Topic::Loop(id), Tone::Error, title, &[advice])
@@ -285,26 +329,29 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
 fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
     let (why, advice) = match reason {
         WithdrawReason::Silent => (
-            "it did not answer for 200 ms".to_owned(),
-            "Check its power and the signal plug, then press Start.",
+            tr!("it did not answer for 200 ms").to_owned(),
+            tr!("Check its power and the signal plug, then press Start."),
         ),
         WithdrawReason::Fault(faults) => (
-            format!("it reports {faults}"),
-            "Wait until the fault clears, free the wheel if it is blocked, then press Start.",
+            tr!("it reports {faults}", faults = terms::faults(faults)),
+            tr!("Wait until the fault clears, free the wheel if it is blocked, then press Start."),
         ),
         WithdrawReason::OtherLoop { reported } => (
-            format!("it reports the {reported}: it lost power, or another master spoke"),
-            "Check its power, then switch its loop and press Start.",
+            tr!(
+                "it reports the {reported}: it lost power, or another master spoke",
+                reported = terms::mode(reported)
+            ),
+            tr!("Check its power, then switch its loop and press Start."),
         ),
         WithdrawReason::Limit(crossed) => (
-            format!("{crossed}"),
-            "Find out why. The limits stand under Settings; nothing starts by itself.",
+            terms::crossed(crossed),
+            tr!("Find out why. The limits stand under Settings; nothing starts by itself."),
         ),
     };
     words(
         Topic::Setpoint(id),
         Tone::Error,
-        format!("Motor {id} is being stopped: {why}"),
+        tr!("Motor {id} is being stopped: {why}", id, why),
         &[advice],
     )
 }
@@ -323,8 +370,11 @@ fn of_stop(report: &StopReport) -> Option<Words> {
     Some(words(
         Topic::Stop,
         Tone::Error,
-        format!("Standstill is not confirmed: {}", open.join(", ")),
-        &["Look at the wheel. If it turns, switch its power off."],
+        tr!(
+            "Standstill is not confirmed: {motors}",
+            motors = open.join(", ")
+        ),
+        &[tr!("Look at the wheel. If it turns, switch its power off.")],
     ))
 }
 
@@ -333,38 +383,45 @@ fn of_unconfirmed(motor: StopOutcome) -> String {
         .speed
         // Without a sign, which a mirrored motor has the other way round.
         .map_or_else(
-            || "speed unknown".to_owned(),
+            || tr!("speed unknown").to_owned(),
             |speed| format!("{} rpm", speed.magnitude()),
         );
-    format!("motor {} ({speed})", motor.id)
+    tr!("motor {id} ({speed})", id = motor.id, speed)
 }
 
 fn of_lost_adapter(driven: &[MotorId]) -> Words {
     let coasts = match driven {
         [] => None,
-        [id] => Some(format!(
-            "Motor {id} was driven: without frames its wheel coasts to a standstill. Keep clear."
+        [id] => Some(tr!(
+            "Motor {id} was driven: without frames its wheel coasts to a standstill. Keep clear.",
+            id
         )),
-        ids => Some(format!(
-            "{} motors were driven: without frames their wheels coast to a standstill. Keep clear.",
-            ids.len()
+        ids => Some(tr!(
+            "{count} motors were driven: without frames their wheels coast to a standstill. Keep clear.",
+            count = ids.len()
         )),
     };
-    let mut words = words(Topic::Port, Tone::Error, "The adapter was pulled out", &[]);
+    let mut words = words(
+        Topic::Port,
+        Tone::Error,
+        tr!("The adapter was pulled out"),
+        &[],
+    );
     words.advice.extend(coasts);
-    let plug = "Plug it in again: the page reconnects, and nothing drives until you press Start.";
+    let plug =
+        tr!("Plug it in again: the page reconnects, and nothing drives until you press Start.");
     words.advice.push(plug.to_owned());
     words
 }
 
 /// The worker itself has failed.
 pub(crate) fn of_dead_worker(driven: bool) -> Words {
-    let coasts = "Its frames have ceased, so a wheel that was driven coasts to a standstill.";
+    let coasts = tr!("Its frames have ceased, so a wheel that was driven coasts to a standstill.");
     let mut words = words(
         Topic::Worker,
         Tone::Error,
-        "The background worker has stopped",
-        &["Reload the page to go on."],
+        tr!("The background worker has stopped"),
+        &[tr!("Reload the page to go on.")],
     );
     if driven {
         words.advice.insert(0, coasts.to_owned());
@@ -378,23 +435,24 @@ pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> Words 
     words(
         Topic::Choice,
         Tone::Calm,
-        format!("Motor {before} is being stopped"),
-        &[&format!(
-            "You chose motor {chosen}; only the chosen motor is driven."
+        tr!("Motor {before} is being stopped", before),
+        &[&tr!(
+            "You chose motor {chosen}; only the chosen motor is driven.",
+            chosen
         )],
     )
 }
 
 /// Why all motors are stopped, in the words of the dialog.
-pub(crate) const fn of_stop_reason(reason: StopReason) -> &'static str {
+pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
     match reason {
-        StopReason::Operator => "You pressed Stop all motors.",
-        StopReason::PageHidden => "The page was hidden, and Keep driving while hidden is off.",
-        StopReason::PageGone => "The page was closed, reloaded or frozen.",
-        StopReason::PageSilent => "The page did not answer its worker for a second.",
-        StopReason::Disconnect => "The port was closed.",
-        StopReason::OneMotor => "A motor was stopped.",
-        StopReason::Survey => "The bus is to be scanned.",
+        StopReason::Operator => tr!("You pressed Stop all motors."),
+        StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
+        StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
+        StopReason::PageSilent => tr!("The page did not answer its worker for a second."),
+        StopReason::Disconnect => tr!("The port was closed."),
+        StopReason::OneMotor => tr!("A motor was stopped."),
+        StopReason::Survey => tr!("The bus is to be scanned."),
     }
 }
 

@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_messages::journal::Export;
 
 use super::{button::PressButton, live::live};
-use crate::{desk::use_desk, words::journal::NO_JOURNAL};
+use crate::{desk::use_desk, words::journal::no_journal};
 
 /// A button of this name; while the file is being written `Cancel export`, and a progress bar in it.
 #[component]
@@ -24,7 +24,7 @@ pub(super) fn ExportButton(
     let is_mine = move || exporting.with(|one| one.is_some_and(|one| one.what == what));
     let why_not = move || {
         if !desk.journal.alive.get() {
-            return Some(NO_JOURNAL.to_owned());
+            return Some(no_journal().to_owned());
         }
         match exporting.get() {
             Some(one) if one.what == what => None,

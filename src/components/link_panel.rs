@@ -17,7 +17,7 @@ use crate::{
     desk::{Desk, use_desk},
     doctor::Record,
     drawer::Drawer,
-    words::link::NO_VIRTUAL_WIRE,
+    words::link::no_virtual_wire,
 };
 
 /// Panel `Link`.
@@ -99,7 +99,7 @@ impl Elements {
                 && wire.disabled() == is_virtual
             {
                 wire.set_disabled(!is_virtual);
-                wire.set_title(if is_virtual { "" } else { NO_VIRTUAL_WIRE });
+                wire.set_title(if is_virtual { "" } else { no_virtual_wire() });
                 // A virtual line begins good.
                 wire.set_value("0");
             }

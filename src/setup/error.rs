@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use motorlink_words::tr;
+
 use super::SETUP_BYTES_MAX;
 
 /// Why a file is no setup. Its text names the place and says what is allowed there.
@@ -42,41 +44,39 @@ pub enum Misfit {
 
 impl fmt::Display for SetupError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
+        f.write_str(&match self {
             Self::TooLarge => {
                 let kilobytes = SETUP_BYTES_MAX / 1024;
-                write!(f, "A setup has at most {kilobytes} KB.")
+                tr!("A setup has at most {kilobytes} KB.", kilobytes)
             }
-            Self::NoJson { line, column } => {
-                write!(
-                    f,
-                    "Line {line}, column {column}: from here on it is no JSON."
-                )
-            }
+            Self::NoJson { line, column } => tr!(
+                "Line {line}, column {column}: from here on it is no JSON.",
+                line,
+                column
+            ),
             Self::At { place, misfit } => {
-                let place = if place.is_empty() { "The file" } else { place };
-                write!(f, "{place}: {misfit}.")
+                let place = if place.is_empty() {
+                    tr!("The file")
+                } else {
+                    place
+                };
+                tr!("{place}: {misfit}.", place, misfit)
             }
-        }
+        })
     }
 }
 
 impl fmt::Display for Misfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Not(allowed) => write!(f, "allowed is {allowed}"),
-            Self::Missing(allowed) => write!(f, "is missing; allowed is {allowed}"),
+        f.write_str(&match self {
+            Self::Not(allowed) => tr!("allowed is {allowed}", allowed),
+            Self::Missing(allowed) => tr!("is missing; allowed is {allowed}", allowed),
             Self::Unknown(fields) => {
-                f.write_str("unknown; there are")?;
-                for (place, field) in fields.iter().enumerate() {
-                    let between = if place == 0 { " " } else { ", " };
-                    write!(f, "{between}{field}")?;
-                }
-                Ok(())
+                tr!("unknown; there are {fields}", fields = fields.join(", "))
             }
-            Self::Twice => f.write_str("is there twice"),
-            Self::SameId => f.write_str("a motor before it has this ID"),
-        }
+            Self::Twice => tr!("is there twice").to_owned(),
+            Self::SameId => tr!("a motor before it has this ID").to_owned(),
+        })
     }
 }
 

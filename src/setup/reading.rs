@@ -4,6 +4,7 @@ use motorlink_messages::{
     bus::{CommandRate, Limits, Ramp},
     protocol::MotorId,
 };
+use motorlink_words::tr;
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
 
 use super::{Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION};
@@ -25,19 +26,45 @@ const FIELDS: [&str; 9] = [
 ];
 const FIELDS_OF_MOTOR: [&str; 4] = ["id", "name", "side", "drives_together"];
 
-const A_VERSION: &str = "1, the version that this page reads";
-const A_MODEL: &str = "\"m0601\" or \"ddsm115\"";
-const A_RATE: &str = "a whole number from 1 to 500";
-const A_RAMP: &str = "a whole number from 0 to 10000";
-const A_SPEED_LIMIT: &str = "a whole number from 1 to 330";
-const A_CURRENT_LIMIT: &str = "a whole number from 100 to 8000";
-const A_TEMPERATURE_LIMIT: &str = "a whole number from 30 to 80";
-const A_YES: &str = "true or false";
-const A_LIST: &str = "a list of motors";
-const AN_ID: &str = "a whole number from 1 to 254";
-const A_NAME: &str = "a text of at most 16 characters, without line breaks and the like";
-const A_SIDE: &str = "\"none\", \"left\" or \"right\"";
-const FIELDS_IN_BRACES: &str = "fields in braces";
+fn a_version() -> &'static str {
+    tr!("1, the version that this page reads")
+}
+fn a_model() -> &'static str {
+    tr!("\"m0601\" or \"ddsm115\"")
+}
+fn a_rate() -> &'static str {
+    tr!("a whole number from 1 to 500")
+}
+fn a_ramp() -> &'static str {
+    tr!("a whole number from 0 to 10000")
+}
+fn a_speed_limit() -> &'static str {
+    tr!("a whole number from 1 to 330")
+}
+fn a_current_limit() -> &'static str {
+    tr!("a whole number from 100 to 8000")
+}
+fn a_temperature_limit() -> &'static str {
+    tr!("a whole number from 30 to 80")
+}
+fn a_yes() -> &'static str {
+    tr!("true or false")
+}
+fn a_list() -> &'static str {
+    tr!("a list of motors")
+}
+fn an_id() -> &'static str {
+    tr!("a whole number from 1 to 254")
+}
+fn a_name() -> &'static str {
+    tr!("a text of at most 16 characters, without line breaks and the like")
+}
+fn a_side() -> &'static str {
+    tr!("\"none\", \"left\" or \"right\"")
+}
+fn fields_in_braces() -> &'static str {
+    tr!("fields in braces")
+}
 
 /// Of a field that nobody knows, as much as is told.
 const TOLD_MAX: usize = 32;
@@ -69,15 +96,15 @@ pub(super) fn read(file: &[u8]) -> Result<Setup, SetupError> {
         motors,
     ] = fields(file, &FIELDS)?;
     Ok(Setup {
-        model: fit(model, A_MODEL, |value| Model::from_key(&text_of(value)?))?,
-        rate: fit(rate, A_RATE, |value| CommandRate::new(whole(value)?).ok())?,
-        keep_driving: fit(keep_driving, A_YES, yes)?,
-        ramp: fit(ramp, A_RAMP, |value| {
+        model: fit(model, a_model(), |value| Model::from_key(&text_of(value)?))?,
+        rate: fit(rate, a_rate(), |value| CommandRate::new(whole(value)?).ok())?,
+        keep_driving: fit(keep_driving, a_yes(), yes)?,
+        ramp: fit(ramp, a_ramp(), |value| {
             whole(value).filter(|ramp| *ramp <= Ramp::MAX)
         })?,
-        speed_limit: limit(speed, A_SPEED_LIMIT, Limits::SPEED_RPM)?,
-        current_limit: limit(current, A_CURRENT_LIMIT, Limits::CURRENT_MA)?,
-        temperature_limit: limit(temperature, A_TEMPERATURE_LIMIT, Limits::TEMPERATURE_C)?,
+        speed_limit: limit(speed, a_speed_limit(), Limits::SPEED_RPM)?,
+        current_limit: limit(current, a_current_limit(), Limits::CURRENT_MA)?,
+        temperature_limit: limit(temperature, a_temperature_limit(), Limits::TEMPERATURE_C)?,
         fleet: motors.map(fleet).transpose()?,
     })
 }
@@ -94,30 +121,32 @@ fn limit(
 
 fn check_version(file: Value) -> Result<(), SetupError> {
     let [name, ..] = FIELDS;
-    let mut members = file.to_object().map_err(|_| not(file, FIELDS_IN_BRACES))?;
+    let mut members = file
+        .to_object()
+        .map_err(|_| not(file, fields_in_braces()))?;
     let version = members.find(|(key, _)| text_of(*key).as_deref() == Some(name));
-    let (_, version) = version.ok_or_else(|| missing(file, name, A_VERSION))?;
+    let (_, version) = version.ok_or_else(|| missing(file, name, a_version()))?;
     match whole(version) {
         Some(VERSION) => Ok(()),
-        _ => Err(not(version, A_VERSION)),
+        _ => Err(not(version, a_version())),
     }
 }
 
 fn fleet(motors: Value) -> Result<Fleet, SetupError> {
     let mut fleet = Fleet::default();
-    for motor in motors.to_array().map_err(|_| not(motors, A_LIST))? {
+    for motor in motors.to_array().map_err(|_| not(motors, a_list()))? {
         let [id, name, side, drives] = fields(motor, &FIELDS_OF_MOTOR)?;
-        let at = id.ok_or_else(|| missing(motor, "id", AN_ID))?;
+        let at = id.ok_or_else(|| missing(motor, "id", an_id()))?;
         let id = whole(at).and_then(|id| MotorId::new(u8::try_from(id).ok()?).ok());
-        let id = id.ok_or_else(|| not(at, AN_ID))?;
+        let id = id.ok_or_else(|| not(at, an_id()))?;
         if fleet.member(id).is_some() {
             return Err(misfit(at, Misfit::SameId));
         }
-        let name = fit(name, A_NAME, |value| {
+        let name = fit(name, a_name(), |value| {
             text_of(value).filter(|name| Member::is_name(name))
         })?;
-        let side = fit(side, A_SIDE, |value| Side::from_key(&text_of(value)?))?;
-        let drives = fit(drives, A_YES, yes)?;
+        let side = fit(side, a_side(), |value| Side::from_key(&text_of(value)?))?;
+        let drives = fit(drives, a_yes(), yes)?;
         fleet.change(id, |member| {
             // As it is written: what stands round it is only there while somebody types.
             member.set_name(name.unwrap_or_default().trim());
@@ -157,7 +186,7 @@ fn fill<'a>(
     names: &'static [&'static str],
 ) -> Result<(), SetupError> {
     let members = value.to_object();
-    for (key, value) in members.map_err(|_| not(value, FIELDS_IN_BRACES))? {
+    for (key, value) in members.map_err(|_| not(value, fields_in_braces()))? {
         let key = text_of(key).unwrap_or_default();
         let known = names.iter().position(|name| *name == key);
         match known.and_then(|place| found.get_mut(place)) {

@@ -1,6 +1,7 @@
 //! The packet log, the recording and their files in words.
 
 use motorlink_messages::journal::{Export, RecordingStatus};
+use motorlink_words::tr;
 
 use super::words;
 use crate::{
@@ -10,17 +11,19 @@ use crate::{
 };
 
 /// Why nothing can be done with the log any more.
-pub(crate) const NO_JOURNAL: &str = "The packet log has stopped. Reload the page to begin anew.";
+pub(crate) fn no_journal() -> &'static str {
+    tr!("The packet log has stopped. Reload the page to begin anew.")
+}
 
 /// The journal has failed, or did not start.
 pub(crate) fn of_dead_journal() -> Words {
     words(
         Topic::Journal,
         Tone::Error,
-        "The packet log and the recording have stopped",
+        tr!("The packet log and the recording have stopped"),
         &[
-            "Driving goes on untouched. What was logged and recorded is lost.",
-            "To log again, stop the motors and reload the page.",
+            tr!("Driving goes on untouched. What was logged and recorded is lost."),
+            tr!("To log again, stop the motors and reload the page."),
         ],
     )
 }
@@ -29,12 +32,12 @@ pub(crate) fn of_dead_journal() -> Words {
 pub(crate) fn of_nothing_to_export(what: Export) -> Words {
     let (title, advice) = match what {
         Export::Log => (
-            "The packet log is empty: no file was made",
-            "Connect a motor; every frame will be logged.",
+            tr!("The packet log is empty: no file was made"),
+            tr!("Connect a motor; every frame will be logged."),
         ),
         Export::Telemetry => (
-            "There is no sample yet: no file was made",
-            "Connect a motor; every reply of the last 10 minutes is kept.",
+            tr!("There is no sample yet: no file was made"),
+            tr!("Connect a motor; every reply of the last 10 minutes is kept."),
         ),
     };
     words(Topic::Export, Tone::Calm, title, &[advice])
@@ -42,15 +45,21 @@ pub(crate) fn of_nothing_to_export(what: Export) -> Words {
 
 /// Two lines about the entries of the log: how many, and what became of the others.
 pub(crate) fn of_entries(log: &LogState) -> (String, String) {
-    let entries = count(log.kept, "entry", "entries");
+    let entries = entries(log.kept);
     let mut others = Vec::new();
     if log.kept > 0 && log.looked_at_per_mille < 1000 {
-        others.push(format!("filtering: {} %", log.looked_at_per_mille / 10));
+        others.push(tr!(
+            "filtering: {percent} %",
+            percent = log.looked_at_per_mille / 10
+        ));
     } else if log.collapsed > 0 {
-        others.push(format!("{} routine hidden", grouped(log.collapsed)));
+        others.push(tr!(
+            "{count} routine hidden",
+            count = grouped(log.collapsed)
+        ));
     }
     if log.gone > 0 {
-        others.push(format!("{} gave way", grouped(log.gone)));
+        others.push(tr!("{count} gave way", count = grouped(log.gone)));
     }
     (entries, others.join(", "))
 }
@@ -58,59 +67,69 @@ pub(crate) fn of_entries(log: &LogState) -> (String, String) {
 /// The same at length.
 pub(crate) fn of_entries_at_length(log: &LogState) -> String {
     let (entries, others) = of_entries(log);
-    let mut text = format!("{entries} kept");
-    if !others.is_empty() {
-        text = format!("{text}, {others}");
+    let kept = tr!("{entries} kept", entries);
+    match (others.is_empty(), log.gone) {
+        (true, _) => kept,
+        (false, 0) => format!("{kept}, {others}"),
+        (false, _) => tr!("{kept}, {others} to newer ones", kept, others),
     }
-    if log.gone > 0 {
-        text.push_str(" to newer ones");
-    }
-    text
 }
 
 /// What stands in the place of rows while there are none; empty where there are some.
-pub(crate) const fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
+pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     if !alive {
-        "The packet log has stopped. Driving goes on without it."
+        tr!("The packet log has stopped. Driving goes on without it.")
     } else if log.kept == 0 {
-        "Every frame that is sent or heard will stand here, and what the page says, to the \
+        tr!(
+            "Every frame that is sent or heard will stand here, and what the page says, to the \
          millisecond."
+        )
     } else if log.shown > 0 || log.looked_at_per_mille < 1000 {
         ""
     } else if log.collapsed == log.kept {
-        "Nothing but status polls so far. Untick Collapse status polls to see them."
+        tr!("Nothing but status polls so far. Untick Collapse status polls to see them.")
     } else {
-        "No entry fits the filter."
+        tr!("No entry fits the filter.")
     }
 }
 
 /// What an export of the telemetry holds now: which part of it, and how much that is.
 pub(crate) fn of_recording(status: &RecordingStatus) -> (&'static str, String) {
     if !status.recording && status.recorded == 0 {
-        return ("Last 10 min: ", count(status.rolling, "sample", "samples"));
+        return (tr!("Last 10 min: "), samples(status.rolling));
     }
     let what = match status {
         RecordingStatus {
             recording: true, ..
-        } => "Recording: ",
-        RecordingStatus { exported: true, .. } => "Recorded and exported: ",
-        RecordingStatus { full: true, .. } => "Recording is full: ",
-        _ => "Recorded: ",
+        } => tr!("Recording: "),
+        RecordingStatus { exported: true, .. } => tr!("Recorded and exported: "),
+        RecordingStatus { full: true, .. } => tr!("Recording is full: "),
+        _ => tr!("Recorded: "),
     };
-    let samples = count(status.recorded, "sample", "samples");
+    let samples = samples(status.recorded);
     let time = stopwatch(status.recorded_ms);
     (what, format!("{time}, {samples}"))
 }
 
 /// What clearing so many entries is called.
 pub(crate) fn of_clearing(entries: u64) -> String {
-    format!("Clear {}", count(entries, "entry", "entries"))
+    tr!("Clear {entries}", entries = self::entries(entries))
 }
 
 /// `1 entry`, `18 402 entries`
-fn count(number: u64, one: &str, many: &str) -> String {
-    let what = if number == 1 { one } else { many };
-    format!("{} {what}", grouped(number))
+fn entries(number: u64) -> String {
+    match number {
+        1 => tr!("1 entry").to_owned(),
+        count => tr!("{count} entries", count = grouped(count)),
+    }
+}
+
+/// `1 sample`, `9 000 samples`
+fn samples(number: u64) -> String {
+    match number {
+        1 => tr!("1 sample").to_owned(),
+        count => tr!("{count} samples", count = grouped(count)),
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What the browser keeps, in words.
 
 use motorlink_messages::journal::{KeptSession, NotKept};
+use motorlink_words::tr;
 
 use super::log_lines::Line;
 use crate::{
@@ -10,11 +11,11 @@ use crate::{
 };
 
 /// What became of what was kept.
-pub(crate) const fn of_erased(all: bool) -> &'static str {
+pub(crate) fn of_erased(all: bool) -> &'static str {
     if all {
-        "Erased. What is done from now on is kept anew."
+        tr!("Erased. What is done from now on is kept anew.")
     } else {
-        "Erased, but for what other tabs of this page have open. Close them and erase again."
+        tr!("Erased, but for what other tabs of this page have open. Close them and erase again.")
     }
 }
 
@@ -24,48 +25,57 @@ pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
         Offer::None => String::new(),
         Offer::Open(session) => {
             let date = local_date(session.from_ms);
-            let day = if date == local_date(now_ms) {
-                String::new()
+            let hours = of_hours(session);
+            let hours = if date == local_date(now_ms) {
+                hours
             } else {
-                format!("{date}, ")
+                format!("{date}, {hours}")
             };
-            format!(
-                "A session of {day}{} is kept in this browser: {}.",
-                of_hours(session),
-                of_content(session)
+            let content = of_content(session);
+            tr!(
+                "A session of {hours} is kept in this browser: {content}.",
+                hours,
+                content
             )
         }
         Offer::Restoring(session) => {
-            format!("The session of {} is being restored.", of_hours(session))
+            tr!(
+                "The session of {hours} is being restored.",
+                hours = of_hours(session)
+            )
         }
     }
 }
 
 /// A line of the log.
 pub(crate) fn of_restored(session: &KeptSession) -> String {
-    format!(
-        "The session of {} was restored: {}",
-        of_hours(session),
-        of_content(session)
+    tr!(
+        "The session of {hours} was restored: {content}",
+        hours = of_hours(session),
+        content = of_content(session)
     )
 }
 
 /// A line of the log.
 pub(crate) fn of_forgotten(session: &KeptSession) -> String {
-    format!("The session of {} was forgotten", of_hours(session))
+    tr!(
+        "The session of {hours} was forgotten",
+        hours = of_hours(session)
+    )
 }
 
 /// A line of the log.
 pub(crate) fn of_not_kept(why: NotKept) -> Line {
     let why = match why {
-        NotKept::NoRoom => "it has no room for it",
-        NotKept::Failed => "its storage fails",
+        NotKept::NoRoom => tr!("it has no room for it"),
+        NotKept::Failed => tr!("its storage fails"),
     };
     Line {
         error: true,
-        text: format!(
+        text: tr!(
             "This browser keeps no copy of the session: {why}. Log and recording go on; export them before \
-             the page is closed."
+             the page is closed.",
+            why
         ),
     }
 }
@@ -77,19 +87,28 @@ fn of_hours(session: &KeptSession) -> String {
         time.truncate("13:05".len());
         time
     };
-    format!("{} to {}", minute(session.from_ms), minute(session.to_ms))
+    tr!(
+        "{from} to {to}",
+        from = minute(session.from_ms),
+        to = minute(session.to_ms)
+    )
 }
 
 /// `40 210 packets, 3 min recorded`
 fn of_content(session: &KeptSession) -> String {
-    let packets = grouped(session.packets);
-    let recorded = match session.recorded_ms / 1000 {
-        _ if session.recorded == 0 => String::new(),
-        seconds @ 0..120 => format!(", {seconds} s recorded"),
-        seconds => format!(", {} min recorded", seconds / 60),
+    let packets = match session.packets {
+        1 => tr!("1 packet").to_owned(),
+        count => tr!("{count} packets", count = grouped(count)),
     };
-    let plural = if session.packets == 1 { "" } else { "s" };
-    format!("{packets} packet{plural}{recorded}")
+    match session.recorded_ms / 1000 {
+        _ if session.recorded == 0 => packets,
+        seconds @ 0..120 => tr!("{packets}, {seconds} s recorded", packets, seconds),
+        seconds => tr!(
+            "{packets}, {minutes} min recorded",
+            packets,
+            minutes = seconds / 60
+        ),
+    }
 }
 
 #[cfg(test)]

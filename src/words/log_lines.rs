@@ -5,8 +5,9 @@ use motorlink_messages::{
     bus::{Activity, IdQueryOutcome, StopReason, StopReport},
     protocol::{MotorId, Setpoint},
 };
+use motorlink_words::tr;
 
-use super::of_stop_reason;
+use super::{of_stop_reason, terms};
 use crate::{
     format,
     notice_board::{Tone, Topic, Words},
@@ -62,11 +63,11 @@ fn of_connection(before: Connection, after: Connection) -> Option<Line> {
     }
     match after {
         Connection::Connected(adapter) => {
-            let adapter = adapter.to_string().replace(" · ", ", ");
-            Some(calm(format!("Connected to {adapter}")))
+            let adapter = terms::adapter(adapter).replace(" · ", ", ");
+            Some(calm(tr!("Connected to {adapter}", adapter)))
         }
-        Connection::Disconnected => Some(calm("Disconnected")),
-        Connection::Connecting => Some(calm("Opening the port")),
+        Connection::Disconnected => Some(calm(tr!("Disconnected"))),
+        Connection::Connecting => Some(calm(tr!("Opening the port"))),
         // The notice board says these.
         Connection::Reconnecting(_) | Connection::Failed(_) => None,
     }
@@ -79,14 +80,16 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
         Activity::Driven { .. } if driven_before => None,
         Activity::Driven {
             setpoint: Setpoint::Brake,
-        } => Some(calm(format!("Motor {id} is held by its brake"))),
+        } => Some(calm(tr!("Motor {id} is held by its brake", id))),
         Activity::Driven { setpoint } => {
             let goal = format::goal(setpoint);
-            Some(calm(format!("Motor {id} is driven: {goal}")))
+            Some(calm(tr!("Motor {id} is driven: {goal}", id, goal)))
         }
-        Activity::Switching { to } if before != Some(after) => {
-            Some(calm(format!("Motor {id} is to change to the {to}")))
-        }
+        Activity::Switching { to } if before != Some(after) => Some(calm(tr!(
+            "Motor {id} is to change to the {mode}",
+            id,
+            mode = terms::mode(to)
+        ))),
         _ => None,
     }
 }
@@ -94,10 +97,14 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
 /// A notice that the notice board does not show.
 pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
     Some(match notice {
-        Notice::ModeSwitched { id, mode } => calm(format!("Motor {id} reports the {mode}")),
-        Notice::MotorBack(id) => calm(format!("Motor {id} answers again")),
+        Notice::ModeSwitched { id, mode } => calm(tr!(
+            "Motor {id} reports the {mode}",
+            id,
+            mode = terms::mode(*mode)
+        )),
+        Notice::MotorBack(id) => calm(tr!("Motor {id} answers again", id)),
         Notice::IdQueryEnded(IdQueryOutcome::One(id)) => {
-            calm(format!("Motor {id} answered the ID query"))
+            calm(tr!("Motor {id} answered the ID query", id))
         }
         Notice::StopBegan(reason) => of_stop_begun(*reason),
         Notice::StopEnded(report) => of_stop_ended(report),
@@ -107,8 +114,8 @@ pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
 
 fn of_stop_begun(reason: StopReason) -> Line {
     match reason {
-        StopReason::OneMotor => calm("Stop of one motor began"),
-        reason => calm(format!("Stop began. {}", of_stop_reason(reason))),
+        StopReason::OneMotor => calm(tr!("Stop of one motor began")),
+        reason => calm(tr!("Stop began. {why}", why = of_stop_reason(reason))),
     }
 }
 
@@ -116,11 +123,11 @@ fn of_stop_begun(reason: StopReason) -> Line {
 fn of_stop_ended(report: &StopReport) -> Line {
     let motors: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
     if motors.is_empty() {
-        return calm("Stop ended: no motor was driven");
+        return calm(tr!("Stop ended: no motor was driven"));
     }
-    calm(format!(
-        "Stop ended, standstill confirmed: {}",
-        named(&motors)
+    calm(tr!(
+        "Stop ended, standstill confirmed: {motors}",
+        motors = named(&motors)
     ))
 }
 

@@ -1,35 +1,36 @@
 //! What became of a file that was to be the setup.
 
 use crate::setup::{Setup, SetupError};
+use motorlink_words::tr;
 
 /// What was taken from a file.
 pub(crate) fn of_taken(setup: &Setup) -> String {
     let mut taken = String::new();
     let mut tell = |is_there: bool, what: &str| {
         if is_there {
-            taken.push_str(if taken.is_empty() { "Imported: " } else { ", " });
+            taken.push_str(if taken.is_empty() { "" } else { ", " });
             taken.push_str(what);
         }
     };
-    tell(setup.model.is_some(), "model");
-    tell(setup.rate.is_some(), "command rate");
-    tell(setup.keep_driving.is_some(), "keep driving");
-    tell(setup.ramp.is_some(), "ramp");
+    tell(setup.model.is_some(), tr!("model"));
+    tell(setup.rate.is_some(), tr!("command rate"));
+    tell(setup.keep_driving.is_some(), tr!("keep driving"));
+    tell(setup.ramp.is_some(), tr!("ramp"));
     let limits = [
         setup.speed_limit,
         setup.current_limit,
         setup.temperature_limit,
     ];
-    tell(limits.iter().any(Option::is_some), "limits");
+    tell(limits.iter().any(Option::is_some), tr!("limits"));
     match setup.fleet.as_ref().map(|fleet| fleet.members().count()) {
-        Some(1) => tell(true, "1 motor"),
-        Some(motors) => tell(true, &format!("{motors} motors")),
+        Some(1) => tell(true, tr!("1 motor")),
+        Some(motors) => tell(true, &tr!("{motors} motors", motors)),
         None => {}
     }
     if taken.is_empty() {
-        "The file holds no setting. Nothing was changed.".to_owned()
+        tr!("The file holds no setting. Nothing was changed.").to_owned()
     } else {
-        taken + "."
+        tr!("Imported: {taken}.", taken)
     }
 }
 
@@ -40,7 +41,7 @@ pub(crate) fn of_misfit(error: &SetupError) -> String {
 
 /// The same for a reason that lies not in the file.
 pub(crate) fn of_refusal(reason: &str) -> String {
-    format!("Nothing was changed. {reason}")
+    tr!("Nothing was changed. {reason}", reason)
 }
 
 #[cfg(test)]

@@ -9,14 +9,15 @@ use crate::{Detail, Drive, Frame, Layout, Mode, Reply, ReplyError, Request, Requ
 /// Displays as `drive +100 rpm, acceleration 1`, as `+100 rpm, +0.175 A, 66.96°`, or as what is
 /// wrong: `CRC is 5B, should be 1B`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Explained(Meaning);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Meaning {
+pub enum Explained {
+    /// What a host asked.
     Sent {
+        /// The request, or why it is none.
         request: Result<Request, RequestError>,
+        /// The loop in which the value of a drive frame is to be read.
         mode: Option<Mode>,
     },
+    /// What a motor answered, or why it is no answer.
     Heard(Result<Reply, ReplyError>),
 }
 
@@ -24,31 +25,31 @@ enum Meaning {
 /// motor is in; without it, the value stays a raw number.
 #[must_use]
 pub fn explain_sent(frame: &Frame, mode: Option<Mode>) -> Explained {
-    Explained(Meaning::Sent {
+    Explained::Sent {
         request: Request::parse(frame),
         mode,
-    })
+    }
 }
 
 /// Says what a motor's frame reports, read by what was asked.
 #[must_use]
 pub fn explain_heard(frame: &Frame, asked: Option<Layout>) -> Explained {
-    Explained(Meaning::Heard(Reply::decode(frame, asked)))
+    Explained::Heard(Reply::decode(frame, asked))
 }
 
 impl fmt::Display for Explained {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0 {
-            Meaning::Sent {
+        match self {
+            Self::Sent {
                 request: Ok(request),
                 mode,
             } => sent(f, request, *mode),
-            Meaning::Sent {
+            Self::Sent {
                 request: Err(error),
                 ..
             } => error.fmt(f),
-            Meaning::Heard(Ok(reply)) => heard(f, reply),
-            Meaning::Heard(Err(error)) => error.fmt(f),
+            Self::Heard(Ok(reply)) => heard(f, reply),
+            Self::Heard(Err(error)) => error.fmt(f),
         }
     }
 }

@@ -16,6 +16,7 @@
 
 mod language;
 mod table;
+pub mod terms;
 
 use std::fmt::{Display, Write};
 

@@ -4,7 +4,7 @@ use motorlink_messages::VirtualWire;
 
 use crate::{
     doctor::Verdict,
-    words::link::{self, NO_VIRTUAL_WIRE},
+    words::link::{self, no_virtual_wire},
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
@@ -34,7 +34,7 @@ const HEAD: &str = concat!(
 /// The panel without what changes in it.
 pub(super) fn panel() -> String {
     let mut html = HEAD.to_owned();
-    push(&mut html, &[NO_VIRTUAL_WIRE, "\">"]);
+    push(&mut html, &[no_virtual_wire(), "\">"]);
     // The value of each is its place.
     for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
         let (place, name) = (place.to_string(), link::wire(wire));
@@ -51,9 +51,9 @@ pub(super) fn panel() -> String {
 pub(super) fn verdict(verdict: &Verdict) -> String {
     let mut html = String::new();
     let (class, text) = match verdict {
-        Verdict::NotConnected => ("", link::NOT_CONNECTED),
-        Verdict::TooLittle => ("", link::TOO_LITTLE),
-        Verdict::Well => ("good", link::WELL),
+        Verdict::NotConnected => ("", link::not_connected()),
+        Verdict::TooLittle => ("", link::too_little()),
+        Verdict::Well => ("good", link::well()),
         Verdict::Ill(found) => {
             for diagnosis in found {
                 let cause = link::cause(*diagnosis);

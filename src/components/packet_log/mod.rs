@@ -13,7 +13,7 @@ use super::{button::PressButton, export_button::ExportButton, live::live};
 use crate::{
     components::live::memo,
     desk::use_desk,
-    words::journal::{self as words, NO_JOURNAL},
+    words::journal::{self as words, no_journal},
 };
 
 /// Region `Packet log`.
@@ -30,7 +30,7 @@ pub(crate) fn PacketLog() -> impl IntoView {
         if desk.journal.alive.get() {
             why_empty()
         } else {
-            Some(NO_JOURNAL.to_owned())
+            Some(no_journal().to_owned())
         }
     };
     view! {

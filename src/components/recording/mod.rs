@@ -10,7 +10,7 @@ use super::{
 use crate::{
     components::live::memo,
     desk::use_desk,
-    words::journal::{self as words, NO_JOURNAL},
+    words::journal::{self as words, no_journal},
 };
 
 /// Region `Recording`: one line.
@@ -24,14 +24,14 @@ pub(crate) fn Recording() -> impl IntoView {
         if alive.get() {
             status.with(words::of_recording)
         } else {
-            ("", NO_JOURNAL.to_owned())
+            ("", no_journal().to_owned())
         }
     });
     let why_not_record = move || {
         if alive.get() {
             status.with(why_no_recording)
         } else {
-            Some(NO_JOURNAL)
+            Some(no_journal())
         }
     };
     let hint = move || {

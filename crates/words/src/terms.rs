@@ -1,0 +1,203 @@
+//! The terms of the protocol in the language that is spoken. Its own crate says them in English, for other
+//! programs; in English the two say the same.
+
+use motorlink_protocol::{
+    Current, Detail, Drive, Explained, Fault, Faults, Mode, MotorIdError, NotAssignable, Position,
+    Reply, ReplyError, Request, RequestError, Rpm, UnknownMode,
+};
+
+use crate::{spoken, tr};
+
+/// A number with the decimal mark of the language.
+#[must_use]
+pub fn in_language(number: String) -> String {
+    match spoken().decimal_mark() {
+        '.' => number,
+        mark => number.replace('.', &mark.to_string()),
+    }
+}
+
+/// `velocity loop`
+#[must_use]
+pub fn mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Current => tr!("current loop"),
+        Mode::Velocity => tr!("velocity loop"),
+        Mode::Position => tr!("position loop"),
+    }
+}
+
+/// `stall`
+#[must_use]
+pub fn fault(fault: Fault) -> &'static str {
+    match fault {
+        Fault::Sensor => tr!("sensor"),
+        Fault::BusOvercurrent => tr!("bus overcurrent"),
+        Fault::PhaseOvercurrent => tr!("phase overcurrent"),
+        Fault::Stall => tr!("stall"),
+        Fault::OverTemperature => tr!("over-temperature"),
+    }
+}
+
+/// `OK`, or `stall, over-temperature`, or `unknown bits 0x20`.
+#[must_use]
+pub fn faults(faults: Faults) -> String {
+    if faults.is_none() {
+        return "OK".to_owned();
+    }
+    let mut named: Vec<String> = faults.iter().map(|one| fault(one).to_owned()).collect();
+    if faults.unknown_bits() != 0 {
+        let bits = format!("0x{:02X}", faults.unknown_bits());
+        named.push(tr!("unknown bits {bits}", bits));
+    }
+    named.join(", ")
+}
+
+/// Why a number is no motor's ID.
+#[must_use]
+pub fn no_motor_id(error: MotorIdError) -> &'static str {
+    match error {
+        MotorIdError::Zero => tr!("0 is no motor's ID: use 1 to 254."),
+        MotorIdError::TooLarge => tr!("Not a motor's ID: use a whole number from 1 to 254."),
+    }
+}
+
+/// Why a motor cannot be given an ID.
+#[must_use]
+pub fn not_assignable(NotAssignable: NotAssignable) -> &'static str {
+    tr!("200 (0xC8) starts the ID query that every motor hears: choose another ID.")
+}
+
+/// A frame in words.
+#[must_use]
+pub fn explained(explained: Explained) -> String {
+    match explained {
+        Explained::Sent {
+            request: Ok(request),
+            mode,
+        } => sent(request, mode),
+        Explained::Sent {
+            request: Err(error),
+            ..
+        } => no_request(error),
+        Explained::Heard(Ok(reply)) => heard(&reply),
+        Explained::Heard(Err(error)) => no_reply(error),
+    }
+}
+
+fn sent(request: Request, loop_of: Option<Mode>) -> String {
+    match request {
+        Request::Drive { drive, .. } => driven(drive, loop_of),
+        Request::Query { .. } => tr!("feedback query").to_owned(),
+        Request::SwitchMode { mode, .. } => tr!("switch to the {mode}", mode = self::mode(mode)),
+        Request::IdQuery => tr!("ID query, heard by every motor").to_owned(),
+        Request::SetId { id } => tr!("set ID {id}, heard by every motor", id = id.id()),
+        Request::Raw(frame) => frame.to_string(),
+    }
+}
+
+fn driven(drive: Drive, mode: Option<Mode>) -> String {
+    let driven = match mode {
+        None => tr!("drive, value {value}", value = drive.signed()),
+        Some(Mode::Velocity) if drive.brakes() => tr!("drive, brake").to_owned(),
+        Some(Mode::Velocity) => tr!("drive {goal}", goal = Rpm::new(drive.signed())),
+        Some(Mode::Current) => tr!(
+            "drive {goal}",
+            goal = in_language(Current::from_raw(drive.signed()).to_string())
+        ),
+        Some(Mode::Position) => tr!(
+            "drive to {goal}",
+            goal = in_language(Position::from_raw(drive.unsigned()).to_string())
+        ),
+    };
+    match (mode, drive.acceleration.byte()) {
+        (Some(Mode::Velocity) | None, units @ 1..) => {
+            tr!("{driven}, acceleration {units}", driven, units)
+        }
+        _ => driven,
+    }
+}
+
+fn heard(reply: &Reply) -> String {
+    let Reply { speed, current, .. } = reply;
+    let current = in_language(current.to_string());
+    let mut said = format!("{speed}, {current}");
+    match reply.detail {
+        Detail::Drive { position } => {
+            said = format!("{said}, {}", in_language(position.to_string()));
+        }
+        Detail::Query {
+            temperature,
+            position,
+        } => {
+            said = format!(
+                "{said}, {temperature}, {}",
+                in_language(position.to_string())
+            )
+        }
+        Detail::Undetermined(_) => {}
+    }
+    if reply.mode != Mode::Velocity {
+        said = format!("{said}, {}", mode(reply.mode));
+    }
+    if !reply.faults.is_none() {
+        said = tr!(
+            "{said}, fault: {faults}",
+            said,
+            faults = faults(reply.faults)
+        );
+    }
+    said
+}
+
+fn no_request(error: RequestError) -> String {
+    match error {
+        RequestError::BadCrc { expected, found } => bad_crc(expected, found),
+        RequestError::BadId(error) => uncapped(no_motor_id(error)),
+        RequestError::NotAssignable => uncapped(not_assignable(NotAssignable)),
+        RequestError::UnknownCommand(byte) => tr!(
+            "byte 1 is {byte}, which is none of 64 drive, 74 query, A0 mode",
+            byte = hex(byte)
+        ),
+        RequestError::BadMode(error) => bad_mode(error),
+        RequestError::NotZero { place } => {
+            tr!("byte {place} is always 00 in this frame", place)
+        }
+    }
+}
+
+fn no_reply(error: ReplyError) -> String {
+    match error {
+        ReplyError::BadCrc { expected, found } => bad_crc(expected, found),
+        ReplyError::BadId(error) => uncapped(no_motor_id(error)),
+        ReplyError::BadMode(error) => bad_mode(error),
+    }
+}
+
+fn bad_crc(expected: u8, found: u8) -> String {
+    tr!(
+        "CRC is {found}, should be {expected}",
+        found = hex(found),
+        expected = hex(expected)
+    )
+}
+
+fn bad_mode(UnknownMode(byte): UnknownMode) -> String {
+    tr!(
+        "mode byte {byte} is none of 01 current, 02 velocity, 03 position",
+        byte = hex(byte)
+    )
+}
+
+fn hex(byte: u8) -> String {
+    format!("{byte:02X}")
+}
+
+/// A sentence as a part of another: without its capital and its full stop.
+fn uncapped(sentence: &str) -> String {
+    let mut part = sentence.trim_end_matches(['.', '。']).to_owned();
+    if let Some(first) = part.get_mut(..1) {
+        first.make_ascii_lowercase();
+    }
+    part
+}
