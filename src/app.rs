@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use leptos::prelude::*;
+use leptos::{either::Either, prelude::*};
 use motorlink_messages::ToWorker;
 
 use crate::{
@@ -12,8 +12,10 @@ use crate::{
         WheelPanel, live::follow,
     },
     desk::{Desk, WorkerState},
-    keyboard, lifecycle,
-    preferences::{Preferences, Theme},
+    keyboard,
+    language::{self, first_known, speak_from_now_on},
+    lifecycle,
+    preferences::{Preferences, Theme, remembered},
     ticking, words,
     worker_link::WorkerLink,
 };
@@ -25,6 +27,7 @@ const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
+    speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
     follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
@@ -35,6 +38,22 @@ pub fn App() -> impl IntoView {
     start_worker(desk);
     ticking::keep_showing(desk);
 
+    // In another language everything is made anew. A view in the place of one of its own type would only
+    // have its texts replaced, while what was set up around the old one is gone: the two sides take turns.
+    let is_odd = StoredValue::new(false);
+    move || {
+        desk.language.track();
+        is_odd.update_value(|is_odd| *is_odd = !*is_odd);
+        let page = untrack(|| page(desk));
+        if is_odd.get_value() {
+            Either::Left(page)
+        } else {
+            Either::Right(page)
+        }
+    }
+}
+
+fn page(desk: Desk) -> AnyView {
     let behind_dialog = move || desk.dialog.with(Option::is_some);
     view! {
         <Header behind_dialog=Signal::derive(behind_dialog) />
@@ -57,6 +76,18 @@ pub fn App() -> impl IntoView {
         <HelpDialog />
         <QuestionDialog />
     }
+    .into_any()
+}
+
+/// What the address, the memory and the browser name, in this order.
+fn wanted_languages() -> Vec<String> {
+    let mut wanted: Vec<String> = parameter("lang").into_iter().collect();
+    wanted.extend(remembered(language::STORED_AS));
+    if let Some(window) = web_sys::window() {
+        let browsers = window.navigator().languages();
+        wanted.extend(browsers.iter().filter_map(|tag| tag.as_string()));
+    }
+    wanted
 }
 
 fn start_worker(desk: Desk) {
@@ -83,12 +114,14 @@ fn start_worker(desk: Desk) {
 
 /// `?port=virtual` in the address.
 fn wants_virtual_motor() -> bool {
-    let query = web_sys::window().and_then(|window| window.location().search().ok());
-    let parameters = query.and_then(|query| web_sys::UrlSearchParams::new_with_str(&query).ok());
-    parameters
-        .and_then(|parameters| parameters.get("port"))
-        .as_deref()
-        == Some("virtual")
+    parameter("port").as_deref() == Some("virtual")
+}
+
+fn parameter(name: &str) -> Option<String> {
+    let query = web_sys::window()?.location().search().ok()?;
+    web_sys::UrlSearchParams::new_with_str(&query)
+        .ok()?
+        .get(name)
 }
 
 fn show_theme(theme: Theme) {
@@ -96,7 +129,9 @@ fn show_theme(theme: Theme) {
         // The style sheet follows the system where no theme is named.
         let _ = match theme {
             Theme::System => root.remove_attribute("data-theme"),
-            Theme::Light | Theme::Dark => root.set_attribute("data-theme", theme.key()),
+            Theme::Light | Theme::Dark | Theme::Contrast => {
+                root.set_attribute("data-theme", theme.key())
+            }
         };
     }
 }

@@ -1,7 +1,7 @@
 //! Everything that the components share: what is shown, what was entered, and the line to the
 //! worker.
 
-use motorlink_words::tr;
+use motorlink_words::{Language, spoken, tr};
 use std::ops::Deref;
 
 use leptos::prelude::*;
@@ -139,6 +139,8 @@ pub(crate) struct Parts {
     pub(crate) journal: Journal,
     pub(crate) notices: RwSignal<NoticeBoard>,
     pub(crate) preferences: RwSignal<Preferences>,
+    /// What the page speaks; the page is drawn anew when it changes.
+    pub(crate) language: RwSignal<Language>,
     pub(crate) selected: RwSignal<MotorId>,
     pub(crate) tab: RwSignal<Tab>,
     /// The loop that the operator asked for last, until a stop or another motor makes it moot.
@@ -181,6 +183,7 @@ impl Desk {
             journal: Journal::new(),
             notices: RwSignal::new(NoticeBoard::default()),
             preferences: RwSignal::new(preferences),
+            language: RwSignal::new(spoken()),
             selected: RwSignal::new(preferences.motor),
             tab: RwSignal::new(Tab::Loop(Mode::Velocity)),
             asked: RwSignal::new(None),

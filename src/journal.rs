@@ -91,6 +91,7 @@ impl Desk {
         let collapse = self
             .preferences
             .with_untracked(|chosen| chosen.collapse_polls);
+        self.tell_language(self.language.get_untracked());
         self.refilter(|filter| filter.collapse = collapse);
     }
 

@@ -34,6 +34,7 @@ mod journal_link;
 mod kept;
 mod keyboard;
 mod keys;
+mod language;
 mod lifecycle;
 mod listener;
 mod log_feed;

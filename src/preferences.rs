@@ -56,6 +56,8 @@ pub enum Theme {
     Light,
     /// Light on dark.
     Dark,
+    /// Bright on black, with lines around everything.
+    Contrast,
 }
 
 impl Theme {
@@ -66,6 +68,7 @@ impl Theme {
             Self::System => "system",
             Self::Light => "light",
             Self::Dark => "dark",
+            Self::Contrast => "contrast",
         }
     }
 
@@ -74,13 +77,14 @@ impl Theme {
     pub const fn next(self) -> Self {
         match self {
             Self::Light => Self::Dark,
-            Self::Dark => Self::System,
+            Self::Dark => Self::Contrast,
+            Self::Contrast => Self::System,
             Self::System => Self::Light,
         }
     }
 
     fn from_key(key: &str) -> Option<Self> {
-        [Self::System, Self::Light, Self::Dark]
+        [Self::System, Self::Light, Self::Dark, Self::Contrast]
             .into_iter()
             .find(|theme| theme.key() == key)
     }
@@ -288,10 +292,13 @@ mod tests {
     #[test]
     fn the_theme_button_goes_round() {
         let mut theme = Theme::Light;
-        let round = [0; 3].map(|_| {
+        let round = [0; 4].map(|_| {
             theme = theme.next();
             theme
         });
-        assert_eq!(round, [Theme::Dark, Theme::System, Theme::Light]);
+        assert_eq!(
+            round,
+            [Theme::Dark, Theme::Contrast, Theme::System, Theme::Light]
+        );
     }
 }

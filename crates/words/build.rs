@@ -11,7 +11,7 @@ use std::{env, fs};
 const CONTEXT_END: char = '\u{4}';
 
 /// Between two messages; no message holds it.
-const MESSAGE_END: char = '\0';
+const MESSAGE_END: &str = "\0";
 
 /// Every message with its translation, sorted by message.
 type Messages = BTreeMap<String, String>;
@@ -33,14 +33,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         writeln!(table, "    {key:?},")?;
     }
     writeln!(table, "];")?;
-    let english = chinese.keys().map(|key| english(key));
-    writeln!(table, "static ENGLISH: &str = {:?};", joined(english))?;
-    let chinese = chinese.values().map(String::as_str);
-    writeln!(table, "static CHINESE: &str = {:?};", joined(chinese))?;
-    let german = german.values().map(String::as_str);
-    writeln!(table, "static GERMAN: &str = {:?};", joined(german))?;
-    let out = PathBuf::from(env::var("OUT_DIR")?).join("table.rs");
-    Ok(fs::write(out, table)?)
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    fs::write(out.join("keys.rs"), table)?;
+    let texts: [(&str, Vec<&str>); 3] = [
+        ("en", chinese.keys().map(|key| english(key)).collect()),
+        ("zh", chinese.values().map(String::as_str).collect()),
+        ("de", german.values().map(String::as_str).collect()),
+    ];
+    for (language, texts) in texts {
+        let file = out.join(format!("{language}.txt"));
+        fs::write(file, texts.join(MESSAGE_END))?;
+    }
+    Ok(())
 }
 
 /// The messages of a file. Where one is not translated yet, the English stands for it, but not in what
@@ -89,14 +93,4 @@ fn placeholders(text: &str) -> Vec<&str> {
 
 fn english(key: &str) -> &str {
     key.split_once(CONTEXT_END).map_or(key, |(_, msgid)| msgid)
-}
-
-fn joined<'a>(texts: impl Iterator<Item = &'a str>) -> String {
-    let mut joined = String::new();
-    for text in texts {
-        joined.push_str(text);
-        joined.push(MESSAGE_END);
-    }
-    joined.pop();
-    joined
 }

@@ -22,12 +22,18 @@ pub(crate) fn ConnectionState() -> impl IntoView {
             .shown
             .with(|session| words::of_connection(session.connection)),
     });
+    let key = memo(move || match desk.worker.get() {
+        WorkerState::Dead => "Failed",
+        WorkerState::Starting | WorkerState::Running => desk
+            .shown
+            .with(|session| words::key_of_connection(session.connection)),
+    });
     view! {
         <div
             class="connection"
             role="status"
             aria-label="Connection"
-            data-state=live(move || words.with(|(state, _)| *state))
+            data-state=live(move || key.get())
             title=live(move || words.with(|(_, detail)| detail.clone()))
         >
             <strong class="connection-state">{live(move || words.with(|(state, _)| *state))}</strong>

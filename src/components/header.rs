@@ -1,6 +1,9 @@
 //! What is always visible: the line to the motor, and STOP.
 
 use leptos::prelude::*;
+use motorlink_words::{Language, tr};
+use wasm_bindgen::JsCast;
+use web_sys::HtmlElement;
 
 use crate::components::live::{heard, live};
 
@@ -14,6 +17,9 @@ use crate::{
     desk::{Dialog, use_desk},
     preferences::Theme,
 };
+
+/// The combobox by which the language is chosen.
+const LANGUAGE: &str = "language";
 
 #[component]
 pub(crate) fn Header(
@@ -35,6 +41,7 @@ pub(crate) fn Header(
                     <LinkQuality />
                 </div>
                 <div class="header-end">
+                    <LanguageChoice />
                     <ThemeButton />
                     <HelpButton />
                 </div>
@@ -58,14 +65,62 @@ fn Logo() -> impl IntoView {
     }
 }
 
+/// Combobox `Language`: it lies, unseen, over a globe.
+#[component]
+fn LanguageChoice() -> impl IntoView {
+    let desk = use_desk();
+    let spoken = desk.language.get_untracked();
+    let option = |language: Language| {
+        view! {
+            <option value=language.key() selected=language == spoken lang=language.tag()>
+                {language.name()}
+            </option>
+        }
+    };
+    view! {
+        <span class="button icon-button language">
+            <svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true">
+                <path
+                    d="M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3.5 9h17M3.5 15h17M12 3c5 5 5 13 0 18M12 3c-5 5-5 13 0 18"
+                    fill="none"
+                    stroke="currentColor"
+                    stroke-width="1.8"
+                />
+            </svg>
+            <select
+                aria-label=tr!("Language")
+                title=tr!("Language")
+                id=LANGUAGE
+                on:change=heard(move |event| {
+                    if let Some(language) = Language::from_tag(&event_target_value(&event)) {
+                        desk.choose_language(language);
+                        // The page is another, and the focus is where it was.
+                        focus(LANGUAGE);
+                    }
+                })
+            >
+                {Language::ALL.map(option)}
+            </select>
+        </span>
+    }
+}
+
+fn focus(id: &str) {
+    let element = document().get_element_by_id(id);
+    if let Some(element) = element.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+        let _ = element.focus();
+    }
+}
+
 #[component]
 fn ThemeButton() -> impl IntoView {
     let desk = use_desk();
     let theme = move || desk.preferences.with(|chosen| chosen.theme);
     let title = move || match theme() {
-        Theme::Light => "Light now; press for dark",
-        Theme::Dark => "Dark now; press for the system's choice",
-        Theme::System => "As the system now; press for light",
+        Theme::Light => tr!("Light now; press for dark"),
+        Theme::Dark => tr!("Dark now; press for high contrast"),
+        Theme::Contrast => tr!("High contrast now; press for the system's choice"),
+        Theme::System => tr!("As the system now; press for light"),
     };
     // A sun, a moon, a half of each.
     let shape = move || match theme() {
@@ -73,6 +128,7 @@ fn ThemeButton() -> impl IntoView {
             "M12 7a5 5 0 1 0 0 10 5 5 0 0 0 0-10zM12 1v3M12 20v3M1 12h3M20 12h3M4.2 4.2l2.1 2.1M17.7 17.7l2.1 2.1M4.2 19.8l2.1-2.1M17.7 6.3l2.1-2.1"
         }
         Theme::Dark => "M20 14.5A8.5 8.5 0 1 1 9.5 4a7 7 0 0 0 10.5 10.5z",
+        Theme::Contrast => "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM12 3v18a9 9 0 0 0 0-18z",
         Theme::System => {
             "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM12 3v18M12 6.5h4.8M12 10h6.8M12 14h6.8M12 17.5h4.8"
         }

@@ -7,6 +7,7 @@ use motorlink_messages::journal::{
     Export, Filter, FromJournal, RecordingStatus, ToJournal, Window,
 };
 use motorlink_protocol::Instant;
+use motorlink_words::Language;
 
 use crate::{
     csv_file::CsvFile,
@@ -222,6 +223,11 @@ impl Journal {
                 }
             }
             ToJournal::Look(window) => self.window = Some(window),
+            ToJournal::Speak(language) => {
+                motorlink_words::speak(Language::from_tag(&language).unwrap_or_default());
+                // What is searched for may be in other entries now.
+                self.log.filter(&self.filter);
+            }
             ToJournal::Filter(filter) => {
                 self.log.filter(&filter);
                 self.filter = filter;

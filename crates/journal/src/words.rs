@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use motorlink_bus::{JunkBytes, Passed};
 use motorlink_messages::journal::Row;
-use motorlink_protocol::{FRAME_LEN, Frame, explain_heard, explain_sent};
+use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_heard, explain_sent};
+use motorlink_words::{Language, spoken, terms, tr};
 
 use crate::{
     digits::{push_0x, push_decimal, push_hex},
@@ -13,8 +14,52 @@ use crate::{
     wall_clock::WallClock,
 };
 
-/// Adds what an entry says.
+/// Adds what an entry says, in the language that is spoken.
 pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
+    // A million entries are searched while a person waits, and most of them in English: that is written
+    // without a text of its own for each part.
+    if spoken() == Language::English {
+        return push_english(out, entry, texts);
+    }
+    match &entry.what {
+        What::Said { text, .. } => out.push_str(texts.get(*text)),
+        What::Passed(passed) => out.push_str(&translated(passed)),
+    }
+}
+
+fn translated(passed: &Passed) -> String {
+    match passed {
+        Passed::Sent { frame, mode } => terms::explained(explain_sent(frame, *mode)),
+        Passed::Heard { frame, asked } => terms::explained(explain_heard(frame, *asked)),
+        Passed::Junk(junk) => match explained_junk(junk) {
+            Some(explained) => tr!("{what}: dropped", what = terms::explained(explained)),
+            None => match junk.bytes().len() {
+                1 => tr!("1 byte that is no frame").to_owned(),
+                count => tr!("{count} bytes that are no frame", count),
+            },
+        },
+        Passed::Silence { waited_us, .. } => {
+            let (millis, tenth) = to_tenths(*waited_us);
+            let ms = terms::in_language(format!("{millis}.{tenth}"));
+            tr!("no answer within {ms} ms", ms)
+        }
+    }
+}
+
+/// Ten bytes are taken for a frame.
+fn explained_junk(junk: &JunkBytes) -> Option<Explained> {
+    let frame = <[u8; FRAME_LEN]>::try_from(junk.bytes()).ok()?;
+    Some(explain_heard(&Frame::new(frame), None))
+}
+
+/// Milliseconds and their tenths, to the nearest, which is the step of a browser's clock.
+fn to_tenths(micros: u32) -> (u64, u64) {
+    let tenths = (u64::from(micros) + 50) / 100;
+    (tenths / 10, tenths % 10)
+}
+
+/// Adds what an entry says in English, as files have it.
+pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     // Writing into a text does not fail.
     let _ = match &entry.what {
         What::Said { text, .. } => out.write_str(texts.get(*text)),
@@ -27,21 +72,19 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
         What::Passed(Passed::Junk(junk)) => push_junk(out, junk),
         What::Passed(Passed::Silence { waited_us, .. }) => {
             out.push_str("no answer within ");
-            // To the nearest tenth of a millisecond, the step of a browser's clock.
-            let tenths = (u64::from(*waited_us) + 50) / 100;
-            push_decimal(out, tenths / 10);
+            let (millis, tenth) = to_tenths(*waited_us);
+            push_decimal(out, millis);
             out.push('.');
-            push_decimal(out, tenths % 10);
+            push_decimal(out, tenth);
             out.write_str(" ms")
         }
     };
 }
 
-/// Ten bytes are taken for a frame, and what is wrong with it is said.
 fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
     let bytes = junk.bytes();
-    if let Ok(frame) = <[u8; FRAME_LEN]>::try_from(bytes) {
-        return write!(out, "{}: dropped", explain_heard(&Frame::new(frame), None));
+    if let Some(explained) = explained_junk(junk) {
+        return write!(out, "{explained}: dropped");
     }
     push_decimal(out, u64::try_from(bytes.len()).unwrap_or_default());
     out.write_str(if bytes.len() == 1 {
@@ -145,6 +188,21 @@ mod tests {
         assert_eq!(silence(8_000), "no answer within 8.0 ms");
         assert_eq!(silence(25_050), "no answer within 25.1 ms");
         assert_eq!(silence(999), "no answer within 1.0 ms");
+    }
+
+    #[test]
+    fn every_entry_is_said_in_the_language_that_is_spoken() {
+        motorlink_words::speak(Language::German);
+        let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+        let asked = Some(Layout::Drive);
+        assert_eq!(
+            passed(Passed::Heard { frame, asked }),
+            "+100 rpm, +0,175 A, 66,96°"
+        );
+        assert!(junk("FF").starts_with("1 ") && !junk("FF").contains("frame is"));
+        let id = MotorId::FIRST;
+        let waited_us = 8_000;
+        assert!(passed(Passed::Silence { id, waited_us }).contains("8,0 ms"));
     }
 
     #[test]

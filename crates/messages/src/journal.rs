@@ -30,6 +30,9 @@ pub enum ToJournal {
     /// Which rows of the packet log are to be seen. Answered by a [`LogPage`], and by another whenever
     /// one of these rows, or a count, changes; at most 30 times a second.
     Look(Window),
+    /// Put entries into words in this language from now on, `en`, `zh` or `de`: those that are seen, and
+    /// those in which is searched. Files stay English. The rows are numbered anew.
+    Speak(String),
     /// Which entries the log shows. The rows are numbered anew.
     Filter(Filter),
     /// Forget every entry of the log. The recording stays.

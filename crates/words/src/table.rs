@@ -4,7 +4,11 @@ use std::cell::OnceCell;
 
 use crate::language::{Language, spoken};
 
-include!(concat!(env!("OUT_DIR"), "/table.rs"));
+include!(concat!(env!("OUT_DIR"), "/keys.rs"));
+
+static ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en.txt"));
+static CHINESE: &str = include_str!(concat!(env!("OUT_DIR"), "/zh.txt"));
+static GERMAN: &str = include_str!(concat!(env!("OUT_DIR"), "/de.txt"));
 
 thread_local! {
     /// One for each language: only what is spoken is ever split.

@@ -133,7 +133,7 @@ fn heard(reply: &Reply) -> String {
             said = format!(
                 "{said}, {temperature}, {}",
                 in_language(position.to_string())
-            )
+            );
         }
         Detail::Undetermined(_) => {}
     }

@@ -18,7 +18,7 @@ use crate::{
     entry::Entry,
     texts::Texts,
     wall_clock::{IsoWriter, WallClock, push_seconds},
-    words::{push_id, push_meaning},
+    words::{push_english, push_id},
 };
 
 pub(super) const HEAD: [&str; 6] = ["time", "elapsed_s", "direction", "id", "hex", "meaning"];
@@ -58,6 +58,6 @@ impl LogLines {
         });
         cells.value(|out| push_id(out, entry));
         cells.value(|out| push_hex(out, entry.bytes()));
-        cells.text(|out| push_meaning(out, entry, texts));
+        cells.text(|out| push_english(out, entry, texts));
     }
 }
