@@ -103,7 +103,7 @@ impl Desk {
             }
             Some(Dialog::ClearLog(_)) => self.clear_log(),
             Some(Dialog::EraseKept) => self.erase_kept(),
-            Some(Dialog::Help) | None => {}
+            Some(Dialog::Help(_)) | None => {}
         }
     }
 
@@ -262,7 +262,7 @@ impl Desk {
             Act::Stop => self.stop_motor(self.tab.get_untracked()),
             Act::Brake => self.drive(Setpoint::Brake),
             Act::Switch(mode) => self.switch(mode),
-            Act::Help => self.dialog.set(Some(Dialog::Help)),
+            Act::Help => self.dialog.set(Some(Dialog::Help(None))),
         }
     }
 
@@ -273,6 +273,7 @@ impl Desk {
             title,
             advice: vec![reason],
             remedy: None,
+            help: None,
         });
     }
 }

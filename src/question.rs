@@ -30,7 +30,7 @@ impl Dialog {
     /// What this dialog asks; `None` where it asks nothing.
     pub(crate) fn question(self) -> Option<Question> {
         Some(match self {
-            Self::Help => return None,
+            Self::Help(_) => return None,
             Self::HighCurrent(target) => high_current(target, "Drive at "),
             Self::ChangeId { from, to } => change_id(from, to),
             Self::Hazard(order) => hazard(order),

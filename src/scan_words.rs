@@ -9,6 +9,7 @@ use motorlink_messages::{
 };
 
 use crate::{
+    help_topic::HelpTopic,
     notice_board::{Remedy, Tone, Topic, Words},
     words::WIRING,
 };
@@ -27,6 +28,12 @@ fn words(tone: Tone, title: impl Into<String>, advice: &[&str]) -> Words {
         title: title.into(),
         advice: advice.iter().map(|line| (*line).to_owned()).collect(),
         remedy: None,
+        // What goes wrong with a scan is that nobody answers, or too many.
+        help: match tone {
+            _ if advice == WIRING => Some(HelpTopic::NoAnswer),
+            Tone::Calm => None,
+            Tone::Warning | Tone::Error => Some(HelpTopic::TwoMotorsOneId),
+        },
     }
 }
 
@@ -165,7 +172,8 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
             Tone::Error,
             format!("Neither {from} nor {to} answers"),
             &["Check the motor's power and plugs, then press Full scan to see which ID it has."],
-        ),
+        )
+        .explained_at(HelpTopic::NoAnswer),
         IdChangeOutcome::Both => words(
             Tone::Error,
             format!("Both {from} and {to} answer: there is more than one motor"),
@@ -183,7 +191,8 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
             Tone::Error,
             unchanged("a motor did not confirm its stop"),
             &["Nothing was sent. Look at the wheel; if it turns, switch its power off."],
-        ),
+        )
+        .explained_at(HelpTopic::StopNotConfirmed),
         IdChangeOutcome::Cancelled { frames_sent: 0 } => words(
             Tone::Calm,
             unchanged("it was cancelled"),

@@ -5,6 +5,7 @@ use motorlink_messages::journal::{Export, RecordingStatus};
 use super::words;
 use crate::{
     format::{grouped, stopwatch},
+    help_topic::HelpTopic,
     log_feed::LogState,
     notice_board::{Tone, Topic, Words},
 };
@@ -23,6 +24,7 @@ pub(crate) fn of_dead_journal() -> Words {
             "To log again, stop the motors and reload the page.",
         ],
     )
+    .explained_at(HelpTopic::Troubleshooting)
 }
 
 /// A file was asked for and there is nothing to write into it.
