@@ -14,8 +14,7 @@ pub(crate) const NOT_LOADED: &str =
     "The help could not be loaded. Check that you are online, then try again.";
 
 /// In the graph, before any motor has answered.
-pub(crate) const NO_GRAPH: &str =
-    "What a motor reports is drawn here. Press Connect or Virtual motor.";
+pub(crate) const NO_GRAPH: &str = "What a motor reports is drawn here.";
 /// Above the wheel, before a motor has answered.
 pub(crate) const NO_MOTOR: &str = "No motor: press Connect";
 

@@ -123,6 +123,7 @@ fn load_or_show(desk: Desk, page: NodeRef<Div>, loaded: RwSignal<Loaded>) {
                 let now = match (html, page) {
                     (Some(html), Some(page)) => {
                         page.set_inner_html(&html);
+                        let _ = page.set_attribute("lang", language);
                         Loaded::In(language)
                     }
                     _ => Loaded::Failed,
