@@ -228,6 +228,11 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
         .await;
     bench.click("Tour");
     bench
+        .until("the tour to be there", || {
+            !bench.find_all("status", "First spin").is_empty()
+        })
+        .await;
+    bench
         .until("the tour again", || said().contains("fasten"))
         .await;
     assert!(!tick.checked(), "what was confirmed is confirmed anew");
