@@ -105,7 +105,7 @@ impl Desk {
             }
             Some(Dialog::ClearLog(_)) => self.clear_log(),
             Some(Dialog::EraseKept) => self.erase_kept(),
-            Some(Dialog::Help) | None => {}
+            Some(Dialog::Help(_)) | None => {}
         }
     }
 
@@ -267,7 +267,7 @@ impl Desk {
             Act::Stop => self.stop_motor(self.tab.get_untracked()),
             Act::Brake => self.drive(Setpoint::Brake),
             Act::Switch(mode) => self.switch(mode),
-            Act::Help => self.dialog.set(Some(Dialog::Help)),
+            Act::Help => self.dialog.set(Some(Dialog::Help(None))),
         }
     }
 
@@ -278,6 +278,7 @@ impl Desk {
             title,
             advice: vec![reason],
             remedy: None,
+            help: None,
         });
     }
 }

@@ -13,9 +13,10 @@ use motorlink_messages::{
 
 use crate::{
     clock::{Clock, act_ms, page_now_ms},
-    components::live::memo,
+    components::{live::memo, tour::remembered_tour},
     drawer::Drawer,
     fault_history::FaultHistory,
+    help_topic::HelpTopic,
     history::History,
     id_manager::IdManager,
     journal::Journal,
@@ -30,6 +31,7 @@ use crate::{
     target::Target,
     together_acts::TogetherEntry,
     tool_entry::NO_NEW_ID,
+    tour::Tour,
     twin::TwinFeed,
     words::log_lines,
     worker_link::WorkerLink,
@@ -53,8 +55,8 @@ pub(crate) enum WorkerState {
 /// What lies over the desk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialog {
-    /// The help.
-    Help,
+    /// The help, at one of its places.
+    Help(Option<HelpTopic>),
     /// The question whether so high a current is meant.
     HighCurrent(CurrentTarget),
     /// The question whether all of the log is to be forgotten, and how many entries that are.
@@ -147,6 +149,8 @@ pub(crate) struct Parts {
     pub(crate) asked: RwSignal<Option<Mode>>,
     pub(crate) targets: Targets,
     pub(crate) dialog: RwSignal<Option<Dialog>>,
+    /// The tour of the first minutes.
+    pub(crate) tour: RwSignal<Tour>,
     /// The panel that lies over the right of the desk.
     pub(crate) drawer: RwSignal<Option<Drawer>>,
     /// Scans, and the way to a new ID.
@@ -199,6 +203,7 @@ impl Desk {
                 new_id: Target::new(NO_NEW_ID),
             },
             dialog: RwSignal::new(None),
+            tour: RwSignal::new(remembered_tour()),
             drawer: RwSignal::new(None),
             ids: RwSignal::new(IdManager::default()),
             raw: RawEntry::new(),

@@ -208,6 +208,7 @@ fn calm(title: String, advice: &str) -> Words {
         title,
         advice: vec![advice.to_owned()],
         remedy: None,
+        help: None,
     }
 }
 

@@ -4,6 +4,8 @@
 use motorlink_messages::protocol::MotorId;
 use motorlink_words::tr;
 
+use crate::help_topic::HelpTopic;
+
 /// What a notice is about. A new one takes the place of an older one on the same topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
@@ -75,6 +77,19 @@ pub(crate) struct Words {
     /// What to do, a line each.
     pub(crate) advice: Vec<String>,
     pub(crate) remedy: Option<Remedy>,
+    /// Where the help says more.
+    pub(crate) help: Option<HelpTopic>,
+}
+
+impl Words {
+    /// The same, with the place in the help that says more.
+    #[must_use]
+    pub(crate) fn explained_at(self, topic: HelpTopic) -> Self {
+        Self {
+            help: Some(topic),
+            ..self
+        }
+    }
 }
 
 /// A notice that stands.
@@ -151,6 +166,7 @@ mod tests {
             title: title.to_owned(),
             advice: vec![],
             remedy: None,
+            help: None,
         }
     }
 

@@ -31,7 +31,7 @@ impl Dialog {
     /// What this dialog asks; `None` where it asks nothing.
     pub(crate) fn question(self) -> Option<Question> {
         Some(match self {
-            Self::Help => return None,
+            Self::Help(_) => return None,
             Self::HighCurrent(target) => {
                 high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
             }

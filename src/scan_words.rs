@@ -9,6 +9,7 @@ use motorlink_words::tr;
 
 use crate::{
     format::in_language,
+    help_topic::HelpTopic,
     notice_board::{Remedy, Tone, Topic, Words},
     words::wiring,
 };
@@ -28,6 +29,12 @@ fn words(tone: Tone, title: impl Into<String>, advice: &[&str]) -> Words {
         title: title.into(),
         advice: advice.iter().map(|line| (*line).to_owned()).collect(),
         remedy: None,
+        // What goes wrong with a scan is that nobody answers, or too many.
+        help: match tone {
+            _ if advice == wiring() => Some(HelpTopic::NoAnswer),
+            Tone::Calm => None,
+            Tone::Warning | Tone::Error => Some(HelpTopic::TwoMotorsOneId),
+        },
     }
 }
 
@@ -200,7 +207,8 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
             &[tr!(
                 "Check the motor's power and plugs, then press Full scan to see which ID it has."
             )],
-        ),
+        )
+        .explained_at(HelpTopic::NoAnswer),
         IdChangeOutcome::Both => words(
             Tone::Error,
             tr!(
@@ -227,7 +235,8 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
             &[tr!(
                 "Nothing was sent. Look at the wheel; if it turns, switch its power off."
             )],
-        ),
+        )
+        .explained_at(HelpTopic::StopNotConfirmed),
         IdChangeOutcome::Cancelled { frames_sent: 0 } => words(
             Tone::Calm,
             unchanged(tr!("it was cancelled")),

@@ -8,16 +8,19 @@ use motorlink_messages::{
 use motorlink_words::tr;
 
 use crate::{
+    help_topic::HelpTopic,
     notice_board::{Remedy, Tone, Topic, Words},
     scan_words,
 };
 
+pub(crate) mod help;
 pub(crate) mod journal;
 pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
 pub(crate) mod setup;
 pub(crate) mod terms;
+pub(crate) mod tour;
 
 /// What can go wrong before the worker is asked to open a port.
 #[cfg_attr(
@@ -45,6 +48,7 @@ fn words(topic: Topic, tone: Tone, title: impl Into<String>, advice: &[&str]) ->
         title: title.into(),
         advice: advice.iter().map(|line| (*line).to_owned()).collect(),
         remedy: None,
+        help: None,
     }
 }
 
@@ -86,7 +90,9 @@ fn failed_briefly(error: ConnectError) -> &'static str {
 
 /// What a failed connection says at length.
 pub(crate) fn of_connect_error(error: ConnectError) -> Words {
-    let port = |title, advice| words(Topic::Port, Tone::Error, title, advice);
+    let port = |title, advice| {
+        words(Topic::Port, Tone::Error, title, advice).explained_at(HelpTopic::PortDoesNotOpen)
+    };
     match error {
         ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
         ConnectError::PortGone => port(
@@ -94,7 +100,8 @@ pub(crate) fn of_connect_error(error: ConnectError) -> Words {
             &[tr!(
                 "Plug the adapter in, then press Connect or Choose another port."
             )],
-        ),
+        )
+        .explained_at(HelpTopic::NoPortInList),
         ConnectError::OpenFailed => port(
             tr!("The port does not open"),
             &[
@@ -135,7 +142,9 @@ pub(crate) fn of_connect_error(error: ConnectError) -> Words {
 
 /// What went wrong with choosing a port.
 pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
-    let port = |tone, title, advice| words(Topic::Port, tone, title, advice);
+    let port = |tone, title, advice| {
+        words(Topic::Port, tone, title, advice).explained_at(HelpTopic::NoPortInList)
+    };
     match trouble {
         PickTrouble::NoWebSerial => port(
             Tone::Warning,
@@ -147,7 +156,8 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
                 ),
                 tr!("The virtual motor works here: press Virtual motor."),
             ],
-        ),
+        )
+        .explained_at(HelpTopic::Ports),
         PickTrouble::Dismissed { filtered: true } => Words {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
@@ -180,7 +190,8 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
                 "Allow serial ports in the site settings (left of the address), or ask who manages \
                  this browser."
             )],
-        ),
+        )
+        .explained_at(HelpTopic::Ports),
         PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
         PickTrouble::Unknown => Words {
             remedy: Some(Remedy::ShowAllPorts),
@@ -202,7 +213,8 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
             Tone::Warning,
             tr!("That was not done: it came too late"),
             &[tr!("The page was busy when you pressed. Press again.")],
-        ),
+        )
+        .explained_at(HelpTopic::Troubleshooting),
         Notice::NotConnected => words(
             Topic::Command,
             Tone::Calm,
@@ -239,7 +251,8 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
             &[tr!(
                 "Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."
             )],
-        ),
+        )
+        .explained_at(HelpTopic::DamagedBytes),
         // Shown where the motor, its loop and the stop are shown.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }
@@ -281,12 +294,15 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<Words> {
         Command::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
         _ => tr!("That was not done").to_owned(),
     };
-    Some(words(
-        Topic::Command,
-        Tone::Warning,
-        title,
-        &[&terms::refusal(refusal)],
-    ))
+    Some(Words {
+        help: help::of_refusal(refusal),
+        ..words(
+            Topic::Command,
+            Tone::Warning,
+            title,
+            &[&terms::refusal(refusal)],
+        )
+    })
 }
 
 /// What to check where nobody answers, in the order in which it is mostly the reason.
@@ -306,6 +322,7 @@ fn of_silence(id: MotorId) -> Words {
         tr!("Motor {id} has not answered for 2 s", id),
         &wiring(),
     )
+    .explained_at(HelpTopic::NoAnswer)
 }
 
 fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
@@ -334,7 +351,7 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
             tr!("Press Switch again. If it stays, turn its power off and on.")
         }
     };
-    words(Topic::Loop(id), Tone::Error, title, &[advice])
+    words(Topic::Loop(id), Tone::Error, title, &[advice]).explained_at(HelpTopic::StaysInLoop)
 }
 
 fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
@@ -365,6 +382,7 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
         tr!("Motor {id} is being stopped: {why}", id, why),
         &[advice],
     )
+    .explained_at(help::of_withdrawal(reason))
 }
 
 fn of_stop(report: &StopReport) -> Option<Words> {
@@ -378,15 +396,14 @@ fn of_stop(report: &StopReport) -> Option<Words> {
     if open.is_empty() {
         return None;
     }
-    Some(words(
-        Topic::Stop,
-        Tone::Error,
-        tr!(
-            "Standstill is not confirmed: {motors}",
-            motors = open.join(", ")
-        ),
-        &[tr!("Look at the wheel. If it turns, switch its power off.")],
-    ))
+    let title = tr!(
+        "Standstill is not confirmed: {motors}",
+        motors = open.join(", ")
+    );
+    let advice = tr!("Look at the wheel. If it turns, switch its power off.");
+    Some(
+        words(Topic::Stop, Tone::Error, title, &[advice]).explained_at(HelpTopic::StopNotConfirmed),
+    )
 }
 
 fn of_unconfirmed(motor: StopOutcome) -> String {
@@ -417,7 +434,8 @@ fn of_lost_adapter(driven: &[MotorId]) -> Words {
         Tone::Error,
         tr!("The adapter was pulled out"),
         &[],
-    );
+    )
+    .explained_at(HelpTopic::StoppedByItself);
     words.advice.extend(coasts);
     let plug =
         tr!("Plug it in again: the page reconnects, and nothing drives until you press Start.");
@@ -438,7 +456,7 @@ pub(crate) fn of_dead_worker(driven: bool) -> Words {
         words.advice.insert(0, coasts.to_owned());
     }
     words.remedy = Some(Remedy::Reload);
-    words
+    words.explained_at(HelpTopic::StoppedByItself)
 }
 
 /// Another motor was chosen while one was driven.

@@ -104,12 +104,12 @@ fn is_wanted(connection: Connection) -> bool {
     }
 }
 
-fn why_not_at_all(desk: Desk) -> Option<String> {
+pub(super) fn why_not_at_all(desk: Desk) -> Option<String> {
     (desk.worker.get() == WorkerState::Dead)
         .then(|| "The background worker has stopped. Reload the page.".to_owned())
 }
 
-fn why_not_serial(desk: Desk) -> Option<String> {
+pub(super) fn why_not_serial(desk: Desk) -> Option<String> {
     if !serial_ports::is_supported() {
         let words = "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, \
                      over https; the virtual motor works here.";

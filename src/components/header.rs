@@ -164,8 +164,8 @@ fn HelpButton() -> impl IntoView {
             class="button icon-button"
             aria-label="Help"
             aria-haspopup="dialog"
-            title="Wiring, first spin, keys (?)"
-            on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help)))
+            title="Wiring, first spin, protocol, troubleshooting (?)"
+            on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help(None))))
         >
             <span aria-hidden="true">"?"</span>
         </button>

@@ -11,16 +11,20 @@ use crate::{
     components::{
         kept_session,
         live::{heard, live},
+        tour,
     },
     desk::use_desk,
     format,
+    help_topic::HelpTopic,
     kept::Offer,
     notice_board::{NoticeBoard, Posted, Tone},
     session::{Reading, Session},
+    tour::Wanted,
+    words::help,
 };
 
 /// The notices in a place of their own, so that nothing moves when one comes; while there is none
-/// it says what comes next.
+/// it says what comes next, for a first visit as a tour.
 #[component]
 pub(crate) fn Notices() -> impl IntoView {
     let desk = use_desk();
@@ -30,19 +34,27 @@ pub(crate) fn Notices() -> impl IntoView {
         .map(|place| view! { <Slot place /> })
         .collect();
     let nothing_kept = move || desk.journal.kept.with(|offer| *offer == Offer::None);
+    let tour = move || desk.tour.with(|tour| tour.wanted);
     kept_session::keep_working(desk);
+    tour::keep_working(desk);
     view! {
         <section
             class="panel notices"
             aria-label="Notices"
-            class:empty=live(move || none() && nothing_kept())
+            class:empty=live(move || none() && nothing_kept() && tour() != Wanted::Asked)
         >
             <div
                 class="notice kept"
                 hidden=live(nothing_kept)
                 inner_html=kept_session::MARKUP
             ></div>
-            <div hidden=live(move || !none())>
+            <div
+                class="tour"
+                class:asked=live(move || tour() == Wanted::Asked)
+                hidden=live(move || tour() == Wanted::No)
+                inner_html=tour::markup()
+            ></div>
+            <div hidden=live(move || !none() || tour() != Wanted::No)>
                 <h2>"Next"</h2>
                 <p class="next-steps">
                     {live(move || if none() { next.get() } else { String::new() })}
@@ -66,6 +78,10 @@ fn Slot(place: usize) -> impl IntoView {
     let remedy = move || {
         desk.notices
             .with(|board| board.slot(place).and_then(|posted| posted.words.remedy))
+    };
+    let topic = move || {
+        desk.notices
+            .with(|board| board.slot(place).and_then(|posted| posted.words.help))
     };
     view! {
         <div
@@ -98,6 +114,14 @@ fn Slot(place: usize) -> impl IntoView {
                 })
             >
                 {live(move || remedy().map_or("", |remedy| remedy.label()))}
+            </button>
+            <button
+                type="button"
+                class="help-link"
+                hidden=live(move || topic().is_none())
+                data-help=live(move || topic().map(HelpTopic::id))
+            >
+                {live(move || topic().map(help::link))}
             </button>
             <button
                 type="button"

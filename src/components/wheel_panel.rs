@@ -5,7 +5,7 @@ use motorlink_messages::{bus::Activity, protocol::Mode};
 
 use crate::components::live::live;
 
-use crate::{desk::use_desk, format, twin::DigitalTwin};
+use crate::{desk::use_desk, format, twin::DigitalTwin, words::help::no_motor};
 
 #[component]
 pub(crate) fn WheelPanel() -> impl IntoView {
@@ -33,7 +33,7 @@ pub(crate) fn WheelPanel() -> impl IntoView {
     view! {
         <section class="panel wheel-panel" aria-label="Wheel">
             <p class="chip wheel-chip" class:active=driven>
-                {live(move || chip.get().unwrap_or_else(|| "No motor".to_owned()))}
+                {live(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
             </p>
             <DigitalTwin feed=desk.feed />
         </section>

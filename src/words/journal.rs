@@ -6,6 +6,7 @@ use motorlink_words::tr;
 use super::words;
 use crate::{
     format::{grouped, stopwatch},
+    help_topic::HelpTopic,
     log_feed::LogState,
     notice_board::{Tone, Topic, Words},
 };
@@ -26,6 +27,7 @@ pub(crate) fn of_dead_journal() -> Words {
             tr!("To log again, stop the motors and reload the page."),
         ],
     )
+    .explained_at(HelpTopic::Troubleshooting)
 }
 
 /// A file was asked for and there is nothing to write into it.

@@ -246,6 +246,7 @@ mod tests {
             title: "Motor 0x01 was not driven".to_owned(),
             advice: vec!["Press Release.".to_owned()],
             remedy: None,
+            help: None,
         };
         let line = of_words(&words(Topic::Command, Tone::Warning));
         assert_eq!(line, calm("Motor 0x01 was not driven. Press Release."));

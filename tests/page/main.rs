@@ -11,6 +11,7 @@ mod bench;
 mod contract;
 mod fake_journal;
 mod graph;
+mod help;
 mod instruments;
 mod kept;
 mod limits;

@@ -35,9 +35,10 @@ use motorlink_messages::protocol::Instant;
 
 use self::{controls::Controls, state::Chart};
 use crate::{
-    components::live::{heard, live},
+    components::live::{heard, live, memo},
     desk::use_desk,
     graph::words,
+    words::help,
 };
 
 /// Read aloud after the values.
@@ -63,6 +64,11 @@ pub(crate) fn Graph() -> impl IntoView {
             clock.day_us(Instant::from_micros(at_us)) / 1_000
         })
     };
+    let empty = memo(move || {
+        chart.desk.shown.track();
+        let history = chart.desk.history;
+        history.with_value(|history| history.reported().is_empty())
+    });
     view! {
         <section class="panel graph-panel" aria-label="Speed and current">
             <Controls chart />
@@ -83,6 +89,9 @@ pub(crate) fn Graph() -> impl IntoView {
                     on:keydown=heard(move |event| pointer::key(chart, &event))
                     inner_html=overlay::PLOT
                 ></div>
+                <p class="graph-none quiet" hidden=live(move || !empty.get())>
+                    {help::no_graph()}
+                </p>
                 // Not in the img, of which nobody reads the inside aloud.
                 <output
                     class="graph-values absent"

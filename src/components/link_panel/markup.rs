@@ -4,7 +4,10 @@ use motorlink_messages::VirtualWire;
 
 use crate::{
     doctor::Verdict,
-    words::link::{self, no_virtual_wire},
+    words::{
+        help,
+        link::{self, no_virtual_wire},
+    },
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
@@ -61,7 +64,10 @@ pub(super) fn verdict(verdict: &Verdict) -> String {
                 for line in link::remedy(*diagnosis) {
                     push(&mut html, &["<p>", line, "</p>"]);
                 }
-                push(&mut html, &["</li>"]);
+                let topic = help::of_diagnosis(*diagnosis);
+                let (id, link) = (topic.id(), help::link(topic));
+                let button = "<button type=\"button\" class=\"help-link\" data-help=\"";
+                push(&mut html, &[button, id, "\">", &link, "</button></li>"]);
             }
             return html;
         }
@@ -101,8 +107,10 @@ mod tests {
             let html = verdict(&Verdict::Ill(vec![diagnosis]));
             assert_eq!(html.matches("<li").count(), 1);
             assert!(html.contains("<p>"), "{html}");
+            assert!(html.contains("Help: "), "{html}");
             // The texts go into the page as HTML.
-            let text = html.replace("<li class=\"ill\">", "");
+            let (text, _link) = html.split_once("<button").unwrap();
+            let text = text.replace("<li class=\"ill\">", "");
             assert!(!text.contains('&') && !text.contains('"'), "{html}");
         }
     }

@@ -10,6 +10,7 @@ use crate::{
     components::live::{heard, live},
     desk::{Desk, use_desk},
     session::Session,
+    words::journal::no_journal,
 };
 
 /// A filter is sent when nothing has been typed for so long: each one has a million entries looked
@@ -36,6 +37,7 @@ pub(super) fn Filters() -> impl IntoView {
     let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
     let following = memo(move || desk.journal.log.with(|log| log.following));
     let stopped = move || !desk.journal.alive.get();
+    let title = |hint: &'static str| live(move || if stopped() { no_journal() } else { hint });
     view! {
         <div class="packet-filters">
             <input
@@ -43,7 +45,7 @@ pub(super) fn Filters() -> impl IntoView {
                 class="packet-filter"
                 aria-label="Filter"
                 placeholder="Filter"
-                title="Shows entries with this in their time, ID, hex or meaning"
+                title=title("Shows entries with this in their time, ID, hex or meaning")
                 autocomplete="off"
                 spellcheck="false"
                 disabled=live(stopped)
@@ -52,7 +54,7 @@ pub(super) fn Filters() -> impl IntoView {
             <select
                 class="select"
                 aria-label="Log ID"
-                title="Entries of one motor"
+                title=title("Entries of one motor")
                 disabled=live(stopped)
                 inner_html=live(move || id_options(&found.get(), id.get()))
                 on:change=heard(move |event| {
@@ -64,7 +66,7 @@ pub(super) fn Filters() -> impl IntoView {
             <select
                 class="select"
                 aria-label="Log direction"
-                title="Entries of one kind"
+                title=title("Entries of one kind")
                 disabled=live(stopped)
                 inner_html=kind_options()
                 on:change=heard(move |event| {

@@ -56,6 +56,15 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
     page.wait_for_text("alertdialog", "Stopped", |text| text.contains("onfirmed"))?;
     page.click("button", "Release")?;
     page.click("button", "Help")?;
+    // Fetched, and put in as markup.
+    wait_until("the help", PATIENCE, || {
+        let drawing = page.evaluate("document.querySelector('.wiring-drawing svg') !== null")?;
+        Ok(if drawing == Value::Bool(true) {
+            Ok(())
+        } else {
+            Err("it is not there".to_owned())
+        })
+    })?;
     page.press("Escape")?;
     page.download("Export CSV")?;
     page.download("Export telemetry CSV")?;
