@@ -12,7 +12,7 @@ use crate::{
         WheelPanel, live::follow,
     },
     desk::{Desk, WorkerState},
-    keyboard, lifecycle,
+    installation, keyboard, lifecycle,
     preferences::{Preferences, Theme},
     ticking, words,
     worker_link::WorkerLink,
@@ -25,6 +25,9 @@ const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
+    if let Some(frame) = document().get_element_by_id("starting") {
+        frame.remove();
+    }
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
     follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
@@ -34,6 +37,7 @@ pub fn App() -> impl IntoView {
     lifecycle::watch(desk);
     start_worker(desk);
     ticking::keep_showing(desk);
+    installation::watch(desk);
 
     let behind_dialog = move || desk.dialog.with(Option::is_some);
     view! {
@@ -66,7 +70,11 @@ fn start_worker(desk: Desk) {
     );
     if let Ok(link) = started {
         desk.link.set_value(Some(link));
-        let looking = set_interval_with_handle(move || desk.look_after_worker(), LOOK_AFTER_WORKER);
+        let look = move || {
+            desk.look_after_worker();
+            desk.look_whether_to_advise();
+        };
+        let looking = set_interval_with_handle(look, LOOK_AFTER_WORKER);
         if let Ok(looking) = looking {
             on_cleanup(move || looking.clear());
         }

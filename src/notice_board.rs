@@ -30,6 +30,10 @@ pub(crate) enum Topic {
     Journal,
     /// A file that was asked for.
     Export,
+    /// Another version of the page.
+    NewVersion,
+    /// The page as an installed program.
+    Installing,
 }
 
 /// How a notice is meant.
@@ -52,6 +56,10 @@ pub(crate) enum Remedy {
     FullScan,
     /// Loads the page again.
     Reload,
+    /// Loads its new version.
+    TakeNewVersion,
+    /// Has the browser ask whether it is to be installed.
+    Install,
 }
 
 impl Remedy {
@@ -60,6 +68,8 @@ impl Remedy {
             Self::ShowAllPorts => "Show all ports",
             Self::FullScan => "Scan every address",
             Self::Reload => "Reload the page",
+            Self::TakeNewVersion => "Take it",
+            Self::Install => "Install",
         }
     }
 }

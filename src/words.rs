@@ -11,10 +11,12 @@ use crate::{
     scan_words,
 };
 
+pub(crate) mod installation;
 pub(crate) mod journal;
 pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
+pub(crate) mod new_version;
 pub(crate) mod setup;
 
 /// What can go wrong before the worker is asked to open a port.

@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::bindgen::{self, Module, files_below};
 use crate::fresh_name::{fresh_name, short_hash};
+use crate::service_worker;
 use crate::size;
 use crate::slim;
 use crate::template::fill;
@@ -65,6 +66,7 @@ struct Parts {
     worker: Module,
     page_boot: String,
     worker_boot: String,
+    installed: String,
     style: String,
     index: String,
     public: Vec<(PathBuf, Vec<u8>)>,
@@ -79,11 +81,14 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
         worker,
         page_boot: read(&boot.join("page.js"))?,
         worker_boot: read(&boot.join("worker.js"))?,
+        installed: service_worker::page_part(profile)?,
         style: style(&workspace.root().join("style"))?,
         index: read(&workspace.root().join("index.html"))?,
         public: files_below(&workspace.root().join("public"))?,
     };
-    let files = assemble(&parts)?;
+    let mut files = assemble(&parts)?;
+    // Last: it names all others.
+    files.push(service_worker::of(&files, profile)?);
     let dir = profile.site_dir(workspace);
     write(&dir, &files)?;
     if profile == Profile::Release {
@@ -126,6 +131,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let page = files.add_program("page", &parts.page, &parts.page_boot)?;
     let worker = files.add_program("worker", &parts.worker, &parts.worker_boot)?;
     let style = files.add_fresh("style", "css", slim::css(&parts.style).as_bytes());
+    let installed = files.add_fresh("installed", "js", parts.installed.as_bytes());
     let index = fill(
         &parts.index,
         &[
@@ -133,6 +139,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
             ("style", &style),
             ("glue", &page.glue),
             ("boot", &page.boot),
+            ("installed", &installed),
         ],
     )?;
     files.add(PathBuf::from("index.html"), index.as_bytes());
@@ -211,6 +218,7 @@ mod tests {
             worker: module("worker"),
             page_boot: "{{wasm}} {{glue}}".to_owned(),
             worker_boot: "{{wasm}} {{glue}}".to_owned(),
+            installed: "installed".to_owned(),
             style: "p {}".to_owned(),
             index: include_str!("../../../index.html").to_owned(),
             public: vec![(PathBuf::from("icon.svg"), b"<svg/>".to_vec())],
@@ -231,7 +239,13 @@ mod tests {
     fn each_file_names_those_it_loads() {
         let files = assemble(&parts()).unwrap();
         let (_, index) = starting(&files, "index.html");
-        for stem in ["page-boot-", "page-glue-", "worker-boot-", "style-"] {
+        for stem in [
+            "page-boot-",
+            "page-glue-",
+            "worker-boot-",
+            "installed-",
+            "style-",
+        ] {
             let (name, _) = starting(&files, stem);
             assert!(
                 index.contains(&format!("\"./{name}\"")),

@@ -7,6 +7,7 @@ use anyhow::Result;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
+use crate::service_worker::is_for_installing;
 use crate::site::SiteFile;
 
 /// What a first visit may cost at most, so that no change makes it heavier unnoticed. The original page
@@ -29,31 +30,32 @@ struct Row {
 }
 
 impl Report {
-    /// Measures every file.
+    /// Measures every file that a visit can fetch.
     pub fn new(files: &[SiteFile]) -> Result<Self> {
         let mut rows = Vec::new();
-        for file in files {
+        // A browser fetches those pictures when it asks whether the page is to be installed, and then only.
+        for file in files.iter().filter(|file| !is_for_installing(&file.path)) {
             rows.push(Row {
                 name: file.path.display().to_string(),
                 raw_bytes: file.content.len(),
-                gzip_bytes: gzip_bytes(&file.content)?,
+                gzip_bytes: gzip(&file.content)?.len(),
             });
         }
         rows.sort_by(|a, b| b.gzip_bytes.cmp(&a.gzip_bytes).then(a.name.cmp(&b.name)));
         Ok(Self { rows })
     }
 
-    /// All files together, as if a first visit fetched every one.
+    /// All files that a visit can fetch together, as if the first fetched every one.
     pub fn first_visit_gzip_bytes(&self) -> usize {
         self.rows.iter().map(|row| row.gzip_bytes).sum()
     }
 }
 
-/// The level that servers use by default, not the best there is.
-fn gzip_bytes(content: &[u8]) -> Result<usize> {
+/// At the level that servers use by default, not the best there is.
+pub fn gzip(content: &[u8]) -> Result<Vec<u8>> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(content)?;
-    Ok(encoder.finish()?.len())
+    Ok(encoder.finish()?)
 }
 
 impl fmt::Display for Report {

@@ -31,6 +31,11 @@ impl Page {
             console,
             downloads,
         };
+        // chromiumoxide has every worker wait for it at its start, and lets go of a service worker so soon
+        // that one on a busy machine waits for ever.
+        let let_start =
+            json!({ "autoAttach": true, "waitForDebuggerOnStart": false, "flatten": true });
+        page.session.call("Target.setAutoAttach", let_start)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
         page.go(url)?;

@@ -10,10 +10,13 @@ use std::thread::{self, JoinHandle};
 use anyhow::{Context, Result, anyhow};
 use tiny_http::{Header, Method, Request, Response};
 
+/// A browser opens up to six connections to a host, and what it reads late holds up none but itself.
+const THREADS: usize = 6;
+
 /// Serves one directory until dropped.
 pub struct Server {
     http: Arc<tiny_http::Server>,
-    thread: Option<JoinHandle<()>>,
+    threads: Vec<JoinHandle<()>>,
     address: SocketAddr,
 }
 
@@ -35,16 +38,19 @@ impl Server {
             .to_ip()
             .context("the server has no address")?;
         let http = Arc::new(http);
-        let serving = Arc::clone(&http);
-        let thread = thread::spawn(move || {
-            for request in serving.incoming_requests() {
-                // A browser that went away in the middle of an answer is no fault of ours.
-                let _ = answer(&dir, request);
-            }
+        let threads = (0..THREADS).map(|_| {
+            let (serving, dir) = (Arc::clone(&http), dir.clone());
+            thread::spawn(move || {
+                for request in serving.incoming_requests() {
+                    // A browser that went away in the middle of an answer is no fault of ours.
+                    let _ = answer(&dir, request);
+                }
+            })
         });
+        let threads = threads.collect();
         Ok(Self {
             http,
-            thread: Some(thread),
+            threads,
             address,
         })
     }
@@ -57,8 +63,10 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        self.http.unblock();
-        if let Some(thread) = self.thread.take() {
+        for _ in &self.threads {
+            self.http.unblock();
+        }
+        for thread in self.threads.drain(..) {
             // A panic in there has been printed already, and there is nobody to pass it on to.
             let _ = thread.join();
         }

@@ -1,0 +1,28 @@
+//! The page as an installed program, in words.
+
+use super::words;
+use crate::notice_board::{Remedy, Tone, Topic, Words};
+
+/// Why it cannot be installed.
+pub(crate) const INSTALLED: &str = "It is installed.";
+/// Why it cannot be installed.
+pub(crate) const NOT_OFFERED: &str =
+    "This browser does not offer it here; where it can, its own menu has it.";
+/// What the button does.
+pub(crate) const HINT: &str = "A window of its own, and a place among the programs";
+
+/// For those who drive for long in a tab.
+pub(crate) fn advice() -> Words {
+    Words {
+        remedy: Some(Remedy::Install),
+        ..words(
+            Topic::Installing,
+            Tone::Calm,
+            "Install MotorLink for long drives",
+            &[
+                "A browser may discard a tab that is hidden for long, which stops the motors. It leaves the \
+               window of an installed page alone.",
+            ],
+        )
+    }
+}
