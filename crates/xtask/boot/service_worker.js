@@ -22,9 +22,9 @@ async function keep() {
     ...hashed.map((file) => new Request(file, { cache: "force-cache" })),
     ...named.map(([file, integrity]) => new Request(file, { cache: "no-cache", integrity })),
   ];
-  // Each for itself: `addAll` reads no file before the last has begun to come, and a host that hands out one
-  // after the other would wait for it with the first.
-  await Promise.all(requests.map((request) => cache.add(request)));
+  // One after the other: nobody waits for them, and whoever uses the page meanwhile has the line. `addAll`
+  // would ask for all at once, and read none before the last has begun to come: small hosts stop at that.
+  for (const request of requests) await cache.add(request);
 }
 
 // Nobody needs the old files: a version is taken while a single tab is open, which then loads anew, or

@@ -33,9 +33,14 @@ impl Page {
         };
         // chromiumoxide has every worker wait for it at its start, and lets go of a service worker so soon
         // that one on a busy machine waits for ever.
-        let let_start =
-            json!({ "autoAttach": true, "waitForDebuggerOnStart": false, "flatten": true });
-        page.session.call("Target.setAutoAttach", let_start)?;
+        let no_service_workers = json!({
+            "autoAttach": true,
+            "waitForDebuggerOnStart": false,
+            "flatten": true,
+            "filter": [{ "type": "service_worker", "exclude": true }, {}],
+        });
+        page.session
+            .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
         page.go(url)?;
