@@ -92,9 +92,10 @@ impl Judge {
             .wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
         self.page.click("button", "+100")?;
         wait_for_speed(&self.page, 97..=103)?;
-        self.screen("Velocity, graph and log while driven")?;
+        // Before axe: it holds a page up for so long that its motors are stopped, as they should be.
         self.page.click("button", "Stop")?;
         wait_for_speed(&self.page, 0..=0)?;
+        self.screen("Velocity, graph and log")?;
         for tab in ["Current", "Position", "ID Manager", "Raw Hex"] {
             self.page.click("tab", tab)?;
             self.screen(tab)?;
@@ -103,7 +104,7 @@ impl Judge {
         self.panels("connected")?;
         self.page.press("Escape")?;
         self.page
-            .wait_for_text("alertdialog", "Stopped", |text| text.contains("onfirmed"))?;
+            .wait_for_text("alertdialog", "Stopped", |text| text.contains("0x01"))?;
         self.screen("Stopped")?;
         self.page.click("button", "Release")?;
         self.page.click("button", "Disconnect")?;

@@ -12,7 +12,7 @@ mod story;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use end_to_end::{Bench, Page, artefacts, wait_until};
@@ -110,9 +110,7 @@ fn version(page: &Page) -> Result<Value> {
 
 /// Has the browser look for a new version, as it does with every visit and every hour.
 fn look_for_new_version(page: &Page) -> Result<()> {
-    page.evaluate(
-        "navigator.serviceWorker.getRegistration().then((it) => it.update()).then(() => 1)",
-    )?;
+    page.evaluate("navigator.serviceWorker.getRegistration().then((it) => void it.update())")?;
     Ok(())
 }
 
@@ -201,7 +199,9 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     page.click("button", "Take it")?;
     notices(&page, |text| text.contains("Another tab of MotorLink"))?;
     // A hidden tab has no accessibility tree.
-    let state = other.evaluate("document.querySelector('.connection').dataset.state")?;
+    let state = other
+        .evaluate("document.querySelector('.connection').dataset.state")
+        .context("the other tab")?;
     assert_eq!(state, Value::from("Connected"));
     bench.close(other)?;
 
@@ -216,7 +216,9 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
         })
     })?;
     notices(&page, |text| !text.contains("version"))?;
-    let caches = page.evaluate("caches.keys().then((names) => names.length)")?;
+    let caches = page
+        .evaluate("caches.keys().then((names) => names.length)")
+        .context("counting caches")?;
     assert_eq!(caches, Value::from(1), "the old one is gone");
     bench.stop_serving();
     page.reload()?;
