@@ -110,7 +110,13 @@ fn version(page: &Page) -> Result<Value> {
 
 /// Has the browser look for a new version, as it does with every visit and every hour.
 fn look_for_new_version(page: &Page) -> Result<()> {
-    page.evaluate("navigator.serviceWorker.getRegistration().then((it) => void it.update())")?;
+    let said = page.evaluate(
+        "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
+            it.update().then(() => 'looked', String),
+            new Promise((give) => setTimeout(give, 5_000, 'no answer')),
+        ]))",
+    )?;
+    anyhow::ensure!(said == "looked", "looking for a new version: {said}");
     Ok(())
 }
 
@@ -169,12 +175,13 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     host.publish_next_version()?;
     look_for_new_version(&page)?;
     wait_until("the new version to wait", end_to_end::PATIENCE, || {
-        let waits =
-            page.evaluate("navigator.serviceWorker.getRegistration().then((it) => !!it.waiting)")?;
-        Ok(if waits == Value::from(true) {
+        let state = page.evaluate(
+            "navigator.serviceWorker.getRegistration().then((it) => it.waiting ? 'waits' : `${it.installing?.state} ${it.active?.state}`)",
+        )?;
+        Ok(if state == "waits" {
             Ok(())
         } else {
-            Err("it does not".to_owned())
+            Err(state.to_string())
         })
     })?;
     std::thread::sleep(std::time::Duration::from_millis(500));
