@@ -12,7 +12,7 @@ use crate::{
         WheelPanel, live::follow,
     },
     desk::{Desk, WorkerState},
-    keyboard,
+    installation, keyboard,
     language::{self, first_known, speak_from_now_on},
     lifecycle,
     preferences::{Preferences, Theme, remembered},
@@ -27,6 +27,9 @@ const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
+    if let Some(frame) = document().get_element_by_id("starting") {
+        frame.remove();
+    }
     speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
@@ -37,6 +40,7 @@ pub fn App() -> impl IntoView {
     lifecycle::watch(desk);
     start_worker(desk);
     ticking::keep_showing(desk);
+    installation::watch(desk);
 
     // In another language everything is made anew. A view in the place of one of its own type would only
     // have its texts replaced, while what was set up around the old one is gone: the two sides take turns.
@@ -97,7 +101,11 @@ fn start_worker(desk: Desk) {
     );
     if let Ok(link) = started {
         desk.link.set_value(Some(link));
-        let looking = set_interval_with_handle(move || desk.look_after_worker(), LOOK_AFTER_WORKER);
+        let look = move || {
+            desk.look_after_worker();
+            desk.look_whether_to_advise();
+        };
+        let looking = set_interval_with_handle(look, LOOK_AFTER_WORKER);
         if let Ok(looking) = looking {
             on_cleanup(move || looking.clear());
         }

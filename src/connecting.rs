@@ -44,6 +44,8 @@ impl Desk {
                 self.open_tab(Tab::IdManager);
                 self.full_scan();
             }
+            Remedy::TakeNewVersion => self.take_new_version(),
+            Remedy::Install => self.install(),
             Remedy::Reload => {
                 if let Some(window) = web_sys::window() {
                     // A page that cannot be reloaded stays as it is; there is nobody else to tell.

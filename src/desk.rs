@@ -19,6 +19,7 @@ use crate::{
     help_topic::HelpTopic,
     history::History,
     id_manager::IdManager,
+    installation::Installing,
     journal::Journal,
     mirror::to_wire,
     notice_board::{NoticeBoard, Words},
@@ -159,6 +160,8 @@ pub(crate) struct Parts {
     pub(crate) raw: RawEntry,
     /// Motors that drive together.
     pub(crate) together: TogetherEntry,
+    /// The page as a program of the browser's.
+    pub(crate) installing: Installing,
 }
 
 /// The speed of the first start and of the keys F and B: half of what the motor runs without load.
@@ -208,6 +211,7 @@ impl Desk {
             ids: RwSignal::new(IdManager::default()),
             raw: RawEntry::new(),
             together: TogetherEntry::load(),
+            installing: Installing::new(),
         })))
     }
 

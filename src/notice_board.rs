@@ -33,6 +33,10 @@ pub(crate) enum Topic {
     Journal,
     /// A file that was asked for.
     Export,
+    /// Another version of the page.
+    NewVersion,
+    /// The page as an installed program.
+    Installing,
 }
 
 /// How a notice is meant.
@@ -55,6 +59,10 @@ pub(crate) enum Remedy {
     FullScan,
     /// Loads the page again.
     Reload,
+    /// Loads its new version.
+    TakeNewVersion,
+    /// Has the browser ask whether it is to be installed.
+    Install,
 }
 
 impl Remedy {
@@ -63,6 +71,8 @@ impl Remedy {
             Self::ShowAllPorts => tr!("Show all ports"),
             Self::FullScan => tr!("Scan every address"),
             Self::Reload => tr!("Reload the page"),
+            Self::TakeNewVersion => tr!("Take it"),
+            Self::Install => tr!("Install"),
         }
     }
 }

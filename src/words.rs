@@ -14,10 +14,12 @@ use crate::{
 };
 
 pub(crate) mod help;
+pub(crate) mod installation;
 pub(crate) mod journal;
 pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
+pub(crate) mod new_version;
 pub(crate) mod setup;
 pub(crate) mod terms;
 pub(crate) mod tour;

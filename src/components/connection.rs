@@ -9,6 +9,7 @@ use super::button::PressButton;
 use crate::{
     components::live::memo,
     desk::{Desk, WorkerState, use_desk},
+    new_version::is_in_use,
     serial_ports, words,
 };
 
@@ -49,7 +50,8 @@ pub(crate) fn ConnectionState() -> impl IntoView {
 #[component]
 pub(crate) fn ConnectButtons() -> impl IntoView {
     let desk = use_desk();
-    let open = memo(move || desk.shown.with(|session| is_wanted(session.connection)));
+    // Then one disconnects.
+    let open = memo(move || desk.shown.with(|session| is_in_use(session.connection)));
     let why_no_serial = Signal::derive(move || why_not_serial(desk));
     let why_not_connect = Signal::derive(move || {
         if open.get() {
@@ -93,14 +95,6 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
                 on_press=move || desk.connect_virtual()
             />
         </div>
-    }
-}
-
-/// Whether a port is open, being opened, or waited for: then one disconnects.
-fn is_wanted(connection: Connection) -> bool {
-    match connection {
-        Connection::Disconnected | Connection::Failed(_) => false,
-        Connection::Connecting | Connection::Connected(_) | Connection::Reconnecting(_) => true,
     }
 }
 

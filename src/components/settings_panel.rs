@@ -13,12 +13,14 @@ use crate::{
     drawer::Drawer,
     entry,
     listener::on_window,
+    words::installation,
 };
 
 const EXPORT: &str = "export-setup";
 const IMPORT: &str = "import-setup";
 const CHOOSER: &str = "setup-file";
 const ERASE: &str = "erase-kept";
+const INSTALL: &str = "install-page";
 const SAID: &str = "setup-words";
 
 const LIMITS: &str = concat!(
@@ -26,7 +28,7 @@ const LIMITS: &str = concat!(
     "<p>A driven motor that turns faster, gets hotter, or draws more for half a second is stopped.</p>",
 );
 
-/// Buttons `Export setup`, `Import setup` and `Erase kept data`, the browser's own chooser of files that
+/// Buttons `Export setup`, `Import setup`, `Erase kept data` and `Install`, the browser's own chooser of files that
 /// the second one opens, and status `Setup`.
 const FILES: &str = concat!(
     "<h3>Setup</h3>",
@@ -39,6 +41,9 @@ const FILES: &str = concat!(
     "<p>Sessions and what was set are kept here, and leave it only as files that you export.</p>",
     r#"<button type="button" class="button" id="erase-kept">Erase kept data</button>"#,
     r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
+    "<h3>Installed</h3>",
+    "<p>As a program of its own it is never discarded while hidden. It works without a network in any case.</p>",
+    r#"<button type="button" class="button" id="install-page">Install</button>"#,
 );
 
 /// Panel `Settings`.
@@ -96,6 +101,7 @@ fn keep_working(desk: Desk) {
         say_why(IMPORT, reason.as_deref(), IMPORTS);
         say_why(ERASE, desk.why_not_erase(reason).as_deref(), ERASES);
     });
+    follow(move || say_why(INSTALL, desk.why_not_install(), installation::hint()));
     follow(move || say(desk.journal.erased.get()));
 }
 
@@ -125,6 +131,8 @@ fn hear(desk: Desk, event: &Event) {
         ("click", EXPORT) => Asked::ForFile,
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
+        // At once: the browser asks only while it is being pressed.
+        ("click", INSTALL) => return desk.install(),
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,
     };

@@ -89,7 +89,9 @@ pub enum Command {
         #[arg(long, default_value_t = 600)]
         seconds: u64,
     },
-    /// Make the README's screenshots
+    /// Judge the built page with Lighthouse, as a desktop and as a phone load it
+    Lighthouse,
+    /// Make the README's screenshots, and those of the installer
     Screenshots {
         /// Handed to the program that makes them
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -2,7 +2,10 @@
 //! never shows half of an old version.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 /// 48 bits: a clash among the few files of two versions is out of the question.
@@ -29,9 +32,49 @@ pub fn short_hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hex
 }
 
+/// Whether a file, or a directory that it is in, has such a name.
+pub fn is_fresh(path: &Path) -> bool {
+    path.iter().any(|part| {
+        let part = part.to_string_lossy();
+        let stem = part.split('.').next().unwrap_or_default();
+        let hash = stem.rsplit_once('-').map_or("", |(_, hash)| hash);
+        hash.len() == 2 * HASH_BYTES && hash.chars().all(|c| c.is_ascii_hexdigit())
+    })
+}
+
+/// What a browser is to find in a file whose name does not say it.
+pub fn integrity(content: &[u8]) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(content)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fresh_names_are_known() {
+        for name in [
+            fresh_name("page", "wasm", b"1"),
+            "page-snippets-0123456789ab/lib-1/inline0.js".to_owned(),
+        ] {
+            assert!(is_fresh(Path::new(&name)), "{name}");
+        }
+        for name in [
+            "icon.svg",
+            "icon-maskable.svg",
+            "sw.js",
+            "a-0123/index.html",
+        ] {
+            assert!(!is_fresh(Path::new(name)), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_integrity_is_what_a_browser_computes() {
+        // The digest of nothing, from FIPS 180-4's test vectors, in base 64.
+        let empty = "sha256-47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=";
+        assert_eq!(integrity(b""), empty);
+    }
 
     #[test]
     fn a_name_has_stem_hash_and_extension() {

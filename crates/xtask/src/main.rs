@@ -10,9 +10,13 @@ mod command_line;
 mod failure;
 mod foreign;
 mod fresh_name;
+mod lighthouse;
+mod npm;
+mod packed;
 mod process;
 mod reliability;
 mod serve;
+mod service_worker;
 mod site;
 mod site_path;
 mod size;
@@ -83,6 +87,7 @@ fn obey(command: Command) -> Result<()> {
         }
         Command::Words { check } => words::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
+        Command::Lighthouse => lighthouse::run(&workspace),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),
     }
 }

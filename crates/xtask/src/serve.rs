@@ -1,15 +1,17 @@
 //! A static server for this machine only.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{ErrorKind, Read};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::thread;
 
 use anyhow::{Context, Result, anyhow};
 use tiny_http::{Header, Method, Request, Response, Server};
 
 use crate::failure::BadInput;
+use crate::packed::Packer;
 use crate::site_path::{content_type, file_for};
 
 /// Permissions for serial ports belong to an origin, port number included, so it stays the same
@@ -37,17 +39,50 @@ pub fn serve(dir: &Path, listener: TcpListener, open_browser: bool) -> Result<()
     if open_browser && has_screen() && open::that_detached(&url).is_err() {
         eprintln!("no browser could be opened: open {url} yourself");
     }
+    let site = Site::new(root);
     thread::scope(|scope| {
         for _ in 0..THREADS {
-            scope.spawn(|| {
-                for request in server.incoming_requests() {
-                    // The browser has hung up: nobody is left to tell.
-                    let _ = answer(&root, request);
-                }
-            });
+            scope.spawn(|| answer_all(&server, &site));
         }
     });
     Ok(())
+}
+
+/// Serves a directory on a free port for as long as this process lives; gives its address.
+pub fn in_background(dir: &Path) -> Result<String> {
+    let listener = listen(Some(0))?;
+    let url = format!("http://{}/", listener.local_addr()?);
+    let server = Server::from_listener(listener, None)
+        .map_err(|error| anyhow!("cannot serve on {url}: {error}"))?;
+    let server = Arc::new(server);
+    let site = Arc::new(Site::new(dir.canonicalize()?));
+    for _ in 0..THREADS {
+        let (server, site) = (Arc::clone(&server), Arc::clone(&site));
+        thread::spawn(move || answer_all(&server, &site));
+    }
+    Ok(url)
+}
+
+/// The served directory, and its files as they are sent.
+struct Site {
+    root: PathBuf,
+    packer: Packer,
+}
+
+impl Site {
+    fn new(root: PathBuf) -> Self {
+        Self {
+            root,
+            packer: Packer::default(),
+        }
+    }
+}
+
+fn answer_all(server: &Server, site: &Site) {
+    for request in server.incoming_requests() {
+        // The browser has hung up: nobody is left to tell.
+        let _ = answer(site, request);
+    }
 }
 
 /// Takes a port: the one given, else the default one or the next that is free.
@@ -75,29 +110,42 @@ fn has_screen() -> bool {
         || std::env::var_os("WAYLAND_DISPLAY").is_some()
 }
 
-fn answer(root: &Path, request: Request) -> std::io::Result<()> {
+fn answer(site: &Site, request: Request) -> std::io::Result<()> {
     if !matches!(request.method(), Method::Get | Method::Head) {
         return request.respond(plain("only GET and HEAD", 405));
     }
-    let Some((path, file)) = find(root, request.url()) else {
+    let found = find(&site.root, request.url());
+    let found = found.and_then(|path| fs::read(&path).ok().map(|content| (path, content)));
+    let Some((path, content)) = found else {
         return request.respond(plain("no such file", 404));
     };
-    let mut response = Response::from_file(file);
+    let packed = takes_gzip(&request).then(|| site.packer.pack(&path, &content));
+    let packed = packed.flatten();
+    let is_packed = packed.is_some();
+    let mut response = Response::from_data(packed.unwrap_or(content));
     for header in headers(content_type(&path)) {
+        response.add_header(header);
+    }
+    if is_packed && let Ok(header) = Header::from_bytes("Content-Encoding", "gzip") {
         response.add_header(header);
     }
     request.respond(response)
 }
 
-/// The file asked for, open; nothing where it does not exist or lies outside the root.
-fn find(root: &Path, url: &str) -> Option<(PathBuf, File)> {
+fn takes_gzip(request: &Request) -> bool {
+    let mut headers = request.headers().iter();
+    let accepted = headers.find(|header| header.field.equiv("Accept-Encoding"));
+    accepted.is_some_and(|header| header.value.as_str().contains("gzip"))
+}
+
+/// The file asked for; nothing where it does not exist or lies outside the root.
+fn find(root: &Path, url: &str) -> Option<PathBuf> {
     // Links are resolved before the check, so they cannot lead out either.
     let path = root.join(file_for(url)?).canonicalize().ok()?;
     if !path.starts_with(root) || !fs::metadata(&path).ok()?.is_file() {
         return None;
     }
-    let file = File::open(&path).ok()?;
-    Some((path, file))
+    Some(path)
 }
 
 fn plain(text: &str, status: u16) -> Response<impl Read> {
@@ -152,10 +200,10 @@ mod tests {
             let mut stream = TcpStream::connect(address).unwrap();
             let head = format!("{request} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
             stream.write_all(head.as_bytes()).unwrap();
-            answer(&self.root(), server.recv().unwrap()).unwrap();
-            let mut text = String::new();
-            stream.read_to_string(&mut text).unwrap();
-            text
+            answer(&Site::new(self.root()), server.recv().unwrap()).unwrap();
+            let mut bytes = Vec::new();
+            stream.read_to_end(&mut bytes).unwrap();
+            String::from_utf8_lossy(&bytes).into_owned()
         }
     }
 
@@ -176,6 +224,20 @@ mod tests {
         );
         assert!(text.contains("Cache-Control: no-cache"), "{text}");
         assert!(text.ends_with("<p>page"), "{text}");
+    }
+
+    #[test]
+    fn what_can_be_packed_comes_packed_to_who_can_unpack_it() {
+        let world = World::new("packed");
+        fs::write(world.dir.join("site/index.html"), "<p>page".repeat(100)).unwrap();
+        let text = world.ask("GET / HTTP/1.1\r\nAccept-Encoding: br, gzip\r\nX-Rest:");
+        assert!(text.contains("Content-Encoding: gzip"), "{text}");
+        assert!(!text.contains("<p>page<p>page"), "{text}");
+        let text = world.ask("GET /");
+        assert!(
+            !text.contains("gzip") && text.contains("<p>page<p>page"),
+            "{text}"
+        );
     }
 
     #[test]

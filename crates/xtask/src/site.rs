@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::bindgen::{self, Module, PROGRAM, files_below};
 use crate::fresh_name::{fresh_name, short_hash};
+use crate::service_worker;
 use crate::size;
 use crate::slim;
 use crate::template::fill;
@@ -64,6 +65,7 @@ struct Parts {
     program: Module,
     page_boot: String,
     worker_boot: String,
+    installed: String,
     style: String,
     index: String,
     public: Vec<(PathBuf, Vec<u8>)>,
@@ -77,11 +79,14 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
         program,
         page_boot: read(&boot.join("page.js"))?,
         worker_boot: read(&boot.join("worker.js"))?,
+        installed: service_worker::page_part(profile)?,
         style: style(&workspace.root().join("style"))?,
         index: read(&workspace.root().join("index.html"))?,
         public: files_below(&workspace.root().join("public"))?,
     };
-    let files = assemble(&parts)?;
+    let mut files = assemble(&parts)?;
+    // Last: it names all others.
+    files.push(service_worker::of(&files, profile)?);
     let dir = profile.site_dir(workspace);
     write(&dir, &files)?;
     if profile == Profile::Release {
@@ -129,6 +134,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     )?;
     let worker_boot = files.add_boot("worker", &parts.worker_boot, &[("glue", &names.glue)])?;
     let style = files.add_fresh("style", "css", slim::css(&parts.style).as_bytes());
+    let installed = files.add_fresh("installed", "js", parts.installed.as_bytes());
     let index = fill(
         &parts.index,
         &[
@@ -137,6 +143,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
             ("wasm", &names.wasm),
             ("glue", &names.glue),
             ("boot", &page_boot),
+            ("installed", &installed),
         ],
     )?;
     files.add(PathBuf::from("index.html"), index.as_bytes());
@@ -217,6 +224,7 @@ mod tests {
             },
             page_boot: "{{wasm}} {{glue}}".to_owned(),
             worker_boot: "{{glue}}".to_owned(),
+            installed: "installed".to_owned(),
             style: "p {}".to_owned(),
             index: include_str!("../../../index.html").to_owned(),
             public: vec![(PathBuf::from("icon.svg"), b"<svg/>".to_vec())],
@@ -237,7 +245,13 @@ mod tests {
     fn each_file_names_those_it_loads() {
         let files = assemble(&parts()).unwrap();
         let (_, index) = starting(&files, "index.html");
-        for stem in ["page-boot-", "motorlink-glue-", "worker-boot-", "style-"] {
+        for stem in [
+            "page-boot-",
+            "motorlink-glue-",
+            "worker-boot-",
+            "installed-",
+            "style-",
+        ] {
             let (name, _) = starting(&files, stem);
             assert!(
                 index.contains(&format!("\"./{name}\"")),

@@ -1,4 +1,4 @@
-//! Leaves out of a style sheet what only its authors read.
+//! Leaves out of style sheets and scripts what only their authors read.
 
 /// The style sheet without comments and indentation, which are a sixth of its weight.
 pub fn css(sheet: &str) -> String {
@@ -11,6 +11,14 @@ pub fn css(sheet: &str) -> String {
         }
     }
     slim
+}
+
+/// The script without lines that are a comment as a whole, and without indentation. Ours have no text that
+/// goes over several lines.
+pub fn script(script: &str) -> String {
+    let lines = script.lines().map(str::trim);
+    let kept = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
+    kept.flat_map(|line| [line, "\n"]).collect()
 }
 
 /// Comments end at the first `*/` and do not nest; in a quoted string there are none.
@@ -38,7 +46,13 @@ fn without_comments(sheet: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::css;
+    use super::{css, script};
+
+    #[test]
+    fn a_script_keeps_what_runs() {
+        let text = "// why\nconst a = {\n  // what\n  b: 1, // c\n};\n\na();\n";
+        assert_eq!(script(text), "const a = {\nb: 1, // c\n};\na();\n");
+    }
 
     #[test]
     fn comments_and_indentation_go_and_strings_stay() {

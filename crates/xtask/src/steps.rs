@@ -6,6 +6,7 @@ use anyhow::Result;
 
 use crate::bench;
 use crate::browser;
+use crate::npm;
 use crate::process;
 use crate::site::{self, Profile};
 use crate::tools::{self, WASM_TARGET};
@@ -243,6 +244,7 @@ fn end_to_end(workspace: &Workspace) -> Result<()> {
     let args = ["test", "--package", "end-to-end", "--", "--test-threads=1"];
     let mut command = cargo_command(workspace, &args);
     bench::equip(&mut command, workspace, &browser);
+    command.env("MOTORLINK_AXE", npm::AXE.ensure()?);
     process::run(&mut command)
 }
 

@@ -133,7 +133,7 @@ pub fn ensure_cargo_deny() -> Result<PathBuf> {
 }
 
 /// Where tools outlive `cargo clean` and are shared by all checkouts.
-fn cache_dir() -> Result<PathBuf> {
+pub fn cache_dir() -> Result<PathBuf> {
     if let Some(dir) = env::var_os("MOTORLINK_TOOLS") {
         return Ok(PathBuf::from(dir));
     }

@@ -46,6 +46,19 @@ pub fn dist() -> Result<PathBuf> {
     )
 }
 
+/// The checker of accessibility: `MOTORLINK_AXE`.
+///
+/// # Errors
+///
+/// When it is not there.
+pub fn axe() -> Result<PathBuf> {
+    find(
+        "MOTORLINK_AXE",
+        &[PathBuf::from("axe.min.js")],
+        "cargo xtask test --only end-to-end",
+    )
+}
+
 /// The browser: `MOTORLINK_CHROMIUM`, else the first on the path that is a Chromium.
 ///
 /// # Errors

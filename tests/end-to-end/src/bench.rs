@@ -1,6 +1,6 @@
 //! A world of its own for one test.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,8 @@ use crate::wait::{PATIENCE, wait_until};
 pub struct Bench {
     // Dropped in this order: the browser before what it uses.
     chromium: Chromium,
-    server: Server,
+    server: RefCell<Option<Server>>,
+    origin: String,
     dir: TempDir,
     adapter_count: Cell<usize>,
 }
@@ -64,13 +65,15 @@ impl Bench {
         let udev_dir = udev_dir(dir.path());
         fs::create_dir(&udev_dir)?;
         let server = Server::start(pages)?;
+        let origin = server.origin();
         let profile = dir.path().join("profile");
         let downloads = downloads_dir(dir.path());
         fs::create_dir(&downloads)?;
-        let chromium = Chromium::start(&profile, &udev_dir, &downloads, &server.origin())?;
+        let chromium = Chromium::start(&profile, &udev_dir, &downloads, &origin)?;
         Ok(Self {
             chromium,
-            server,
+            server: RefCell::new(Some(server)),
+            origin,
             dir,
             adapter_count: Cell::new(0),
         })
@@ -99,7 +102,7 @@ impl Bench {
     ///
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
-        let url = format!("{}{path}", self.server.origin());
+        let url = format!("{}{path}", self.origin);
         Page::load(self.new_tab()?, &url, self.downloads())
     }
 
@@ -134,10 +137,15 @@ impl Bench {
         })
     }
 
+    /// Ends the server: from now on the browser is offline.
+    pub fn stop_serving(&self) {
+        self.server.replace(None);
+    }
+
     /// The origin of the page, without a slash at its end.
     #[must_use]
     pub fn origin(&self) -> String {
-        self.server.origin()
+        self.origin.clone()
     }
 
     /// Stops debugging a page, which cannot be used any more.

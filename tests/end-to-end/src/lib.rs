@@ -33,6 +33,7 @@ mod control;
 mod discard;
 mod downloads;
 pub mod figures;
+mod installing;
 mod keyboard;
 mod main_thread;
 mod memory;

@@ -31,6 +31,16 @@ impl Page {
             console,
             downloads,
         };
+        // chromiumoxide has every worker wait for it at its start, and lets go of a service worker so soon
+        // that one on a busy machine waits for ever.
+        let no_service_workers = json!({
+            "autoAttach": true,
+            "waitForDebuggerOnStart": false,
+            "flatten": true,
+            "filter": [{ "type": "service_worker", "exclude": true }, {}],
+        });
+        page.session
+            .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
         page.go(url)?;

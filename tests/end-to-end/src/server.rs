@@ -1,18 +1,26 @@
 //! A static server for the page under test, on a free port of this machine.
 
-use std::fs::{self, File};
-use std::io::Cursor;
-use std::net::SocketAddr;
+use std::fs;
+use std::io::{BufRead, BufReader, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
-use anyhow::{Context, Result, anyhow};
-use tiny_http::{Header, Method, Request, Response};
+use anyhow::{Context, Result};
+
+/// A browser asks at once or not at all.
+const SILENCE_MAX: Duration = Duration::from_secs(10);
 
 /// Serves one directory until dropped.
+///
+/// Each connection has a thread of its own and ends with its answer. A server with a pool of threads that
+/// connections keep has the last of a burst wait until the browser gives another one up, and the browser
+/// waits for the answer.
 pub struct Server {
-    http: Arc<tiny_http::Server>,
+    ended: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     address: SocketAddr,
 }
@@ -29,21 +37,22 @@ impl Server {
             .with_context(|| format!("cannot serve {}", dir.display()))?;
         fs::metadata(dir.join("index.html"))
             .with_context(|| format!("no index.html to serve in {}", dir.display()))?;
-        let http = tiny_http::Server::http("127.0.0.1:0").map_err(|error| anyhow!(error))?;
-        let address = http
-            .server_addr()
-            .to_ip()
-            .context("the server has no address")?;
-        let http = Arc::new(http);
-        let serving = Arc::clone(&http);
+        let listener = TcpListener::bind("127.0.0.1:0").context("no port to serve on")?;
+        let address = listener.local_addr()?;
+        let ended = Arc::new(AtomicBool::new(false));
+        let end = Arc::clone(&ended);
         let thread = thread::spawn(move || {
-            for request in serving.incoming_requests() {
+            for stream in listener.incoming().flatten() {
+                if end.load(Ordering::SeqCst) {
+                    return;
+                }
+                let dir = dir.clone();
                 // A browser that went away in the middle of an answer is no fault of ours.
-                let _ = answer(&dir, request);
+                thread::spawn(move || answer(&dir, stream));
             }
         });
         Ok(Self {
-            http,
+            ended,
             thread: Some(thread),
             address,
         })
@@ -57,37 +66,46 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        self.http.unblock();
-        if let Some(thread) = self.thread.take() {
+        self.ended.store(true, Ordering::SeqCst);
+        // It waits for the next connection: this is the one.
+        let woken = TcpStream::connect(self.address).is_ok();
+        if let Some(thread) = self.thread.take().filter(|_| woken) {
             // A panic in there has been printed already, and there is nobody to pass it on to.
             let _ = thread.join();
         }
     }
 }
 
-fn answer(dir: &Path, request: Request) -> std::io::Result<()> {
-    let readable = matches!(request.method(), Method::Get | Method::Head);
-    let file = readable.then(|| resolve(dir, request.url())).flatten();
-    let Some((path, file)) = file.and_then(|path| File::open(&path).ok().map(|file| (path, file)))
-    else {
-        return request.respond(Response::new(
-            404.into(),
-            Vec::new(),
-            Cursor::new("not found"),
-            None,
-            None,
-        ));
+fn answer(dir: &Path, mut stream: TcpStream) -> std::io::Result<()> {
+    stream.set_read_timeout(Some(SILENCE_MAX))?;
+    let mut lines = BufReader::new(stream.try_clone()?).lines();
+    let first = lines.next().transpose()?.unwrap_or_default();
+    // To the end of the head: a connection that is closed with something unread loses its answer.
+    while lines
+        .next()
+        .transpose()?
+        .is_some_and(|line| !line.is_empty())
+    {}
+    let mut words = first.split(' ');
+    let method = words.next().unwrap_or_default();
+    let file = words.next().and_then(|url| resolve(dir, url));
+    let file = file.filter(|_| matches!(method, "GET" | "HEAD"));
+    let content = file.and_then(|path| Some((mime(&path), fs::read(path).ok()?)));
+    let (status, mime, content) = match content {
+        Some((mime, content)) => ("200 OK", mime, content),
+        None => ("404 Not Found", "text/plain", b"not found".to_vec()),
     };
     // Each test has its own port and profile, so a cache could only ever be wrong.
-    let headers = [("Content-Type", mime(&path)), ("Cache-Control", "no-store")];
-    let mut response = Response::from_file(file);
-    for header in headers
-        .iter()
-        .flat_map(|(name, value)| Header::from_bytes(*name, *value))
-    {
-        response.add_header(header);
+    let head = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {mime}\r\nContent-Length: {}\r\n\
+         Cache-Control: no-store\r\nConnection: close\r\n\r\n",
+        content.len()
+    );
+    stream.write_all(head.as_bytes())?;
+    if method != "HEAD" {
+        stream.write_all(&content)?;
     }
-    request.respond(response)
+    Ok(())
 }
 
 /// The file that a request's URL names; none outside the directory.

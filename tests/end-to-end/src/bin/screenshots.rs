@@ -1,7 +1,8 @@
 //! Takes pictures of the page with a virtual motor, in every theme and width, and the README's.
 //!
 //! `cargo xtask screenshots` builds what is needed and runs this. They go into `screenshots/`, or the
-//! directory that is given.
+//! directory that is given. Those that the manifest names go into `public/screenshots/`; where `public` is
+//! given, no others are taken.
 
 use std::{
     env, fs,
@@ -28,6 +29,10 @@ fn main() -> ExitCode {
 }
 
 fn take(dir: &Path) -> Result<()> {
+    for_installer(Path::new("public/screenshots"))?;
+    if dir == Path::new("public") {
+        return Ok(());
+    }
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
     let views = [
         ("desk", View::DESKTOP),
@@ -42,6 +47,28 @@ fn take(dir: &Path) -> Result<()> {
             the_desk(&album, view)?;
             the_tools(&album, view)?;
         }
+    }
+    Ok(())
+}
+
+/// The two pictures that a browser shows when it asks whether the page is to be installed.
+fn for_installer(dir: &Path) -> Result<()> {
+    fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
+    for (name, view) in [("wide", View::DESKTOP), ("narrow", View::PHONE)] {
+        let bench = Bench::start()?;
+        let page = bench.open("/?port=virtual")?;
+        page.look(view)?;
+        page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
+        for (button, speed) in [("-50", "50"), ("+100", "100")] {
+            page.click("button", button)?;
+            page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
+            pause(2_000);
+        }
+        // A click below has scrolled the phone's page there.
+        page.evaluate("scrollTo(0, 0)")?;
+        let file = dir.join(format!("{name}.webp"));
+        println!("{}", file.display());
+        page.screenshot_webp(&file)?;
     }
     Ok(())
 }

@@ -1,0 +1,146 @@
+//! The script that keeps the page in the browser, with the list of what it keeps.
+
+use std::path::Path;
+
+use anyhow::Result;
+use serde_json::{Value, json};
+
+use crate::fresh_name::{integrity, is_fresh, short_hash};
+use crate::site::{Profile, SiteFile};
+use crate::slim;
+use crate::template::fill;
+
+/// Its place gives it the right over the whole site, and its name stays, so that a browser finds the next.
+pub const NAME: &str = "sw.js";
+
+const KEEPS: &str = include_str!("../boot/service_worker.js");
+const ENDS: &str = include_str!("../boot/no_service_worker.js");
+const INSTALLED: &str = include_str!("../boot/installed.js");
+
+/// The page's part of it.
+pub fn page_part(profile: Profile) -> Result<String> {
+    let kept = match profile {
+        Profile::Release => "yes",
+        Profile::Dev => "no",
+    };
+    fill(
+        &slim::script(INSTALLED),
+        &[("service_worker", NAME), ("kept", kept)],
+    )
+}
+
+/// The script for a site of these files.
+pub fn of(files: &[SiteFile], profile: Profile) -> Result<SiteFile> {
+    let text = match profile {
+        Profile::Release => keeping(files)?,
+        Profile::Dev => slim::script(ENDS),
+    };
+    Ok(SiteFile {
+        path: NAME.into(),
+        content: text.into_bytes(),
+    })
+}
+
+fn keeping(files: &[SiteFile]) -> Result<String> {
+    let mut hashed = Vec::new();
+    let mut named = Vec::new();
+    for file in files.iter().filter(|file| is_kept(&file.path)) {
+        let path = address(&file.path);
+        if is_fresh(&file.path) {
+            hashed.push(Value::from(path));
+        } else {
+            named.push(json!([path, integrity(&file.content)]));
+        }
+    }
+    let (hashed, named) = (Value::from(hashed), Value::from(named));
+    let lists = [hashed.to_string(), named.to_string()];
+    let version = short_hash(lists.iter().map(String::as_bytes));
+    let [hashed, named] = &lists;
+    fill(
+        &slim::script(KEEPS),
+        &[("hashed", hashed), ("named", named), ("version", &version)],
+    )
+}
+
+/// Whether the page needs it: what only the browser's own question about an installation shows, and what
+/// only a host reads, is not.
+fn is_kept(path: &Path) -> bool {
+    let hidden = |part: &std::ffi::OsStr| part.to_string_lossy().starts_with('.');
+    !is_for_installing(path) && !path.iter().any(hidden)
+}
+
+/// The pictures that a browser shows when it asks whether the page is to be installed.
+pub fn is_for_installing(path: &Path) -> bool {
+    path.starts_with("screenshots")
+}
+
+/// The address relative to the script. The page's own is that of its directory: many a host redirects from
+/// `index.html`, and no browser takes a redirected answer for a page.
+fn address(path: &Path) -> String {
+    if path == Path::new("index.html") {
+        return "./".to_owned();
+    }
+    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    parts.join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn site(page: &str) -> Vec<SiteFile> {
+        [
+            ("index.html", page),
+            ("page-0123456789ab.wasm", "wasm"),
+            ("page-snippets-0123456789ab/lib/inline0.js", "snippet"),
+            ("icon.svg", "<svg/>"),
+            ("screenshots/wide.webp", "picture"),
+            (".nojekyll", ""),
+        ]
+        .map(|(path, content)| SiteFile {
+            path: path.into(),
+            content: content.into(),
+        })
+        .to_vec()
+    }
+
+    fn text(files: &[SiteFile], profile: Profile) -> String {
+        let script = of(files, profile).unwrap();
+        assert_eq!(script.path, Path::new("sw.js"));
+        String::from_utf8(script.content).unwrap()
+    }
+
+    #[test]
+    fn every_file_that_the_page_needs_is_kept() {
+        let script = text(&site("<p>"), Profile::Release);
+        assert!(
+            script.contains(
+                r#"["page-0123456789ab.wasm","page-snippets-0123456789ab/lib/inline0.js"]"#
+            )
+        );
+        assert!(script.contains(r#"["./","sha256-"#), "{script}");
+        assert!(script.contains(r#"["icon.svg","sha256-"#), "{script}");
+        for left_out in ["wide.webp", "nojekyll", "index.html\",\"sha", "{{"] {
+            assert!(!script.contains(left_out), "{left_out} in {script}");
+        }
+    }
+
+    #[test]
+    fn another_page_is_another_version() {
+        let version = |page| text(&site(page), Profile::Release);
+        assert_eq!(version("<p>"), version("<p>"));
+        assert_ne!(version("<p>"), version("<b>"));
+    }
+
+    #[test]
+    fn while_it_is_written_nothing_is_kept() {
+        let script = text(&site("<p>"), Profile::Dev);
+        assert!(script.contains("unregister") && !script.contains("cache.add("));
+        assert!(
+            page_part(Profile::Dev)
+                .unwrap()
+                .contains(r#""no" === "yes""#)
+        );
+        assert!(page_part(Profile::Release).unwrap().contains("./sw.js"));
+    }
+}

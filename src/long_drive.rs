@@ -1,0 +1,60 @@
+//! How long was driven: whether a tab is still the right place for it.
+
+/// An afternoon at the bench begins so.
+const LONG_MS: f64 = 10.0 * 60_000.0;
+/// Who turns to other things while a wheel turns does so for longer than this.
+const LONG_HIDDEN_MS: f64 = 60_000.0;
+/// A hidden page's timers come once a minute at least; what lasted longer was no driving but a machine asleep.
+const LOOK_MS_MAX: f64 = 90_000.0;
+
+/// The time that was driven since the page was opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct LongDrive {
+    looked_ms: Option<f64>,
+    driven_ms: f64,
+    hidden_ms: f64,
+}
+
+impl LongDrive {
+    /// Counts the time since the last look, and says whether it has become long.
+    pub(crate) fn look(&mut self, now_ms: f64, drives: bool, hidden: bool) -> bool {
+        let since_ms = self.looked_ms.map_or(0.0, |looked_ms| now_ms - looked_ms);
+        self.looked_ms = Some(now_ms);
+        if drives && since_ms <= LOOK_MS_MAX {
+            self.driven_ms += since_ms;
+            self.hidden_ms += if hidden { since_ms } else { 0.0 };
+        }
+        self.driven_ms >= LONG_MS || self.hidden_ms >= LONG_HIDDEN_MS
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// When it becomes long, looked at so often for an hour.
+    fn long_after_s(every_ms: f64, drives: bool, hidden: bool) -> Option<f64> {
+        let mut drive = LongDrive::default();
+        let mut now_ms = 5_000.0;
+        while now_ms < 3_600_000.0 {
+            if drive.look(now_ms, drives, hidden) {
+                return Some((now_ms - 5_000.0) / 1_000.0);
+            }
+            now_ms += every_ms;
+        }
+        None
+    }
+
+    #[test]
+    fn ten_minutes_seen_or_one_hidden_are_long() {
+        assert_eq!(long_after_s(1_000.0, true, false), Some(600.0));
+        assert_eq!(long_after_s(1_000.0, true, true), Some(60.0));
+        assert_eq!(long_after_s(60_000.0, true, true), Some(60.0));
+    }
+
+    #[test]
+    fn what_was_not_driven_and_a_machine_asleep_do_not_count() {
+        assert_eq!(long_after_s(1_000.0, false, true), None);
+        assert_eq!(long_after_s(600_000.0, true, true), None);
+    }
+}

@@ -1,0 +1,55 @@
+//! The page as the browser's own installer sees it, and what is kept of it.
+
+use anyhow::Result;
+use serde_json::{Value, json};
+
+use crate::cdp::at;
+use crate::page::Page;
+use crate::wait::{PATIENCE, wait_until};
+
+impl Page {
+    /// The address of the page's manifest as the browser found it, and what is wrong with it.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn manifest(&self) -> Result<(String, Vec<Value>)> {
+        let manifest = self.session.call("Page.getAppManifest", json!({}))?;
+        let url = at(&manifest, "/url").as_str().unwrap_or_default();
+        Ok((url.to_owned(), list(&manifest, "/errors")))
+    }
+
+    /// Why the browser would not install the page.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn installability_errors(&self) -> Result<Vec<Value>> {
+        let errors = self
+            .session
+            .call("Page.getInstallabilityErrors", json!({}))?;
+        Ok(list(&errors, "/installabilityErrors"))
+    }
+
+    /// Waits until the browser keeps the whole page.
+    ///
+    /// # Errors
+    ///
+    /// When it does not.
+    pub fn wait_until_kept(&self) -> Result<()> {
+        wait_until("the page to be kept", PATIENCE, || {
+            let state = self.evaluate(
+                "navigator.serviceWorker.getRegistration().then((it) => it?.active?.state ?? [it?.installing?.state, it?.waiting?.state, typeof it].join('/'))",
+            )?;
+            Ok(if state == "activated" {
+                Ok(())
+            } else {
+                Err(state.to_string())
+            })
+        })
+    }
+}
+
+fn list(reply: &Value, pointer: &str) -> Vec<Value> {
+    at(reply, pointer).as_array().cloned().unwrap_or_default()
+}
