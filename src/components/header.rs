@@ -1,6 +1,7 @@
 //! What is always visible: the line to the motor, and STOP.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use crate::components::live::{heard, live};
 
@@ -63,9 +64,9 @@ fn ThemeButton() -> impl IntoView {
     let desk = use_desk();
     let theme = move || desk.preferences.with(|chosen| chosen.theme);
     let title = move || match theme() {
-        Theme::Light => "Light now; press for dark",
-        Theme::Dark => "Dark now; press for the system's choice",
-        Theme::System => "As the system now; press for light",
+        Theme::Light => tr!("Light now; press for dark"),
+        Theme::Dark => tr!("Dark now; press for the system's choice"),
+        Theme::System => tr!("As the system now; press for light"),
     };
     // A sun, a moon, a half of each.
     let shape = move || match theme() {
@@ -81,7 +82,7 @@ fn ThemeButton() -> impl IntoView {
         <button
             type="button"
             class="button icon-button"
-            aria-label="Theme"
+            aria-label=tr!("Theme")
             title=live(title)
             on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
         >
@@ -106,9 +107,9 @@ fn HelpButton() -> impl IntoView {
         <button
             type="button"
             class="button icon-button"
-            aria-label="Help"
+            aria-label=tr!("Help")
             aria-haspopup="dialog"
-            title="Wiring, first spin, keys (?)"
+            title=tr!("Wiring, first spin, keys (?)")
             on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help)))
         >
             <span aria-hidden="true">"?"</span>

@@ -40,7 +40,7 @@ pub(crate) fn Notices() -> impl IntoView {
             <div
                 class="notice kept"
                 hidden=live(nothing_kept)
-                inner_html=kept_session::MARKUP
+                inner_html=kept_session::markup()
             ></div>
             <div hidden=live(move || !none())>
                 <h2>"Next"</h2>
