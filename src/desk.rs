@@ -16,6 +16,7 @@ use crate::{
     components::{live::memo, tour::remembered_tour},
     drawer::Drawer,
     fault_history::FaultHistory,
+    graph::{trace::Traces, view::View},
     help_topic::HelpTopic,
     history::History,
     id_manager::IdManager,
@@ -136,6 +137,12 @@ pub(crate) struct Parts {
     pub(crate) fault_history: RwSignal<FaultHistory>,
     /// What the graph is drawn from.
     pub(crate) history: StoredValue<History, LocalStorage>,
+    /// Which stretch of time the graph shows.
+    pub(crate) graph_view: RwSignal<View>,
+    /// What it draws.
+    pub(crate) graph_traces: RwSignal<Traces>,
+    /// Which virtual line was chosen, by its place.
+    pub(crate) virtual_wire: StoredValue<usize>,
     /// The state as it is shown, as a person counts: at most once a frame, and ten times a second for readings alone.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) worker: RwSignal<WorkerState>,
@@ -185,6 +192,9 @@ impl Desk {
             recent: StoredValue::new(Recent::default()),
             fault_history: RwSignal::new(FaultHistory::default()),
             history: StoredValue::new_local(History::default()),
+            graph_view: RwSignal::new(View::default()),
+            graph_traces: RwSignal::new(Traces::default()),
+            virtual_wire: StoredValue::new(0),
             shown: RwSignal::new(Session::default()),
             worker: RwSignal::new(WorkerState::Starting),
             journal: Journal::new(),

@@ -91,6 +91,11 @@ impl LogFeed {
         Some(ToJournal::Filter(filter))
     }
 
+    /// Which entries are shown.
+    pub(crate) fn filter(&self) -> &Filter {
+        &self.filter
+    }
+
     /// Forgets every entry.
     pub(crate) fn clear(&mut self) -> ToJournal {
         self.begin_anew();

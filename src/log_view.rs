@@ -71,6 +71,12 @@ impl Default for LogView {
 }
 
 impl LogView {
+    /// There is another list on the page, which has no size yet and scrolls over nothing.
+    pub(crate) fn mounted(&mut self) {
+        self.extent_px = 0;
+        self.scroll_px = 0;
+    }
+
     /// The list has this size; what is at its upper edge stays there. Whether it was another.
     pub(crate) fn resize(&mut self, width_px: u32, height_px: u32) -> bool {
         let row_px = if width_px < TWO_LINES_BELOW_PX {

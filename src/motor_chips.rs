@@ -116,7 +116,8 @@ fn brief(faults: Faults) -> String {
     if faults.is_none() {
         "OK".to_owned()
     } else {
-        format!("fault 0x{:02X}", faults.byte())
+        let byte = format!("0x{:02X}", faults.byte());
+        tr!("fault {byte}", byte)
     }
 }
 

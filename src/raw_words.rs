@@ -46,9 +46,9 @@ fn what_is_wrong(place: usize, text: &str, why: Why) -> String {
     let text: String = text.chars().take(SHOWN_MAX).collect();
     let why = match why {
         Why::NotHex => tr!("is not hex: two of 0-9 and A-F make a byte"),
-        Why::OneDigit => "is one digit: a byte has two",
+        Why::OneDigit => tr!("is one digit: a byte has two"),
         Why::NoDigits => tr!("has no digits behind it"),
-        Why::ManyDigits => "has more than two digits: put spaces between the bytes",
+        Why::ManyDigits => tr!("has more than two digits: put spaces between the bytes"),
         Why::NotOneLogLine => {
             return tr!(
                 "“{text}” is from the packet log: paste one whole line of it, or the bytes.",

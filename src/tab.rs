@@ -1,6 +1,7 @@
 //! The tabs of the control panel.
 
 use motorlink_messages::protocol::Mode;
+use motorlink_words::tr;
 
 /// A tab: a loop to drive in, or a tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,13 +24,25 @@ impl Tab {
         Self::RawHex,
     ];
 
-    pub(crate) const fn name(self) -> &'static str {
+    /// In the names of elements.
+    pub(crate) const fn key(self) -> &'static str {
         match self {
-            Self::Loop(Mode::Velocity) => "Velocity",
-            Self::Loop(Mode::Current) => "Current",
-            Self::Loop(Mode::Position) => "Position",
-            Self::IdManager => "ID Manager",
-            Self::RawHex => "Raw Hex",
+            Self::Loop(Mode::Velocity) => "velocity",
+            Self::Loop(Mode::Current) => "current",
+            Self::Loop(Mode::Position) => "position",
+            Self::IdManager => "id-manager",
+            Self::RawHex => "raw-hex",
+        }
+    }
+
+    /// As it reads.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Loop(Mode::Velocity) => tr!("Velocity"),
+            Self::Loop(Mode::Current) => tr!("Current" as "electric"),
+            Self::Loop(Mode::Position) => tr!("Position"),
+            Self::IdManager => tr!("ID Manager"),
+            Self::RawHex => tr!("Raw Hex"),
         }
     }
 

@@ -54,17 +54,6 @@ fn words(topic: Topic, tone: Tone, title: impl Into<String>, advice: &[&str]) ->
     }
 }
 
-/// The state of the connection for the style sheet.
-pub(crate) const fn key_of_connection(connection: Connection) -> &'static str {
-    match connection {
-        Connection::Disconnected => "Disconnected",
-        Connection::Connecting => "Connecting",
-        Connection::Connected(_) => "Connected",
-        Connection::Reconnecting(_) => "Reconnecting",
-        Connection::Failed(_) => "Failed",
-    }
-}
-
 /// The second line of the connection's state.
 pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
     match connection {

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::{Adapter, Connection};
+use motorlink_words::tr;
 
 use crate::components::live::live;
 
@@ -18,23 +19,21 @@ use crate::{
 pub(crate) fn ConnectionState() -> impl IntoView {
     let desk = use_desk();
     let words = memo(move || match desk.worker.get() {
-        WorkerState::Dead => ("Failed", "Reload the page".to_owned()),
+        WorkerState::Dead => (tr!("Failed"), tr!("Reload the page").to_owned()),
         WorkerState::Starting | WorkerState::Running => desk
             .shown
             .with(|session| words::of_connection(session.connection)),
     });
-    let key = memo(move || match desk.worker.get() {
+    let state = move || match desk.worker.get() {
         WorkerState::Dead => "Failed",
-        WorkerState::Starting | WorkerState::Running => desk
-            .shown
-            .with(|session| words::key_of_connection(session.connection)),
-    });
+        _ => desk.shown.with(|session| key(session.connection)),
+    };
     view! {
         <div
             class="connection"
             role="status"
-            aria-label="Connection"
-            data-state=live(move || key.get())
+            aria-label=tr!("Connection")
+            data-state=live(state)
             title=live(move || words.with(|(_, detail)| detail.clone()))
         >
             <strong class="connection-state">{live(move || words.with(|(state, _)| *state))}</strong>
@@ -43,6 +42,17 @@ pub(crate) fn ConnectionState() -> impl IntoView {
                 {live(move || words.with(|(_, detail)| detail.clone()))}
             </span>
         </div>
+    }
+}
+
+/// As the style sheet names it.
+const fn key(connection: Connection) -> &'static str {
+    match connection {
+        Connection::Disconnected => "Disconnected",
+        Connection::Connecting => "Connecting",
+        Connection::Connected(_) => "Connected",
+        Connection::Reconnecting(_) => "Reconnecting",
+        Connection::Failed(_) => "Failed",
     }
 }
 
@@ -64,13 +74,19 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
         let connection = desk.shown.with(|session| session.connection);
         match connection {
             Connection::Connected(Adapter::Virtual) => {
-                Some("The virtual motor is connected.".to_owned())
+                Some(tr!("The virtual motor is connected.").to_owned())
             }
             _ => why_not_at_all(desk),
         }
     });
-    let label =
-        Signal::derive(move || if open.get() { "Disconnect" } else { "Connect" }.to_owned());
+    let label = Signal::derive(move || {
+        let word = if open.get() {
+            tr!("Disconnect")
+        } else {
+            tr!("Connect")
+        };
+        word.to_owned()
+    });
     view! {
         <div class="connect-buttons">
             <PressButton
@@ -82,15 +98,15 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
                 }
             />
             <PressButton
-                label="Other port…"
-                name="Choose another port"
-                hint="Choose another port"
+                label=tr!("Other port…")
+                name=tr!("Choose another port")
+                hint=tr!("Choose another port")
                 why_not=why_no_serial
                 on_press=move || desk.choose_port(true)
             />
             <PressButton
-                label="Virtual motor"
-                hint="A simulated motor: no hardware, no permission"
+                label=tr!("Virtual motor")
+                hint=tr!("A simulated motor: no hardware, no permission")
                 why_not=why_not_virtual
                 on_press=move || desk.connect_virtual()
             />
@@ -100,13 +116,14 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
 
 pub(super) fn why_not_at_all(desk: Desk) -> Option<String> {
     (desk.worker.get() == WorkerState::Dead)
-        .then(|| "The background worker has stopped. Reload the page.".to_owned())
+        .then(|| tr!("The background worker has stopped. Reload the page.").to_owned())
 }
 
 pub(super) fn why_not_serial(desk: Desk) -> Option<String> {
     if !serial_ports::is_supported() {
-        let words = "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, \
-                     over https; the virtual motor works here.";
+        let words = tr!(
+            "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, over https; the virtual motor works here."
+        );
         return Some(words.to_owned());
     }
     why_not_at_all(desk)

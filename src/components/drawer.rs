@@ -2,6 +2,7 @@
 //! the rest of the page stay in reach.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use super::{button::PressButton, live::live};
 use crate::{desk::use_desk, drawer::Drawer};
@@ -19,8 +20,8 @@ pub(crate) fn panel_of_drawer(
             <div class="drawer-head">
                 <h2>{title}</h2>
                 <PressButton
-                    label="Close"
-                    name="Close the panel"
+                    label=tr!("Close")
+                    name=tr!("Close the panel")
                     class="button small"
                     on_press=move || desk.drawer.set(None)
                 />

@@ -5,6 +5,7 @@
 //! then, and as a view it would weigh many times as much.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{
     Element, Event, FocusOptions, HtmlElement, HtmlInputElement, KeyboardEvent, PointerEvent,
@@ -29,13 +30,20 @@ const WORDS: &str = "pad-words";
 const GAMEPAD: &str = "use-gamepad";
 
 /// Application `Drive pad` and checkbox `Use gamepad`.
-pub(super) const MARKUP: &str = concat!(
-    r#"<div class="drive-pad" id="drive-pad" role="application" aria-label="Drive pad" "#,
-    r#"aria-describedby="pad-words" aria-disabled="true" tabindex="0">"#,
-    r#"<span class="pad-knob"></span></div><p class="pad-words" id="pad-words"></p>"#,
-    r#"<label class="check"><input type="checkbox" id="use-gamepad">Use gamepad</label>"#,
-    r#"<p class="quiet pad-hint">The left stick drives while the lowest right button is held.</p>"#,
-);
+pub(super) fn markup() -> String {
+    [
+        r#"<div class="drive-pad" id="drive-pad" role="application" aria-label=""#,
+        tr!("Drive pad"),
+        r#"" aria-describedby="pad-words" aria-disabled="true" tabindex="0">"#,
+        r#"<span class="pad-knob"></span></div><p class="pad-words" id="pad-words"></p>"#,
+        r#"<label class="check"><input type="checkbox" id="use-gamepad">"#,
+        tr!("Use gamepad"),
+        r#"</label><p class="quiet pad-hint">"#,
+        tr!("The left stick drives while the lowest right button is held."),
+        "</p>",
+    ]
+    .concat()
+}
 
 /// What is listened to, on its way down from the window.
 const HEARD: [&str; 12] = [
@@ -78,6 +86,11 @@ pub(super) fn keep_working(desk: Desk) {
         }
         desk.wake_pad();
     });
+    // Without the pad nobody holds it, and its box stands empty when it is back.
+    on_cleanup(move || {
+        desk.leave_pad();
+        desk.look_at_gamepads(false);
+    });
 }
 
 /// Shows where the stick is, and why it does not drive or what it is sent; one place for both.
@@ -106,12 +119,12 @@ fn show(desk: Desk, why_not: Option<String>) {
     }
     let sent = driving.map(|(_, wheels)| {
         let (left, right) = (signed(wheels.left), signed(wheels.right));
-        format!("Left {left} rpm, right {right} rpm")
+        tr!("Left {left} rpm, right {right} rpm", left, right)
     });
     let said = sent.or(why_not);
     let said = said.as_deref();
     words.set_text_content(Some(
-        said.unwrap_or("Hold to run: drag, or use the arrow keys."),
+        said.unwrap_or(tr!("Hold to run: drag, or use the arrow keys.")),
     ));
 }
 

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::journal::Export;
+use motorlink_words::tr;
 
 use super::{button::PressButton, live::live};
 use crate::{desk::use_desk, words::journal::no_journal};
@@ -28,12 +29,19 @@ pub(super) fn ExportButton(
         }
         match exporting.get() {
             Some(one) if one.what == what => None,
-            Some(_) => Some("The other file is being written.".to_owned()),
+            Some(_) => Some(tr!("The other file is being written.").to_owned()),
             None => why_empty.get(),
         }
     };
     let per_mille = move || exporting.with(|one| one.map_or(0, |one| one.per_mille));
-    let reads = move || if is_mine() { "Cancel export" } else { label }.to_owned();
+    let reads = move || {
+        if is_mine() {
+            tr!("Cancel export")
+        } else {
+            label
+        }
+        .to_owned()
+    };
     view! {
         <span class="export">
             <PressButton
@@ -44,7 +52,7 @@ pub(super) fn ExportButton(
                 on_press=move || desk.export_or_cancel(what)
             />
             <progress
-                aria-label="Export"
+                aria-label=tr!("Export")
                 max="1000"
                 value=live(move || per_mille().to_string())
                 hidden=live(move || !is_mine())

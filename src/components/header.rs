@@ -137,7 +137,7 @@ fn ThemeButton() -> impl IntoView {
         <button
             type="button"
             class="button icon-button"
-            aria-label="Theme"
+            aria-label=tr!("Theme")
             title=live(title)
             on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
         >
@@ -162,9 +162,9 @@ fn HelpButton() -> impl IntoView {
         <button
             type="button"
             class="button icon-button"
-            aria-label="Help"
+            aria-label=tr!("Help")
             aria-haspopup="dialog"
-            title="Wiring, first spin, protocol, troubleshooting (?)"
+            title=tr!("Wiring, first spin, protocol, troubleshooting (?)")
             on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help(None))))
         >
             <span aria-hidden="true">"?"</span>

@@ -2,6 +2,7 @@
 //! `Forget session`. As HTML, it weighs a tenth of a view.
 
 use leptos::{prelude::*, task::spawn_local};
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event};
 
@@ -20,16 +21,27 @@ const LEAVE: &str = "leave-session";
 const SAID: &str = "kept-words";
 
 /// Status `Kept session`, and what can be done with it.
-pub(super) const MARKUP: &str = concat!(
-    r#"<p class="notice-title">Kept session</p>"#,
-    r#"<p class="notice-advice" role="status" aria-label="Kept session" id="kept-words"></p>"#,
-    r#"<button type="button" class="button small" id="restore-session" "#,
-    r#"title="It stands before this one in log and recording; nothing is driven">"#,
-    r#"Restore session</button> "#,
-    r#"<button type="button" class="button small" id="forget-session">Forget session</button>"#,
-    r#"<button type="button" class="dismiss" aria-label="Dismiss kept session" "#,
-    r#"title="It stays kept, and is offered again" id="leave-session"></button>"#,
-);
+pub(super) fn markup() -> String {
+    [
+        r#"<p class="notice-title">"#,
+        tr!("Kept session"),
+        r#"</p><p class="notice-advice" role="status" aria-label=""#,
+        tr!("Kept session"),
+        r#"" id="kept-words"></p><button type="button" class="button small" "#,
+        r#"id="restore-session" title=""#,
+        tr!("It stands before this one in log and recording; nothing is driven"),
+        r#"">"#,
+        tr!("Restore session"),
+        r#"</button> <button type="button" class="button small" id="forget-session">"#,
+        tr!("Forget session"),
+        r#"</button><button type="button" class="dismiss" aria-label=""#,
+        tr!("Dismiss kept session"),
+        r#"" title=""#,
+        tr!("It stays kept, and is offered again"),
+        r#"" id="leave-session"></button>"#,
+    ]
+    .concat()
+}
 
 /// Has it show what there is, and its buttons work, from now on.
 pub(super) fn keep_working(desk: Desk) {

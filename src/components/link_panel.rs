@@ -7,6 +7,7 @@ mod markup;
 
 use leptos::{html, prelude::*};
 use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
+use motorlink_words::tr;
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use super::{
@@ -42,12 +43,13 @@ pub(crate) fn LinkPanel() -> impl IntoView {
         let place: Option<usize> = event_target_value(&event).parse().ok();
         if let Some(wire) = place.and_then(|place| VirtualWire::ALL.get(place)) {
             rewired.set_value(true);
+            desk.virtual_wire.set_value(place.unwrap_or_default());
             desk.post(&ToWorker::VirtualWire(*wire));
         }
     };
     panel_of_drawer(
         Drawer::Link,
-        "Link",
+        tr!("Link"),
         view! {
             <div
                 class="link-panel"
@@ -95,13 +97,16 @@ impl Elements {
                 }
             }
             let is_virtual = session.connection == Connection::Connected(Adapter::Virtual);
+            if !is_virtual {
+                // A virtual line begins good.
+                desk.virtual_wire.set_value(0);
+            }
             if let Some(wire) = &self.wire
                 && wire.disabled() == is_virtual
             {
                 wire.set_disabled(!is_virtual);
                 wire.set_title(if is_virtual { "" } else { no_virtual_wire() });
-                // A virtual line begins good.
-                wire.set_value("0");
+                wire.set_value(&desk.virtual_wire.get_value().to_string());
             }
         });
     }

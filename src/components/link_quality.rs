@@ -1,6 +1,7 @@
 //! How well the line works.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use crate::components::live::live;
 
@@ -33,12 +34,12 @@ pub(crate) fn LinkQuality() -> impl IntoView {
     view! {
         <div class="labelled link">
             <span class="label" aria-hidden="true">
-                "Link"
+                {tr!("Link")}
             </span>
             <output
-                aria-label="Link"
+                aria-label=tr!("Link")
                 aria-live="off"
-                title="Drive frames a second · round trip · requests without a good reply"
+                title=tr!("Drive frames a second · round trip · requests without a good reply")
             >
                 <span class="link-part">
                     <b class="link-rate">{live(rate)}</b>
@@ -50,7 +51,8 @@ pub(crate) fn LinkQuality() -> impl IntoView {
                 </span>
                 <span class="link-part">
                     <b class="link-loss">{live(loss)}</b>
-                    " % lost"
+                    " % "
+                    {tr!("lost" as "behind a number of percent")}
                 </span>
             </output>
         </div>

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::MotorId;
+use motorlink_words::tr;
 
 use crate::{
     components::live::memo,
@@ -21,10 +22,10 @@ pub(crate) fn MotorChoice() -> impl IntoView {
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">
-                "Motor"
+                {tr!("Motor")}
             </span>
             <select
-                aria-label="Motor"
+                aria-label=tr!("Motor")
                 class="select motor-select"
                 inner_html=live(move || options(&found.get(), desk.selected.get()))
                 on:change=heard(move |event| {
@@ -42,9 +43,9 @@ fn options(found: &[MotorId], selected: MotorId) -> String {
     let others = MotorId::all().filter(|id| !found.contains(id));
     let mut html = String::new();
     if !found.is_empty() {
-        push_group(&mut html, "Found", found.iter().copied(), selected);
+        push_group(&mut html, tr!("Found"), found.iter().copied(), selected);
     }
-    push_group(&mut html, "Every ID", others, selected);
+    push_group(&mut html, tr!("Every ID"), others, selected);
     html
 }
 
@@ -74,10 +75,10 @@ pub(crate) fn ModelChoice() -> impl IntoView {
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">
-                "Model"
+                {tr!("Model")}
             </span>
             <select
-                aria-label="Model"
+                aria-label=tr!("Model")
                 class="select model-select"
                 on:change=heard(move |event| {
                     if let Some(model) = Model::from_key(&event_target_value(&event)) {

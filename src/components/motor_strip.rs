@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::MotorId;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 
@@ -44,16 +45,16 @@ pub(crate) fn MotorStrip() -> impl IntoView {
         chips
     });
     view! {
-        <section class="motor-strip" aria-label="Motors">
+        <section class="motor-strip" aria-label=tr!("Motors")>
             <div
                 class="motor-chips"
                 id=CHIPS
                 on:click=heard(move |event| choose_clicked(desk, &event))
             ></div>
             <div class="motor-strip-end">
-                <DrawerButton which=Drawer::Together label="Drive together" />
-                <DrawerButton which=Drawer::Link label="Link" />
-                <DrawerButton which=Drawer::Settings label="Settings" />
+                <DrawerButton which=Drawer::Together label=tr!("Drive together") />
+                <DrawerButton which=Drawer::Link label=tr!("Link") />
+                <DrawerButton which=Drawer::Settings label=tr!("Settings") />
             </div>
         </section>
     }

@@ -6,6 +6,7 @@ use motorlink_messages::{
     bus::Activity,
     protocol::{Mode, MotorId},
 };
+use motorlink_words::tr;
 
 use crate::{
     components::{
@@ -40,13 +41,13 @@ pub(crate) fn Notices() -> impl IntoView {
     view! {
         <section
             class="panel notices"
-            aria-label="Notices"
+            aria-label=tr!("Notices")
             class:empty=live(move || none() && nothing_kept() && tour() != Wanted::Asked)
         >
             <div
                 class="notice kept"
                 hidden=live(nothing_kept)
-                inner_html=kept_session::MARKUP
+                inner_html=kept_session::markup()
             ></div>
             <div
                 class="tour"
@@ -55,7 +56,7 @@ pub(crate) fn Notices() -> impl IntoView {
                 inner_html=tour::markup()
             ></div>
             <div hidden=live(move || !none() || tour() != Wanted::No)>
-                <h2>"Next"</h2>
+                <h2>{tr!("Next")}</h2>
                 <p class="next-steps">
                     {live(move || if none() { next.get() } else { String::new() })}
                 </p>
@@ -126,8 +127,8 @@ fn Slot(place: usize) -> impl IntoView {
             <button
                 type="button"
                 class="dismiss"
-                aria-label="Dismiss"
-                title="Dismiss"
+                aria-label=tr!("Dismiss")
+                title=tr!("Dismiss")
                 on:click=heard(move |_| {
                     desk.notices
                         .update(|board| {
@@ -144,18 +145,20 @@ fn Slot(place: usize) -> impl IntoView {
 fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
     let steps: &[&str] = match session.connection {
         Connection::Disconnected | Connection::Failed(_) => &[
-            "1. Wire the motor: signal plug to the RS485 adapter, power plug to 18 V. Help (?) shows \
-             each colour.",
-            "2. Press Connect and choose the adapter. No hardware? Press Virtual motor.",
-            "3. Keep fingers clear of the wheel and press +100.",
+            tr!(
+                "1. Wire the motor: signal plug to the RS485 adapter, power plug to 18 V. Help (?) shows \
+             each colour."
+            ),
+            tr!("2. Press Connect and choose the adapter. No hardware? Press Virtual motor."),
+            tr!("3. Keep fingers clear of the wheel and press +100."),
         ],
-        Connection::Connecting => &["The port is being opened."],
-        Connection::Reconnecting(_) => {
-            &["Plug the adapter in again. Nothing drives until you press Start."]
-        }
-        Connection::Connected(_) if session.halted => {
-            &["Everything is stopped. Press Release when you want to drive again."]
-        }
+        Connection::Connecting => &[tr!("The port is being opened.")],
+        Connection::Reconnecting(_) => &[tr!(
+            "Plug the adapter in again. Nothing drives until you press Start."
+        )],
+        Connection::Connected(_) if session.halted => &[tr!(
+            "Everything is stopped. Press Release when you want to drive again."
+        )],
         Connection::Connected(_) => return vec![next_with_motor(session, id)],
     };
     steps.iter().map(|step| (*step).to_owned()).collect()
@@ -163,28 +166,33 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
 
 fn next_with_motor(session: &Session, id: MotorId) -> String {
     let Some(mode) = session.mode(id).filter(Reading::is_fresh) else {
-        return format!("Waiting for motor {id} to answer.");
+        return tr!("Waiting for motor {id} to answer.", id);
     };
     let activity = session.motor(id).map(|motor| motor.activity);
     match (activity, mode.value) {
         (Some(Activity::Driven { setpoint }), _) => {
-            format!(
-                "Motor {id} is driven: {}. Space or Escape stops all motors.",
-                format::goal(setpoint)
+            tr!(
+                "Motor {id} is driven: {goal}. Space or Escape stops all motors.",
+                id,
+                goal = format::goal(setpoint)
             )
         }
         (Some(Activity::DrivenRaw), _) => {
-            format!("Raw frames drive motor {id}. Space or Escape stops all motors.")
+            tr!(
+                "Raw frames drive motor {id}. Space or Escape stops all motors.",
+                id
+            )
         }
-        (Some(Activity::Stopping { .. }), _) => format!("Motor {id} is being braked."),
+        (Some(Activity::Stopping { .. }), _) => tr!("Motor {id} is being braked.", id),
         (_, Mode::Velocity) => {
-            "Keep fingers clear of the wheel and press +100, or set a speed and press Start."
+            tr!("Keep fingers clear of the wheel and press +100, or set a speed and press Start.")
                 .to_owned()
         }
         (_, Mode::Current) => {
-            "Set a current and press Start. A wheel without load runs up to full speed.".to_owned()
+            tr!("Set a current and press Start. A wheel without load runs up to full speed.")
+                .to_owned()
         }
-        (_, Mode::Position) => "Set an angle and press Go.".to_owned(),
+        (_, Mode::Position) => tr!("Set an angle and press Go.").to_owned(),
     }
 }
 

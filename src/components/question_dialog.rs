@@ -1,6 +1,7 @@
 //! One dialog for every question: only one is asked at a time.
 
 use leptos::{html::Div, prelude::*};
+use motorlink_words::tr;
 
 use super::{button::PressButton, focus::focus_when, live::live};
 use crate::{
@@ -37,7 +38,7 @@ pub(crate) fn QuestionDialog() -> impl IntoView {
                 <h2>{of_question(|question| question.title.clone())}</h2>
                 <p id="question-words">{of_question(|question| question.words.clone())}</p>
                 <div class="dialog-foot">
-                    <PressButton label="Cancel" on_press=move || desk.decline() />
+                    <PressButton label=tr!("Cancel") on_press=move || desk.decline() />
                     <PressButton
                         label=Signal::derive(yes)
                         class="button primary"

@@ -3,6 +3,7 @@
 //! The buttons are HTML and two listeners on the window: as a view they would weigh many times as much.
 
 use leptos::{prelude::*, task::spawn_local};
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlInputElement};
 
@@ -23,28 +24,55 @@ const ERASE: &str = "erase-kept";
 const INSTALL: &str = "install-page";
 const SAID: &str = "setup-words";
 
-const LIMITS: &str = concat!(
-    "<h3>Limits</h3>",
-    "<p>A driven motor that turns faster, gets hotter, or draws more for half a second is stopped.</p>",
-);
+fn limits_head() -> String {
+    let head = tr!("Limits");
+    let words = tr!(
+        "A driven motor that turns faster, gets hotter, or draws more for half a second is stopped."
+    );
+    format!("<h3>{head}</h3><p>{words}</p>")
+}
 
 /// Buttons `Export setup`, `Import setup`, `Erase kept data` and `Install`, the browser's own chooser of files that
 /// the second one opens, and status `Setup`.
-const FILES: &str = concat!(
-    "<h3>Setup</h3>",
-    "<p>Names, sides, groups, ramp, rate and limits, as a file for another browser.</p>",
-    r#"<div class="button-row two">"#,
-    r#"<button type="button" class="button" id="export-setup">Export setup</button>"#,
-    r#"<button type="button" class="button" id="import-setup">Import setup</button></div>"#,
-    r#"<input type="file" accept=".json" id="setup-file" hidden>"#,
-    "<h3>Kept in this browser</h3>",
-    "<p>Sessions and what was set are kept here, and leave it only as files that you export.</p>",
-    r#"<button type="button" class="button" id="erase-kept">Erase kept data</button>"#,
-    r#"<p class="setup-words" role="status" aria-label="Setup" id="setup-words"></p>"#,
-    "<h3>Installed</h3>",
-    "<p>As a program of its own it is never discarded while hidden. It works without a network in any case.</p>",
-    r#"<button type="button" class="button" id="install-page">Install</button>"#,
-);
+fn files() -> String {
+    [
+        heading(tr!("Setup")),
+        paragraph(tr!(
+            "Names, sides, groups, ramp, rate and limits, as a file for another browser."
+        )),
+        r#"<div class="button-row two">"#.to_owned(),
+        button(EXPORT, tr!("Export setup")),
+        button(IMPORT, tr!("Import setup")),
+        format!(r#"</div><input type="file" accept=".json" id="{CHOOSER}" hidden>"#),
+        heading(tr!("Kept in this browser")),
+        paragraph(tr!(
+            "Sessions and what was set are kept here, and leave it only as files that you export."
+        )),
+        button(ERASE, tr!("Erase kept data")),
+        format!(
+            r#"<p class="setup-words" role="status" aria-label="{}" id="{SAID}"></p>"#,
+            tr!("Setup")
+        ),
+        heading(tr!("Installed")),
+        paragraph(tr!(
+            "As a program of its own it is never discarded while hidden. It works without a network in any case."
+        )),
+        button(INSTALL, tr!("Install")),
+    ]
+    .concat()
+}
+
+fn heading(words: &str) -> String {
+    format!("<h3>{words}</h3>")
+}
+
+fn paragraph(words: &str) -> String {
+    format!("<p>{words}</p>")
+}
+
+fn button(id: &str, label: &str) -> String {
+    format!(r#"<button type="button" class="button" id="{id}">{label}</button>"#)
+}
 
 /// Panel `Settings`.
 #[component]
@@ -53,19 +81,19 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
     let targets = desk.targets;
     let limits = [
         (
-            "Speed limit",
+            tr!("Speed limit"),
             "rpm",
             targets.speed_limit,
             entry::SPEED_LIMIT,
         ),
         (
-            "Current limit",
+            tr!("Current limit"),
             "A",
             targets.current_limit,
             entry::CURRENT_LIMIT,
         ),
         (
-            "Temperature limit",
+            tr!("Temperature limit"),
             "°C",
             targets.temperature_limit,
             entry::TEMPERATURE_LIMIT,
@@ -74,17 +102,17 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
     keep_working(desk);
     panel_of_drawer(
         Drawer::Settings,
-        "Settings",
+        tr!("Settings"),
         view! {
             <div class="settings-panel">
-                <div inner_html=LIMITS></div>
+                <div inner_html=limits_head()></div>
                 {limits
                     .map(|(name, unit, target, entry)| {
                         view! {
                             <NumberField name unit target entry on_edit=move || desk.set_limits() />
                         }
                     })}
-                <div inner_html=FILES></div>
+                <div inner_html=files()></div>
             </div>
         },
     )
@@ -98,15 +126,17 @@ fn keep_working(desk: Desk) {
     let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
     follow(move || {
         let reason = why_not.get();
-        say_why(IMPORT, reason.as_deref(), IMPORTS);
-        say_why(ERASE, desk.why_not_erase(reason).as_deref(), ERASES);
+        say_why(
+            IMPORT,
+            reason.as_deref(),
+            tr!("From a file that was exported"),
+        );
+        let erases = tr!("Everything that this browser keeps of this page: sessions and choices");
+        say_why(ERASE, desk.why_not_erase(reason).as_deref(), erases);
     });
     follow(move || say_why(INSTALL, desk.why_not_install(), installation::hint()));
     follow(move || say(desk.journal.erased.get()));
 }
-
-const IMPORTS: &str = "From a file that was exported";
-const ERASES: &str = "Everything that this browser keeps of this page: sessions and choices";
 
 /// A button that cannot be pressed for this reason, or that does this.
 fn say_why(id: &str, reason: Option<&str>, hint: &str) {

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::bus::StopReason;
+use motorlink_words::tr;
 
 use crate::components::live::heard;
 
@@ -14,9 +15,9 @@ pub(crate) fn StopButton() -> impl IntoView {
         <button
             type="button"
             class="stop"
-            aria-label="Stop all motors"
+            aria-label=tr!("Stop all motors")
             aria-keyshortcuts="Space Escape"
-            title="Brakes every motor. The power switch is the only emergency stop."
+            title=tr!("Brakes every motor. The power switch is the only emergency stop.")
             // When it is touched, not when the finger is lifted again.
             on:pointerdown=heard(move |_| desk.stop_all(StopReason::Operator))
             on:click=heard(move |click: web_sys::MouseEvent| {
@@ -26,8 +27,8 @@ pub(crate) fn StopButton() -> impl IntoView {
                 }
             })
         >
-            <span class="stop-word">"STOP"</span>
-            <span class="stop-keys">"Space · Esc"</span>
+            <span class="stop-word">{tr!("STOP")}</span>
+            <span class="stop-keys">{tr!("Space · Esc")}</span>
         </button>
     }
 }

@@ -2,6 +2,7 @@
 
 use leptos::{html::Div, prelude::*};
 use motorlink_messages::{bus::Activity, protocol::MotorId};
+use motorlink_words::tr;
 
 use crate::components::live::live;
 
@@ -25,7 +26,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
     let reason = move || {
         desk.shown.with(|session| {
             let reason = session.stop.as_ref().map(|stop| stop.reason);
-            reason.map_or("All motors are stopped.", words::of_stop_reason)
+            reason.map_or(tr!("All motors are stopped."), words::of_stop_reason)
         })
     };
     let rows = move || desk.shown.with(|session| table_rows(&stop_lines(session)));
@@ -33,23 +34,25 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
         <div
             class="stopped"
             role="alertdialog"
-            aria-label="Stopped"
+            aria-label=tr!("Stopped")
             aria-describedby="stopped-why"
             tabindex="-1"
             hidden=live(move || !halted.get())
             node_ref=dialog
         >
-            <h2>"Stopped"</h2>
+            <h2>{tr!("Stopped")}</h2>
             <p id="stopped-why">{live(reason)}</p>
             <table class="stopped-motors">
                 <tbody inner_html=live(rows)></tbody>
             </table>
             <div class="stopped-foot">
                 <p class="quiet">
-                    "Nothing drives until you release. The power switch is the only emergency stop."
+                    {tr!(
+                        "Nothing drives until you release. The power switch is the only emergency stop."
+                    )}
                 </p>
                 <PressButton
-                    label="Release"
+                    label=tr!("Release")
                     class="button primary"
                     on_press=move || desk.release()
                 />
@@ -61,25 +64,26 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
 /// The rows of the table as HTML.
 fn table_rows(lines: &[StopLine]) -> String {
     if lines.is_empty() {
-        return "<tr><td class=\"quiet\">No motor was driven.</td></tr>".to_owned();
+        let none = tr!("No motor was driven.");
+        return format!("<tr><td class=\"quiet\">{none}</td></tr>");
     }
     lines.iter().copied().map(table_row).collect()
 }
 
 fn table_row(line: StopLine) -> String {
     let (class, words) = match line.state {
-        Standstill::Confirmed => ("good", "standing, confirmed"),
-        Standstill::Braking => ("", "braking"),
-        Standstill::NotConfirmed => ("bad", "not confirmed"),
-        Standstill::NotDriven => ("good", "was not driven"),
+        Standstill::Confirmed => ("good", tr!("standing, confirmed")),
+        Standstill::Braking => ("", tr!("braking")),
+        Standstill::NotConfirmed => ("bad", tr!("not confirmed")),
+        Standstill::NotDriven => ("good", tr!("was not driven")),
     };
     let speed = line
         .speed_rpm
         .map_or_else(|| UNKNOWN.to_owned(), |rpm| format::signed(rpm.into()));
+    let motor = tr!("Motor {id}", id = line.id);
     format!(
-        "<tr><th scope=\"row\">Motor {}</th><td class=\"stop-speed\">{speed} rpm</td>\
-         <td class=\"stop-state {class}\">{words}</td></tr>",
-        line.id
+        "<tr><th scope=\"row\">{motor}</th><td class=\"stop-speed\">{speed} rpm</td>\
+         <td class=\"stop-state {class}\">{words}</td></tr>"
     )
 }
 

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::MotorId;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
@@ -24,8 +25,10 @@ use crate::{
 const ROWS: &str = "fleet";
 
 /// A list of a row a motor.
-const ROWS_MARKUP: &str =
-    r#"<ul class="fleet" id="fleet" role="list" aria-label="Motors that drive together"></ul>"#;
+fn rows_markup() -> String {
+    let name = tr!("Motors that drive together");
+    format!(r#"<ul class="fleet" id="fleet" role="list" aria-label="{name}"></ul>"#)
+}
 
 /// Panel `Drive together`.
 #[component]
@@ -42,42 +45,44 @@ pub(crate) fn TogetherPanel() -> impl IntoView {
     drive_pad::keep_working(desk);
     panel_of_drawer(
         Drawer::Together,
-        "Drive together",
+        tr!("Drive together"),
         view! {
             <div class="together-panel">
-                <div inner_html=ROWS_MARKUP></div>
+                <div inner_html=rows_markup()></div>
                 <NumberField
-                    name="Group speed"
+                    id="group-speed"
+                    name=tr!("Group speed")
                     unit="rpm"
-                    hint="Right wheels turn the other way. At most this by the pad."
+                    hint=tr!("Right wheels turn the other way. At most this by the pad.")
                     target=together.speed
                     entry=entry::SPEED
                     on_edit=move || desk.adjust_together()
                 />
                 <NumberField
-                    name="Ramp"
+                    id="ramp"
+                    name=tr!("Ramp")
                     unit="rpm/s"
-                    hint="0 is none. It never bounds a stop."
+                    hint=tr!("0 is none. It never bounds a stop.")
                     target=together.ramp
                     entry=tool_entry::RAMP
                     on_edit=move || desk.set_ramp()
                 />
                 <div class="button-row two">
                     <PressButton
-                        label="Stop together"
+                        label=tr!("Stop together")
                         class="button halt"
-                        hint="Brakes all of them to a standstill, then lets go"
+                        hint=tr!("Brakes all of them to a standstill, then lets go")
                         why_not=why_not_halt
                         on_press=move || desk.stop_together()
                     />
                     <PressButton
-                        label="Start together"
+                        label=tr!("Start together")
                         class="button primary"
                         why_not=why_not_start
                         on_press=move || desk.start_together()
                     />
                 </div>
-                <div inner_html=drive_pad::MARKUP></div>
+                <div inner_html=drive_pad::markup()></div>
             </div>
         },
     )

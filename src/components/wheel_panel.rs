@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::{bus::Activity, protocol::Mode};
+use motorlink_words::{terms, tr};
 
 use crate::components::live::live;
 
@@ -13,15 +14,15 @@ pub(crate) fn WheelPanel() -> impl IntoView {
     let chip = desk.of_motor(|session, id| {
         let motor = session.motor(id)?;
         let words = match motor.activity {
-            Activity::Driven { setpoint } => format!("Goal {}", format::goal(setpoint)),
-            Activity::Stopping { .. } => "Braking to a standstill".to_owned(),
-            Activity::DrivenRaw => "Driven by raw frames".to_owned(),
-            Activity::Switching { to } => format!("Changing to the {to}"),
+            Activity::Driven { setpoint } => tr!("Goal {goal}", goal = format::goal(setpoint)),
+            Activity::Stopping { .. } => tr!("Braking to a standstill").to_owned(),
+            Activity::DrivenRaw => tr!("Driven by raw frames").to_owned(),
+            Activity::Switching { to } => tr!("Changing to the {mode}", mode = terms::mode(to)),
             Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
         };
         // The figures below the wheel are those of the wheel that is seen.
         Some(if session.mirror(id).is_mirrored() {
-            words + " · mirrored"
+            tr!("{words} · mirrored", words)
         } else {
             words
         })
@@ -31,7 +32,7 @@ pub(crate) fn WheelPanel() -> impl IntoView {
         matches!(activity, Some(Activity::Driven { .. }))
     });
     view! {
-        <section class="panel wheel-panel" aria-label="Wheel">
+        <section class="panel wheel-panel" aria-label=tr!("Wheel")>
             <p class="chip wheel-chip" class:active=driven>
                 {live(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
             </p>
@@ -41,10 +42,10 @@ pub(crate) fn WheelPanel() -> impl IntoView {
 }
 
 /// As a heading.
-pub(crate) const fn loop_name(mode: Mode) -> &'static str {
+pub(crate) fn loop_name(mode: Mode) -> &'static str {
     match mode {
-        Mode::Current => "Current loop",
-        Mode::Velocity => "Velocity loop",
-        Mode::Position => "Position loop",
+        Mode::Current => tr!("Current loop"),
+        Mode::Velocity => tr!("Velocity loop"),
+        Mode::Position => tr!("Position loop"),
     }
 }

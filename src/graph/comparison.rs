@@ -1,6 +1,7 @@
 //! What is drawn: the traces of the chosen motor, or one trace of several motors.
 
 use motorlink_messages::protocol::{Instant, MotorId};
+use motorlink_words::tr;
 
 use super::trace::{Trace, Traces};
 use crate::{
@@ -72,7 +73,7 @@ impl Comparison {
     /// `and 3 more, not drawn`, where not all are.
     pub(crate) fn more(&self) -> Option<String> {
         let more = self.left_out;
-        (more > 0).then(|| format!("and {more} more, not drawn"))
+        (more > 0).then(|| tr!("and {count} more, not drawn", count = more))
     }
 }
 
@@ -118,12 +119,12 @@ impl Subject {
     }
 }
 
-/// What is said behind a time of whose values a motor counts the other way.
-pub(crate) fn mark(mirror: Mirror) -> &'static str {
+/// A time, marked where the motor counts its values the other way.
+pub(crate) fn marked(when: String, mirror: Mirror) -> String {
     if mirror.is_mirrored() {
-        ", mirrored"
+        tr!("{when}, mirrored", when)
     } else {
-        ""
+        when
     }
 }
 
@@ -131,7 +132,7 @@ pub(crate) fn mark(mirror: Mirror) -> &'static str {
 pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
     let mut words = id.to_string();
     let name = fleet.member(id).map_or("", |member| member.name().trim());
-    let mirrored = fleet.mirror(id).is_mirrored().then_some("(mirrored)");
+    let mirrored = fleet.mirror(id).is_mirrored().then(|| tr!("(mirrored)"));
     for part in [name, mirrored.unwrap_or_default()] {
         if !part.is_empty() {
             words = words + " " + part;

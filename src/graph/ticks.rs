@@ -1,5 +1,7 @@
 //! The marks of the time axis: how long ago while the view is live, the time of day while it is held.
 
+use motorlink_words::tr;
+
 /// Distances of marks that read well, in milliseconds.
 const STEPS_MS: [u64; 18] = [
     10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 15_000, 30_000, 60_000, 120_000,
@@ -29,7 +31,7 @@ pub(crate) fn ago(span_us: u64, marks_max: u32) -> Vec<Tick> {
     let marks = span_us / (step_ms * 1_000);
     let tick = |mark: u64| {
         let label = match mark {
-            0 => "now".to_owned(),
+            0 => tr!("now").to_owned(),
             _ => ago_label(mark * step_ms, step_ms, mark == marks),
         };
         Tick {

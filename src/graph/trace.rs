@@ -1,6 +1,7 @@
 //! What can be drawn: four quantities that a motor reports, and the goal.
 
 use motorlink_messages::protocol::Setpoint;
+use motorlink_words::tr;
 
 use crate::{history::Point, mirror::Mirror};
 
@@ -31,33 +32,47 @@ impl Trace {
     }
 
     /// As the legend has it.
-    pub(crate) const fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Speed => "Speed",
-            Self::Current => "Current",
-            Self::Goal => "Goal",
-            Self::Temperature => "Temperature",
-            Self::Position => "Position",
+            Self::Speed => tr!("Speed"),
+            Self::Current => tr!("Current" as "electric"),
+            Self::Goal => tr!("Goal"),
+            Self::Temperature => tr!("Temperature"),
+            Self::Position => tr!("Position"),
+        }
+    }
+
+    /// Before its value within a sentence.
+    pub(crate) fn spoken_name(self) -> &'static str {
+        match self {
+            Self::Speed => tr!("speed"),
+            Self::Current => tr!("current" as "electric"),
+            Self::Goal => tr!("goal"),
+            Self::Temperature => tr!("temperature"),
+            Self::Position => tr!("position"),
         }
     }
 
     /// The same, in the part that says enough where there is little room, and the rest.
     pub(crate) fn name_in_parts(self) -> (&'static str, &'static str) {
         let name = self.name();
-        match self {
-            Self::Temperature => name.split_at_checked(4).unwrap_or((name, "")),
-            _ => (name, ""),
-        }
+        let short = match self {
+            Self::Temperature => tr!("Temp" as "what Temperature begins with"),
+            _ => name,
+        };
+        // Where it begins otherwise there is no part that says enough.
+        name.strip_prefix(short)
+            .map_or((name, ""), |rest| (short, rest))
     }
 
     /// The accessible name of the box that switches it on.
-    pub(crate) const fn switch_name(self) -> &'static str {
+    pub(crate) fn switch_name(self) -> &'static str {
         match self {
-            Self::Speed => "Show speed",
-            Self::Current => "Show current",
-            Self::Goal => "Show goal",
-            Self::Temperature => "Show temperature",
-            Self::Position => "Show position",
+            Self::Speed => tr!("Show speed"),
+            Self::Current => tr!("Show current"),
+            Self::Goal => tr!("Show goal"),
+            Self::Temperature => tr!("Show temperature"),
+            Self::Position => tr!("Show position"),
         }
     }
 

@@ -1,5 +1,7 @@
 //! The graph's name, and what it shows in words, for those who do not see it.
 
+use motorlink_words::tr;
+
 use super::{
     comparison::Comparison,
     crosshair::Values,
@@ -9,7 +11,9 @@ use super::{
 };
 
 /// Before the first reply.
-const NOTHING: &str = "No data yet.";
+fn nothing() -> String {
+    tr!("No data yet.").to_owned()
+}
 
 /// A moment in words, from its microseconds on the worker's clock.
 pub(crate) type TimeOfDay<'a> = &'a dyn Fn(u64) -> u64;
@@ -33,15 +37,15 @@ pub(crate) fn span(span_us: u64) -> String {
 /// `day_ms` gives the time of day of a moment, in milliseconds since midnight.
 pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> String {
     let subject = compare.map_or_else(
-        || "Speed and current".to_owned(),
-        |trace| format!("{} of each motor", trace.name()),
+        || tr!("Speed and current").to_owned(),
+        |trace| tr!("{trace} of each motor", trace = trace.name()),
     );
     let span = span(view.span_us);
     match view.watch {
-        Watch::Live => format!("{subject}, last {span}"),
+        Watch::Live => tr!("{subject}, last {span}", subject, span),
         Watch::Panned(right_us) | Watch::Paused(right_us) => {
             let until = time_of_day(day_ms(right_us), 1_000);
-            format!("{subject}, {span} up to {until}")
+            tr!("{subject}, {span} up to {until}", subject, span, until)
         }
     }
 }
@@ -49,17 +53,13 @@ pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> Str
 /// The values of a moment as a sentence, of the traces that are on.
 pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> String {
     let Some(values) = values else {
-        return NOTHING.to_owned();
+        return nothing();
     };
     let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
     let words: Vec<String> = on
-        .map(|trace| {
-            let mut name = trace.name().to_owned();
-            name.make_ascii_lowercase();
-            format!("{name} {}", values.text(trace))
-        })
+        .map(|trace| format!("{} {}", trace.spoken_name(), values.text(trace)))
         .collect();
-    format!("{when}: {}.", words.join(", "))
+    tr!("{when}: {values}.", when, values = words.join(", "))
 }
 
 /// One trace of several motors at a moment as a sentence, from their names and values.
@@ -69,15 +69,15 @@ pub(crate) fn compared_sentence(
     motors: &[(String, String)],
 ) -> String {
     if motors.is_empty() {
-        return NOTHING.to_owned();
+        return nothing();
     }
     let words = motors.iter().map(|(name, value)| format!("{name} {value}"));
     let words: Vec<String> = words.chain(comparison.more()).collect();
-    let what = comparison.trace.name();
-    format!(
-        "{when}: {}: {}.",
-        what.to_ascii_lowercase(),
-        words.join(", ")
+    tr!(
+        "{when}: {trace}: {values}.",
+        when,
+        trace = comparison.trace.spoken_name(),
+        values = words.join(", ")
     )
 }
 
@@ -85,9 +85,15 @@ pub(crate) fn compared_sentence(
 pub(crate) fn ago(us: u64) -> String {
     let tenths = us / 100_000;
     match tenths {
-        0 => "now".to_owned(),
-        1..1_200 => format!("{}.{} s ago", tenths / 10, tenths % 10),
-        _ => format!("{}:{:02} min ago", tenths / 600, tenths / 10 % 60),
+        0 => tr!("now").to_owned(),
+        1..1_200 => tr!(
+            "{seconds} s ago",
+            seconds = format!("{}.{}", tenths / 10, tenths % 10)
+        ),
+        _ => tr!(
+            "{minutes} min ago",
+            minutes = format!("{}:{:02}", tenths / 600, tenths / 10 % 60)
+        ),
     }
 }
 
@@ -163,7 +169,7 @@ mod tests {
         let traces = Traces::default();
         let said = sentence("Now", Some(&values), traces);
         assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, goal –.");
-        assert_eq!(sentence("Now", None, traces), NOTHING);
+        assert_eq!(sentence("Now", None, traces), nothing());
     }
 
     #[test]
@@ -186,7 +192,7 @@ mod tests {
             said(9, &["0x01"]),
             "Now: speed: 0x01 +5 rpm, and 1 more, not drawn."
         );
-        assert_eq!(said(0, &[]), NOTHING);
+        assert_eq!(said(0, &[]), nothing());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::{cell::Cell, rc::Rc};
 use leptos::prelude::*;
 use leptos::svg::Svg;
 use leptos::web_sys::Element;
+use motorlink_words::tr;
 
 use super::course::LOOK_EVERY_MS;
 use super::feed::{TwinFeed, View};
@@ -81,14 +82,14 @@ pub fn DigitalTwin(
             <svg
                 class="twin-dial"
                 role="img"
-                aria-label="Digital twin"
+                aria-label=tr!("Digital twin")
                 viewBox=VIEW_BOX
                 node_ref=svg
                 inner_html=picture()
             ></svg>
             <figcaption class="twin-caption">
                 // Silent: a wheel that creeps about zero would talk without end.
-                <output class="twin-motion" aria-label="Motion" aria-live="off">
+                <output class="twin-motion" aria-label=tr!("Motion") aria-live="off">
                     {move || motion.get().text()}
                 </output>
                 <span class="twin-figures">

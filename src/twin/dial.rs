@@ -1,5 +1,7 @@
 //! The ring round the wheel: speed as an arc, the scale beside it, and the pointers of the goal.
 
+use motorlink_words::tr;
+
 use super::geometry::{arc, circle, polar, spokes};
 use super::markup::Markup;
 use super::measures as mm;
@@ -30,8 +32,8 @@ pub fn ring(art: &mut Markup) {
             );
         }
         // Below the ends, where no pointer comes.
-        art.text("twin-way", polar(-END_DEG - 8.0, mm::FIGURES), "CCW");
-        art.text("twin-way", polar(END_DEG + 8.0, mm::FIGURES), "CW");
+        art.text("twin-way", polar(-END_DEG - 8.0, mm::FIGURES), tr!("CCW"));
+        art.text("twin-way", polar(END_DEG + 8.0, mm::FIGURES), tr!("CW"));
     });
 }
 

@@ -2,6 +2,7 @@
 
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
+use motorlink_words::tr;
 
 /// What the wheel does, as the page says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,13 +44,13 @@ impl Motion {
 
     /// In words.
     #[must_use]
-    pub const fn text(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
-            Self::Stationary => "Stationary",
-            Self::SpinningCw => "Spinning CW",
-            Self::SpinningCcw => "Spinning CCW",
-            Self::Braking => "Braking",
-            Self::NoData => "No data",
+            Self::Stationary => tr!("Stationary"),
+            Self::SpinningCw => tr!("Spinning CW"),
+            Self::SpinningCcw => tr!("Spinning CCW"),
+            Self::Braking => tr!("Braking"),
+            Self::NoData => tr!("No data"),
         }
     }
 }
@@ -106,7 +107,10 @@ impl Figures {
             '+'
         };
         let tenths = self.turns_tenths.unsigned_abs();
-        format!("{sign}{}.{} turns", tenths / 10, tenths % 10)
+        tr!(
+            "{turns} turns",
+            turns = format!("{sign}{}.{}", tenths / 10, tenths % 10)
+        )
     }
 }
 
@@ -116,19 +120,17 @@ impl Figures {
 pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
     match (motion, speed) {
         (Motion::NoData, _) | (_, None) => {
-            "The wheel, greyed: its motor reports nothing.".to_owned()
+            tr!("The wheel, greyed: its motor reports nothing.").to_owned()
         }
-        (Motion::Stationary, _) => "The wheel stands still.".to_owned(),
-        (Motion::Braking, _) => "The wheel is being stopped.".to_owned(),
+        (Motion::Stationary, _) => tr!("The wheel stands still.").to_owned(),
+        (Motion::Braking, _) => tr!("The wheel is being stopped.").to_owned(),
         (Motion::SpinningCw | Motion::SpinningCcw, Some(speed)) => {
-            let way = if motion == Motion::SpinningCw {
-                "clockwise"
-            } else {
-                "counter-clockwise"
-            };
+            let clockwise = motion == Motion::SpinningCw;
             match (speed.magnitude() + 5) / 10 * 10 {
-                0 => format!("The wheel turns {way}, slowly."),
-                rounded => format!("The wheel turns {way} at about {rounded} rpm."),
+                0 if clockwise => tr!("The wheel turns clockwise, slowly.").to_owned(),
+                0 => tr!("The wheel turns counter-clockwise, slowly.").to_owned(),
+                rpm if clockwise => tr!("The wheel turns clockwise at about {rpm} rpm.", rpm),
+                rpm => tr!("The wheel turns counter-clockwise at about {rpm} rpm.", rpm),
             }
         }
     }

@@ -5,6 +5,7 @@ use motorlink_messages::{
     bus::HIGH_CURRENT_RAW,
     protocol::{CurrentTarget, Mode},
 };
+use motorlink_words::tr;
 
 use crate::components::live::live;
 
@@ -19,8 +20,6 @@ use crate::{
 };
 
 const MODE: Mode = Mode::Current;
-
-const HINT: &str = "Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.";
 
 /// Amps of the preset buttons, what they read and what they are called.
 const PRESETS: [(f32, &str, &str); 7] = [
@@ -44,11 +43,11 @@ pub(super) fn CurrentTab() -> impl IntoView {
     let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
-            "Above 6.1 A: Start asks first".to_owned()
+            tr!("Above 6.1 A: Start asks first").to_owned()
         } else if mirrored.get() {
-            "±32,767 is ±8 A; mirrored".to_owned()
+            tr!("±32,767 is ±8 A; mirrored").to_owned()
         } else {
-            "±32,767 is ±8 A".to_owned()
+            tr!("±32,767 is ±8 A").to_owned()
         }
     });
     let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
@@ -67,16 +66,17 @@ pub(super) fn CurrentTab() -> impl IntoView {
     };
     let body = view! {
         <NumberField
-            name="Target current"
-            unit="raw"
+            id="target-current"
+            name=tr!("Target current")
+            unit=tr!("raw")
             hint=hint
             target=current
             entry=entry::CURRENT
             on_edit=move || desk.adjust(MODE)
         />
         <Slider
-            name="Target current"
-            unit="raw"
+            name=tr!("Target current")
+            unit=tr!("raw")
             target=current
             entry=entry::CURRENT
             marks=marks(["−8 A", "0", "+8 A"])
@@ -84,26 +84,27 @@ pub(super) fn CurrentTab() -> impl IntoView {
         />
         <p class="equals">
             "= "
-            <output aria-label="Target current in amps" aria-live="off">
+            <output aria-label=tr!("Target current in amps") aria-live="off">
                 {live(in_amps)}
             </output>
         </p>
         <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
             <PressButton
-                label="Stop"
+                label=tr!("Stop")
                 class="button halt"
-                hint="Sets 0 A: the wheel coasts"
+                hint=tr!("Sets 0 A: the wheel coasts")
                 why_not=why_not_halt
                 on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
-                label="Start"
+                label=tr!("Start")
                 class="button primary"
                 why_not=why_not_start
                 on_press=move || desk.start(MODE)
             />
         </div>
     };
-    loop_panel(MODE, why_not_start, HINT, body)
+    let hint = tr!("Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.");
+    loop_panel(MODE, why_not_start, hint.to_owned(), body)
 }

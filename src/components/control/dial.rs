@@ -2,6 +2,7 @@
 
 use leptos::{prelude::*, svg::Svg};
 use motorlink_messages::protocol::PositionTarget;
+use motorlink_words::tr;
 use web_sys::{KeyboardEvent, PointerEvent};
 
 use crate::components::live::{heard, live};
@@ -39,11 +40,11 @@ pub(super) fn Dial(
             class="dial"
             viewBox="-60 -60 120 120"
             role="slider"
-            aria-label="Target angle dial"
+            aria-label=tr!("Target angle dial")
             aria-valuemin="0"
             aria-valuemax="360"
             aria-valuenow=live(move || format!("{:.0}", degrees()))
-            aria-valuetext=live(move || format!("{:.1} degrees", degrees()))
+            aria-valuetext=live(move || tr!("{angle} degrees", angle = format!("{:.1}", degrees())))
             tabindex="0"
             node_ref=dial
             on:pointerdown=heard(move |event: PointerEvent| {

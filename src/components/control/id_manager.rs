@@ -2,6 +2,7 @@
 
 use leptos::{html::Ul, prelude::*};
 use motorlink_messages::bus::SurveyStatus;
+use motorlink_words::tr;
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
@@ -34,35 +35,35 @@ pub(super) fn IdManagerTab() -> impl IntoView {
     let why_not_set = Signal::derive(move || {
         let missing = || {
             let nothing = assignable(new_id.get()).is_none();
-            nothing.then(|| "Enter the new ID.".to_owned())
+            nothing.then(|| tr!("Enter the new ID.").to_owned())
         };
         let entered = || new_id.trouble().or_else(|| objection.get());
         blocked.get().or_else(entered).or_else(missing)
     });
     let offers_full_scan = memo(move || desk.ids.with(IdManager::offers_full_scan));
     let hint = Signal::derive(move || match assignable(new_id.get()) {
-        Some(to) => format!("{} is {}", to.id().get(), to.id()),
-        None => "1 to 254, decimal or in hex with 0x".to_owned(),
+        Some(to) => tr!("{decimal} is {hex}", decimal = to.id().get(), hex = to.id()),
+        None => tr!("1 to 254, decimal or in hex with 0x").to_owned(),
     });
     tab_panel(
         Tab::IdManager,
         view! {
             <div class="button-row three" class:offers-full-scan=offers_full_scan>
                 <PressButton
-                    label="Scan"
-                    hint="Asks all motors at once: enough for one"
+                    label=tr!("Scan")
+                    hint=tr!("Asks all motors at once: enough for one")
                     why_not=blocked
                     on_press=move || desk.scan()
                 />
                 <PressButton
-                    label="Full scan"
+                    label=tr!("Full scan")
                     class="button full-scan"
-                    hint="Asks each of 254 addresses"
+                    hint=tr!("Asks each of 254 addresses")
                     why_not=blocked
                     on_press=move || desk.full_scan()
                 />
                 <PressButton
-                    label="Cancel"
+                    label=tr!("Cancel")
                     why_not=why_not_cancel
                     on_press=move || desk.cancel_scan()
                 />
@@ -72,7 +73,8 @@ pub(super) fn IdManagerTab() -> impl IntoView {
             <FoundList />
             <div class="new-id">
                 <NumberField
-                    name="New ID"
+                    id="new-id"
+                    name=tr!("New ID")
                     hint=hint
                     target=new_id
                     entry=tool_entry::NEW_ID
@@ -80,9 +82,9 @@ pub(super) fn IdManagerTab() -> impl IntoView {
                     on_edit=|| ()
                 />
                 <PressButton
-                    label="Set ID"
+                    label=tr!("Set ID")
                     class="button primary"
-                    hint="Scans first, then asks"
+                    hint=tr!("Scans first, then asks")
                     why_not=why_not_set
                     on_press=move || desk.set_id()
                 />
@@ -104,7 +106,7 @@ fn Progress() -> impl IntoView {
         <div
             class="scan-progress"
             role="progressbar"
-            aria-label="Scan"
+            aria-label=tr!("Scan")
             aria-valuemin="0"
             aria-valuemax="254"
             aria-valuenow=live(move || asked.get().to_string())
@@ -141,7 +143,7 @@ fn Said() -> impl IntoView {
                 tone.to_owned()
             })
             role="status"
-            aria-label="Scan result"
+            aria-label=tr!("Scan result")
         >
             <p class="notice-title">{live(title)}</p>
             <p class="notice-advice">{of_words(|words| words.advice.join(" "))}</p>
@@ -170,7 +172,7 @@ fn FoundList() -> impl IntoView {
         <ul
             class="found-list"
             role="list"
-            aria-label="Motors found"
+            aria-label=tr!("Motors found")
             node_ref=list
             on:click=heard(move |event| choose_clicked(desk, &event))
         ></ul>

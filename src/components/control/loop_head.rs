@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::Mode;
+use motorlink_words::{terms, tr};
 
 use crate::components::live::live;
 
@@ -22,8 +23,13 @@ pub(super) fn LoopHead(mode: Mode) -> impl IntoView {
     let active = move || reported.get() == Some(mode);
     let words = move || {
         reported.get().map_or_else(
-            || "No motor reports its loop.".to_owned(),
-            |reported| format!("The motor reports the {reported}."),
+            || tr!("No motor reports its loop.").to_owned(),
+            |reported| {
+                tr!(
+                    "The motor reports the {mode}.",
+                    mode = terms::mode(reported)
+                )
+            },
         )
     };
     let why_not = desk.of_motor(move |session, id| why_not_switch(session, id, mode));
@@ -31,10 +37,10 @@ pub(super) fn LoopHead(mode: Mode) -> impl IntoView {
         <div class="loop-head">
             <h2>{loop_name(mode)}</h2>
             <span class="chip good" class:absent=live(move || !active())>
-                "active"
+                {tr!("active")}
             </span>
             <PressButton
-                label=format!("Switch to {mode}")
+                label=tr!("Switch to {mode}", mode = terms::mode(mode))
                 class="button small"
                 why_not=why_not
                 on_press=move || desk.switch(mode)

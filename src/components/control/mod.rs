@@ -13,6 +13,7 @@ mod slider;
 mod velocity;
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
@@ -37,8 +38,8 @@ use crate::{
 #[component]
 pub(crate) fn ControlPanel() -> impl IntoView {
     view! {
-        <section class="panel control-panel" aria-label="Control">
-            <div class="tabs" role="tablist" aria-label="Control">
+        <section class="panel control-panel" aria-label=tr!("Control")>
+            <div class="tabs" role="tablist" aria-label=tr!("Control")>
                 {Tab::ALL.map(|tab| view! { <TabButton tab /> }).collect_view()}
             </div>
             <div class="tab-panels">

@@ -14,6 +14,10 @@ use crate::{
 /// mouse wheel, loses what it cannot read, and shows no plus.
 #[component]
 pub(crate) fn NumberField(
+    /// Of the element, and by which what is being typed here is told from what is being typed in
+    /// another field of the same value; its name, where it has none of its own.
+    #[prop(optional)]
+    id: Option<&'static str>,
     /// Its accessible name.
     name: &'static str,
     /// Shown after the number.
@@ -34,9 +38,10 @@ pub(crate) fn NumberField(
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
-    let slug: String = name.to_ascii_lowercase().replace(' ', "-");
+    let field = id.unwrap_or(name);
+    let slug = field.to_ascii_lowercase().replace(' ', "-");
     let words_id = format!("{slug}-words");
-    let trouble = memo(move || target.trouble_in(name).or_else(|| objection.get()));
+    let trouble = memo(move || target.trouble_in(field).or_else(|| objection.get()));
     let wrong = move || trouble.with(Option::is_some);
     view! {
         <div class="field" class:wrong=live(wrong)>
@@ -58,17 +63,17 @@ pub(crate) fn NumberField(
                     aria-valuetext=live(move || format!("{} {unit}", (entry.show)(target.get())))
                     aria-invalid=live(move || if wrong() { "true" } else { "false" })
                     aria-describedby=words_id.clone()
-                    prop:value=live(move || target.text(name, entry))
+                    prop:value=live(move || target.text(field, entry))
                     on:input=heard(move |event| {
-                        target.type_in(name, event_target_value(&event), entry);
+                        target.type_in(field, event_target_value(&event), entry);
                     })
                     on:blur=heard(move |_| {
-                        if target.finish(name, entry) {
+                        if target.finish(field, entry) {
                             on_edit.run(());
                         }
                     })
                     on:keydown=heard(move |event| {
-                        if step(target, name, entry, &event) {
+                        if step(target, field, entry, &event) {
                             on_edit.run(());
                         }
                     })
@@ -86,13 +91,13 @@ pub(crate) fn NumberField(
 }
 
 /// Arrow and page keys step, Enter finishes. Whether the value was changed.
-fn step(target: Target, name: &'static str, entry: Entry, event: &KeyboardEvent) -> bool {
+fn step(target: Target, field: &'static str, entry: Entry, event: &KeyboardEvent) -> bool {
     let by = match event.key().as_str() {
         "ArrowUp" => entry.step,
         "ArrowDown" => -entry.step,
         "PageUp" => entry.page,
         "PageDown" => -entry.page,
-        "Enter" => return target.finish(name, entry),
+        "Enter" => return target.finish(field, entry),
         _ => return false,
     };
     event.prevent_default();

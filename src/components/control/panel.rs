@@ -12,17 +12,12 @@ use crate::{
     target::Target,
 };
 
-/// Names of tabs have spaces, which IDs must not have.
-fn slug(tab: Tab) -> String {
-    tab.name().replace(' ', "-")
-}
-
 pub(super) fn tab_id(tab: Tab) -> String {
-    format!("tab-{}", slug(tab))
+    format!("tab-{}", tab.key())
 }
 
 pub(super) fn panel_id(tab: Tab) -> String {
-    format!("panel-{}", slug(tab))
+    format!("panel-{}", tab.key())
 }
 
 /// A tab's panel. While another tab is chosen it is out of sight and out of reach; it keeps its
@@ -47,7 +42,7 @@ pub(super) fn tab_panel(tab: Tab, body: impl IntoView) -> impl IntoView {
 pub(super) fn loop_panel(
     mode: Mode,
     why_not: Signal<Option<String>>,
-    hint: &'static str,
+    hint: String,
     body: impl IntoView,
 ) -> impl IntoView {
     tab_panel(
@@ -86,7 +81,7 @@ pub(super) fn why_not_with(
 fn Foot(
     why_not: Signal<Option<String>>,
     /// What is good to know, as HTML.
-    hint: &'static str,
+    hint: String,
 ) -> impl IntoView {
     let blocked = move || why_not.with(Option::is_some);
     view! {

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, PositionTarget};
+use motorlink_words::tr;
 
 use super::{
     dial::Dial,
@@ -14,8 +15,6 @@ use crate::{
 };
 
 const MODE: Mode = Mode::Position;
-
-const HINT: &str = "Stop holds the present angle. Stop all motors brakes and then lets go.";
 
 const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")];
 
@@ -44,17 +43,19 @@ pub(super) fn PositionTab() -> impl IntoView {
             <Dial target=position on_edit=move || desk.adjust(MODE) />
             <div class="fields">
                 <NumberField
-                    name="Target angle"
+                    id="target-angle"
+                    name=tr!("Target angle")
                     unit="°"
-                    hint="Falls at positive speed"
+                    hint=tr!("Falls at positive speed")
                     target=position
                     entry=entry::ANGLE
                     on_edit=move || desk.adjust(MODE)
                 />
                 <NumberField
-                    name="Target position"
-                    unit="raw"
-                    hint="32,767 is 360°"
+                    id="target-position"
+                    name=tr!("Target position")
+                    unit=tr!("raw")
+                    hint=tr!("32,767 is 360°")
                     target=position
                     entry=entry::POSITION
                     on_edit=move || desk.adjust(MODE)
@@ -62,8 +63,8 @@ pub(super) fn PositionTab() -> impl IntoView {
             </div>
         </div>
         <Slider
-            name="Target position"
-            unit="raw"
+            name=tr!("Target position")
+            unit=tr!("raw")
             target=position
             entry=entry::POSITION
             marks=marks(["0°", "180°", "360°"])
@@ -72,19 +73,20 @@ pub(super) fn PositionTab() -> impl IntoView {
         <div class="button-row six">
             {PRESETS.map(preset).collect_view()}
             <PressButton
-                label="Stop"
+                label=tr!("Stop")
                 class="button halt"
-                hint="Holds the present angle"
+                hint=tr!("Holds the present angle")
                 why_not=why_not_halt
                 on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
-                label="Go"
+                label=tr!("Go")
                 class="button primary"
                 why_not=why_not_go
                 on_press=move || desk.start(MODE)
             />
         </div>
     };
-    loop_panel(MODE, why_not_go, HINT, body)
+    let hint = tr!("Stop holds the present angle. Stop all motors brakes and then lets go.");
+    loop_panel(MODE, why_not_go, hint.to_owned(), body)
 }

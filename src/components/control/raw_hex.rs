@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::{bus::is_hazardous, protocol::Layout};
+use motorlink_words::tr;
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{
@@ -35,19 +36,21 @@ pub(super) fn RawHexTab() -> impl IntoView {
                         prop:checked=live(move || raw.repeats.get())
                         on:change=heard(move |event| raw.repeats.set(event_target_checked(&event)))
                     />
-                    "Repeat"
+                    {tr!("Repeat")}
                 </label>
                 <NumberField
-                    name="Count"
-                    hint="0 = until stopped"
+                    id="count"
+                    name=tr!("Count")
+                    hint=tr!("0 = until stopped")
                     target=raw.count
                     entry=tool_entry::COUNT
                     on_edit=|| ()
                 />
                 <NumberField
-                    name="Interval"
+                    id="interval"
+                    name=tr!("Interval")
                     unit="ms"
-                    hint="2 to 60,000 ms"
+                    hint=tr!("2 to 60,000 ms")
                     target=raw.interval
                     entry=tool_entry::INTERVAL
                     on_edit=|| ()
@@ -75,18 +78,18 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
     view! {
         <div class="raw-head">
             <label class="field-name" for="frame-bytes" aria-hidden="true">
-                "Frame bytes"
+                {tr!("Frame bytes")}
             </label>
             <PressButton
-                label="Feedback query"
+                label=tr!("Feedback query")
                 class="button small"
-                hint="Writes the query of the chosen motor into the field"
+                hint=tr!("Writes the query of the chosen motor into the field")
                 on_press=move || desk.write_example(Layout::Query)
             />
             <PressButton
-                label="ID query"
+                label=tr!("ID query")
                 class="button small"
-                hint="Writes the query that every motor answers into the field"
+                hint=tr!("Writes the query that every motor answers into the field")
                 on_press=move || desk.write_example(Layout::Drive)
             />
         </div>
@@ -98,7 +101,7 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
             autocomplete="off"
             autocapitalize="off"
             placeholder="01 74 00 00 00 00 00 00 00"
-            aria-label="Frame bytes"
+            aria-label=tr!("Frame bytes")
             aria-describedby="frame-words"
             aria-invalid=live(move || if wrong.get() { "true" } else { "false" })
             prop:value=live(move || text.get())
@@ -106,7 +109,7 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
         ></textarea>
         <output
             class="cells"
-            aria-label="Frame with CRC"
+            aria-label=tr!("Frame with CRC")
             aria-live="off"
             inner_html=live(move || entered.with(raw_cells::cells))
         ></output>
@@ -133,7 +136,7 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
     let why_not_stop = desk.of_motor(|session, _| why_not_stop(session));
     let why_not = Signal::derive(move || {
         let Some(frame) = frame.get() else {
-            let missing = || Some("Type nine or ten bytes.".to_owned());
+            let missing = || Some(tr!("Type nine or ten bytes.").to_owned());
             return blocked.get().or_else(missing);
         };
         let blocked = if is_hazardous(&frame) {
@@ -148,7 +151,7 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
     view! {
         <div class="send">
             <PressButton
-                label="Send"
+                label=tr!("Send")
                 class="button primary"
                 why_not=why_not
                 on_press=move || {
@@ -158,9 +161,9 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
                 }
             />
             <PressButton
-                label="Stop"
+                label=tr!("Stop")
                 class="button halt"
-                hint="Sends it no more and stops the motor that it may have moved"
+                hint=tr!("Sends it no more and stops the motor that it may have moved")
                 why_not=why_not_stop
                 on_press=move || desk.stop_raw()
             />
@@ -179,16 +182,16 @@ fn Answer() -> impl IntoView {
     let not_sent = move || refused.with(Option::is_some);
     let title = move || {
         if not_sent() {
-            return "The frame was not sent".to_owned();
+            return tr!("The frame was not sent").to_owned();
         }
-        let otherwise = || "The answer appears here".to_owned();
+        let otherwise = || tr!("The answer appears here").to_owned();
         sent.get()
             .or_else(|| unconnected.get())
             .unwrap_or_else(otherwise)
     };
     let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
     view! {
-        <output class="answer" class:bad=live(not_sent) aria-label="Answer" aria-live="off">
+        <output class="answer" class:bad=live(not_sent) aria-label=tr!("Answer") aria-live="off">
             <span class="answer-title">{live(title)}</span>
             <span class="answer-words">{live(words)}</span>
         </output>

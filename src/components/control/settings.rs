@@ -1,6 +1,7 @@
 //! How motors are driven, whichever the loop.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use crate::components::live::{heard, live};
 
@@ -15,9 +16,10 @@ pub(super) fn Settings() -> impl IntoView {
     view! {
         <div class="settings">
             <NumberField
-                name="Command rate"
+                id="command-rate"
+                name=tr!("Command rate")
                 unit="Hz"
-                hint="The motor wants 50 or more"
+                hint=tr!("The motor wants 50 or more")
                 target=rate
                 entry=entry::RATE
                 on_edit=move || desk.set_rate(rate.get_untracked())
@@ -31,7 +33,7 @@ pub(super) fn Settings() -> impl IntoView {
                         desk.prefer(|preferences| preferences.keep_driving = checked);
                     })
                 />
-                "Keep driving while hidden"
+                {tr!("Keep driving while hidden")}
             </label>
         </div>
     }

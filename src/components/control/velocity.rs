@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, Setpoint};
+use motorlink_words::tr;
 
 use super::{
     number_field::NumberField,
@@ -15,9 +16,20 @@ use crate::{
 
 const MODE: Mode = Mode::Velocity;
 
-/// The keys of this tab.
-const HINT: &str = "<span class=\"keys\"><kbd>F</kbd><kbd>B</kbd> forward, back <kbd>S</kbd> stop \
-                    <kbd>K</kbd> brake <kbd>1</kbd>–<kbd>5</kbd> 50–250 rpm</span>";
+/// The keys of this tab, as HTML.
+fn hint() -> String {
+    let key = |cap| format!("<kbd>{cap}</kbd>");
+    let keys = tr!(
+        "{F}{B} forward, back {S} stop {K} brake {one}–{five} 50–250 rpm",
+        F = key('F'),
+        B = key('B'),
+        S = key('S'),
+        K = key('K'),
+        one = key('1'),
+        five = key('5')
+    );
+    format!("<span class=\"keys\">{keys}</span>")
+}
 
 #[component]
 pub(super) fn VelocityTab() -> impl IntoView {
@@ -28,20 +40,21 @@ pub(super) fn VelocityTab() -> impl IntoView {
     let why_not_preset = why_not_with(desk, MODE, [targets.acceleration]);
     let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
     let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
-    let hint = Signal::derive(move || {
+    let direction = Signal::derive(move || {
         let words = if mirrored.get() {
-            "mirrored: + turns clockwise, seen from the face"
+            tr!("mirrored: + turns clockwise, seen from the face")
         } else {
-            "+ turns counter-clockwise, seen from the face"
+            tr!("+ turns counter-clockwise, seen from the face")
         };
         words.to_owned()
     });
     let ends = Signal::derive(move || {
-        marks(if mirrored.get() {
-            ["−330 CCW", "0", "+330 CW"]
+        let (back, forward) = if mirrored.get() {
+            (tr!("CCW"), tr!("CW"))
         } else {
-            ["−330 CW", "0", "+330 CCW"]
-        })
+            (tr!("CW"), tr!("CCW"))
+        };
+        marks([&format!("−330 {back}"), "0", &format!("+330 {forward}")])
     });
     let preset = move |rpm: i32, name| {
         view! {
@@ -56,15 +69,16 @@ pub(super) fn VelocityTab() -> impl IntoView {
     };
     let body = view! {
         <NumberField
-            name="Target speed"
+            id="target-speed"
+            name=tr!("Target speed")
             unit="rpm"
-            hint=hint
+            hint=direction
             target=targets.speed
             entry=entry::SPEED
             on_edit=move || desk.adjust(MODE)
         />
         <Slider
-            name="Target speed"
+            name=tr!("Target speed")
             unit="rpm"
             target=targets.speed
             entry=entry::SPEED
@@ -72,8 +86,9 @@ pub(super) fn VelocityTab() -> impl IntoView {
             on_edit=move || desk.adjust(MODE)
         />
         <NumberField
-            name="Acceleration"
-            hint="Larger is gentler: about 3.6 ms per rpm for each unit"
+            id="acceleration"
+            name=tr!("Acceleration")
+            hint=tr!("Larger is gentler: about 3.6 ms per rpm for each unit")
             target=targets.acceleration
             entry=entry::ACCELERATION
             on_edit=move || desk.adjust(MODE)
@@ -82,22 +97,22 @@ pub(super) fn VelocityTab() -> impl IntoView {
             {preset(-100, "-100")}
             {preset(-50, "-50")}
             <PressButton
-                label="Stop"
+                label=tr!("Stop")
                 class="button halt"
-                hint="Brakes to a standstill, then lets go"
+                hint=tr!("Brakes to a standstill, then lets go")
                 why_not=why_not_halt
                 on_press=move || desk.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
-                label="Start"
+                label=tr!("Start")
                 class="button primary"
                 why_not=why_not_start
                 on_press=move || desk.start(MODE)
             />
             <PressButton
-                label="Brake"
+                label=tr!("Brake")
                 class="button brake"
-                hint="Brakes and holds the brake"
+                hint=tr!("Brakes and holds the brake")
                 why_not=why_not
                 on_press=move || desk.drive(Setpoint::Brake)
             />
@@ -105,5 +120,5 @@ pub(super) fn VelocityTab() -> impl IntoView {
             {preset(100, "+100")}
         </div>
     };
-    loop_panel(MODE, why_not_start, HINT, body)
+    loop_panel(MODE, why_not_start, hint(), body)
 }

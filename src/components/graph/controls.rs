@@ -1,6 +1,7 @@
 //! The row above the graph: which traces, how long, pause, now, and the picture.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
@@ -17,16 +18,23 @@ use crate::{
 pub(super) fn Controls(chart: Chart) -> impl IntoView {
     let view = chart.view;
     let paused = move || view.with(|view| view.is_paused());
-    let label = Signal::derive(move || if paused() { "Resume" } else { "Pause" }.to_owned());
+    let label = Signal::derive(move || {
+        if paused() {
+            tr!("Resume")
+        } else {
+            tr!("Pause")
+        }
+        .to_owned()
+    });
     let live_already = Signal::derive(move || {
         let live = view.with(|view| view.is_live());
-        live.then(|| "The graph shows now already.".to_owned())
+        live.then(|| tr!("The graph shows now already.").to_owned())
     });
     let [ten, minute, five] = WINDOWS;
     view! {
         <div class="graph-head">
-            <h2>"Speed and current"</h2>
-            <div class="graph-traces" role="group" aria-label="Traces">
+            <h2>{tr!("Speed and current")}</h2>
+            <div class="graph-traces" role="group" aria-label=tr!("Traces")>
                 <Switch chart trace=Trace::Speed />
                 <Switch chart trace=Trace::Current />
                 <Switch chart trace=Trace::Goal />
@@ -35,14 +43,14 @@ pub(super) fn Controls(chart: Chart) -> impl IntoView {
             </div>
             <div
                 class="graph-comparing"
-                inner_html=legend::markup()
+                inner_html=legend::markup(chart.traces.get_untracked().compared)
                 on:change=heard(move |event| {
                     let compared = Trace::from_class(&event_target_value(&event));
                     chart.traces.update(|traces| traces.compared = compared);
                     chart.wake();
                 })
             ></div>
-            <div class="graph-windows" role="radiogroup" aria-label="Window">
+            <div class="graph-windows" role="radiogroup" aria-label=tr!("Window" as "of time")>
                 <Window chart window=ten />
                 <Window chart window=minute />
                 <Window chart window=five />
@@ -51,19 +59,19 @@ pub(super) fn Controls(chart: Chart) -> impl IntoView {
                 <PressButton
                     class="button small graph-pause"
                     label
-                    hint="New values go on being kept."
+                    hint=tr!("New values go on being kept.")
                     on_press=move || chart.pause_or_resume()
                 />
                 <PressButton
                     class="button small"
-                    label="Now"
+                    label=tr!("Now")
                     why_not=live_already
                     on_press=move || chart.follow()
                 />
                 <PressButton
                     class="button small"
                     label="PNG"
-                    hint="Saves a picture of the chart."
+                    hint=tr!("Saves a picture of the chart.")
                     on_press=move || picture::save(chart)
                 />
             </div>

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, HtmlInputElement};
 
@@ -18,24 +19,30 @@ pub(super) fn class(place: usize) -> String {
     format!("motor-{place}")
 }
 
-/// Why traces cannot be switched.
-const NOT_WHILE_COMPARING: &str = "While motors are compared, this one trace of them is drawn.";
-
 /// The list of what can be compared, and the legend: an item a place, and one for those that have none.
-pub(super) fn markup() -> String {
-    let mut html = "<label class=\"graph-compare\"><span aria-hidden=\"true\">Compare</span>\
-                    <select class=\"select\" aria-label=\"Compare\" \
-                    title=\"Draws one trace of every motor that has reported\">\
-                    <option value=\"\">Compare: off</option>"
-        .to_owned();
+pub(super) fn markup(compared: Option<Trace>) -> String {
+    let (compare, off) = (tr!("Compare"), tr!("Compare: off"));
+    let hint = tr!("Draws one trace of every motor that has reported");
+    let mut html = format!(
+        "<label class=\"graph-compare\"><span aria-hidden=\"true\">{compare}</span>\
+         <select class=\"select\" aria-label=\"{compare}\" title=\"{hint}\">\
+         <option value=\"\">{off}</option>"
+    );
     for trace in COMPARABLE {
         let (class, name) = (trace.class(), trace.name());
+        let mark = if compared == Some(trace) {
+            " selected"
+        } else {
+            ""
+        };
         // Writing to a string cannot fail.
-        let _ = write!(html, "<option value=\"{class}\">{name}</option>");
+        let _ = write!(html, "<option value=\"{class}\"{mark}>{name}</option>");
     }
-    html.push_str(
+    let legend = tr!("Motors compared");
+    let _ = write!(
+        html,
         "</select></label>\
-         <ul hidden class=\"graph-legend\" role=\"list\" aria-label=\"Motors compared\">",
+         <ul hidden class=\"graph-legend\" role=\"list\" aria-label=\"{legend}\">"
     );
     for place in 0..MOTORS_MAX {
         let class = class(place);
@@ -104,7 +111,9 @@ impl Legend {
             .toggle_with_force("compares", comparison.is_some());
         for checkbox in &self.boxes {
             checkbox.set_disabled(comparison.is_some());
-            checkbox.set_title(comparison.map_or("", |_| NOT_WHILE_COMPARING));
+            checkbox.set_title(comparison.map_or("", |_| {
+                tr!("While motors are compared, this one trace of them is drawn.")
+            }));
         }
         for (place, (item, text)) in self.items.iter_mut().enumerate() {
             let name = names.iter().find(|(of, _)| *of == place);

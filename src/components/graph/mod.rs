@@ -32,6 +32,7 @@ mod watchers;
 
 use leptos::{html::Div, prelude::*};
 use motorlink_messages::protocol::Instant;
+use motorlink_words::tr;
 
 use self::{controls::Controls, state::Chart};
 use crate::{
@@ -40,10 +41,6 @@ use crate::{
     graph::words,
     words::help,
 };
-
-/// Read aloud after the values.
-const KEYS: &str = "Plus and minus zoom, the arrow keys move, Home shows the oldest and End the \
-                    newest. While paused the arrow keys move a crosshair that reads values.";
 
 /// The section `Speed and current` with its graph, the img of the same name.
 #[component]
@@ -70,7 +67,7 @@ pub(crate) fn Graph() -> impl IntoView {
         history.with_value(|history| history.reported().is_empty())
     });
     view! {
-        <section class="panel graph-panel" aria-label="Speed and current">
+        <section class="panel graph-panel" aria-label=tr!("Speed and current")>
             <Controls chart />
             <div class="graph-box" node_ref=place>
                 <div
@@ -95,14 +92,17 @@ pub(crate) fn Graph() -> impl IntoView {
                 // Not in the img, of which nobody reads the inside aloud.
                 <output
                     class="graph-values absent"
-                    aria-label="Crosshair"
+                    aria-label=tr!("Crosshair")
                     aria-live="off"
                     aria-atomic="true"
                     inner_html=overlay::rows()
                 ></output>
                 <p hidden id="graph-words"></p>
                 <p hidden id="graph-keys">
-                    {KEYS}
+                    // Read aloud after the values.
+                    {tr!(
+                        "Plus and minus zoom, the arrow keys move, Home shows the oldest and End the newest. While paused the arrow keys move a crosshair that reads values."
+                    )}
                 </p>
             </div>
         </section>

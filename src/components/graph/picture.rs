@@ -1,6 +1,7 @@
 //! The picture: what the graph shows, with a legend above it, on the background of the page.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement};
 
@@ -75,7 +76,7 @@ fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
                 name: with_unit(trace),
             };
             (
-                format!("Motor {}", chart.motor_name(*id)),
+                tr!("Motor {id}", id = chart.motor_name(*id)),
                 on.map(entry).collect(),
             )
         }

@@ -11,7 +11,7 @@ use super::{
 use crate::{
     graph::{
         columns::Grid,
-        comparison::{Subject, mark},
+        comparison::{Subject, marked},
         crosshair, ticks,
         trace::Trace,
         view::View,
@@ -53,7 +53,7 @@ impl Stage {
             ticks::time_of_day(day_us / 1_000, 1)
         };
         let when = match subject {
-            Subject::Motor { mirror, .. } => when + mark(*mirror),
+            Subject::Motor { mirror, .. } => marked(when, *mirror),
             Subject::Compared(_) => when,
         };
         let said = said(history, subject, Instant::from_micros(at_us));

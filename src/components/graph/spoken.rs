@@ -2,13 +2,14 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::Instant;
+use motorlink_words::tr;
 use web_sys::Element;
 
 use super::{overlay::Text, state::Chart};
 use crate::{
     frames::Next,
     graph::{
-        comparison::{Subject, mark},
+        comparison::{Subject, marked},
         crosshair, ticks,
         view::View,
         words,
@@ -50,16 +51,17 @@ impl Spoken {
         self.said_ms = frame_ms;
         let at = Instant::from_micros(view.right_us(now_us));
         let when = if view.is_live() {
-            "Now".to_owned()
+            tr!("Now").to_owned()
         } else {
             let day_us = chart.desk.clock.get_value().day_us(at);
-            format!("At {}", ticks::time_of_day(day_us / 1_000, 1_000))
+            let time = ticks::time_of_day(day_us / 1_000, 1_000);
+            tr!("At {time}", time)
         };
         self.text.set(match subject {
             Subject::Motor { id, mirror, traces } => {
                 let values = |track| crosshair::values(track, *mirror, at);
                 let values = history.track(*id).map(values);
-                let when = when + mark(*mirror);
+                let when = marked(when, *mirror);
                 words::sentence(&when, values.as_ref(), *traces)
             }
             Subject::Compared(comparison) => {

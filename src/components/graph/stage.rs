@@ -101,6 +101,9 @@ pub(super) fn raise(chart: Chart, place: &HtmlElement) {
     let frames = StoredValue::new_local(Some(frames));
     on_cleanup(move || {
         let _ = frames.try_update_value(Option::take);
+        // It would ask a graph that is not there any more whether it sleeps.
+        let forget = |history: &mut History| history.on_news(Rc::new(|| ()));
+        let _ = chart.desk.history.try_update_value(forget);
         // With it the observers.
         let _ = chart.stage.take();
     });

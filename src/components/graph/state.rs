@@ -82,8 +82,8 @@ impl Chart {
     pub(super) fn new(desk: Desk) -> Self {
         let parts: &'static Parts = Box::leak(Box::new(Parts {
             desk,
-            view: RwSignal::new(View::default()),
-            traces: RwSignal::new(Traces::default()),
+            view: desk.graph_view,
+            traces: desk.graph_traces,
             crosshair: Cell::new(Crosshair::None),
             drag: Cell::new(None),
             layout: Cell::new(Layout::default()),

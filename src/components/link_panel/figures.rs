@@ -2,6 +2,7 @@
 //! moves another.
 
 use motorlink_messages::bus::{Counters, LineStatus, ROUND_TRIP_CLASSES_US, RoundTripStatus};
+use motorlink_words::tr;
 
 use super::markup::push;
 use crate::{
@@ -16,30 +17,20 @@ pub(super) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
     let line = session.line.as_ref();
     let round_trip = line.map(|line| line.round_trip).unwrap_or_default();
     let carries = line.and_then(|line| line.carries_hz).map(|carried_hz| {
-        let (carried, asked) = (carried_hz.to_string(), asked_hz.to_string());
-        [
-            "The line carries ",
-            &carried,
-            " Hz for each driven motor; ",
-            &asked,
-            " Hz are asked.",
-        ]
-        .concat()
+        tr!(
+            "The line carries {carried} Hz for each driven motor; {asked} Hz are asked.",
+            carried = carried_hz,
+            asked = asked_hz
+        )
     });
-    let mut median_and_p99 = String::new();
-    push_figure(
-        &mut median_and_p99,
-        round_trip.median_us.map(milliseconds),
-        "ms median",
-    );
-    push_figure(
-        &mut median_and_p99,
-        round_trip.p99_us.map(milliseconds),
-        "ms p99",
-    );
-    let mut exchanges = String::new();
-    let exchanges_hz = line.map(|line| line.exchanges_hz.to_string());
-    push_figure(&mut exchanges, exchanges_hz, "a second");
+    let median = bold(round_trip.median_us.map(milliseconds));
+    let p99 = bold(round_trip.p99_us.map(milliseconds));
+    let median_and_p99 = figures([
+        tr!("{number} ms median", number = median),
+        tr!("{number} ms p99", number = p99),
+    ]);
+    let exchanges_hz = bold(line.map(|line| line.exchanges_hz.to_string()));
+    let exchanges = figures([tr!("{number} a second", number = exchanges_hz)]);
     [
         exchanges,
         bus_time(line),
@@ -50,30 +41,43 @@ pub(super) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
     ]
 }
 
-/// A number in its place, and what it is.
-fn push_figure(html: &mut String, number: Option<String>, of: &str) {
+/// A number that has its place among the words.
+fn bold(number: Option<String>) -> String {
     let number = number.unwrap_or_else(|| UNKNOWN.to_owned());
-    push(html, &["<span><b>", &number, "</b> ", of, "</span> "]);
+    ["<b>", &number, "</b>"].concat()
+}
+
+/// Numbers with what they are, each in its place.
+fn figures<const COUNT: usize>(words: [String; COUNT]) -> String {
+    let mut html = String::new();
+    for words in &words {
+        push(&mut html, &["<span>", words, "</span> "]);
+    }
+    html
 }
 
 /// In percent; what is left is nobody's.
 fn bus_time(line: Option<&LineStatus>) -> String {
-    let shares = line.map(|line| {
-        [
-            line.drive_per_mille,
-            line.query_per_mille,
-            line.other_per_mille,
-            line.waiting_per_mille,
-        ]
-    });
-    let names = ["% drive", "% queries", "% other", "% waiting"];
-    let mut html = String::new();
-    for (place, name) in names.into_iter().enumerate() {
-        let share = shares.and_then(|shares| shares.get(place).copied());
-        let percent = share.map(|per_mille| ((per_mille + 5) / 10).to_string());
-        push_figure(&mut html, percent, name);
-    }
-    html
+    let percent =
+        |share: fn(&LineStatus) -> u16| bold(line.map(|line| ((share(line) + 5) / 10).to_string()));
+    figures([
+        tr!(
+            "{number} % drive",
+            number = percent(|line| line.drive_per_mille)
+        ),
+        tr!(
+            "{number} % queries",
+            number = percent(|line| line.query_per_mille)
+        ),
+        tr!(
+            "{number} % other",
+            number = percent(|line| line.other_per_mille)
+        ),
+        tr!(
+            "{number} % waiting",
+            number = percent(|line| line.waiting_per_mille)
+        ),
+    ])
 }
 
 /// Bars of the last replies, the tallest as high as there is room for.
@@ -105,24 +109,30 @@ fn histogram(round_trip: &RoundTripStatus) -> String {
     bars
 }
 
-const MOTORS_HEAD: &str = concat!(
-    "<thead><tr><td></td>",
-    r#"<th scope="col" title="Requests answered in time">Replies</th>"#,
-    r#"<th scope="col" title="Requests after which nothing came">Silences</th>"#,
-    r#"<th scope="col" title="Replies with wrong bits, or cut short">Bad CRC</th>"#,
-    r#"<th scope="col" title="Requests that came back">Echoes</th>"#,
-    r#"<th scope="col" title="Good frames of a motor that was not asked">Foreign</th>"#,
-    "</tr></thead><tbody>",
-);
-
 /// A row for every motor, and one for what came while none was asked.
 fn motors(session: &Session) -> String {
-    let mut html = MOTORS_HEAD.to_owned();
+    let mut html = "<thead><tr><td></td>".to_owned();
+    for (title, name) in [
+        (tr!("Requests answered in time"), tr!("Replies")),
+        (tr!("Requests after which nothing came"), tr!("Silences")),
+        (tr!("Replies with wrong bits, or cut short"), tr!("Bad CRC")),
+        (tr!("Requests that came back"), tr!("Echoes")),
+        (
+            tr!("Good frames of a motor that was not asked"),
+            tr!("Foreign"),
+        ),
+    ] {
+        push(
+            &mut html,
+            &["<th scope=\"col\" title=\"", title, "\">", name, "</th>"],
+        );
+    }
+    push(&mut html, &["</tr></thead><tbody>"]);
     for motor in &session.motors {
         push_row(&mut html, &motor.id.to_string(), &motor.counters);
     }
     if let Some(line) = &session.line {
-        push_row(&mut html, "Others", &line.unaddressed);
+        push_row(&mut html, tr!("Others"), &line.unaddressed);
     }
     push(&mut html, &["</tbody>"]);
     html

@@ -1,6 +1,7 @@
 //! The panel as HTML.
 
 use motorlink_messages::VirtualWire;
+use motorlink_words::tr;
 
 use crate::{
     doctor::Verdict,
@@ -12,31 +13,67 @@ use crate::{
 
 /// Where the figures stand, in the order of [`super::figures::of`].
 pub(super) const FIGURES: [&str; 6] = [
-    "[aria-label=Exchanges]",
-    "[aria-label=\"Bus time\"]",
-    "[aria-label=\"Round trip\"]",
+    ".link-exchanges",
+    ".link-bus-time",
+    ".link-round-trip",
     ".link-histogram",
     "table",
     ".link-carries",
 ];
 
-const HEAD: &str = concat!(
-    r#"<ul class="link-doctor" aria-label="Link doctor" aria-live="polite"></ul>"#,
-    r#"<output class="link-carries" aria-label="What the line carries"></output>"#,
-    r#"<div class="link-figures">"#,
-    r#"<span class="label">Exchanges</span><output aria-label="Exchanges" aria-live="off"></output>"#,
-    r#"<span class="label">Bus time</span><output aria-label="Bus time" aria-live="off"></output>"#,
-    r#"<span class="label">Round trip</span><output aria-label="Round trip" aria-live="off"></output>"#,
-    "</div>",
-    r#"<div class="link-histogram" role="img" aria-label="Round trip histogram" title="How long the last 256 replies took, in milliseconds"></div>"#,
-    r#"<table class="link-motors" aria-label="Motors on the line"></table>"#,
-    r#"<label class="link-wire"><span class="label">Virtual wire</span>"#,
-    r#"<select class="select" aria-label="Virtual wire" disabled title=""#,
-);
+/// As far as the list of virtual wires.
+fn head() -> String {
+    let mut html = String::new();
+    push(
+        &mut html,
+        &[
+            r#"<ul class="link-doctor" aria-label=""#,
+            tr!("Link doctor"),
+            r#"" aria-live="polite"></ul><output class="link-carries" aria-label=""#,
+            tr!("What the line carries"),
+            r#""></output><div class="link-figures">"#,
+        ],
+    );
+    for (class, name) in [
+        ("link-exchanges", tr!("Exchanges")),
+        ("link-bus-time", tr!("Bus time")),
+        ("link-round-trip", tr!("Round trip")),
+    ] {
+        push(
+            &mut html,
+            &[
+                r#"<span class="label">"#,
+                name,
+                r#"</span><output class=""#,
+                class,
+                r#"" aria-label=""#,
+                name,
+                r#"" aria-live="off"></output>"#,
+            ],
+        );
+    }
+    push(
+        &mut html,
+        &[
+            r#"</div><div class="link-histogram" role="img" aria-label=""#,
+            tr!("Round trip histogram"),
+            r#"" title=""#,
+            tr!("How long the last 256 replies took, in milliseconds"),
+            r#""></div><table class="link-motors" aria-label=""#,
+            tr!("Motors on the line"),
+            r#""></table><label class="link-wire"><span class="label">"#,
+            tr!("Virtual wire"),
+            r#"</span><select class="select" aria-label=""#,
+            tr!("Virtual wire"),
+            r#"" disabled title=""#,
+        ],
+    );
+    html
+}
 
 /// The panel without what changes in it.
 pub(super) fn panel() -> String {
-    let mut html = HEAD.to_owned();
+    let mut html = head();
     push(&mut html, &[no_virtual_wire(), "\">"]);
     // The value of each is its place.
     for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
@@ -132,9 +169,11 @@ mod tests {
         assert_eq!(html.matches("<option").count(), VirtualWire::ALL.len());
         assert!(html.contains("<option value=\"2\">Echo only</option>"));
         for selector in FIGURES {
-            let what = selector.trim_matches(['[', ']', '.']);
-            let what = what.split_once('=').map_or(what, |(_, name)| name);
-            assert!(html.contains(what.trim_matches('"')), "{selector}");
+            let place = match selector.strip_prefix('.') {
+                Some(class) => format!("class=\"{class}\""),
+                None => format!("<{selector} "),
+            };
+            assert!(html.contains(&place), "{selector}");
         }
     }
 }

@@ -4,6 +4,7 @@ use std::{fmt::Write, time::Duration};
 
 use leptos::prelude::*;
 use motorlink_messages::{journal::Kind, protocol::MotorId};
+use motorlink_words::tr;
 
 use crate::{
     components::live::memo,
@@ -17,14 +18,24 @@ use crate::{
 /// at anew.
 const TYPED_OUT: Duration = Duration::from_millis(150);
 
-/// The kinds as the list `Log direction` has them.
-const KINDS: [(&str, Option<Kind>); 5] = [
-    ("All", None),
-    ("TX", Some(Kind::Tx)),
-    ("RX", Some(Kind::Rx)),
-    ("System", Some(Kind::System)),
-    ("Error", Some(Kind::Error)),
+/// The kinds as the list `Log direction` has them. The value of each is its place.
+const KINDS: [Option<Kind>; 5] = [
+    None,
+    Some(Kind::Tx),
+    Some(Kind::Rx),
+    Some(Kind::System),
+    Some(Kind::Error),
 ];
+
+fn kind_name(kind: Option<Kind>) -> &'static str {
+    match kind {
+        None => tr!("All"),
+        Some(Kind::Tx) => "TX",
+        Some(Kind::Rx) => "RX",
+        Some(Kind::System) => tr!("System"),
+        Some(Kind::Error) => tr!("Error"),
+    }
+}
 
 /// Searchbox `Filter`, comboboxes `Log ID` and `Log direction`, checkboxes `Collapse status polls`
 /// and `Auto-scroll`.
@@ -32,7 +43,9 @@ const KINDS: [(&str, Option<Kind>); 5] = [
 pub(super) fn Filters() -> impl IntoView {
     let desk = use_desk();
     let found = memo(move || desk.shown.with(Session::found));
-    let id = RwSignal::new(None::<MotorId>);
+    // What was chosen before stands in the controls when they are made anew.
+    let filter = desk.journal.feed.with_value(|feed| feed.filter().clone());
+    let id = RwSignal::new(filter.id);
     let typed = StoredValue::new(0_u32);
     let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
     let following = memo(move || desk.journal.log.with(|log| log.following));
@@ -43,9 +56,10 @@ pub(super) fn Filters() -> impl IntoView {
             <input
                 type="search"
                 class="packet-filter"
-                aria-label="Filter"
-                placeholder="Filter"
-                title=title("Shows entries with this in their time, ID, hex or meaning")
+                aria-label=tr!("Filter")
+                placeholder=tr!("Filter")
+                title=title(tr!("Shows entries with this in their time, ID, hex or meaning"))
+                prop:value=filter.text
                 autocomplete="off"
                 spellcheck="false"
                 disabled=live(stopped)
@@ -53,8 +67,8 @@ pub(super) fn Filters() -> impl IntoView {
             />
             <select
                 class="select"
-                aria-label="Log ID"
-                title=title("Entries of one motor")
+                aria-label=tr!("Log ID")
+                title=title(tr!("Entries of one motor"))
                 disabled=live(stopped)
                 inner_html=live(move || id_options(&found.get(), id.get()))
                 on:change=heard(move |event| {
@@ -65,16 +79,19 @@ pub(super) fn Filters() -> impl IntoView {
             ></select>
             <select
                 class="select"
-                aria-label="Log direction"
-                title=title("Entries of one kind")
+                aria-label=tr!("Log direction")
+                title=title(tr!("Entries of one kind"))
                 disabled=live(stopped)
-                inner_html=kind_options()
+                inner_html=kind_options(filter.kind)
                 on:change=heard(move |event| {
-                    let chosen = kind_named(&event_target_value(&event));
+                    let chosen = kind_at(&event_target_value(&event));
                     desk.refilter(|filter| filter.kind = chosen);
                 })
             ></select>
-            <label class="check" title="Hides queries, unchanged drive frames and their good replies">
+            <label
+                class="check"
+                title=tr!("Hides queries, unchanged drive frames and their good replies")
+            >
                 <input
                     type="checkbox"
                     prop:checked=live(collapse)
@@ -84,15 +101,15 @@ pub(super) fn Filters() -> impl IntoView {
                         desk.refilter(|filter| filter.collapse = checked);
                     })
                 />
-                "Collapse status polls"
+                {tr!("Collapse status polls")}
             </label>
-            <label class="check" title="Stays with the newest entries">
+            <label class="check" title=tr!("Stays with the newest entries")>
                 <input
                     type="checkbox"
                     prop:checked=live(move || following.get())
                     on:change=heard(move |event| desk.follow_log(event_target_checked(&event)))
                 />
-                "Auto-scroll"
+                {tr!("Auto-scroll")}
             </label>
         </div>
     }
@@ -118,7 +135,7 @@ fn type_in(desk: Desk, typed: StoredValue<u32>, text: String) {
 
 /// All, the motors that have answered, and the one that is chosen.
 fn id_options(found: &[MotorId], chosen: Option<MotorId>) -> String {
-    let mut html = String::from("<option value=\"\">All IDs</option>");
+    let mut html = format!("<option value=\"\">{}</option>", tr!("All IDs"));
     let gone = chosen.filter(|id| !found.contains(id));
     for id in found.iter().copied().chain(gone) {
         let mark = if Some(id) == chosen { " selected" } else { "" };
@@ -127,13 +144,18 @@ fn id_options(found: &[MotorId], chosen: Option<MotorId>) -> String {
     html
 }
 
-fn kind_options() -> String {
-    let option = |(name, _)| format!("<option>{name}</option>");
-    KINDS.into_iter().map(option).collect()
+fn kind_options(chosen: Option<Kind>) -> String {
+    let mut html = String::new();
+    for (place, kind) in KINDS.into_iter().enumerate() {
+        let mark = if kind == chosen { " selected" } else { "" };
+        let name = kind_name(kind);
+        let _ = write!(html, "<option value=\"{place}\"{mark}>{name}</option>");
+    }
+    html
 }
 
-fn kind_named(name: &str) -> Option<Kind> {
-    KINDS.into_iter().find(|(it, _)| *it == name)?.1
+fn kind_at(place: &str) -> Option<Kind> {
+    KINDS.get(place.parse::<usize>().ok()?).copied().flatten()
 }
 
 #[cfg(test)]
@@ -151,8 +173,12 @@ mod tests {
 
     #[test]
     fn every_kind_is_named_once() {
-        assert_eq!(kind_named("All"), None);
-        assert_eq!(kind_named("System"), Some(Kind::System));
-        assert_eq!(kind_options().matches("<option>").count(), 5);
+        let html = kind_options(Some(Kind::System));
+        for (place, kind) in KINDS.into_iter().enumerate() {
+            assert_eq!(kind_at(&place.to_string()), kind);
+            assert!(html.contains(&format!(">{}</option>", kind_name(kind))));
+        }
+        assert_eq!(html.matches("<option ").count(), 5);
+        assert!(html.contains("<option value=\"3\" selected>System<"));
     }
 }

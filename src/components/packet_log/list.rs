@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use leptos::{html::Div, prelude::*};
+use motorlink_words::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{HtmlElement, ResizeObserver};
 
@@ -43,6 +44,8 @@ pub(super) fn PacketList() -> impl IntoView {
             return;
         };
         let scroller: HtmlElement = scroller.into();
+        // The view may be that of a list that was here before.
+        journal.feed.update_value(|feed| feed.view.mounted());
         size.set_value(SizeWatch::of(&scroller, desk));
         let mut painter = Painter::new(scroller, extent.into(), rows.into());
         let running = Frames::new(move |_| {
@@ -80,15 +83,15 @@ pub(super) fn PacketList() -> impl IntoView {
     };
     let back = memo(move || journal.log.with(|log| (log.following, log.new_rows)));
     let back_reads = move || match back.get() {
-        (_, 0) => "Back to the newest".to_owned(),
-        (_, new) => format!("Back to the newest · {} new", grouped(new)),
+        (_, 0) => tr!("Back to the newest").to_owned(),
+        (_, new) => tr!("Back to the newest · {count} new", count = grouped(new)),
     };
     view! {
         <div class="packet-list">
             <div
                 class="packet-scroller"
                 role="log"
-                aria-label="Packets"
+                aria-label=tr!("Packets")
                 aria-live="off"
                 tabindex="0"
                 node_ref=scroller
@@ -110,7 +113,7 @@ pub(super) fn PacketList() -> impl IntoView {
             <span class="packet-back" hidden=live(move || back.get().0)>
                 <PressButton
                     label=Signal::derive(back_reads)
-                    name="Back to the newest"
+                    name=tr!("Back to the newest")
                     class="button small"
                     on_press=move || desk.follow_log(true)
                 />

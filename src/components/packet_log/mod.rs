@@ -7,6 +7,7 @@ mod slot;
 
 use leptos::prelude::*;
 use motorlink_messages::journal::Export;
+use motorlink_words::tr;
 
 use self::{filters::Filters, list::PacketList};
 use super::{button::PressButton, export_button::ExportButton, live::live};
@@ -25,7 +26,11 @@ pub(crate) fn PacketLog() -> impl IntoView {
     let title = memo(move || log.with(words::of_entries_at_length));
     let empty = memo(move || log.with(|log| log.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
-    let why_empty = move || empty.get().then(|| "There are no entries yet.".to_owned());
+    let why_empty = move || {
+        empty
+            .get()
+            .then(|| tr!("There are no entries yet.").to_owned())
+    };
     let why_not_clear = move || {
         if desk.journal.alive.get() {
             why_empty()
@@ -34,12 +39,12 @@ pub(crate) fn PacketLog() -> impl IntoView {
         }
     };
     view! {
-        <section class="panel packet-log" aria-label="Packet log">
+        <section class="panel packet-log" aria-label=tr!("Packet log")>
             <div class="packet-head">
-                <h2>"Packet log"</h2>
+                <h2>{tr!("Packet log")}</h2>
                 <output
                     class="entries"
-                    aria-label="Entries"
+                    aria-label=tr!("Entries")
                     aria-live="off"
                     title=live(move || title.get())
                 >
@@ -48,16 +53,16 @@ pub(crate) fn PacketLog() -> impl IntoView {
                     <span>{live(move || lines.with(|(_, others)| others.clone()))}</span>
                 </output>
                 <PressButton
-                    label="Clear"
+                    label=tr!("Clear")
                     class="button small"
-                    hint="Forget every entry of the log"
+                    hint=tr!("Forget every entry of the log")
                     why_not=Signal::derive(why_not_clear)
                     on_press=move || desk.ask_to_clear_log()
                 />
                 <ExportButton
                     what=Export::Log
-                    label="Export CSV"
-                    hint="Every entry that is kept, shown or not"
+                    label=tr!("Export CSV")
+                    hint=tr!("Every entry that is kept, shown or not")
                     why_empty=Signal::derive(why_empty)
                 />
             </div>

@@ -1,6 +1,7 @@
 //! One row of the list: an element whose texts are set.
 
 use motorlink_messages::journal::{Kind, Row};
+use motorlink_words::tr;
 use web_sys::Element;
 
 use crate::format::grouped;
@@ -90,9 +91,9 @@ fn looks(row: &Row) -> (&'static str, &'static str) {
     match (row.kind, row.hex.is_empty()) {
         (Kind::Tx, _) => ("packet tx", "TX"),
         (Kind::Rx, _) => ("packet rx", "RX"),
-        (Kind::System, _) => ("packet system wordy", "SYS"),
-        (Kind::Error, true) => ("packet error wordy", "ERR"),
-        (Kind::Error, false) => ("packet error", "ERR"),
+        (Kind::System, _) => ("packet system wordy", tr!("SYS")),
+        (Kind::Error, true) => ("packet error wordy", tr!("ERR")),
+        (Kind::Error, false) => ("packet error", tr!("ERR")),
     }
 }
 
@@ -100,12 +101,15 @@ fn looks(row: &Row) -> (&'static str, &'static str) {
 fn before(collapsed: u32) -> (String, String) {
     match collapsed {
         0 => (String::new(), String::new()),
-        1 => ("+1".to_owned(), "1 routine frame before this".to_owned()),
+        1 => (
+            "+1".to_owned(),
+            tr!("1 routine frame before this").to_owned(),
+        ),
         many => {
             let many = grouped(many.into());
             (
                 format!("+{many}"),
-                format!("{many} routine frames before this"),
+                tr!("{count} routine frames before this", count = many),
             )
         }
     }

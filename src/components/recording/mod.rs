@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::journal::{Export, RecordingStatus};
+use motorlink_words::tr;
 
 use super::{
     export_button::ExportButton,
@@ -36,14 +37,14 @@ pub(crate) fn Recording() -> impl IntoView {
     };
     let hint = move || {
         why_not_record().unwrap_or(if records.get() {
-            "Press again to end the recording"
+            tr!("Press again to end the recording")
         } else {
-            "Keep every sample from now on; without it, those of the last 10 minutes are kept"
+            tr!("Keep every sample from now on; without it, those of the last 10 minutes are kept")
         })
     };
     let why_empty = move || status.with(why_nothing_to_export);
     view! {
-        <section class="panel recording" aria-label="Recording">
+        <section class="panel recording" aria-label=tr!("Recording")>
             <button
                 type="button"
                 class="button small record"
@@ -52,11 +53,11 @@ pub(crate) fn Recording() -> impl IntoView {
                 disabled=live(move || why_not_record().is_some())
                 on:click=heard(move |_| desk.record(!records.get_untracked()))
             >
-                "Record telemetry"
+                {tr!("Record telemetry")}
             </button>
             <output
                 class="recording-words"
-                aria-label="Recorded"
+                aria-label=tr!("Recorded")
                 aria-live="off"
                 title=live(move || says.with(|(what, much)| format!("{what}{much}")))
             >
@@ -65,8 +66,10 @@ pub(crate) fn Recording() -> impl IntoView {
             </output>
             <ExportButton
                 what=Export::Telemetry
-                label="Export telemetry CSV"
-                hint="One row a sample: of the recording, or where nothing was recorded, of the last 10 minutes"
+                label=tr!("Export telemetry CSV")
+                hint=tr!(
+                    "One row a sample: of the recording, or where nothing was recorded, of the last 10 minutes"
+                )
                 why_empty=Signal::derive(why_empty)
             />
         </section>
@@ -75,10 +78,10 @@ pub(crate) fn Recording() -> impl IntoView {
 
 /// A full recording has to become a file before there is room for another.
 fn why_no_recording(status: &RecordingStatus) -> Option<&'static str> {
-    (status.full && !status.exported).then_some("The recording is full. Export it first.")
+    (status.full && !status.exported).then(|| tr!("The recording is full. Export it first."))
 }
 
 fn why_nothing_to_export(status: &RecordingStatus) -> Option<String> {
     (status.recorded == 0 && status.rolling == 0)
-        .then(|| "There is no sample yet. Connect a motor.".to_owned())
+        .then(|| tr!("There is no sample yet. Connect a motor.").to_owned())
 }

@@ -2,6 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::MotorId;
+use motorlink_words::tr;
 
 use crate::{
     clock::local_time,
@@ -13,9 +14,6 @@ use crate::{
 
 /// As many as there is room for.
 const LINES_MAX: usize = 3;
-
-/// Why there is nothing to mark.
-const NOTHING_UNSEEN: &str = "There is no fault that was not seen";
 
 /// The faults that came and went, and a button by which a person says that they have seen them.
 #[component]
@@ -30,7 +28,8 @@ pub(super) fn FaultRecord() -> impl IntoView {
         let id = desk.selected.get();
         desk.fault_history.with(|history| history.has_unseen(id))
     });
-    let why_not = move || (!unseen.get()).then(|| NOTHING_UNSEEN.to_owned());
+    let why_not =
+        move || (!unseen.get()).then(|| tr!("There is no fault that was not seen").to_owned());
     let mark_seen = move || {
         let id = desk.selected.get_untracked();
         desk.fault_history
@@ -38,12 +37,12 @@ pub(super) fn FaultRecord() -> impl IntoView {
     };
     view! {
         <div class="fault-record" class:unseen=live(move || unseen.get())>
-            <output aria-label="Fault record" aria-live="off">
+            <output aria-label=tr!("Fault record") aria-live="off">
                 {live(move || lines.get())}
             </output>
             <PressButton
-                label="Seen"
-                name="Mark faults as seen"
+                label=tr!("Seen")
+                name=tr!("Mark faults as seen")
                 class="button small"
                 why_not=Signal::derive(why_not)
                 on_press=mark_seen
@@ -57,7 +56,7 @@ fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> V
     let occurrences = history.of(id);
     let all = occurrences.len() + history.dropped(id);
     if all == 0 {
-        return vec!["No fault on record".to_owned()];
+        return vec![tr!("No fault on record").to_owned()];
     }
     let told = if all > LINES_MAX { LINES_MAX - 1 } else { all };
     let mut lines: Vec<String> = occurrences
@@ -66,10 +65,10 @@ fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> V
         .map(|occurrence| line(occurrence, &time))
         .collect();
     if let Some(first) = lines.first_mut() {
-        first.insert_str(0, "Last: ");
+        *first = tr!("Last: {fault}", fault = first);
     }
     if all > told {
-        lines.push(format!("and {} more", all - told));
+        lines.push(tr!("and {count} more", count = all - told));
     }
     lines
 }
@@ -78,9 +77,9 @@ fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> V
 fn line(occurrence: &Occurrence, time: impl Fn(f64) -> String) -> String {
     let (name, came) = (occurrence.name(), time(occurrence.came_ms));
     match occurrence.end {
-        End::Active => format!("{name}, since {came}"),
+        End::Active => tr!("{fault}, since {came}", fault = name, came),
         End::Gone(ms) => format!("{name}, {came} – {}", time(ms)),
-        End::Unknown => format!("{name}, {came} – not known"),
+        End::Unknown => tr!("{fault}, {came} – not known", fault = name, came),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The arc of the temperature card, 0 to 100 degrees Celsius.
 
 use motorlink_messages::protocol::Celsius;
+use motorlink_words::tr;
 
 /// From here on the winding is warm.
 const WARM_FROM: u8 = 70;
@@ -34,11 +35,12 @@ impl Band {
     }
 
     /// What a person should know of it, in lines.
-    pub(super) const fn words(self) -> &'static str {
+    pub(super) fn words(self) -> String {
+        let limit = tr!("limit 80 °C");
         match self {
-            Self::Normal => "limit 80 °C",
-            Self::Warm => "warm\nlimit 80 °C",
-            Self::Hot => "too hot\nlimit 80 °C",
+            Self::Normal => limit.to_owned(),
+            Self::Warm => [tr!("warm"), limit].join("\n"),
+            Self::Hot => [tr!("too hot"), limit].join("\n"),
         }
     }
 }

@@ -10,6 +10,7 @@ mod sparkline;
 
 use leptos::{html, prelude::*};
 use motorlink_messages::protocol::{Faults, MotorId};
+use motorlink_words::{terms, tr};
 
 use self::{
     fault_record::FaultRecord,
@@ -41,34 +42,34 @@ pub(crate) fn Telemetry() -> impl IntoView {
     let section = NodeRef::<html::Section>::new();
     instruments::keep_drawing(desk, section);
     view! {
-        <section class="telemetry" aria-label="Telemetry" node_ref=section>
+        <section class="telemetry" aria-label=tr!("Telemetry") node_ref=section>
             <ReadOut
-                name="Speed"
+                name=tr!("Speed")
                 class="speed"
                 shown=desk.of_motor(speed)
                 drawing=instruments::sparkline_markup()
             />
             <ReadOut
-                name="Current"
+                name=tr!("Current" as "electric")
                 class="current"
                 shown=desk.of_motor(current)
                 drawing=instruments::sparkline_markup()
             />
             <ReadOut
-                name="Position"
+                name=tr!("Position")
                 class="position"
                 shown=position
                 drawing=angle_dial::MARKUP
             />
             <ReadOut
-                name="Temperature"
+                name=tr!("Temperature")
                 class="temperature"
                 shown=desk.of_motor(temperature)
                 drawing=gauge::MARKUP
             />
-            <ReadOut name="Faults" class="faults" shown=desk.of_motor(faults) drawing="" />
+            <ReadOut name=tr!("Faults") class="faults" shown=desk.of_motor(faults) drawing="" />
             <FaultRecord />
-            <ReadOut name="Mode" class="mode" shown=mode drawing="" />
+            <ReadOut name=tr!("Mode") class="mode" shown=mode drawing="" />
         </section>
     }
 }
@@ -87,7 +88,7 @@ fn current(session: &Session, id: MotorId) -> Option<Shown> {
 
 /// Said beside a figure with the other sign than the wire's.
 fn mirrored(session: &Session, id: MotorId) -> String {
-    let word = session.mirror(id).is_mirrored().then_some("mirrored");
+    let word = session.mirror(id).is_mirrored().then(|| tr!("mirrored"));
     word.unwrap_or_default().to_owned()
 }
 
@@ -95,8 +96,8 @@ fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Sho
     let reading = session.angle(id)?;
     let degrees = format!("{:.1}", reading.value.degrees());
     let raw = match reading.value {
-        Angle::Fine(position) => format!("raw {}", position.raw()),
-        Angle::Coarse(position) => format!("raw {}/255", position.raw()),
+        Angle::Fine(position) => tr!("raw {position}", position = position.raw()),
+        Angle::Coarse(position) => tr!("raw {position}/255", position = position.raw()),
     };
     let detail = match turns {
         Some(turns) => format!("{raw}\n{turns}"),
@@ -109,7 +110,7 @@ fn temperature(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.temperature(id)?;
     let degrees = reading.value.degrees().to_string();
     let band = Band::of(reading.value);
-    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words().to_owned());
+    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words());
     Some(match band {
         Band::Normal => shown,
         Band::Warm => shown.warm(),
@@ -122,7 +123,7 @@ fn faults(session: &Session, id: MotorId) -> Option<Shown> {
     let byte = format!("0x{:02X}", reading.value.byte());
     let shown = Shown::new(
         &reading,
-        format::capitalized(&reading.value.to_string()),
+        format::capitalized(&terms::faults(reading.value)),
         "",
     );
     Some(if reading.value.is_none() {
@@ -140,7 +141,9 @@ fn mode(
     let reading = session.mode(id)?;
     let shown = Shown::new(&reading, loop_name(reading.value).to_owned(), "");
     Some(match asked.filter(|asked| *asked != reading.value) {
-        Some(asked) => shown.with_detail(format!("asked: {asked}")).bad(),
+        Some(asked) => shown
+            .with_detail(tr!("asked: {mode}", mode = terms::mode(asked)))
+            .bad(),
         None => shown,
     })
 }

@@ -1,6 +1,7 @@
 //! One read-out with its age.
 
 use leptos::prelude::*;
+use motorlink_words::tr;
 
 use crate::components::live::live;
 
@@ -127,7 +128,7 @@ pub(super) fn ReadOut(
                 <span class="read-out-name" aria-hidden="true">
                     {name}
                 </span>
-                <span class="age" id=age_id.clone() title="Age of the reading">
+                <span class="age" id=age_id.clone() title=tr!("Age of the reading")>
                     {live(part(|shown| shown.age.clone()))}
                 </span>
             </div>
