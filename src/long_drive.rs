@@ -7,24 +7,24 @@ const LONG_HIDDEN_MS: f64 = 60_000.0;
 /// A hidden page's timers come once a minute at least; what lasted longer was no driving but a machine asleep.
 const LOOK_MS_MAX: f64 = 90_000.0;
 
-/// The time that was driven since the page was opened.
+/// The time that was driven since the page was opened, all in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LongDrive {
-    looked_ms: Option<f64>,
-    driven_ms: f64,
-    hidden_ms: f64,
+    looked: Option<f64>,
+    driven: f64,
+    hidden: f64,
 }
 
 impl LongDrive {
     /// Counts the time since the last look, and says whether it has become long.
     pub(crate) fn look(&mut self, now_ms: f64, drives: bool, hidden: bool) -> bool {
-        let since_ms = self.looked_ms.map_or(0.0, |looked_ms| now_ms - looked_ms);
-        self.looked_ms = Some(now_ms);
+        let since_ms = self.looked.map_or(0.0, |looked_ms| now_ms - looked_ms);
+        self.looked = Some(now_ms);
         if drives && since_ms <= LOOK_MS_MAX {
-            self.driven_ms += since_ms;
-            self.hidden_ms += if hidden { since_ms } else { 0.0 };
+            self.driven += since_ms;
+            self.hidden += if hidden { since_ms } else { 0.0 };
         }
-        self.driven_ms >= LONG_MS || self.hidden_ms >= LONG_HIDDEN_MS
+        self.driven >= LONG_MS || self.hidden >= LONG_HIDDEN_MS
     }
 }
 

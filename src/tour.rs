@@ -98,7 +98,7 @@ impl Tour {
     }
 
     /// What is to be done next.
-    pub(crate) fn step(&self, session: &Session, id: MotorId) -> Step {
+    pub(crate) fn step(self, session: &Session, id: MotorId) -> Step {
         match session.connection {
             Connection::Disconnected => return Step::PlugIn,
             Connection::Connecting | Connection::Failed(_) | Connection::Reconnecting(_) => {

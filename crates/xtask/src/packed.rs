@@ -7,9 +7,16 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::size;
 
-/// Packed files, each with the content that it was made of: that changes with every build.
+/// Packed files.
 #[derive(Debug, Default)]
-pub struct Packer(Mutex<HashMap<PathBuf, (Vec<u8>, Vec<u8>)>>);
+pub struct Packer(Mutex<HashMap<PathBuf, Packed>>);
+
+#[derive(Debug)]
+struct Packed {
+    /// What it was made of: that changes with every build.
+    of: Vec<u8>,
+    packed: Vec<u8>,
+}
 
 impl Packer {
     /// The content packed; none where that gains nothing, as with pictures.
@@ -20,11 +27,13 @@ impl Packer {
         }
         let mut files = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         match files.get(path) {
-            Some((of, packed)) if of == content => return Some(packed.clone()),
+            Some(Packed { of, packed }) if of == content => return Some(packed.clone()),
             _ => {}
         }
         let packed = size::gzip(content).ok()?;
-        files.insert(path.to_path_buf(), (content.to_vec(), packed.clone()));
+        let of = content.to_vec();
+        let kept = packed.clone();
+        files.insert(path.to_path_buf(), Packed { of, packed: kept });
         Some(packed)
     }
 }

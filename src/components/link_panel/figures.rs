@@ -25,12 +25,12 @@ pub(super) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
     });
     let median = bold(round_trip.median_us.map(milliseconds));
     let p99 = bold(round_trip.p99_us.map(milliseconds));
-    let median_and_p99 = figures([
+    let median_and_p99 = figures(&[
         tr!("{number} ms median", number = median),
         tr!("{number} ms p99", number = p99),
     ]);
     let exchanges_hz = bold(line.map(|line| line.exchanges_hz.to_string()));
-    let exchanges = figures([tr!("{number} a second", number = exchanges_hz)]);
+    let exchanges = figures(&[tr!("{number} a second", number = exchanges_hz)]);
     [
         exchanges,
         bus_time(line),
@@ -48,9 +48,9 @@ fn bold(number: Option<String>) -> String {
 }
 
 /// Numbers with what they are, each in its place.
-fn figures<const COUNT: usize>(words: [String; COUNT]) -> String {
+fn figures(words: &[String]) -> String {
     let mut html = String::new();
-    for words in &words {
+    for words in words {
         push(&mut html, &["<span>", words, "</span> "]);
     }
     html
@@ -60,7 +60,7 @@ fn figures<const COUNT: usize>(words: [String; COUNT]) -> String {
 fn bus_time(line: Option<&LineStatus>) -> String {
     let percent =
         |share: fn(&LineStatus) -> u16| bold(line.map(|line| ((share(line) + 5) / 10).to_string()));
-    figures([
+    figures(&[
         tr!(
             "{number} % drive",
             number = percent(|line| line.drive_per_mille)

@@ -217,7 +217,7 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     wait_until("the next version", end_to_end::PATIENCE, || {
         // While it loads there is nobody to ask.
         let version = version(&page).unwrap_or_default();
-        Ok(if version == Value::from("\"the next\"") {
+        Ok(if version == "\"the next\"" {
             Ok(())
         } else {
             Err(version.to_string())
