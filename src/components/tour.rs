@@ -90,7 +90,7 @@ pub(super) fn keep_working(desk: Desk) {
         if tour.wanted == Wanted::No {
             return;
         }
-        let controls = Controls::now(desk, id, *tour);
+        let controls = Controls::now(desk, id, tour);
         if shown.as_ref() != Some(&controls) {
             if controls.now == Step::Done {
                 // Who has done it need not skip it.

@@ -14,6 +14,7 @@ mod graph;
 mod help;
 mod instruments;
 mod kept;
+mod language;
 mod limits;
 mod link;
 mod log;

@@ -38,6 +38,10 @@ async fn what_is_saved_is_there_after_a_reload() {
         .await;
     bench.click("Theme");
     bench
+        .until("high contrast", || theme().as_deref() == Some("contrast"))
+        .await;
+    bench.click("Theme");
+    bench
         .until("the system's colours", || theme().is_none())
         .await;
     assert_eq!(Preferences::load().theme, Theme::System);

@@ -186,7 +186,11 @@ impl Files {
         }
         Names {
             wasm: self.add_fresh(PROGRAM, "wasm", &module.wasm),
-            glue: self.add_fresh(&format!("{PROGRAM}-glue"), "js", glue.as_bytes()),
+            glue: self.add_fresh(
+                &format!("{PROGRAM}-glue"),
+                "js",
+                slim::glue(&glue).as_bytes(),
+            ),
         }
     }
 

@@ -21,6 +21,26 @@ pub fn script(script: &str) -> String {
     kept.flat_map(|line| [line, "\n"]).collect()
 }
 
+/// The glue of wasm-bindgen without its documentation and indentation, which are a third of it. A script
+/// with a text over several lines stays as it is: what stands in it could be part of the text.
+pub fn glue(glue: &str) -> String {
+    let is_text_open = |line: &str| !line.matches('`').count().is_multiple_of(2);
+    if glue.lines().any(is_text_open) {
+        return glue.to_owned();
+    }
+    let mut undocumented = String::with_capacity(glue.len());
+    let mut in_comment = false;
+    for line in glue.lines().map(str::trim) {
+        in_comment |= line.starts_with("/*");
+        if !in_comment {
+            undocumented.push_str(line);
+            undocumented.push('\n');
+        }
+        in_comment &= !line.ends_with("*/");
+    }
+    script(&undocumented)
+}
+
 /// Comments end at the first `*/` and do not nest; in a quoted string there are none.
 fn without_comments(sheet: &str) -> String {
     let mut kept = String::with_capacity(sheet.len());
@@ -46,7 +66,7 @@ fn without_comments(sheet: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{css, script};
+    use super::{css, glue, script};
 
     #[test]
     fn a_script_keeps_what_runs() {
@@ -61,6 +81,14 @@ mod tests {
             css(sheet),
             ".a {\ncolor: red;\n}\n.b::after { content: \"/* kept */\"; }\n"
         );
+    }
+
+    #[test]
+    fn documentation_goes_from_a_script_and_texts_stay() {
+        let script = "/**\n * @param {number} a\n */\nfunction f(a) {\n    // why\n    return `${a} // b`;\n}\n/* c */\n";
+        assert_eq!(glue(script), "function f(a) {\nreturn `${a} // b`;\n}\n");
+        let long = "const text = `\n    // in it\n`;\n";
+        assert_eq!(glue(long), long);
     }
 
     #[test]
