@@ -1,6 +1,7 @@
 //! Which faults came and went, and when: kept until a person has seen them.
 
 use motorlink_messages::protocol::{Fault, Faults, MotorId};
+use motorlink_words::{terms, tr};
 
 /// One time that a fault was there. Times are milliseconds of the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,8 +49,8 @@ impl Occurrence {
             .into_iter()
             .find(|fault| fault.mask() == self.bit)
             .map_or_else(
-                || format!("bit 0x{:02X}", self.bit),
-                |fault| fault.name().to_owned(),
+                || tr!("bit {byte}", byte = format!("0x{:02X}", self.bit)),
+                |fault| terms::fault(fault).to_owned(),
             )
     }
 }

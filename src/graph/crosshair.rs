@@ -1,6 +1,7 @@
 //! What was reported at one moment: the nearest reply of each trace.
 
 use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
+use motorlink_words::terms::in_language;
 
 use super::{comparison::Comparison, trace::Trace};
 use crate::{
@@ -79,7 +80,7 @@ impl Values {
             Trace::Current => self.current.map(|it| format!("{} A", format::current(it))),
             Trace::Goal => self.goal.map(format::goal),
             Trace::Temperature => self.temperature.map(|it| format!("{} °C", it.degrees())),
-            Trace::Position => self.angle.map(|it| format!("{it:.1}°")),
+            Trace::Position => self.angle.map(|it| in_language(format!("{it:.1}°"))),
         };
         text.unwrap_or_else(|| UNKNOWN.to_owned())
     }

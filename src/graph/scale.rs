@@ -1,6 +1,8 @@
 //! How high the axes reach: steps that read well, the same above zero as below, and no jumping about.
 
 use super::trace::Trace;
+use motorlink_words::terms::in_language;
+
 use crate::format;
 
 /// In rpm. A motor runs up to 330; what is pushed by hand or garbled may be anything.
@@ -84,8 +86,8 @@ impl Scale {
             };
             match value {
                 0 => "0".to_owned(),
-                1.. => format!("+{digits}"),
-                _ => format!("\u{2212}{digits}"),
+                1.. => in_language(format!("+{digits}")),
+                _ => in_language(format!("\u{2212}{digits}")),
             }
         })
     }

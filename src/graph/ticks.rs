@@ -1,6 +1,6 @@
 //! The marks of the time axis: how long ago while the view is live, the time of day while it is held.
 
-use motorlink_words::tr;
+use motorlink_words::{terms::in_language, tr};
 
 /// Distances of marks that read well, in milliseconds.
 const STEPS_MS: [u64; 18] = [
@@ -46,7 +46,7 @@ fn ago_label(ago_ms: u64, step_ms: u64, with_unit: bool) -> String {
     let (number, unit) = if step_ms.is_multiple_of(MINUTE_MS) {
         ((ago_ms / MINUTE_MS).to_string(), " min")
     } else {
-        (seconds(ago_ms, step_ms), " s")
+        (in_language(seconds(ago_ms, step_ms)), " s")
     };
     number + if with_unit { unit } else { "" }
 }

@@ -1,6 +1,6 @@
 //! The graph's name, and what it shows in words, for those who do not see it.
 
-use motorlink_words::tr;
+use motorlink_words::{terms::in_language, tr};
 
 use super::{
     comparison::Comparison,
@@ -26,7 +26,7 @@ pub(crate) fn span(span_us: u64) -> String {
             format!("{} min", seconds / 60)
         }
         (seconds, 0) => format!("{seconds} s"),
-        (seconds, tenth) if seconds < 60 => format!("{seconds}.{tenth} s"),
+        (seconds, tenth) if seconds < 60 => in_language(format!("{seconds}.{tenth} s")),
         (seconds, _) => format!("{seconds} s"),
     }
 }
@@ -88,7 +88,7 @@ pub(crate) fn ago(us: u64) -> String {
         0 => tr!("now").to_owned(),
         1..1_200 => tr!(
             "{seconds} s ago",
-            seconds = format!("{}.{}", tenths / 10, tenths % 10)
+            seconds = in_language(format!("{}.{}", tenths / 10, tenths % 10))
         ),
         _ => tr!(
             "{minutes} min ago",

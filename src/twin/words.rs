@@ -2,7 +2,7 @@
 
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
-use motorlink_words::tr;
+use motorlink_words::{terms::in_language, tr};
 
 /// What the wheel does, as the page says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl Figures {
     pub fn angle_text(self) -> String {
         self.angle_tenths.map_or_else(
             || "\u{2013}°".to_owned(),
-            |tenths| format!("{}.{}°", tenths / 10, tenths % 10),
+            |tenths| in_language(format!("{}.{}°", tenths / 10, tenths % 10)),
         )
     }
 
@@ -109,7 +109,7 @@ impl Figures {
         let tenths = self.turns_tenths.unsigned_abs();
         tr!(
             "{turns} turns",
-            turns = format!("{sign}{}.{}", tenths / 10, tenths % 10)
+            turns = in_language(format!("{sign}{}.{}", tenths / 10, tenths % 10))
         )
     }
 }

@@ -5,7 +5,7 @@ use motorlink_messages::{
     bus::HIGH_CURRENT_RAW,
     protocol::{CurrentTarget, Mode},
 };
-use motorlink_words::tr;
+use motorlink_words::{terms::in_language, tr};
 
 use crate::components::live::live;
 
@@ -53,7 +53,7 @@ pub(super) fn CurrentTab() -> impl IntoView {
     let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
         view! {
             <PressButton
-                label=label
+                label=in_language(label.to_owned())
                 name=name
                 class="button preset"
                 why_not=why_not

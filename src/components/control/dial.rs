@@ -2,7 +2,7 @@
 
 use leptos::{prelude::*, svg::Svg};
 use motorlink_messages::protocol::PositionTarget;
-use motorlink_words::tr;
+use motorlink_words::{terms::in_language, tr};
 use web_sys::{KeyboardEvent, PointerEvent};
 
 use crate::components::live::{heard, live};
@@ -44,7 +44,7 @@ pub(super) fn Dial(
             aria-valuemin="0"
             aria-valuemax="360"
             aria-valuenow=live(move || format!("{:.0}", degrees()))
-            aria-valuetext=live(move || tr!("{angle} degrees", angle = format!("{:.1}", degrees())))
+            aria-valuetext=live(move || tr!("{angle} degrees", angle = in_language(format!("{:.1}", degrees()))))
             tabindex="0"
             node_ref=dial
             on:pointerdown=heard(move |event: PointerEvent| {

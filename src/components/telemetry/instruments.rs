@@ -2,6 +2,7 @@
 
 use leptos::{html, prelude::*};
 use motorlink_messages::protocol::Celsius;
+use motorlink_words::terms::in_language;
 use web_sys::Element;
 
 use super::{
@@ -116,8 +117,8 @@ impl Quantity {
     fn scale(self, scale: Scale) -> String {
         match (self, scale.multiple()) {
             (Self::Speed, _) => format!("±{}", scale.limit()),
-            (Self::Current, 1) => "±0.25".to_owned(),
-            (Self::Current, 2) => "±0.5".to_owned(),
+            (Self::Current, 1) => in_language("±0.25".to_owned()),
+            (Self::Current, 2) => in_language("±0.5".to_owned()),
             (Self::Current, quarters) => format!("±{}", quarters / 4),
         }
     }

@@ -10,7 +10,10 @@ mod sparkline;
 
 use leptos::{html, prelude::*};
 use motorlink_messages::protocol::{Faults, MotorId};
-use motorlink_words::{terms, tr};
+use motorlink_words::{
+    terms::{self, in_language},
+    tr,
+};
 
 use self::{
     fault_record::FaultRecord,
@@ -94,7 +97,7 @@ fn mirrored(session: &Session, id: MotorId) -> String {
 
 fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
     let reading = session.angle(id)?;
-    let degrees = format!("{:.1}", reading.value.degrees());
+    let degrees = in_language(format!("{:.1}", reading.value.degrees()));
     let raw = match reading.value {
         Angle::Fine(position) => tr!("raw {position}", position = position.raw()),
         Angle::Coarse(position) => tr!("raw {position}/255", position = position.raw()),
