@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use leptos::{either::Either, prelude::*};
+use leptos::{html::Div, mount::mount_to, prelude::*};
 use motorlink_messages::ToWorker;
 
 use crate::{
@@ -42,22 +42,22 @@ pub fn App() -> impl IntoView {
     ticking::keep_showing(desk);
     installation::watch(desk);
 
-    // In another language everything is made anew. A view in the place of one of its own type would only
-    // have its texts replaced, while what was set up around the old one is gone: the two sides take turns.
-    let is_odd = StoredValue::new(false);
-    move || {
+    // In another language the page is mounted anew. As a view that changes it would bring along, for every
+    // element in it, the code that changes it: a fifth of the whole program.
+    let place = NodeRef::<Div>::new();
+    let mounted = StoredValue::new_local(None);
+    follow(move || {
         desk.language.track();
-        is_odd.update_value(|is_odd| *is_odd = !*is_odd);
-        let page = untrack(|| page(desk));
-        if is_odd.get_value() {
-            Either::Left(page)
-        } else {
-            Either::Right(page)
-        }
-    }
+        let Some(place) = place.get() else { return };
+        // First the old one, with all that listens for it.
+        mounted.set_value(None);
+        mounted.set_value(Some(mount_to((*place).clone(), move || page(desk))));
+    });
+    view! { <div class="page" node_ref=place></div> }
 }
 
-fn page(desk: Desk) -> AnyView {
+fn page(desk: Desk) -> impl IntoView {
+    provide_context(desk);
     let behind_dialog = move || desk.dialog.with(Option::is_some);
     view! {
         <Header behind_dialog=Signal::derive(behind_dialog) />
@@ -80,7 +80,6 @@ fn page(desk: Desk) -> AnyView {
         <HelpDialog />
         <QuestionDialog />
     }
-    .into_any()
 }
 
 /// What the address, the memory and the browser name, in this order.

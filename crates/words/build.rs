@@ -72,6 +72,12 @@ fn read(path: &Path, is_released: bool) -> Result<Messages, Box<dyn Error>> {
             );
             return Err(words.into());
         }
+        // Some messages become a part of markup.
+        let is_markup = |text: &str| text.contains(['<', '>', '&', '"']);
+        if is_markup(text) && !is_markup(msgid) {
+            let words = format!("{}: markup in the translation of {msgid:?}", path.display());
+            return Err(words.into());
+        }
         let key = message.msgctxt().map_or_else(
             || msgid.to_owned(),
             |context| format!("{context}{CONTEXT_END}{msgid}"),

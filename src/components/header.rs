@@ -94,8 +94,8 @@ fn LanguageChoice() -> impl IntoView {
                 on:change=heard(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         desk.choose_language(language);
-                        // The page is another, and the focus is where it was.
-                        focus(LANGUAGE);
+                        // By then the page is another, and the focus is to be where it was.
+                        request_animation_frame(|| focus(LANGUAGE));
                     }
                 })
             >

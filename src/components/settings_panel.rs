@@ -82,18 +82,21 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
     let limits = [
         (
             tr!("Speed limit"),
+            "speed-limit",
             "rpm",
             targets.speed_limit,
             entry::SPEED_LIMIT,
         ),
         (
             tr!("Current limit"),
+            "current-limit",
             "A",
             targets.current_limit,
             entry::CURRENT_LIMIT,
         ),
         (
             tr!("Temperature limit"),
+            "temperature-limit",
             "°C",
             targets.temperature_limit,
             entry::TEMPERATURE_LIMIT,
@@ -107,9 +110,9 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
             <div class="settings-panel">
                 <div inner_html=limits_head()></div>
                 {limits
-                    .map(|(name, unit, target, entry)| {
+                    .map(|(name, id, unit, target, entry)| {
                         view! {
-                            <NumberField name unit target entry on_edit=move || desk.set_limits() />
+                            <NumberField name unit target entry id on_edit=move || desk.set_limits() />
                         }
                     })}
                 <div inner_html=files()></div>
