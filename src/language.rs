@@ -2,7 +2,6 @@
 //! own.
 
 use leptos::prelude::*;
-use motorlink_messages::journal::ToJournal;
 use motorlink_words::{Language, speak};
 
 use crate::{desk::Desk, preferences::remember};
@@ -37,7 +36,14 @@ impl Desk {
 
     /// The log's entries are put into words by the journal.
     pub(crate) fn tell_language(self, language: Language) {
-        self.tell_journal(&ToJournal::Speak(language.key().to_owned()));
+        let speak = self
+            .journal
+            .feed
+            .try_update_value(|feed| feed.speak(language));
+        if let Some(speak) = speak {
+            self.tell_journal(&speak);
+            self.look();
+        }
     }
 }
 

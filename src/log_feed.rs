@@ -4,6 +4,7 @@
 use std::rc::Rc;
 
 use motorlink_messages::journal::{Filter, LogPage, Row, ToJournal, Window};
+use motorlink_words::Language;
 
 use crate::log_view::LogView;
 
@@ -89,6 +90,13 @@ impl LogFeed {
         self.filter = filter.clone();
         self.begin_anew();
         Some(ToJournal::Filter(filter))
+    }
+
+    /// Puts entries into words in another language, and counts them anew: what is searched for may be in
+    /// others now.
+    pub(crate) fn speak(&mut self, language: Language) -> ToJournal {
+        self.begin_anew();
+        ToJournal::Speak(language.key().to_owned())
     }
 
     /// Which entries are shown.

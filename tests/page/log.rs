@@ -41,7 +41,7 @@ async fn a_filter_is_sent_when_one_has_typed() {
     assert_eq!(journal.told().await, [filter("0x05", None)]);
 
     let list: web_sys::HtmlSelectElement = bench.find("combobox", "Log direction").unchecked_into();
-    list.set_value("RX");
+    list.set_value("2");
     list.dispatch_event(&Event::new("change").unwrap()).unwrap();
     assert_eq!(journal.told().await, [filter("0x05", Some(Kind::Rx))]);
 }
@@ -51,7 +51,7 @@ async fn collapsing_is_on_at_first_and_remembered() {
     let journal = FakeJournal::new("collapse");
     let bench = Bench::new("collapse").await;
     let collapse = |told: &[ToJournal]| match told {
-        [ToJournal::Filter(filter)] => Some(filter.collapse),
+        [.., ToJournal::Filter(filter)] => Some(filter.collapse),
         _ => None,
     };
     assert_eq!(collapse(&journal.told().await), Some(true));
