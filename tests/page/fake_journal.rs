@@ -116,7 +116,7 @@ impl State {
     fn hear(&mut self, message: ToJournal) {
         match &message {
             ToJournal::Look(window) => self.window = Some(*window),
-            ToJournal::Filter(_) => self.generation += 1,
+            ToJournal::Filter(_) | ToJournal::Speak(_) => self.generation += 1,
             ToJournal::Clear => {
                 self.generation += 1;
                 self.rows.clear();

@@ -22,7 +22,7 @@ use std::fmt::{Display, Write};
 
 pub use language::{Language, speak, spoken};
 #[doc(hidden)]
-pub use table::{check_places, number_of, text};
+pub use table::{check_places, number_of, said, text};
 
 /// Words in the language that is [`spoken`] now.
 ///

@@ -31,6 +31,16 @@ pub fn text(number: usize) -> &'static str {
         .unwrap_or_default()
 }
 
+/// What a message of the code reads in the language that is spoken; a text that is none of them stays. For
+/// tests that press a button by its English name.
+#[must_use]
+pub fn said(english: &str) -> &str {
+    match KEYS.binary_search(&english) {
+        Ok(number) => text(number),
+        Err(_) => english,
+    }
+}
+
 /// The number of a message, while the code is compiled.
 ///
 /// # Panics

@@ -16,14 +16,27 @@ pub enum Scheme {
     Light,
     /// Light on dark.
     Dark,
+    /// Bright on black.
+    Contrast,
 }
 
 impl Scheme {
-    /// As `prefers-color-scheme` says it.
-    pub(crate) fn name(self) -> &'static str {
+    /// Its name in files and words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
             Self::Light => "light",
             Self::Dark => "dark",
+            Self::Contrast => "contrast",
+        }
+    }
+
+    /// As `prefers-color-scheme` and `prefers-contrast` say it.
+    fn wishes(self) -> [&'static str; 2] {
+        match self {
+            Self::Light => ["light", "no-preference"],
+            Self::Dark => ["dark", "no-preference"],
+            Self::Contrast => ["dark", "more"],
         }
     }
 }
@@ -59,13 +72,16 @@ impl View {
         scheme: Scheme::Light,
     };
 
+    /// The same window in other colours.
+    #[must_use]
+    pub fn with(self, scheme: Scheme) -> Self {
+        Self { scheme, ..self }
+    }
+
     /// The same window in the dark.
     #[must_use]
     pub fn dark(self) -> Self {
-        Self {
-            scheme: Scheme::Dark,
-            ..self
-        }
+        self.with(Scheme::Dark)
     }
 }
 
@@ -84,10 +100,14 @@ impl Page {
         });
         self.session
             .call("Emulation.setDeviceMetricsOverride", metrics)?;
-        let scheme = json!({ "name": "prefers-color-scheme", "value": view.scheme.name() });
+        let [scheme, contrast] = view.scheme.wishes();
+        let features = json!([
+            { "name": "prefers-color-scheme", "value": scheme },
+            { "name": "prefers-contrast", "value": contrast },
+        ]);
         self.session.call(
             "Emulation.setEmulatedMedia",
-            json!({ "features": [scheme] }),
+            json!({ "features": features }),
         )?;
         Ok(())
     }
