@@ -10,12 +10,11 @@ use flate2::write::GzEncoder;
 use crate::service_worker::is_for_installing;
 use crate::site::SiteFile;
 
-/// What a first visit may cost at most, so that no change makes it heavier unnoticed. The original page
-/// took 1.8 MB; the finished one is to cost 300,000 with all its languages, so what is there has still
-/// to lose a third. A session that survives a crash takes 27,000 of it, most of them in the worker: what is
-/// written, what is found again, and the way back into the journal.
-/// What has the page work without a network and be installed takes 5,300.
-pub const FIRST_VISIT_GZIP_BYTES_MAX: usize = 474_000;
+/// What a first visit may cost at most, so that no change makes it heavier unnoticed: everything that the
+/// service worker keeps, the help in three languages too. The original page took 1.8 MB. It is to cost 300,000,
+/// which it does not yet: three languages take 46,000 of it, the help 19,000, a session that survives a crash
+/// 27,000, and views, which are code for each element, more than half.
+pub const FIRST_VISIT_GZIP_BYTES_MAX: usize = 520_000;
 
 /// The files of a site with their sizes.
 #[derive(Debug)]
