@@ -115,5 +115,7 @@ mod tests {
         assert_eq!(tr!("Current" as "electric"), "Current");
         speak(Language::German);
         assert_eq!(tr!("Current" as "electric"), "Strom");
+        assert_eq!(said("Current"), "Strom");
+        assert_eq!(said("+100"), "+100");
     }
 }

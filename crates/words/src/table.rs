@@ -31,13 +31,14 @@ pub fn text(number: usize) -> &'static str {
         .unwrap_or_default()
 }
 
-/// What a message of the code reads in the language that is spoken; a text that is none of them stays. For
-/// tests that press a button by its English name.
+/// What a message of the code reads in the language that is spoken, in whatever context; a text that is none
+/// of them stays. For tests that press a button by its English name.
 #[must_use]
 pub fn said(english: &str) -> &str {
-    match KEYS.binary_search(&english) {
-        Ok(number) => text(number),
-        Err(_) => english,
+    let is_it = |key: &&str| key.rsplit('\u{4}').next() == Some(english);
+    match KEYS.iter().position(is_it) {
+        Some(number) => text(number),
+        None => english,
     }
 }
 

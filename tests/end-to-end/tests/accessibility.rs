@@ -139,7 +139,7 @@ impl Judge {
         self.wait_for_speed("0")?;
         self.screen("Velocity, graph and log")?;
         for tab in ["Current", "Position", "ID Manager", "Raw Hex"] {
-            self.page.click("tab", tab)?;
+            self.click("tab", tab)?;
             self.screen(tab)?;
         }
         self.click("tab", "Velocity")?;

@@ -13,7 +13,8 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use end_to_end::{Bench, Line, PATIENCE, Page, Usb, View, wait_until};
+use end_to_end::{Bench, Line, PATIENCE, Page, Scheme, Usb, View, wait_until};
+use motorlink_words::{Language, said, speak};
 
 fn main() -> ExitCode {
     let dir = env::args()
@@ -34,22 +35,43 @@ fn take(dir: &Path) -> Result<()> {
         return Ok(());
     }
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
-    let views = [
-        ("desk", View::DESKTOP),
-        ("tablet", View::TABLET),
-        ("phone", View::PHONE),
-    ];
-    for (name, view) in views {
-        for (theme, view) in [("light", view), ("dark", view.dark())] {
-            let album = Album {
-                prefix: dir.join(format!("{name}-{theme}")),
-            };
-            the_desk(&album, view)?;
-            the_tools(&album, view)?;
+    for (language, schemes) in PICTURES {
+        speak(*language);
+        for (name, view) in VIEWS {
+            for scheme in *schemes {
+                let prefix = match language {
+                    Language::English => String::new(),
+                    other => format!("{}-", other.key()),
+                };
+                let album = Album {
+                    prefix: dir.join(format!("{prefix}{name}-{}", scheme.name())),
+                    language: *language,
+                };
+                let view = view.with(*scheme);
+                the_desk(&album, view)?;
+                the_panels(&album, view)?;
+                the_tools(&album, view)?;
+            }
         }
     }
     Ok(())
 }
+
+const VIEWS: [(&str, View); 3] = [
+    ("desk", View::DESKTOP),
+    ("tablet", View::TABLET),
+    ("phone", View::PHONE),
+];
+
+/// Every colours in one language, and every language: words and colours do not depend on each other.
+const PICTURES: &[(Language, &[Scheme])] = &[
+    (
+        Language::English,
+        &[Scheme::Light, Scheme::Dark, Scheme::Contrast],
+    ),
+    (Language::Chinese, &[Scheme::Light]),
+    (Language::German, &[Scheme::Dark]),
+];
 
 /// The two pictures that a browser shows when it asks whether the page is to be installed.
 fn for_installer(dir: &Path) -> Result<()> {
@@ -76,9 +98,14 @@ fn for_installer(dir: &Path) -> Result<()> {
 /// Pictures of one view.
 struct Album {
     prefix: PathBuf,
+    language: Language,
 }
 
 impl Album {
+    fn address(&self) -> String {
+        format!("/?lang={}", self.language.key())
+    }
+
     fn file(&self, what: &str) -> PathBuf {
         let file = PathBuf::from(format!("{}-{what}.png", self.prefix.display()));
         println!("{}", file.display());
@@ -97,12 +124,14 @@ impl Album {
 /// The desk with the built-in virtual motor: empty, driving, stopped, and in its dialogs.
 fn the_desk(album: &Album, view: View) -> Result<()> {
     let bench = Bench::start()?;
-    let page = bench.open("/")?;
+    let page = bench.open(&album.address())?;
     page.look(view)?;
     pause(500);
     album.shot(&page, "empty")?;
-    page.click("button", "Virtual motor")?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.click("button", said("Virtual motor"))?;
+    page.wait_for_text("status", said("Connection"), |text| {
+        text.contains(said("Connected"))
+    })?;
     // Something for the graph to show.
     for (button, speed) in [
         ("-50", "50"),
@@ -111,7 +140,7 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
         ("+100", "100"),
     ] {
         page.click("button", button)?;
-        page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
+        page.wait_for_text("output", said("Speed"), |text| text.contains(speed))?;
         pause(2_000);
     }
     album.shot(&page, "spinning")?;
@@ -119,31 +148,51 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
     page.press("Escape")?;
     pause(800);
     album.shot(&page, "stopped")?;
-    page.click("button", "Release")?;
+    page.click("button", said("Release"))?;
     for tab in ["Current", "Position"] {
-        page.click("tab", tab)?;
+        page.click("tab", said(tab))?;
         pause(300);
         album.shot(&page, &tab.to_lowercase())?;
     }
-    page.click("button", "Help")?;
+    page.click("button", said("Help"))?;
     pause(300);
     album.shot(&page, "help")
+}
+
+/// What lies over the right of the desk, with the virtual motor.
+fn the_panels(album: &Album, view: View) -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open(&album.address())?;
+    page.look(view)?;
+    page.click("button", said("Virtual motor"))?;
+    page.wait_for_text("status", said("Connection"), |text| {
+        text.contains(said("Connected"))
+    })?;
+    for panel in ["Drive together", "Link", "Settings"] {
+        page.click("button", said(panel))?;
+        pause(500);
+        album.shot(&page, &panel.to_lowercase().replace(' ', "-"))?;
+        page.click("button", said("Close the panel"))?;
+    }
+    Ok(())
 }
 
 /// The tools with three motors on a line.
 fn the_tools(album: &Album, view: View) -> Result<()> {
     let bench = Bench::start()?;
     let _adapter = bench.plug(Line::with_motors(&[1, 2, 7]), Usb::default())?;
-    let page = bench.open("/")?;
+    let page = bench.open(&album.address())?;
     page.look(view)?;
-    page.click("button", "Connect")?;
-    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    page.click("tab", "ID Manager")?;
-    page.click("button", "Full scan")?;
-    page.wait_for_text("list", "Motors found", |text| text.contains("0x07"))?;
+    page.click("button", said("Connect"))?;
+    page.wait_for_text("status", said("Connection"), |text| {
+        text.contains(said("Connected"))
+    })?;
+    page.click("tab", said("ID Manager"))?;
+    page.click("button", said("Full scan"))?;
+    page.wait_for_text("list", said("Motors found"), |text| text.contains("0x07"))?;
     album.shot(&page, "scanning")?;
     wait_until("the end of the scan", PATIENCE, || {
-        let cancel = page.find("button", "Cancel")?;
+        let cancel = page.find("button", said("Cancel"))?;
         Ok(if cancel.disabled {
             Ok(())
         } else {
@@ -152,14 +201,14 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     })?;
     pause(300);
     album.shot(&page, "id-manager")?;
-    page.click("tab", "Raw Hex")?;
-    page.find("textbox", "Frame bytes")?
+    page.click("tab", said("Raw Hex"))?;
+    page.find("textbox", said("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
     // On a busy machine an answer may be late, and is said to be none.
     wait_until("an answer", PATIENCE, || {
-        page.click("button", "Send")?;
+        page.click("button", said("Send"))?;
         pause(300);
-        let answer = page.text("output", "Answer")?;
+        let answer = page.text("output", said("Answer"))?;
         Ok(if answer.contains("0x01") {
             Ok(())
         } else {
