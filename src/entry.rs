@@ -186,7 +186,10 @@ pub(crate) const CURRENT_LIMIT: Entry = Entry {
     min: Limits::CURRENT_MA.0 as i32,
     max: Limits::CURRENT_MA.1 as i32,
     read: milliamps,
-    show: |milliamps| format!("{}.{}", milliamps / 1_000, milliamps % 1_000 / 100),
+    show: |milliamps| {
+        let tenths = milliamps / 100;
+        format::in_language(format!("{}.{}", tenths / 10, tenths % 10))
+    },
     scale: 0.001,
     step: 0.1,
     page: 1.0,

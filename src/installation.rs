@@ -38,6 +38,8 @@ pub(crate) struct Installing {
     pub(crate) state: RwSignal<Installation>,
     /// Whether a new version of the page waits to be taken.
     pub(crate) new_version: RwSignal<bool>,
+    /// Whether it was taken: the page is still the old one, and its files are gone.
+    pub(crate) taken: RwSignal<bool>,
     driven: StoredValue<LongDrive>,
 }
 
@@ -46,6 +48,7 @@ impl Installing {
         Self {
             state: RwSignal::new(Installation::default()),
             new_version: RwSignal::new(false),
+            taken: RwSignal::new(false),
             driven: StoredValue::new(LongDrive::default()),
         }
     }
@@ -59,7 +62,8 @@ pub(crate) fn watch(desk: Desk) {
             .and_then(|event| event.detail().as_string());
         hear(desk, detail.as_deref().unwrap_or_default());
     });
-    let works = memo(move || desk.worker.get() == WorkerState::Running);
+    // A page whose worker died needs its next version more than any other.
+    let works = memo(move || desk.worker.get() != WorkerState::Starting);
     follow(move || {
         // Only now: what is fetched to be kept must not hold up what is fetched to start.
         if works.get() {
@@ -67,11 +71,13 @@ pub(crate) fn watch(desk: Desk) {
         }
     });
     desk.watch_versions();
+    desk.reload_when_taken();
 }
 
 fn hear(desk: Desk, detail: &str) {
     match detail {
         "new-version" => desk.installing.new_version.set(true),
+        "taken" => desk.installing.taken.set(true),
         "others" => desk.refuse_new_version_beside_others(),
         "installable" => desk.installing.state.set(Installation::Offered),
         "installed" => desk.installing.state.set(Installation::Done),

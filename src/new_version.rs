@@ -38,6 +38,17 @@ impl Desk {
         });
     }
 
+    /// Loads the page anew when it was taken: not under a port that was opened meanwhile, but when that is
+    /// closed.
+    pub(crate) fn reload_when_taken(self) {
+        let open = memo(move || self.shown.with(|session| is_in_use(session.connection)));
+        follow(move || {
+            if self.installing.taken.get() && !open.get() {
+                let _ = document().location().map(|location| location.reload());
+            }
+        });
+    }
+
     /// Takes it, which loads the page anew.
     pub(crate) fn take_new_version(self) {
         // A port may have been opened since the offer was drawn.

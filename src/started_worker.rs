@@ -53,9 +53,10 @@ impl StartedWorker {
 
         // Page and workers are one program, compiled once. What cannot be posted is told as a worker that
         // does not start.
-        worker
-            .post_message(&wasm_bindgen::module())
-            .map_err(|_| NoWorker::NotStarted)?;
+        worker.post_message(&wasm_bindgen::module()).map_err(|_| {
+            worker.terminate();
+            NoWorker::NotStarted
+        })?;
         Ok(Self {
             worker,
             _on_message: on_message,

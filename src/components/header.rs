@@ -94,8 +94,12 @@ fn LanguageChoice() -> impl IntoView {
                 on:change=heard(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         desk.choose_language(language);
-                        // By then the page is another, and the focus is to be where it was.
-                        request_animation_frame(|| focus(LANGUAGE));
+                        // By then the page is another, and the focus is to be where it was; but not while
+                        // something turns: Space would open the list instead of stopping it.
+                        let turns = desk.latest.with_value(|session| session.in_hand().next().is_some());
+                        if !turns {
+                            request_animation_frame(|| focus(LANGUAGE));
+                        }
                     }
                 })
             >

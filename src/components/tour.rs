@@ -4,7 +4,7 @@
 use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, MotorId};
 use wasm_bindgen::JsCast;
-use web_sys::{Element, Event, HtmlInputElement};
+use web_sys::{Element, Event, HtmlElement, HtmlInputElement};
 
 use super::{
     connection::{why_not_at_all, why_not_serial},
@@ -198,7 +198,19 @@ fn hear(desk: Desk, event: &Event) {
         SKIP => Desk::end_tour,
         PICK => |desk| desk.choose_port(true),
         VIRTUAL => Desk::connect_virtual,
-        SPIN => |desk| desk.drive_at(SPEED_RPM),
+        SPIN => {
+            // The next press of Space is to stop the wheel, and not this button again.
+            if let Some(button) = target.dyn_ref::<HtmlElement>() {
+                let _ = button.blur();
+            }
+            |desk| {
+                let id = desk.selected.get_untracked();
+                let tour = desk.tour.get_untracked();
+                if tour.step(&desk.present(), id) == Step::Spin {
+                    desk.drive_at(SPEED_RPM);
+                }
+            }
+        }
         STOP => |desk| desk.stop_motor(desk.tab.get_untracked()),
         FREE => {
             let ticked = target.dyn_ref::<HtmlInputElement>();

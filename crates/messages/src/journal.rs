@@ -31,7 +31,8 @@ pub enum ToJournal {
     /// one of these rows, or a count, changes; at most 30 times a second.
     Look(Window),
     /// Put entries into words in this language from now on, `en`, `zh` or `de`: those that are seen, and
-    /// those in which is searched. Files stay English. The rows are numbered anew.
+    /// those in which is searched. Files say frames in English, and what the page said as it was said. The
+    /// rows are numbered anew.
     Speak(String),
     /// Which entries the log shows. The rows are numbered anew.
     Filter(Filter),

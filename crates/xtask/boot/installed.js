@@ -7,7 +7,9 @@ const tell = (detail) => dispatchEvent(new CustomEvent("installation", { detail 
 
 const HOUR_MS = 3_600_000;
 
+let prompt;
 let registration;
+let controlled = false;
 let looked = performance.now();
 
 function announce() {
@@ -33,12 +35,20 @@ async function register() {
   watch(registration.installing);
   registration.addEventListener("updatefound", () => watch(registration.installing));
   navigator.serviceWorker.addEventListener("message", ({ data }) => tell(data));
+  // The first of all takes a page over too, which has the same files.
+  controlled = navigator.serviceWorker.controller !== null;
+  navigator.serviceWorker.addEventListener("controllerchange", () => {
+    if (controlled) tell("taken");
+    controlled = true;
+  });
   addEventListener("focus", look);
   document.addEventListener("visibilitychange", look);
   announce();
 }
 
 globalThis.keepOffline = () => {
+  // The browser may have offered it before anybody listened.
+  if (prompt) tell("installable");
   // Not while it is written: a change has to show at once.
   if ("{{kept}}" === "yes" && navigator.serviceWorker) register().catch(() => {});
 };
@@ -46,11 +56,9 @@ globalThis.keepOffline = () => {
 globalThis.takeNewVersion = () => {
   const { waiting } = registration;
   if (!waiting) return;
-  navigator.serviceWorker.addEventListener("controllerchange", () => location.reload(), { once: true });
+  controlled = true;
   waiting.postMessage("take");
 };
-
-let prompt;
 
 addEventListener("beforeinstallprompt", (event) => {
   event.preventDefault();

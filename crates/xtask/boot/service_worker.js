@@ -19,7 +19,7 @@ const kept = new Set([...hashed, ...named.map(([file]) => file)].map(absolute));
 async function keep() {
   const cache = await caches.open(cacheName);
   const requests = [
-    ...hashed.map((file) => new Request(file, { cache: "force-cache" })),
+    ...hashed.map((file) => new Request(file)),
     ...named.map(([file, integrity]) => new Request(file, { cache: "no-cache", integrity })),
   ];
   // One after the other: nobody waits for them, and whoever uses the page meanwhile has the line. `addAll`

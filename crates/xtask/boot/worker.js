@@ -12,6 +12,8 @@ const keep = (event) => {
   else early.push(event);
 };
 self.addEventListener("message", keep);
+// What could not be read may have been the module.
+self.addEventListener("messageerror", () => self.reportError(new Error("a message of the page cannot be read")));
 
 // Which adapter is this tab's: see claim.rs of the worker.
 const none = { release() {} };

@@ -17,6 +17,10 @@ const LIVE: &str = "frame live";
 pub(super) async fn load(language: &str) -> Option<String> {
     // Beside the page, wherever that lies.
     let page = text_of(&format!("help/{language}.html")).await?;
+    // Some hosts send a page of their own where a file is missing.
+    if !page.contains(DRAWING) {
+        return None;
+    }
     let drawing = text_of("help/wiring.svg").await?;
     Some(page.replace(DRAWING, &drawing))
 }

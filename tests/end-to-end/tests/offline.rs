@@ -113,7 +113,7 @@ fn look_for_new_version(page: &Page) -> Result<()> {
     let said = page.evaluate(
         "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
             it.update().then(() => 'looked', String),
-            new Promise((give) => setTimeout(give, 5_000, 'no answer')),
+            new Promise((give) => setTimeout(give, 15_000, 'no answer')),
         ]))",
     )?;
     anyhow::ensure!(said == "looked", "looking for a new version: {said}");
