@@ -1,39 +1,20 @@
-//! The one owner of the wire: decides every frame that goes to the hub motors, without any I/O.
+#![doc = include_str!("../README.md")]
 //!
-//! [`Bus`] is a state machine. Bytes, commands and the time go in; frames to send, events and the
-//! next moment at which it wants to be woken come out. It reads no clock and owns no port, so a
-//! test can play hours of a faulty line in a second, and the same code runs in the web worker and
-//! natively.
+//! # Where to begin
 //!
-//! ```
-//! use motorlink_bus::{Bus, Command, Output};
-//! use motorlink_protocol::{Instant, MotorId};
+//! | to | see |
+//! |---|---|
+//! | run the line | [`Bus::poll`], [`Bus::receive`], [`Output`] |
+//! | ask for something | [`Bus::command`], [`Command`]; why not: [`Refusal`] |
+//! | hear what happened | [`Event`], [`Sample`], [`StopReport`], [`WithdrawReason`] |
+//! | show every motor | [`Bus::motors`], [`MotorStatus`], [`Activity`], [`LinkQuality`] |
+//! | bound what is asked | [`CommandRate`], [`Ramp`], [`Limits`], [`Consent`] |
+//! | drive several as one | [`Together`] |
+//! | find motors, give an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
+//! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //!
-//! let mut now = Instant::ZERO;
-//! let mut bus = Bus::new(now);
-//! bus.command(now, Command::Watch(MotorId::FIRST)).expect("watching is never refused");
-//! loop {
-//!     match bus.poll(now) {
-//!         Output::Transmit(frame) => println!("send {frame}"),
-//!         Output::Event(event) => println!("{event:?}"),
-//!         // Wait for bytes until then, `receive` them, and poll again.
-//!         Output::Wait(until) => break assert!(until > now),
-//!     }
-//! }
-//! ```
-//!
-//! # How a line is shared
-//!
-//! The line is half duplex: one exchange at a time, a request and its reply, or the window in which
-//! the reply could have come. Who is next is decided in `schedule`: stops, then mode switches, then
-//! drive frames by deadline, then queries where they do not make a drive frame late.
-//!
-//! # Safety
-//!
-//! What must be done is decided by pure functions in `safety` from what is known; they are tested as
-//! tables. A setpoint stands only while its motor answers, reports the loop that the setpoint is
-//! meant for, and reports no fault. Whatever ends that withdraws the setpoint and stops the motor;
-//! only a new command of an operator starts it again.
+//! What must be done for safety is decided by pure functions from what is known, [`stop_plan`],
+//! [`check_position_switch`] and [`needs_consent`] among them; they are tested as tables.
 
 mod angles;
 mod bus;

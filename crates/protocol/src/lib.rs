@@ -1,42 +1,15 @@
-//! The RS485 frames of the DFRobot M0601 and Waveshare DDSM115 hub motors, as types.
+#![doc = include_str!("../README.md")]
 //!
-//! Both motors are one design: a direct-drive hub motor that closes velocity, current and position
-//! loops itself and speaks fixed frames of ten bytes at 115200 baud 8N1, half duplex, multi-drop.
-//! This crate turns requests into frames, and frames into replies, and does nothing else: no port,
-//! no clock, no allocation, no `std`. When to send what is the business of `motorlink-bus`.
+//! # Where to begin
 //!
-//! # What a host sends
-//!
-//! | request | bytes 0-9 | answered in |
-//! |---|---|---|
-//! | [`Request::Drive`] | `ID 64 hi lo 00 00 accel brake 00 CRC` | [`Layout::Drive`] |
-//! | [`Request::Query`] | `ID 74 00 00 00 00 00 00 00 CRC` | [`Layout::Query`] |
-//! | [`Request::SwitchMode`] | `ID A0 00 00 00 00 00 00 00 mode`, no CRC | nothing |
-//! | [`Request::IdQuery`] | `C8 64 00 00 00 00 00 00 00 DE` | [`Layout::Drive`], by every motor at once |
-//! | [`Request::SetId`] | `AA 55 53 id 00 00 00 00 00 00`, no CRC | nothing |
-//!
-//! # What a motor answers
-//!
-//! Two layouts differ in bytes 6 and 7 and carry no mark that tells them apart, so a reply can only
-//! be read by one who knows what was asked: see [`Reply::decode`].
-//!
-//! # Example
-//!
-//! ```
-//! use motorlink_protocol::{Layout, MotorId, Reply, Request, Setpoint, SpeedTarget};
-//!
-//! let motor = MotorId::new(1)?;
-//! let request = Request::drive(motor, Setpoint::velocity(SpeedTarget::new(100)?));
-//! assert_eq!(request.frame().to_string(), "01 64 00 64 00 00 00 00 00 4F");
-//!
-//! let heard = "01 02 02 CD 00 64 17 CF 00 8F".parse()?;
-//! let reply = Reply::decode(&heard, Some(Layout::Drive))?;
-//! assert_eq!(reply.speed.rpm(), 100);
-//! # Ok::<(), Box<dyn core::error::Error>>(())
-//! ```
-//!
-//! Facts without another source come from frames captured on real motors (`tests/captures/`) and
-//! the maker's manual.
+//! | to | see |
+//! |---|---|
+//! | ask a motor | [`Request`], [`Request::frame`] |
+//! | say what it is to do | [`Setpoint`], of [`SpeedTarget`], [`CurrentTarget`], [`PositionTarget`], [`Acceleration`] |
+//! | read what it answered | [`Reply::decode`] with the [`Layout`] of [`Request::answered_in`] |
+//! | know what is wrong | [`Faults`], [`ReplyError`] |
+//! | show any frame in words | [`explain_sent`], [`explain_heard`] |
+//! | play a motor | [`Request::parse`], [`Reply::frame`] |
 #![no_std]
 
 mod clock;

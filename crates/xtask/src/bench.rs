@@ -126,7 +126,7 @@ pub fn worlds(workspace: &Workspace) -> Command {
     cargo
 }
 
-/// Makes the README's screenshots.
+/// Makes the README's moving picture and the screenshots.
 pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
     let (browser, _) = prepare(workspace)?;
     let mut program = program_of_bench(workspace, &browser, "screenshots", args);

@@ -91,7 +91,7 @@ pub enum Command {
     },
     /// Judge the built page with Lighthouse, as a desktop and as a phone load it
     Lighthouse,
-    /// Make the README's screenshots, and those of the installer
+    /// Make the README's moving picture (`docs`: that alone), the installer's, and one of every view
     Screenshots {
         /// Handed to the program that makes them
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -39,6 +39,7 @@ mod main_thread;
 mod memory;
 mod motors;
 mod mouse;
+mod moving_picture;
 mod page;
 mod processor_time;
 mod reading;

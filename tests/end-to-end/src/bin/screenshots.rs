@@ -2,7 +2,7 @@
 //!
 //! `cargo xtask screenshots` builds what is needed and runs this. They go into `screenshots/`, or the
 //! directory that is given. Those that the manifest names go into `public/screenshots/`; where `public` is
-//! given, no others are taken.
+//! given, no others are taken. The README's goes into `docs/`, alone where `docs` is given; it moves.
 
 use std::{
     env, fs,
@@ -30,10 +30,14 @@ fn main() -> ExitCode {
 }
 
 fn take(dir: &Path) -> Result<()> {
+    if dir == Path::new("docs") {
+        return spinning(&dir.join("spinning.webp"));
+    }
     for_installer(Path::new("public/screenshots"))?;
     if dir == Path::new("public") {
         return Ok(());
     }
+    spinning(Path::new("docs/spinning.webp"))?;
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
     for (language, schemes) in PICTURES {
         speak(*language);
@@ -93,6 +97,26 @@ fn for_installer(dir: &Path) -> Result<()> {
         page.screenshot_webp(&file)?;
     }
     Ok(())
+}
+
+/// The README's: the wheel turns once while it is shown, so that its end is its beginning; slowly, since a
+/// machine without a GPU takes two pictures a second.
+fn spinning(file: &Path) -> Result<()> {
+    let turn = Duration::from_secs(12);
+    let bench = Bench::start()?;
+    let page = bench.open("/?port=virtual")?;
+    page.look(View::DESKTOP)?;
+    page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
+    // Something for the graph to show.
+    for (button, speed) in [("-50", "50"), ("+100", "100"), ("+50", "50")] {
+        page.click("button", button)?;
+        page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
+        pause(2_000);
+    }
+    page.fill("spinbutton", "Target speed", "5")?;
+    pause(2_000);
+    println!("{}", file.display());
+    page.record_webp(View::DESKTOP, 960, 24, turn, file)
 }
 
 /// Pictures of one view.
