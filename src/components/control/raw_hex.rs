@@ -117,6 +117,8 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
         <p
             id="frame-words"
             class="frame-words"
+            // Long words scroll in their two lines, by keyboard too.
+            tabindex="0"
             class:bad=wrong
             aria-live=live(move || if wrong.get() { "polite" } else { "off" })
         >
