@@ -120,19 +120,23 @@ pub fn the_log_has_it_all(story: &Story, pulls: usize) -> Result<Table> {
     let lines = said.into_iter().zip(table.column("hex")?);
     let mut logged = lines.filter(|(said, _)| *said == "TX").map(|(_, hex)| hex);
     let mut unsent = 0;
+    let mut last_unsent = String::new();
     for frame in &wire.from_host().frames {
         let hex = hex(frame);
         loop {
             match logged.next() {
                 Some(next) if next == hex => break,
-                Some(_) => unsent += 1,
+                Some(next) => {
+                    unsent += 1;
+                    last_unsent = format!("{next} before {hex} at {} us", frame.at_us);
+                }
                 None => anyhow::bail!("not in the log: {hex}, {} us ago", passed_us - frame.at_us),
             }
         }
     }
     ensure!(
         unsent <= LOST_IN_A_PULL * pulls,
-        "{unsent} frames in the log were never on the wire"
+        "{unsent} frames in the log were never on the wire, at last {last_unsent}"
     );
     Ok(table)
 }
