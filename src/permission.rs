@@ -48,21 +48,26 @@ fn why_not_connected(connection: Connection) -> Option<&'static str> {
     }
 }
 
+/// What a motor has to be through with first.
+fn why_not_yet(id: MotorId, activity: Activity) -> Option<String> {
+    match activity {
+        Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
+        Activity::Switching { to } => Some(tr!(
+            "Motor {id} is changing to the {mode}.",
+            id,
+            mode = terms::mode(to)
+        )),
+        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => None,
+    }
+}
+
 /// Why this motor cannot be driven in this loop now.
 pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
     if let Some(reason) = why_not_asked(session, id) {
         return Some(reason);
     }
-    match session.motor(id)?.activity {
-        Activity::Stopping { .. } => return Some(terms::refusal(Refusal::Stopping(id))),
-        Activity::Switching { to } => {
-            return Some(tr!(
-                "Motor {id} is changing to the {mode}.",
-                id,
-                mode = terms::mode(to)
-            ));
-        }
-        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
+    if let Some(reason) = why_not_yet(id, session.motor(id)?.activity) {
+        return Some(reason);
     }
     let faults = session.faults(id)?.value;
     if faults.any_named() {
@@ -131,16 +136,8 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
     if let Some(reason) = why_not_asked(session, id) {
         return Some(reason);
     }
-    match session.motor(id)?.activity {
-        Activity::Stopping { .. } => return Some(terms::refusal(Refusal::Stopping(id))),
-        Activity::Switching { to } => {
-            return Some(tr!(
-                "Motor {id} is changing to the {mode}.",
-                id,
-                mode = terms::mode(to)
-            ));
-        }
-        Activity::Idle | Activity::Driven { .. } | Activity::DrivenRaw => {}
+    if let Some(reason) = why_not_yet(id, session.motor(id)?.activity) {
+        return Some(reason);
     }
     if session.mode(id)?.value == mode {
         return Some(tr!("The motor is in the {mode}.", mode = terms::mode(mode)));
