@@ -40,6 +40,11 @@ pub enum Passed {
         /// How long it was waited for.
         waited_us: u32,
     },
+    /// A frame that was to be sent and was not: the adapter was still at the frame before.
+    Unsent {
+        /// Its bytes.
+        frame: Frame,
+    },
 }
 
 /// One to ten bytes that are no good frame.

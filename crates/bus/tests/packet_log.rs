@@ -10,7 +10,7 @@ mod bench;
 
 use bench::{Bench, ID, ms, rpm};
 use motorlink_bus::{Command, Event, Passed, Traffic};
-use motorlink_protocol::{Frame, Layout, Mode, explain_heard, explain_sent};
+use motorlink_protocol::{Drive, Frame, Layout, Mode, explain_heard, explain_sent};
 use motorlink_simulator::{Echo, Speaker, Split, WireFaults, WorldConfig};
 
 fn log(bench: &Bench) -> Vec<Traffic> {
@@ -62,7 +62,7 @@ fn every_frame_is_logged_once_and_in_order() {
                 Passed::Sent { frame, .. } => Some((true, frame.bytes().to_vec())),
                 Passed::Heard { frame, .. } => Some((false, frame.bytes().to_vec())),
                 Passed::Junk(junk) => Some((false, junk.bytes().to_vec())),
-                Passed::Silence { .. } => None,
+                Passed::Silence { .. } | Passed::Unsent { .. } => None,
             })
             .collect();
         assert!(logged.len() > 500, "{}", logged.len());
@@ -137,4 +137,33 @@ fn spoilt_replies_and_silence_are_logged_as_such() {
         matches!(traffic.passed, Passed::Silence { id, waited_us } if id == ID && waited_us >= 6_000)
     });
     assert!(silences.count() >= 4);
+}
+
+#[test]
+fn a_frame_that_the_adapter_did_not_take_is_logged_as_not_sent_and_its_setpoint_is_withdrawn() {
+    let mut bench = Bench::new(WorldConfig::default());
+    bench.command(Command::Watch(ID)).unwrap();
+    bench.run(ms(300));
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_000));
+    bench.adapter_is_busy = true;
+    bench.run_until(ms(200), |bench| bench.world.next_event().is_none());
+    on_the_wire(&mut bench);
+    bench.forget_the_past();
+    bench.run(ms(400));
+    assert_eq!(on_the_wire(&mut bench), []);
+    let logged = log(&bench);
+    let is_sent = |traffic: &&Traffic| matches!(traffic.passed, Passed::Sent { .. });
+    assert_eq!(logged.iter().find(is_sent), None);
+    let unsent = logged
+        .iter()
+        .filter(|traffic| matches!(traffic.passed, Passed::Unsent { .. }));
+    assert!(unsent.count() >= 10);
+    assert!(bench.happened(|event| matches!(event, Event::Withdrawn { id: ID, .. })));
+
+    bench.adapter_is_busy = false;
+    bench.run(ms(2_000));
+    let drives = bench.sent.iter().filter_map(|sent| sent.drive_of(ID));
+    let of_zero = |drive: &Drive| drive.value == [0, 0];
+    assert!(drives.clone().count() > 0 && drives.clone().all(|drive| of_zero(&drive)));
 }

@@ -45,7 +45,7 @@ impl Entry {
         match self.what {
             What::Passed(Passed::Sent { .. }) => Kind::Tx,
             What::Passed(Passed::Heard { .. }) => Kind::Rx,
-            What::Passed(Passed::Junk(_) | Passed::Silence { .. })
+            What::Passed(Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. })
             | What::Said { error: true, .. } => Kind::Error,
             What::Said { error: false, .. } => Kind::System,
         }
@@ -54,7 +54,7 @@ impl Entry {
     /// The motor that it is of or to. What every motor hears is to none.
     pub(crate) fn id(&self) -> Option<MotorId> {
         match self.what {
-            What::Passed(Passed::Sent { frame, .. }) => {
+            What::Passed(Passed::Sent { frame, .. } | Passed::Unsent { frame }) => {
                 let [first, second, third, ..] = *frame.bytes();
                 let to_all = match first {
                     0xAA => (second, third) == (0x55, 0x53),
@@ -75,7 +75,9 @@ impl Entry {
     /// Its bytes, as far as it has any.
     pub(crate) fn bytes(&self) -> &[u8] {
         match &self.what {
-            What::Passed(Passed::Sent { frame, .. } | Passed::Heard { frame, .. }) => frame.bytes(),
+            What::Passed(
+                Passed::Sent { frame, .. } | Passed::Heard { frame, .. } | Passed::Unsent { frame },
+            ) => frame.bytes(),
             What::Passed(Passed::Junk(junk)) => junk.bytes(),
             What::Passed(Passed::Silence { .. }) | What::Said { .. } => &[],
         }

@@ -63,7 +63,7 @@ impl Routine {
                 let before = before.and_then(|before| before.replied.replace(now));
                 asked == Some(reply.id) && before == Some(now)
             }
-            Passed::Junk(_) | Passed::Silence { .. } => false,
+            Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. } => false,
         }
     }
 

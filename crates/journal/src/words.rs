@@ -43,6 +43,9 @@ fn translated(passed: &Passed) -> String {
             let ms = terms::in_language(format!("{millis}.{tenth}"));
             tr!("no answer within {ms} ms", ms)
         }
+        Passed::Unsent { .. } => {
+            tr!("not sent: the adapter was still at the frame before").to_owned()
+        }
     }
 }
 
@@ -77,6 +80,9 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             out.push('.');
             push_decimal(out, tenth);
             out.write_str(" ms")
+        }
+        What::Passed(Passed::Unsent { .. }) => {
+            out.write_str("not sent: the adapter was still at the frame before")
         }
     };
 }

@@ -27,10 +27,15 @@ impl Line {
         }
     }
 
-    pub(crate) fn write(&mut self, now: Instant, frame: Frame) {
+    /// Gives back whether the line has taken the frame.
+    #[must_use]
+    pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
         match self {
             Self::Serial(serial) => serial.write(frame),
-            Self::Virtual(world) => world.transmit(now, frame.bytes()),
+            Self::Virtual(world) => {
+                world.transmit(now, frame.bytes());
+                true
+            }
         }
     }
 

@@ -132,17 +132,20 @@ impl SerialLine {
         self.usb
     }
 
-    /// Hands a frame to the port. Success would prove nothing: the first write after an unplug
-    /// succeeds too. What failed shows on the reading side.
-    pub(crate) fn write(&self, frame: Frame) {
-        // A frame that would wait behind another is late already, and would be sent to a motor that
-        // may have stopped meanwhile: rather none. The bus sees it as silence.
+    /// Hands a frame to the port, unless it would wait behind another: it is late already then, and
+    /// would be sent to a motor that may have stopped meanwhile. Gives back whether it was handed over.
+    ///
+    /// That it was proves nothing: the first write after an unplug succeeds too. What failed shows on
+    /// the reading side.
+    pub(crate) fn write(&self, frame: Frame) -> bool {
         let room = self.writer.desired_size().ok().flatten();
-        if room.is_none_or(|room| room > 0.0) {
+        let has_room = room.is_none_or(|room| room > 0.0);
+        if has_room {
             self.frame.copy_from(frame.bytes());
             let written = self.writer.write_with_chunk(&self.frame);
             let _ = IGNORE.with(|ignore| written.catch(ignore));
         }
+        has_room
     }
 
     pub(crate) fn port(&self) -> SerialPort {

@@ -218,6 +218,7 @@ impl Station {
                     event => tell(&mut self.outbox, open, event),
                 }
             }
+            self.tape.hurry();
         }
         (left, self.generation)
     }
@@ -266,7 +267,8 @@ impl Station {
                     open.bus.receive(now, &bytes);
                 }
                 match open.bus.poll(now) {
-                    Output::Transmit(frame) => open.line.write(now, frame),
+                    Output::Transmit(frame) if open.line.write(now, frame) => {}
+                    Output::Transmit(_) => open.bus.unsent(),
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
                     // Of a port on trial too: the log shows what passed, whoever it came from.
                     Output::Event(Event::Traffic(traffic)) => self.tape.push(traffic),
@@ -284,12 +286,13 @@ impl Station {
             };
             wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
         }
+        // Before the page hears that a port is closed, the journal has all that passed on it.
+        if self.tape.due().is_some_and(|due| due <= now) {
+            self.tape.send(now);
+        }
         if self.outbox.due(now).is_some_and(|due| due <= now) {
             let present = self.present(now);
             self.outbox.send(now, present);
-        }
-        if self.tape.due().is_some_and(|due| due <= now) {
-            self.tape.send(now);
         }
         let outbox_due = self.outbox.due(now);
         let tape_due = self.tape.due();

@@ -72,6 +72,8 @@ pub struct Bench {
     pub world: World,
     pub sent: Vec<Sent>,
     pub events: Vec<(Instant, Event)>,
+    /// Whether the adapter is still at the frame before, and takes none.
+    pub adapter_is_busy: bool,
     /// Whether the page answers its pings.
     pub page_lives: bool,
 }
@@ -87,6 +89,7 @@ impl Bench {
             world,
             sent: Vec::new(),
             events: Vec::new(),
+            adapter_is_busy: false,
             page_lives: true,
         }
     }
@@ -162,6 +165,7 @@ impl Bench {
     fn settle(&mut self) -> Instant {
         for _ in 0..1_000 {
             match self.bus.poll(self.now) {
+                Output::Transmit(_) if self.adapter_is_busy => self.bus.unsent(),
                 Output::Transmit(frame) => {
                     self.world.transmit(self.now, frame.bytes());
                     self.sent.push(Sent {

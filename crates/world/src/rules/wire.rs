@@ -92,7 +92,7 @@ impl Wire {
                     self.heard.push(frame);
                     return self.logged(now, frame);
                 }
-                Passed::Junk(_) | Passed::Silence { .. } => {}
+                Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. } => {}
             },
             Event::Telemetry(sample) => self.read.push(sample.reply.frame()),
             _ => {}
