@@ -90,6 +90,10 @@ impl Bench {
         bench
             .until("the worker to start", || *bench.up.borrow())
             .await;
+        let complete = || bench.root.query_selector(".page:not(.incomplete)").unwrap();
+        bench
+            .until("all parts of the page", || complete().is_some())
+            .await;
         bench
     }
 

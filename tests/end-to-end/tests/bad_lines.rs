@@ -24,7 +24,7 @@ use story::{
     wait_for_speed, wait_for_wire,
 };
 
-const DRIVEN_FOR: Duration = Duration::from_secs(10);
+const DRIVEN_FOR: Duration = Duration::from_secs(5);
 
 /// A press shows on the wire in milliseconds, or is refused as fast.
 const REFUSED_WITHIN: Duration = Duration::from_secs(1);

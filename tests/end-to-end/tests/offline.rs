@@ -108,17 +108,24 @@ fn version(page: &Page) -> Result<Value> {
     page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--version')")
 }
 
-/// Has the browser look for a new version, as it does with every visit and every hour.
+/// Has the browser look for a new version, as it does with every visit and every hour. It may be busy.
 fn look_for_new_version(page: &Page) -> Result<()> {
-    let said = page.evaluate(
-        "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
-            it.update().then(() => 'looked', String),
-            new Promise((give) => setTimeout(give, 15_000, 'no answer')),
-        ]))",
-    )?;
-    anyhow::ensure!(said == "looked", "looking for a new version: {said}");
-    Ok(())
+    let mut said = Value::Null;
+    for _ in 0..LOOKS_MAX {
+        said = page.evaluate(
+            "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
+                it.update().then(() => 'looked', String),
+                new Promise((give) => setTimeout(give, 15_000, 'no answer')),
+            ]))",
+        )?;
+        if said == "looked" {
+            return Ok(());
+        }
+    }
+    anyhow::bail!("looking for a new version: {said}")
 }
+
+const LOOKS_MAX: u32 = 3;
 
 fn notices(page: &Page, wanted: impl Fn(&str) -> bool) -> Result<String> {
     page.wait_for_text("region", "Notices", wanted)

@@ -9,6 +9,8 @@
 
 mod story;
 
+use std::{thread, time::Duration};
+
 use anyhow::Result;
 use end_to_end::{Frame, Line, Page, now_us};
 use story::{
@@ -30,6 +32,23 @@ fn type_bytes(page: &Page, text: &str) -> Result<()> {
     page.find("textbox", "Frame bytes")?.type_over(text)
 }
 
+/// Where the machine was held up, an answer comes too late to be one: then it is asked again.
+fn press_until_answered(page: &Page) -> Result<String> {
+    for _ in 0..PRESSES_MAX {
+        page.click("button", "Send")?;
+        // What is said of the press before is not of this one.
+        thread::sleep(Duration::from_millis(500));
+        let said = |text: &str| text.contains("01 02") || text.contains("No answer");
+        let answer = page.wait_for_text("output", "Answer", said)?;
+        if answer.contains("01 02") {
+            return Ok(answer);
+        }
+    }
+    anyhow::bail!("{PRESSES_MAX} times no answer")
+}
+
+const PRESSES_MAX: u32 = 3;
+
 #[test]
 fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
     let story = in_the_editor()?;
@@ -39,8 +58,7 @@ fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
         text.contains("CRC") && text.contains("04")
     })?;
     let pressed = now_us();
-    page.click("button", "Send")?;
-    let answer = page.wait_for_text("output", "Answer", |text| text.contains("01 02"))?;
+    let answer = press_until_answered(page)?;
     // What it shows was on the wire, behind a query.
     let wire = story.since(pressed)?;
     let mut replies = wire.frames.windows(2).filter_map(|pair| {
@@ -136,9 +154,9 @@ fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
     })?;
     wait_for_speed(page, 0..=0)?;
     assert_ends_braked(&story.since(stopped)?);
-    story.stays_undriven(std::time::Duration::from_secs(1))?;
+    story.stays_undriven(Duration::from_secs(1))?;
     page.click("button", "Release")?;
-    story.stays_undriven(std::time::Duration::from_secs(1))?;
+    story.stays_undriven(Duration::from_secs(1))?;
 
     // It was asked once; the editor's own Stop stops the wheel too.
     page.click("button", "Send")?;
