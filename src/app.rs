@@ -2,15 +2,12 @@
 
 use std::time::Duration;
 
-use leptos::{html::Div, mount::mount_to, prelude::*};
+use leptos::{mount::mount_to_body, prelude::*};
 use motorlink_messages::ToWorker;
 
 use crate::{
-    components::{
-        ControlPanel, Graph, Header, HelpDialog, LinkPanel, MotorStrip, Notices, PacketLog,
-        QuestionDialog, Recording, SettingsPanel, StoppedDialog, Telemetry, TogetherPanel,
-        WheelPanel, live::follow,
-    },
+    assembling::{assembled, in_the_next_turn},
+    components::live::follow,
     desk::{Desk, WorkerState},
     installation, keyboard,
     language::{self, first_known, speak_from_now_on},
@@ -23,13 +20,15 @@ use crate::{
 /// How often it is looked whether the worker lives; a hidden page's timers may come less often.
 const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
 
+/// Shows the page.
+pub fn start() {
+    in_the_next_turn(|| mount_to_body(App));
+}
+
 /// The page: starts the worker and shows the desk.
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
-    if let Some(frame) = document().get_element_by_id("starting") {
-        frame.remove();
-    }
     speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
@@ -38,48 +37,17 @@ pub fn App() -> impl IntoView {
     // First of all, so that the keys and the end of the page reach the worker from its first moment.
     keyboard::listen(desk);
     lifecycle::watch(desk);
-    start_worker(desk);
+    // The workers start last: on two cores they would take half of the time in which the page comes.
+    let complete = RwSignal::new(false);
+    follow(move || {
+        if complete.get() {
+            untrack(move || start_worker(desk));
+        }
+    });
     ticking::keep_showing(desk);
     installation::watch(desk);
 
-    // In another language the page is mounted anew. As a view that changes it would bring along, for every
-    // element in it, the code that changes it: a fifth of the whole program.
-    let place = NodeRef::<Div>::new();
-    let mounted = StoredValue::new_local(None);
-    follow(move || {
-        desk.language.track();
-        let Some(place) = place.get() else { return };
-        // First the old one, with all that listens for it.
-        mounted.set_value(None);
-        mounted.set_value(Some(mount_to((*place).clone(), move || page(desk))));
-    });
-    view! { <div class="page" node_ref=place></div> }
-}
-
-fn page(desk: Desk) -> impl IntoView {
-    provide_context(desk);
-    let behind_dialog = move || desk.dialog.with(Option::is_some);
-    view! {
-        <Header behind_dialog=Signal::derive(behind_dialog) />
-        <div class="above-desk" inert=behind_dialog>
-            <MotorStrip />
-            <LinkPanel />
-            <TogetherPanel />
-            <SettingsPanel />
-        </div>
-        <main class="desk" inert=behind_dialog>
-            <ControlPanel />
-            <WheelPanel />
-            <Telemetry />
-            <Notices />
-            <PacketLog />
-            <Graph />
-            <Recording />
-            <StoppedDialog />
-        </main>
-        <HelpDialog />
-        <QuestionDialog />
-    }
+    assembled(desk, complete)
 }
 
 /// What the address, the memory and the browser name, in this order.
@@ -108,10 +76,10 @@ fn start_worker(desk: Desk) {
         if let Ok(looking) = looking {
             on_cleanup(move || looking.clear());
         }
-        desk.start_journal();
         if wants_virtual_motor() {
             desk.post(&ToWorker::ConnectVirtual);
         }
+        in_the_next_turn(move || desk.start_journal());
     } else {
         desk.worker.set(WorkerState::Dead);
         desk.start_journal();

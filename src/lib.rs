@@ -8,6 +8,7 @@
 
 mod acts;
 mod app;
+mod assembling;
 mod attribute;
 mod clock;
 mod components;
@@ -73,5 +74,5 @@ pub mod twin;
 mod words;
 mod worker_link;
 
-pub use app::App;
+pub use app::{App, start};
 pub use preferences::{Model, Preferences, Theme};

@@ -3,7 +3,7 @@
 #[cfg(target_arch = "wasm32")]
 fn main() {
     if web_sys::window().is_some() {
-        leptos::mount::mount_to_body(motorlink::App);
+        motorlink::start();
     } else {
         motorlink_worker::start();
     }

@@ -29,10 +29,7 @@ pub(crate) fn Header(
     view! {
         <header class="header">
             <div class="header-rest" inert=behind_dialog>
-                <div class="brand">
-                    <Logo />
-                    <h1>"MotorLink"</h1>
-                </div>
+                <div class="brand" inner_html=BRAND></div>
                 <ConnectionState />
                 <ConnectButtons />
                 <div class="header-facts">
@@ -51,18 +48,16 @@ pub(crate) fn Header(
     }
 }
 
-/// A hub wheel with three bolts.
-#[component]
-fn Logo() -> impl IntoView {
-    view! {
-        <svg class="logo" viewBox="0 0 24 24" width="26" height="26" aria-hidden="true">
-            <circle cx="12" cy="12" r="10" fill="none" stroke="currentColor" stroke-width="2.6" />
-            <circle cx="12" cy="12" r="2.4" fill="currentColor" />
-            <circle cx="12" cy="6.6" r="1.5" fill="currentColor" />
-            <circle cx="16.7" cy="14.7" r="1.5" fill="currentColor" />
-            <circle cx="7.3" cy="14.7" r="1.5" fill="currentColor" />
-        </svg>
-    }
+/// A hub wheel with three bolts, and the name.
+const BRAND: &str = r#"<svg class="logo" viewBox="0 0 24 24" width="26" height="26" aria-hidden="true"><circle cx="12" cy="12" r="10" fill="none" stroke="currentColor" stroke-width="2.6"/><circle cx="12" cy="12" r="2.4" fill="currentColor"/><circle cx="12" cy="6.6" r="1.5" fill="currentColor"/><circle cx="16.7" cy="14.7" r="1.5" fill="currentColor"/><circle cx="7.3" cy="14.7" r="1.5" fill="currentColor"/></svg><h1>MotorLink</h1>"#;
+
+const GLOBE: &str = "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3.5 9h17M3.5 15h17M12 3c5 5 5 13 0 18M12 3c-5 5-5 13 0 18";
+
+/// A drawing on a button, of this path.
+fn glyph(path: &str) -> String {
+    format!(
+        r#"<svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true"><path d="{path}" fill="none" stroke="currentColor" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round"/></svg>"#
+    )
 }
 
 /// Combobox `Language`: it lies, unseen, over a globe.
@@ -70,23 +65,12 @@ fn Logo() -> impl IntoView {
 fn LanguageChoice() -> impl IntoView {
     let desk = use_desk();
     let spoken = desk.language.get_untracked();
-    let option = |language: Language| {
-        view! {
-            <option value=language.key() selected=language == spoken lang=language.tag()>
-                {language.name()}
-            </option>
-        }
-    };
+    let options: String = Language::ALL
+        .map(|language| option(language, spoken))
+        .concat();
     view! {
         <span class="button icon-button language">
-            <svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true">
-                <path
-                    d="M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3.5 9h17M3.5 15h17M12 3c5 5 5 13 0 18M12 3c-5 5-5 13 0 18"
-                    fill="none"
-                    stroke="currentColor"
-                    stroke-width="1.8"
-                />
-            </svg>
+            <span class="glyph" inner_html=glyph(GLOBE)></span>
             <select
                 aria-label=tr!("Language")
                 title=tr!("Language")
@@ -102,11 +86,20 @@ fn LanguageChoice() -> impl IntoView {
                         }
                     }
                 })
-            >
-                {Language::ALL.map(option)}
-            </select>
+                inner_html=options
+            ></select>
         </span>
     }
+}
+
+fn option(language: Language, spoken: Language) -> String {
+    let selected = if language == spoken { " selected" } else { "" };
+    format!(
+        r#"<option value="{}" lang="{}"{selected}>{}</option>"#,
+        language.key(),
+        language.tag(),
+        language.name()
+    )
 }
 
 fn focus(id: &str) {
@@ -144,18 +137,8 @@ fn ThemeButton() -> impl IntoView {
             aria-label=tr!("Theme")
             title=live(title)
             on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
-        >
-            <svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true">
-                <path
-                    d=live(shape)
-                    fill="none"
-                    stroke="currentColor"
-                    stroke-width="1.8"
-                    stroke-linecap="round"
-                    stroke-linejoin="round"
-                />
-            </svg>
-        </button>
+            inner_html=live(move || glyph(shape()))
+        ></button>
     }
 }
 

@@ -14,23 +14,20 @@ use crate::{
 #[component]
 pub(crate) fn LinkQuality() -> impl IntoView {
     let desk = use_desk();
-    let link = desk.of_motor(|session, id| {
-        let link = session.motor(id)?.link;
-        let round_trip = link.round_trip_us.map(milliseconds);
-        let loss = link.loss_per_mille.map(percent);
-        Some((link.command_hz.to_string(), round_trip, loss))
+    let parts = desk.of_motor(|session, id| {
+        let link = session.motor(id).map(|motor| motor.link);
+        let rate = link.map(|link| link.command_hz.to_string());
+        let round_trip = link.and_then(|link| link.round_trip_us).map(milliseconds);
+        let loss = link.and_then(|link| link.loss_per_mille).map(percent);
+        let of_hundred = format!("% {}", tr!("lost" as "behind a number of percent"));
+        [
+            ("rate", rate, "Hz "),
+            ("time", round_trip, "ms "),
+            ("loss", loss, &of_hundred),
+        ]
+        .map(part)
+        .concat()
     });
-    let rate = move || link.get().map_or_else(unknown, |(rate, ..)| rate);
-    let round_trip = move || {
-        link.get()
-            .and_then(|(_, time, _)| time)
-            .unwrap_or_else(unknown)
-    };
-    let loss = move || {
-        link.get()
-            .and_then(|(.., loss)| loss)
-            .unwrap_or_else(unknown)
-    };
     view! {
         <div class="labelled link">
             <span class="label" aria-hidden="true">
@@ -40,25 +37,14 @@ pub(crate) fn LinkQuality() -> impl IntoView {
                 aria-label=tr!("Link")
                 aria-live="off"
                 title=tr!("Drive frames a second · round trip · requests without a good reply")
-            >
-                <span class="link-part">
-                    <b class="link-rate">{live(rate)}</b>
-                    " Hz "
-                </span>
-                <span class="link-part">
-                    <b class="link-time">{live(round_trip)}</b>
-                    " ms "
-                </span>
-                <span class="link-part">
-                    <b class="link-loss">{live(loss)}</b>
-                    " % "
-                    {tr!("lost" as "behind a number of percent")}
-                </span>
-            </output>
+                inner_html=live(move || parts.get())
+            ></output>
         </div>
     }
 }
 
-fn unknown() -> String {
-    UNKNOWN.to_owned()
+/// A figure with what it counts, as HTML. It has its place, however many digits it has.
+fn part((name, figure, unit): (&str, Option<String>, &str)) -> String {
+    let figure = figure.as_deref().unwrap_or(UNKNOWN);
+    format!("<span class=\"link-part\"><b class=\"link-{name}\">{figure}</b> {unit}</span>")
 }

@@ -33,7 +33,9 @@ mod together_panel;
 pub(crate) mod tour;
 mod wheel_panel;
 
-pub(crate) use control::ControlPanel;
+pub(crate) use control::{
+    ControlPanel, CurrentTab, IdManagerTab, PositionTab, RawHexTab, VelocityTab,
+};
 pub(crate) use graph::Graph;
 pub(crate) use header::Header;
 pub(crate) use help::HelpDialog;

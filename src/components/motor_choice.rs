@@ -19,6 +19,8 @@ use crate::{
 pub(crate) fn MotorChoice() -> impl IntoView {
     let desk = use_desk();
     let found = memo(move || desk.shown.with(Session::found));
+    // A browser gives each of 254 options its style, which holds the page up while it starts.
+    let wanted = RwSignal::new(false);
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">
@@ -27,7 +29,9 @@ pub(crate) fn MotorChoice() -> impl IntoView {
             <select
                 aria-label=tr!("Motor")
                 class="select motor-select"
-                inner_html=live(move || options(&found.get(), desk.selected.get()))
+                inner_html=live(move || options(&found.get(), desk.selected.get(), wanted.get()))
+                on:pointerdown=heard(move |_| wanted.set(true))
+                on:focus=heard(move |_| wanted.set(true))
                 on:change=heard(move |event| {
                     if let Ok(id) = event_target_value(&event).parse() {
                         desk.choose(id);
@@ -38,9 +42,10 @@ pub(crate) fn MotorChoice() -> impl IntoView {
     }
 }
 
-/// The list as HTML. As elements of the view, 254 of them would be watched one by one.
-fn options(found: &[MotorId], selected: MotorId) -> String {
-    let others = MotorId::all().filter(|id| !found.contains(id));
+/// The list as HTML, with every ID or only those that are seen while it is closed. As elements of the view,
+/// 254 of them would be watched one by one.
+fn options(found: &[MotorId], selected: MotorId, every: bool) -> String {
+    let others = MotorId::all().filter(|id| !found.contains(id) && (every || *id == selected));
     let mut html = String::new();
     if !found.is_empty() {
         push_group(&mut html, tr!("Found"), found.iter().copied(), selected);
@@ -71,7 +76,15 @@ fn push_group(
 #[component]
 pub(crate) fn ModelChoice() -> impl IntoView {
     let desk = use_desk();
-    let is = move |model| live(move || desk.preferences.with(|chosen| chosen.model == model));
+    let options = [Model::M0601, Model::Ddsm115]
+        .map(|model| {
+            format!(
+                "<option value=\"{}\">{}</option>",
+                model.key(),
+                model.name()
+            )
+        })
+        .concat();
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">
@@ -80,19 +93,15 @@ pub(crate) fn ModelChoice() -> impl IntoView {
             <select
                 aria-label=tr!("Model")
                 class="select model-select"
+                inner_html=options
+                // Behind the options, of which it chooses one.
+                prop:value=live(move || desk.preferences.with(|chosen| chosen.model.key()))
                 on:change=heard(move |event| {
                     if let Some(model) = Model::from_key(&event_target_value(&event)) {
                         desk.prefer(|preferences| preferences.model = model);
                     }
                 })
-            >
-                <option value=Model::M0601.key() prop:selected=is(Model::M0601)>
-                    {Model::M0601.name()}
-                </option>
-                <option value=Model::Ddsm115.key() prop:selected=is(Model::Ddsm115)>
-                    {Model::Ddsm115.name()}
-                </option>
-            </select>
+            ></select>
         </label>
     }
 }
@@ -104,12 +113,12 @@ mod tests {
     #[test]
     fn motors_that_answered_come_first_and_every_id_is_there_once() {
         let two = MotorId::new(2).unwrap();
-        let html = options(&[two], MotorId::FIRST);
+        let html = options(&[two], MotorId::FIRST, true);
         let found = "<optgroup label=\"Found\"><option value=\"2\">0x02 · 2</option></optgroup>";
         assert!(html.starts_with(found), "{html}");
         assert!(html.contains("<option value=\"1\" selected>0x01 · 1</option>"));
         assert_eq!(html.matches("<option ").count(), 254);
         assert_eq!(html.matches(" selected").count(), 1);
-        assert!(!options(&[], two).contains("Found"));
+        assert!(!options(&[], two, true).contains("Found"));
     }
 }

@@ -140,8 +140,6 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &[
             ("worker", &worker_boot),
             ("style", &style),
-            ("wasm", &names.wasm),
-            ("glue", &names.glue),
             ("boot", &page_boot),
             ("installed", &installed),
         ],
@@ -249,13 +247,7 @@ mod tests {
     fn each_file_names_those_it_loads() {
         let files = assemble(&parts()).unwrap();
         let (_, index) = starting(&files, "index.html");
-        for stem in [
-            "page-boot-",
-            "motorlink-glue-",
-            "worker-boot-",
-            "installed-",
-            "style-",
-        ] {
+        for stem in ["page-boot-", "worker-boot-", "installed-", "style-"] {
             let (name, _) = starting(&files, stem);
             assert!(
                 index.contains(&format!("\"./{name}\"")),

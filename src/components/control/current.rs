@@ -33,7 +33,7 @@ const PRESETS: [(f32, &str, &str); 7] = [
 ];
 
 #[component]
-pub(super) fn CurrentTab() -> impl IntoView {
+pub(crate) fn CurrentTab() -> impl IntoView {
     let desk = use_desk();
     let current = desk.targets.current;
     let why_not = why_not_in(desk, MODE);

@@ -71,16 +71,8 @@ pub(super) fn Dial(
                 target.set(ANGLE.moved(target.get_untracked(), by));
                 on_edit.run(());
             })
-        >
-            <circle class="dial-track" r="50" />
-            <path class="dial-arc" d=live(move || arc(degrees())) />
-            {(0..12).map(tick).collect_view()}
-            <g transform=live(move || format!("rotate({:.2})", degrees()))>
-                <line class="dial-hand" x1="0" y1="-14" x2="0" y2="-42" />
-                <circle class="dial-knob" cx="0" cy="-50" r="7" />
-            </g>
-            <circle class="dial-hub" r="5" />
-        </svg>
+            inner_html=live(move || face(degrees()))
+        ></svg>
     }
 }
 
@@ -89,18 +81,25 @@ fn number(pixels: impl Into<f64>) -> f64 {
     pixels.into()
 }
 
-fn tick(number: i32) -> impl IntoView {
-    let long = number % 3 == 0;
-    view! {
-        <line
-            class="dial-tick"
-            x1="0"
-            x2="0"
-            y1=if long { "-36" } else { "-39" }
-            y2="-43"
-            transform=format!("rotate({})", number * 30)
-        />
-    }
+/// What is drawn in the dial at an angle.
+fn face(degrees: f64) -> String {
+    let ticks: String = (0..12).map(tick).collect();
+    format!(
+        "<circle class=\"dial-track\" r=\"50\"/><path class=\"dial-arc\" d=\"{}\"/>{ticks}\
+         <g transform=\"rotate({degrees:.2})\">\
+         <line class=\"dial-hand\" x1=\"0\" y1=\"-14\" x2=\"0\" y2=\"-42\"/>\
+         <circle class=\"dial-knob\" cx=\"0\" cy=\"-50\" r=\"7\"/></g>\
+         <circle class=\"dial-hub\" r=\"5\"/>",
+        arc(degrees)
+    )
+}
+
+fn tick(number: i32) -> String {
+    let inner = if number % 3 == 0 { -36 } else { -39 };
+    format!(
+        "<line class=\"dial-tick\" x1=\"0\" x2=\"0\" y1=\"{inner}\" y2=\"-43\" transform=\"rotate({})\"/>",
+        number * 30
+    )
 }
 
 /// Degrees clockwise from straight up; `x` grows to the right and `y` downwards.

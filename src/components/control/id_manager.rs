@@ -23,7 +23,7 @@ use crate::{
 };
 
 #[component]
-pub(super) fn IdManagerTab() -> impl IntoView {
+pub(crate) fn IdManagerTab() -> impl IntoView {
     let desk = use_desk();
     let new_id = desk.targets.new_id;
     let blocked = desk.of_motor(|session, _| why_not_scan(session));

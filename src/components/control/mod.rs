@@ -20,21 +20,20 @@ use web_sys::{HtmlElement, KeyboardEvent};
 use crate::components::live::{heard, live};
 
 pub(super) use self::number_field::NumberField;
-use self::{
-    current::CurrentTab,
-    id_manager::IdManagerTab,
-    panel::{panel_id, tab_id},
-    position::PositionTab,
-    raw_hex::RawHexTab,
-    settings::Settings,
+pub(crate) use self::{
+    current::CurrentTab, id_manager::IdManagerTab, position::PositionTab, raw_hex::RawHexTab,
     velocity::VelocityTab,
+};
+use self::{
+    panel::{panel_id, tab_id},
+    settings::Settings,
 };
 use crate::{
     desk::{Desk, use_desk},
     tab::Tab,
 };
 
-/// Tablist `Control` with its panels.
+/// Tablist `Control`, with the place for its panels.
 #[component]
 pub(crate) fn ControlPanel() -> impl IntoView {
     view! {
@@ -42,13 +41,7 @@ pub(crate) fn ControlPanel() -> impl IntoView {
             <div class="tabs" role="tablist" aria-label=tr!("Control")>
                 {Tab::ALL.map(|tab| view! { <TabButton tab /> }).collect_view()}
             </div>
-            <div class="tab-panels">
-                <VelocityTab />
-                <CurrentTab />
-                <PositionTab />
-                <IdManagerTab />
-                <RawHexTab />
-            </div>
+            <div class="tab-panels"></div>
             <Settings />
         </section>
     }

@@ -19,7 +19,7 @@ const MODE: Mode = Mode::Position;
 const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")];
 
 #[component]
-pub(super) fn PositionTab() -> impl IntoView {
+pub(crate) fn PositionTab() -> impl IntoView {
     let desk = use_desk();
     let position = desk.targets.position;
     let why_not = why_not_in(desk, MODE);

@@ -22,7 +22,7 @@ use crate::{
 };
 
 #[component]
-pub(super) fn RawHexTab() -> impl IntoView {
+pub(crate) fn RawHexTab() -> impl IntoView {
     let raw = use_desk().raw;
     let entered = memo(move || raw.text.with(|text| Entered::read(text)));
     tab_panel(

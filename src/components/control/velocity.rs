@@ -32,7 +32,7 @@ fn hint() -> String {
 }
 
 #[component]
-pub(super) fn VelocityTab() -> impl IntoView {
+pub(crate) fn VelocityTab() -> impl IntoView {
     let desk = use_desk();
     let targets = desk.targets;
     let why_not = why_not_in(desk, MODE);

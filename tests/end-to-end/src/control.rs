@@ -150,6 +150,8 @@ impl Control {
             self.title(),
             self.description
         );
+        // A person has it in hand first, and a list may fill only then.
+        self.ask("function () { this.focus(); return null; }", &[])?;
         let function = "function (wanted) {
             const words = (option) => option.textContent.trim().replace(/\\s+/g, ' ');
             const option = [...this.options].find((option) => words(option) === wanted);
