@@ -1,8 +1,8 @@
 //! What has to be built before the bench can run, and where it is.
 
 use std::cmp::Reverse;
-use std::env;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 use anyhow::{Result, bail};
 
@@ -82,6 +82,25 @@ pub fn chromium() -> Result<PathBuf> {
         &candidates,
         "apt-get install chromium",
     )
+}
+
+/// Copies a site with all that is in its folders, for a story that changes some of it.
+///
+/// # Errors
+///
+/// When it cannot be read or written.
+pub fn copy_site(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let to = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_site(&entry.path(), &to)?;
+        } else {
+            fs::copy(entry.path(), to)?;
+        }
+    }
+    Ok(())
 }
 
 fn find(variable: &str, candidates: &[PathBuf], command: &str) -> Result<PathBuf> {

@@ -13,7 +13,7 @@ use std::{thread, time::Duration};
 
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us};
-use story::{Story, assert_quiet_console, number, wait_for_speed};
+use story::{Story, assert_quiet_console, number, spin, wait_for_speed};
 
 #[test]
 fn an_adapter_pulled_out_while_driving_comes_back_and_drives_nothing() -> Result<()> {
@@ -86,8 +86,7 @@ fn of_two_identical_adapters_the_one_with_the_chosen_motor_is_taken() -> Result<
 fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
     for echo in ["whole", "cut:1", "cut:4"] {
         let story = Story::connected(Line::default().with(&["--echo", echo]))?;
-        story.page.click("button", "+100")?;
-        wait_for_speed(&story.page, 97..=103)?;
+        spin(&story.page, "+100", 97..=103)?;
         let temperature = story
             .page
             .wait_for_text("output", "Temperature", |t| number(t).is_some())?;

@@ -13,7 +13,7 @@ use std::{thread, time::Duration};
 
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us};
-use story::{Story, assert_ends_braked, assert_quiet_console, number, wait_for_speed};
+use story::{Story, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed};
 
 /// The main job.
 #[test]
@@ -24,8 +24,7 @@ fn connect_press_plus_100_and_the_wheel_turns() -> Result<()> {
     story.stays_undriven(Duration::from_secs(1))?;
 
     let pressed = now_us();
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     page.wait_for_text("output", "Motion", |text| text.contains("Spinning CCW"))?;
     page.wait_for_text("output", "Temperature", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(2));
@@ -209,8 +208,7 @@ fn the_virtual_motor_needs_no_hardware() -> Result<()> {
     let page = bench.open("/?port=virtual")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    page.click("button", "+100")?;
-    wait_for_speed(&page, 97..=103)?;
+    spin(&page, "+100", 97..=103)?;
     page.press("Escape")?;
     wait_for_speed(&page, 0..=0)?;
     assert_quiet_console(&page);

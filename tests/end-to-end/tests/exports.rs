@@ -17,14 +17,13 @@ use motorlink_messages::protocol::{Frame as ProtocolFrame, Reply as ProtocolRepl
 use story::{
     Story, assert_quiet_console,
     exports::{LOG_HEAD, Reply, TELEMETRY_HEAD, Table, hex, ms_of_day, undisturbed_replies},
-    number, wait_for_speed, wait_until_enabled,
+    number, spin, wait_for_speed, wait_until_enabled,
 };
 
 /// Something of everything: a drive, a stop, a loop that is switched, silence.
 fn a_busy_minute(story: &Story) -> Result<()> {
     let page = &story.page;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
     page.press("Escape")?;

@@ -10,7 +10,7 @@
 mod story;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use base64::Engine as _;
@@ -18,7 +18,7 @@ use base64::engine::general_purpose::STANDARD;
 use end_to_end::{Bench, Page, artefacts, wait_until};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
-use story::{assert_quiet_console, open_panel, wait_for_speed};
+use story::{assert_quiet_console, open_panel, spin};
 use tempfile::TempDir;
 
 /// Where on its host the page may be.
@@ -33,7 +33,7 @@ impl Host {
     fn new() -> Result<Self> {
         let dir = tempfile::tempdir()?;
         fs::write(dir.path().join("index.html"), "another page")?;
-        copy(&artefacts::dist()?, &dir.path().join(SUB_PATH))?;
+        artefacts::copy_site(&artefacts::dist()?, &dir.path().join(SUB_PATH))?;
         Ok(Self { dir })
     }
 
@@ -76,26 +76,11 @@ fn integrity(text: &str) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
 }
 
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let to = to.join(entry.file_name());
-        if entry.path().is_dir() {
-            copy(&entry.path(), &to)?;
-        } else {
-            fs::copy(entry.path(), to)?;
-        }
-    }
-    Ok(())
-}
-
 fn drive_virtual_motor(page: &Page) -> Result<()> {
     page.click("button", "Virtual motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)
+    spin(page, "+100", 97..=103)
 }
 
 fn disconnect(page: &Page) -> Result<()> {

@@ -19,7 +19,7 @@ use story::{
         frames_cease, it_drives_again_when_asked, nothing_but_stops_and_questions,
         nothing_moves_until_asked, the_motor_coasts, the_page_says,
     },
-    wait_for_speed,
+    spin, wait_for_speed,
 };
 
 /// Between leaving and returning: longer than what a page that goes has for its last frames.
@@ -111,8 +111,7 @@ fn a_page_with_the_virtual_motor_comes_back_stopped() -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open("/?port=virtual")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    page.click("button", "+100")?;
-    wait_for_speed(&page, 97..=103)?;
+    spin(&page, "+100", 97..=103)?;
     leave_and_return(&page)?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;

@@ -13,15 +13,14 @@ use std::{thread, time::Duration};
 
 use anyhow::Result;
 use end_to_end::{Bench, Line, Page, now_us};
-use story::{Story, assert_quiet_console, wait_for_speed};
+use story::{Story, assert_quiet_console, spin, wait_for_speed};
 
 const LONG: Duration = Duration::from_secs(15);
 
 fn drive_at_500_hz(page: &Page) -> Result<()> {
     page.fill("spinbutton", "Command rate", "500")?;
     page.press("Enter")?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)
+    spin(page, "+100", 97..=103)
 }
 
 /// The worker that drives so fast still gets to the page's answers.

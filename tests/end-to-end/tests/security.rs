@@ -14,7 +14,7 @@ use std::{fs, path::Path};
 use anyhow::Result;
 use end_to_end::{Line, PATIENCE, Page, wait_until};
 use serde_json::Value;
-use story::{Story, assert_quiet_console, open_panel, wait_for_speed};
+use story::{Story, assert_quiet_console, open_panel, spin};
 
 /// Keeps what breaks the policy, from before the first line of the page.
 const LISTEN: &str = "globalThis.broken = [];
@@ -50,8 +50,7 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
         open_panel(page, panel)?;
     }
     page.click("button", "Close the panel")?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     page.press("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| text.contains("onfirmed"))?;
     page.click("button", "Release")?;

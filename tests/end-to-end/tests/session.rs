@@ -16,7 +16,7 @@ use end_to_end::{Adapter, Bench, Frame, Line, Page, Usb, WireLog, now_us};
 use story::{
     assert_quiet_console, connect,
     exports::{Table, hex, undisturbed_replies},
-    open_panel, wait_for_speed, wait_until_enabled,
+    open_panel, spin, wait_until_enabled,
 };
 
 /// What a crash may cost.
@@ -28,8 +28,7 @@ fn recorded_until_a_crash(bench: &Bench, adapter: &Adapter) -> Result<(WireLog, 
     page.fill("spinbutton", "Command rate", "120")?;
     connect(&page)?;
     page.click("button", "Record telemetry")?;
-    page.click("button", "+100")?;
-    wait_for_speed(&page, 97..=103)?;
+    spin(&page, "+100", 97..=103)?;
     thread::sleep(Duration::from_secs(3));
     let crashed_us = now_us();
     page.crash();

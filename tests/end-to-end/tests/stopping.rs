@@ -13,7 +13,7 @@ use std::{thread, time::Duration};
 
 use anyhow::Result;
 use end_to_end::{Line, now_us};
-use story::{Story, assert_ends_braked, assert_quiet_console, number, wait_for_speed};
+use story::{Story, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed};
 
 fn in_the_current_loop() -> Result<Story> {
     let story = Story::connected(Line::default())?;
@@ -62,8 +62,7 @@ fn the_button_space_and_escape_stop_a_turning_wheel() -> Result<()> {
     let story = Story::spinning()?;
     let page = &story.page;
     stops_and_stays_stopped(&story, || page.click("button", "Stop all motors"))?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     page.evaluate("document.activeElement?.blur()")?;
     stops_and_stays_stopped(&story, || page.press(" "))?;
     page.click("button", "-50")?;

@@ -19,7 +19,7 @@ use story::{
         it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all, the_page_says,
         the_recording_is_intact,
     },
-    wait_for_speed, wait_for_wire,
+    spin, wait_for_speed, wait_for_wire,
 };
 
 /// A full scan on a held-up machine.
@@ -181,8 +181,7 @@ fn an_adapter_pulled_out_at_500_hz_comes_back_and_drives_nothing() -> Result<()>
     })?;
     let page = &story.page;
     page.fill("spinbutton", "Command rate", "500")?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     survives_a_pull(&mut story)?;
     goes_on(&story)
 }

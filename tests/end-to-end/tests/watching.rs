@@ -13,7 +13,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 use end_to_end::{Line, PATIENCE, Page, wait_until};
-use story::{Story, assert_quiet_console, number, open_panel, wait_for_speed, wait_until_enabled};
+use story::{
+    Story, assert_quiet_console, number, open_panel, spin, wait_for_speed, wait_until_enabled,
+};
 
 /// A stall takes the motor 5 s to notice and as long to forget.
 const STALL_PATIENCE: Duration = Duration::from_secs(40);
@@ -42,8 +44,7 @@ fn the_log_shows_both_directions_in_hex_and_in_words() -> Result<()> {
     let story = Story::connected(Line::default())?;
     let page = &story.page;
     tick(page, "Collapse status polls", false)?;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     let rows = wait_for_packets(page, |rows| {
         rows.contains("TX") && rows.contains("RX") && rows.contains("01 64 00 64")
     })?;
@@ -140,8 +141,7 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
 fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
     let story = Story::connected(Line::default())?;
     let page = &story.page;
-    page.click("button", "+100")?;
-    wait_for_speed(page, 97..=103)?;
+    spin(page, "+100", 97..=103)?;
     let graph = |page: &Page| page.find_like("img", "Speed and current");
     let drawn = wait_until("a trace", PATIENCE, || {
         let pixels = graph(page)?.coloured_pixels()?;

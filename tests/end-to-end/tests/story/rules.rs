@@ -8,7 +8,7 @@ use end_to_end::{Frame, PATIENCE, Page, WireLog, now_us, wait_until};
 use super::{
     Story,
     exports::{Table, hex, ms_of_day},
-    number, wait_for_speed,
+    number, spin,
 };
 
 /// What a motor that nobody asks for anything may do unseen: a second.
@@ -18,8 +18,11 @@ const WATCHED: Duration = Duration::from_secs(1);
 /// machine.
 const HUNG_MAX_US: u64 = 1_400_000;
 
-/// A wheel is at speed in half a second; a busy page shows it a little later.
-const SPIN_UP_MAX: Duration = Duration::from_secs(5);
+/// What the page says where a motor was lost for a moment: as it drove, or when it was to.
+pub const LOST: [&str; 2] = [
+    "is being stopped: it did not answer for 200 ms",
+    "has not answered, so its loop is not known",
+];
 
 /// Frames may be written to an adapter that is just being pulled out: those of a write each, behind one
 /// that waits.
@@ -52,29 +55,23 @@ pub fn nothing_but_stops_and_questions(wire: &WireLog) -> Result<()> {
     Ok(())
 }
 
-/// A person starts the wheel, and it turns. Where the machine was held up and lost the motor for a moment,
-/// the page says so and a person presses again.
+/// A person starts the wheel, and it turns.
 pub fn it_drives_again_when_asked(page: &Page) -> Result<()> {
     page.click("tab", "Velocity")?;
-    page.click("button", "+50")?;
-    let turns = |text: &str| number(text).is_some_and(|rpm| (47.0..=53.0).contains(&rpm));
-    if page
-        .wait_for_text_within(SPIN_UP_MAX, "output", "Speed", turns)
-        .is_ok()
-    {
-        return Ok(());
-    }
-    the_page_says(page, "is being stopped: it did not answer for 200 ms")?;
-    page.click("button", "+50")?;
-    wait_for_speed(page, 47..=53)
+    spin(page, "+50", 47..=53)
 }
 
 /// The page says this somewhere, in these words.
 pub fn the_page_says(page: &Page, words: &str) -> Result<()> {
+    the_page_says_one_of(page, &[words])
+}
+
+/// The page says one of these somewhere.
+pub fn the_page_says_one_of(page: &Page, words: &[&str]) -> Result<()> {
     wait_until(&format!("the page to say {words:?}"), PATIENCE, || {
         let said = page.evaluate("document.body.innerText")?;
         let said = said.as_str().unwrap_or_default().to_owned();
-        Ok(if said.contains(words) {
+        Ok(if words.iter().any(|words| said.contains(words)) {
             Ok(())
         } else {
             Err(said)
