@@ -51,12 +51,22 @@ impl Targets {
 impl Desk {
     /// Stops all motors. The message is posted before anything else is done.
     pub(crate) fn stop_all(self, reason: StopReason) {
+        if reason == StopReason::Operator && self.link.with_value(Option::is_none) {
+            self.stopped_early.set_value(true);
+        }
         self.command(Command::StopAll(reason));
         self.asked.set(None);
         self.dialog.set(None);
         self.give_up_id_change();
         self.raw.await_nothing();
         self.forget_group();
+    }
+
+    /// A stop that was asked for before the worker was there stands before anything can be driven.
+    pub(crate) fn stop_if_asked_early(self) {
+        if self.stopped_early.get_value() {
+            self.command(Command::StopAll(StopReason::Operator));
+        }
     }
 
     pub(crate) fn release(self) {

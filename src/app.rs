@@ -1,4 +1,4 @@
-//! The whole page.
+//! The start of the page.
 
 use std::time::Duration;
 
@@ -34,7 +34,7 @@ pub fn App() -> impl IntoView {
     provide_context(desk);
     follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
 
-    // First of all, so that the keys and the end of the page reach the worker from its first moment.
+    // First of all: a stop that is asked for before there is a worker stands once there is one.
     keyboard::listen(desk);
     lifecycle::watch(desk);
     // The workers start last: on two cores they would take half of the time in which the page comes.
@@ -76,10 +76,11 @@ fn start_worker(desk: Desk) {
         if let Ok(looking) = looking {
             on_cleanup(move || looking.clear());
         }
+        desk.start_journal();
+        desk.stop_if_asked_early();
         if wants_virtual_motor() {
             desk.post(&ToWorker::ConnectVirtual);
         }
-        in_the_next_turn(move || desk.start_journal());
     } else {
         desk.worker.set(WorkerState::Dead);
         desk.start_journal();

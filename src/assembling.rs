@@ -22,7 +22,7 @@ use crate::{
         StoppedDialog, Telemetry, TogetherPanel, VelocityTab, WheelPanel,
         live::{follow, live},
     },
-    desk::Desk,
+    desk::{Desk, use_desk},
 };
 
 /// Where parts are mounted, in the order in which they stand on the page.
@@ -36,77 +36,53 @@ enum Place {
 }
 
 /// A part, and where it is mounted: behind those that are there already.
-type Part = (Place, fn(HtmlElement, Desk) -> Mounted);
+type Part = (Place, fn(HtmlElement) -> Mounted);
 
 /// Keeps a part alive.
 type Mounted = (Owner, Box<dyn Any>);
 
+/// In the order in which they come: what is looked at first comes first.
 const PARTS: [Part; 20] = [
-    (Place::Top, |place, desk| {
-        let behind_dialog = Signal::derive(move || is_behind_dialog(desk));
-        mount(place, desk, move || view! { <Header behind_dialog /> })
+    (Place::Top, |place| {
+        mount(place, || {
+            let desk = use_desk();
+            view! { <Header behind_dialog=Signal::derive(move || is_behind_dialog(desk)) /> }
+        })
     }),
-    (Place::Desk, |place, desk| mount(place, desk, ControlPanel)),
-    (Place::TabPanels, |place, desk| {
-        mount(place, desk, VelocityTab)
-    }),
-    (Place::TabPanels, |place, desk| {
-        mount(place, desk, CurrentTab)
-    }),
-    (Place::TabPanels, |place, desk| {
-        mount(place, desk, PositionTab)
-    }),
-    (Place::TabPanels, |place, desk| {
-        mount(place, desk, IdManagerTab)
-    }),
-    (Place::TabPanels, |place, desk| {
-        mount(place, desk, RawHexTab)
-    }),
-    (Place::Desk, |place, desk| mount(place, desk, WheelPanel)),
-    (Place::Desk, |place, desk| mount(place, desk, Telemetry)),
-    (Place::Desk, |place, desk| mount(place, desk, Notices)),
-    (Place::Desk, |place, desk| mount(place, desk, PacketLog)),
-    (Place::Desk, |place, desk| mount(place, desk, Graph)),
-    (Place::Desk, |place, desk| mount(place, desk, Recording)),
-    (Place::Desk, |place, desk| mount(place, desk, StoppedDialog)),
-    (Place::AboveDesk, |place, desk| {
-        mount(place, desk, MotorStrip)
-    }),
-    (Place::AboveDesk, |place, desk| {
-        mount(place, desk, LinkPanel)
-    }),
-    (Place::AboveDesk, |place, desk| {
-        mount(place, desk, TogetherPanel)
-    }),
-    (Place::AboveDesk, |place, desk| {
-        mount(place, desk, SettingsPanel)
-    }),
-    (Place::Dialogs, |place, desk| mount(place, desk, HelpDialog)),
-    (Place::Dialogs, |place, desk| {
-        mount(place, desk, QuestionDialog)
-    }),
+    (Place::Desk, |place| mount(place, ControlPanel)),
+    (Place::TabPanels, |place| mount(place, VelocityTab)),
+    (Place::TabPanels, |place| mount(place, CurrentTab)),
+    (Place::TabPanels, |place| mount(place, PositionTab)),
+    (Place::TabPanels, |place| mount(place, IdManagerTab)),
+    (Place::TabPanels, |place| mount(place, RawHexTab)),
+    (Place::Desk, |place| mount(place, WheelPanel)),
+    (Place::Desk, |place| mount(place, Telemetry)),
+    (Place::Desk, |place| mount(place, Notices)),
+    (Place::Desk, |place| mount(place, PacketLog)),
+    (Place::Desk, |place| mount(place, Graph)),
+    (Place::Desk, |place| mount(place, Recording)),
+    (Place::Desk, |place| mount(place, StoppedDialog)),
+    (Place::AboveDesk, |place| mount(place, MotorStrip)),
+    (Place::AboveDesk, |place| mount(place, LinkPanel)),
+    (Place::AboveDesk, |place| mount(place, TogetherPanel)),
+    (Place::AboveDesk, |place| mount(place, SettingsPanel)),
+    (Place::Dialogs, |place| mount(place, HelpDialog)),
+    (Place::Dialogs, |place| mount(place, QuestionDialog)),
 ];
 
-fn mount<V: IntoView + 'static>(
-    place: HtmlElement,
-    desk: Desk,
-    part: impl FnOnce() -> V + 'static,
-) -> Mounted {
+fn mount<V: IntoView + 'static>(place: HtmlElement, part: impl FnOnce() -> V + 'static) -> Mounted {
     let build = move || -> Box<dyn Any> {
         let mut view = part().into_view().build();
         view.mount(&place, None);
         Box::new(view)
     };
-    mount_boxed(desk, Box::new(build))
+    mount_boxed(Box::new(build))
 }
 
 /// All parts share the code of this.
-fn mount_boxed(desk: Desk, build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
+fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
     let owner = Owner::new();
-    let view = owner.with(|| {
-        provide_context(desk);
-        build()
-    });
+    let view = owner.with(build);
     (owner, view)
 }
 
@@ -132,7 +108,7 @@ impl Places {
         }
     }
 
-    /// `None` once the page is gone.
+    /// `None` once the page is gone, or before the part that has the place.
     fn element(self, place: Place) -> Option<HtmlElement> {
         Some(match place {
             Place::Top => self.top.get_untracked()?.into(),
@@ -150,7 +126,6 @@ impl Places {
 /// What the page is put together with.
 #[derive(Clone, Copy)]
 struct Assembly {
-    desk: Desk,
     places: Places,
     parts: StoredValue<Vec<Mounted>, LocalStorage>,
     /// Which language this is, counted: what was begun in another is not gone on with.
@@ -159,26 +134,22 @@ struct Assembly {
 }
 
 impl Assembly {
-    /// Adds the part that is next. Whether there was one, and it may still be added.
-    fn add_next(self, round: u32) -> bool {
+    /// Adds the part that is next. `None` when the page is gone or in another language, and when all are there.
+    fn add_next(self, round: u32) -> Option<()> {
         if self.round.try_get_value() != Some(round) {
-            return false;
+            return None;
         }
-        let next = PARTS.get(self.parts.with_value(Vec::len));
-        let part = next.and_then(|(place, mount)| {
-            let place = self.places.element(*place)?;
-            Some(mount(place, self.desk))
-        });
-        let added = part.is_some();
-        self.parts.update_value(|parts| parts.extend(part));
-        added
+        let (place, mount) = PARTS.get(self.parts.with_value(Vec::len))?;
+        let part = mount(self.places.element(*place)?);
+        self.parts.update_value(|parts| parts.push(part));
+        Some(())
     }
 
-    /// Adds the others, each in a turn of its own.
+    /// Adds the others, each in a turn of its own, and then shows the page.
     fn add_others(self, round: u32) {
-        if self.add_next(round) {
+        if self.add_next(round).is_some() {
             in_the_next_turn(move || self.add_others(round));
-        } else if self.round.try_get_value() == Some(round) {
+        } else if self.parts.try_with_value(Vec::len) == Some(PARTS.len()) {
             if let Some(frame) = document().get_element_by_id("starting") {
                 frame.remove();
             }
@@ -193,14 +164,12 @@ impl Assembly {
 pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
     let places = Places::default();
     let assembly = Assembly {
-        desk,
         places,
         parts: StoredValue::new_local(Vec::new()),
         round: StoredValue::new(0),
         complete,
     };
-    follow(move || {
-        desk.language.track();
+    let begin = move || {
         let round = assembly.round.get_value() + 1;
         assembly.round.set_value(round);
         // First the old ones, with all that listens for them.
@@ -208,10 +177,14 @@ pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
         places.clear();
         if assembly.complete.get_untracked() {
             // STOP is out of reach until it stands again.
-            untrack(|| while assembly.add_next(round) {});
+            while assembly.add_next(round).is_some() {}
         } else {
             in_the_next_turn(move || assembly.add_others(round));
         }
+    };
+    follow(move || {
+        desk.language.track();
+        untrack(begin);
     });
     let behind_dialog = move || is_behind_dialog(desk);
     view! {

@@ -122,6 +122,8 @@ impl Deref for Desk {
 /// What lies on the desk.
 pub(crate) struct Parts {
     pub(crate) link: StoredValue<Option<WorkerLink>, LocalStorage>,
+    /// Whether a person has stopped all motors before there was a link.
+    pub(crate) stopped_early: StoredValue<bool>,
     pub(crate) clock: StoredValue<Clock>,
     /// When a wheel was started last, on the page's clock.
     started_ms: StoredValue<f64>,
@@ -184,6 +186,7 @@ impl Desk {
     pub(crate) fn new(preferences: Preferences) -> Self {
         Self(Box::leak(Box::new(Parts {
             link: StoredValue::new_local(None),
+            stopped_early: StoredValue::new(false),
             clock: StoredValue::new(Clock::default()),
             started_ms: StoredValue::new(f64::NEG_INFINITY),
             latest: StoredValue::new(Session::default()),

@@ -43,7 +43,7 @@ pub(crate) fn LinkQuality() -> impl IntoView {
     }
 }
 
-/// A figure with what it counts, as HTML. It has its place, however many digits it has.
+/// A figure with what it counts, as HTML.
 fn part((name, figure, unit): (&str, Option<String>, &str)) -> String {
     let figure = figure.as_deref().unwrap_or(UNKNOWN);
     format!("<span class=\"link-part\"><b class=\"link-{name}\">{figure}</b> {unit}</span>")

@@ -120,5 +120,9 @@ mod tests {
         assert_eq!(html.matches("<option ").count(), 254);
         assert_eq!(html.matches(" selected").count(), 1);
         assert!(!options(&[], two, true).contains("Found"));
+        // Closed it shows one.
+        let closed = options(&[two], MotorId::FIRST, false);
+        assert_eq!(closed.matches("<option ").count(), 2);
+        assert_eq!(closed.matches(" selected").count(), 1);
     }
 }

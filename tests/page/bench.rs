@@ -45,6 +45,11 @@ pub struct Bench {
 impl Bench {
     /// Mounts the page; the name keeps the worker apart from those of other tests.
     pub async fn new(name: &str) -> Self {
+        Self::after(name, || ()).await
+    }
+
+    /// The same, where something is done before there is more of the page than its start.
+    pub async fn after(name: &str, early: impl FnOnce()) -> Self {
         let channel = BroadcastChannel::new(name).unwrap();
         let told = Rc::new(RefCell::new(Vec::new()));
         let up = Rc::new(RefCell::new(false));
@@ -78,6 +83,7 @@ impl Bench {
         root.set_class_name("bench");
         document().body().unwrap().append_child(&root).unwrap();
         let page: UnmountHandle<_> = mount_to(root.clone(), App);
+        early();
         let bench = Self {
             channel,
             told,

@@ -29,6 +29,12 @@ fn drive(setpoint: Setpoint, consent: Consent) -> Command {
 }
 
 #[wasm_bindgen_test]
+async fn a_stop_before_there_is_a_worker_stands_once_there_is() {
+    let bench = Bench::after("early-stop", || press("Escape")).await;
+    assert_eq!(bench.commands().await, [STOP_ALL]);
+}
+
+#[wasm_bindgen_test]
 async fn a_ping_is_answered() {
     let bench = Bench::new("ping").await;
     bench.told().await;

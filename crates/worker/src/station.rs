@@ -286,7 +286,7 @@ impl Station {
             };
             wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
         }
-        // Before the page hears that a port is closed, the journal has all that passed on it.
+        // Before the page hears that a port is closed, the journal is sent all that passed on it.
         if self.tape.due().is_some_and(|due| due <= now) {
             self.tape.send(now);
         }

@@ -68,4 +68,12 @@ async function start() {
   await glue.default({ module_or_path: module });
 }
 
+// The parts of the page come one by one, each in a turn of its own: one that fails fails there. Until all are
+// there the frame of index.html is.
+for (const kind of ["error", "unhandledrejection"]) {
+  addEventListener(kind, ({ error, reason }) => {
+    if (document.getElementById("starting")) explain(error ?? reason);
+  });
+}
+
 start().catch(explain);

@@ -103,10 +103,17 @@ impl Bench {
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
         let url = format!("{}{path}", self.origin);
+        let tab = self.new_tab()?;
+        let error = match Page::load(tab.clone(), &url, self.downloads()) {
+            Ok(page) => return Ok(page),
+            Err(error) => error,
+        };
         // On a busy machine the browser now and then keeps to itself that a page was loaded, as behind one
         // that has crashed; another tab is told.
+        eprintln!("opened once more: {error:#}");
+        tab.blocking()
+            .wait("a tab to close", tab.tab().clone().close())?;
         Page::load(self.new_tab()?, &url, self.downloads())
-            .or_else(|_| Page::load(self.new_tab()?, &url, self.downloads()))
     }
 
     /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.

@@ -29,7 +29,8 @@ const DRIVEN_FOR: Duration = Duration::from_secs(5);
 /// A press shows on the wire in milliseconds, or is refused as fast.
 const REFUSED_WITHIN: Duration = Duration::from_secs(1);
 
-/// Of ten presses on a line that loses half of all exchanges one in thirty is refused.
+/// Where half of all exchanges fail, a press in thirty finds a motor that was not heard for half a second, and
+/// is refused.
 const PRESSES_MAX: u32 = 5;
 
 /// What a wheel that is asked for 100 rpm may have, on its way up and down, with its own ripple.

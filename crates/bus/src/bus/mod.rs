@@ -35,7 +35,7 @@ use self::surveying::{Proof, Survey};
 /// What [`Bus::poll`] wants done.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Write these ten bytes to the port, now.
+    /// Write these ten bytes to the port, now; where the port does not take them, say so by [`Bus::unsent`].
     Transmit(Frame),
     /// Take note of this.
     Event(Event),

@@ -110,6 +110,7 @@ pub fn spin(page: &Page, button: &str, rpm: std::ops::RangeInclusive<i32>) -> Re
             return Ok(());
         }
         rules::the_page_says_one_of(page, &rules::LOST)?;
+        eprintln!("{button} is pressed once more: the motor was lost for a moment");
     }
     wait_for_speed(page, rpm)
 }
