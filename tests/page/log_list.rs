@@ -72,7 +72,8 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
     assert_eq!(numbers(&bench), (4_993..5_003).collect::<Vec<_>>());
     let scroller = scroller(&bench);
     assert_eq!(scroller.scroll_height(), 5_003 * 22);
-    assert_eq!(scroller.client_height(), 220);
+    // Where it begins between two pixels, one goes to its neighbour.
+    assert!((219..=220).contains(&scroller.client_height()));
     assert!((scroller.scroll_top() - f64::from(4_993 * 22)).abs() < 1.5);
 }
 
