@@ -43,6 +43,21 @@ pub fn run(command: &mut Command) -> Result<()> {
     succeeded(command, status)
 }
 
+/// Runs a program while something else is done, and waits for both.
+pub fn run_beside<T>(command: &mut Command, act: impl FnOnce() -> Result<T>) -> Result<T> {
+    let mut child = command
+        .spawn()
+        .with_context(|| format!("cannot start `{}`", words(command)))?;
+    let done = act();
+    // In any case: nothing of ours goes on behind a failure.
+    let status = child
+        .wait()
+        .with_context(|| format!("lost `{}`", words(command)))?;
+    let done = done?;
+    succeeded(command, status)?;
+    Ok(done)
+}
+
 /// An error where the program failed.
 fn succeeded(command: &Command, status: ExitStatus) -> Result<()> {
     if status.success() {
@@ -109,6 +124,8 @@ fn words(command: &Command) -> String {
 
 #[cfg(test)]
 mod tests {
+    use anyhow::bail;
+
     use super::*;
 
     #[test]
@@ -133,5 +150,19 @@ mod tests {
     #[test]
     fn a_missing_program_answers_nothing() {
         assert_eq!(ask("motorlink-no-such-program", &[]), None);
+    }
+
+    #[test]
+    fn whichever_of_two_fails_is_told() {
+        let [mut good, mut bad] = [0, 3].map(|code| {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &format!("exit {code}")]);
+            shell
+        });
+        assert_eq!(run_beside(&mut good, || Ok(7)).unwrap(), 7);
+        assert!(run_beside(&mut bad, || Ok(7)).is_err());
+        let fails = || -> Result<()> { bail!("the other") };
+        let error = run_beside(&mut good, fails).unwrap_err();
+        assert_eq!(error.to_string(), "the other");
     }
 }
