@@ -73,7 +73,12 @@ impl Chromium {
             config = config.no_sandbox();
         }
         let config = config.build().map_err(|error| anyhow!(error))?;
-        let (browser, mut connection) = blocking.wait("start", Browser::launch(config))?;
+        let launch = || blocking.wait("start", Browser::launch(config.clone()));
+        // Seen once in many hundred starts: a segmentation fault of the browser while it starts.
+        let (browser, mut connection) = launch().or_else(|error| {
+            eprintln!("Chromium is started once more: {error:#}");
+            launch()
+        })?;
         blocking.spawn(async move {
             // An event that chromiumoxide does not know is an error here, but not to us.
             while connection.next().await.is_some() {}
