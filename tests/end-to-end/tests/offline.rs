@@ -93,24 +93,21 @@ fn version(page: &Page) -> Result<Value> {
     page.evaluate("getComputedStyle(document.documentElement).getPropertyValue('--version')")
 }
 
-/// Has the browser look for a new version, as it does with every visit and every hour. It may be busy.
-fn look_for_new_version(page: &Page) -> Result<()> {
-    let mut said = Value::Null;
-    for _ in 0..LOOKS_MAX {
-        said = page.evaluate(
-            "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
-                it.update().then(() => 'looked', String),
-                new Promise((give) => setTimeout(give, 15_000, 'no answer')),
-            ]))",
-        )?;
-        if said == "looked" {
-            return Ok(());
-        }
+/// Has the browser look for a new version, as it does with every visit and every hour. Whether it did: at times
+/// this Chromium lets the question lie for as long as the page is there.
+fn look_for_new_version(page: &Page) -> Result<bool> {
+    let said = page.evaluate(
+        "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
+            it.update().then(() => 'looked', String),
+            new Promise((give) => setTimeout(give, 10_000, 'no answer')),
+        ]))",
+    )?;
+    if said == "no answer" {
+        return Ok(false);
     }
-    anyhow::bail!("looking for a new version: {said}")
+    anyhow::ensure!(said == "looked", "looking for a new version: {said}");
+    Ok(true)
 }
-
-const LOOKS_MAX: u32 = 3;
 
 fn notices(page: &Page, wanted: impl Fn(&str) -> bool) -> Result<String> {
     page.wait_for_text("region", "Notices", wanted)
@@ -159,6 +156,19 @@ fn the_page_can_be_installed_and_works_at_any_path_without_a_network() -> Result
 
 #[test]
 fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open() -> Result<()> {
+    for _ in 0..VISITS_MAX {
+        if a_new_version_is_taken()? {
+            return Ok(());
+        }
+        eprintln!("visited once more: the browser did not look for a new version");
+    }
+    anyhow::bail!("the browser never looked for a new version")
+}
+
+const VISITS_MAX: u32 = 5;
+
+/// Whether the browser has looked for it at all.
+fn a_new_version_is_taken() -> Result<bool> {
     let host = Host::new()?;
     let bench = Bench::serving(host.dir.path())?;
     let page = bench.open(&format!("/{SUB_PATH}/"))?;
@@ -167,7 +177,9 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     page.click("button", "Virtual motor")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     host.publish_next_version()?;
-    look_for_new_version(&page)?;
+    if !look_for_new_version(&page)? {
+        return Ok(false);
+    }
     wait_until("the new version to wait", end_to_end::PATIENCE, || {
         let state = page.evaluate(
             "navigator.serviceWorker.getRegistration().then((it) => it.waiting ? 'waits' : `${it.installing?.state} ${it.active?.state}`)",
@@ -224,7 +236,7 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     page.reload()?;
     drive_virtual_motor(&page)?;
     assert_eq!(version(&page)?, Value::from("\"the next\""));
-    Ok(())
+    Ok(true)
 }
 
 #[test]
