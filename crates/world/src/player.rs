@@ -2,6 +2,7 @@
 
 use std::{
     collections::{BTreeMap, VecDeque},
+    ops::AddAssign,
     time::Duration,
 };
 
@@ -36,6 +37,17 @@ pub struct Coverage {
     pub faults: BTreeMap<Fault, u64>,
     /// How often each rule had something to judge.
     pub judged: BTreeMap<Rule, u64>,
+}
+
+impl AddAssign for Coverage {
+    fn add_assign(&mut self, other: Self) {
+        for (fault, times) in other.faults {
+            *self.faults.entry(fault).or_default() += times;
+        }
+        for (rule, times) in other.judged {
+            *self.judged.entry(rule).or_default() += times;
+        }
+    }
 }
 
 /// Where a story broke a rule.
