@@ -22,6 +22,7 @@ mod site_path;
 mod size;
 mod slim;
 mod steps;
+mod stories;
 mod tables;
 mod template;
 mod test;

@@ -6,9 +6,9 @@ use anyhow::Result;
 
 use crate::bench;
 use crate::browser;
-use crate::npm;
 use crate::process;
 use crate::site::{self, Profile};
+use crate::stories;
 use crate::tools::{self, WASM_TARGET};
 use crate::words;
 use crate::workspace::Workspace;
@@ -21,9 +21,6 @@ const NATIVE: [&str; 5] = [
     "--exclude",
     "motorlink-worker",
 ];
-
-/// The stories in a real browser.
-const STORIES: [&str; 2] = ["--package", "end-to-end"];
 
 /// Lints and nothing else: in RUSTFLAGS it would rebuild every dependency.
 const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
@@ -130,8 +127,7 @@ pub static STEPS: [Step; 12] = [
         needs: &[],
         run: |workspace| {
             // Linking the site and compiling the bench's library keep one core each busy for minutes.
-            let mut stories =
-                cargo_command(workspace, &[&["test", "--no-run"], &STORIES[..]].concat());
+            let mut stories = stories::compiling(workspace);
             let build = || site::build(workspace, Profile::Release);
             let dist = process::run_beside(&mut stories, build)?;
             bench::check_first_visit(&dist)
@@ -147,7 +143,7 @@ pub static STEPS: [Step; 12] = [
         name: "end-to-end",
         about: "the page in a real browser drives a motor over real Web Serial",
         needs: &["build", "bench-programs"],
-        run: end_to_end,
+        run: stories::play,
     },
 ];
 
@@ -241,18 +237,6 @@ fn test_wasm(workspace: &Workspace) -> Result<()> {
         // In seconds, for all tests of a program together; the runner's own 20 are too few.
         .env("WASM_BINDGEN_TEST_TIMEOUT", "300")
         .env("CHROMEDRIVER", browser.driver);
-    process::run(&mut command)
-}
-
-fn end_to_end(workspace: &Workspace) -> Result<()> {
-    bench::ensure_linux()?;
-    let browser = browser::ensure()?;
-    // One at a time: each judges times on the wire, and two browsers would disturb each other.
-    let one_at_a_time = ["--", "--test-threads=1"];
-    let args = [&["test"], &STORIES[..], &one_at_a_time].concat();
-    let mut command = cargo_command(workspace, &args);
-    bench::equip(&mut command, workspace, &browser);
-    command.env("MOTORLINK_AXE", npm::AXE.ensure()?);
     process::run(&mut command)
 }
 
