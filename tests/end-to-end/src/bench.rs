@@ -4,6 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, Result};
 use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
@@ -16,6 +17,9 @@ use crate::chromium::Chromium;
 use crate::page::Page;
 use crate::server::Server;
 use crate::wait::{PATIENCE, wait_until};
+
+/// A page is loaded in half a second.
+const SOON: Duration = Duration::from_secs(5);
 
 /// A browser, a server of the page, and a desk on which adapters are plugged. Benches know nothing
 /// of each other, so tests may run at once, in one process or in several.
@@ -104,12 +108,12 @@ impl Bench {
     pub fn open(&self, path: &str) -> Result<Page> {
         let url = format!("{}{path}", self.origin);
         let tab = self.new_tab()?;
-        let error = match Page::load(tab.clone(), &url, self.downloads()) {
+        let error = match Page::load_within(SOON, tab.clone(), &url, self.downloads()) {
             Ok(page) => return Ok(page),
             Err(error) => error,
         };
-        // On a busy machine the browser now and then keeps to itself that a page was loaded, as behind one
-        // that has crashed; another tab is told.
+        // Behind a crash Chromium may give the new tab to the process that is about to end, and on a busy
+        // machine it now and then keeps to itself that a page was loaded. Another tab is told.
         eprintln!("opened once more: {error:#}");
         tab.blocking()
             .wait("a tab to close", tab.tab().clone().close())?;

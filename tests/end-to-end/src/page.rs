@@ -25,6 +25,16 @@ pub struct Page {
 impl Page {
     /// Loads `url` into a tab whose files go to `downloads`.
     pub(crate) fn load(session: Session, url: &str, downloads: PathBuf) -> Result<Self> {
+        Self::load_within(PATIENCE, session, url, downloads)
+    }
+
+    /// The same within another time.
+    pub(crate) fn load_within(
+        patience: Duration,
+        session: Session,
+        url: &str,
+        downloads: PathBuf,
+    ) -> Result<Self> {
         let console = Console::listen(&session)?;
         let page = Self {
             session,
@@ -43,7 +53,7 @@ impl Page {
             .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
-        page.go(url)?;
+        page.go_within(patience, url)?;
         Ok(page)
     }
 
@@ -65,8 +75,13 @@ impl Page {
     ///
     /// When it does not load.
     pub fn go(&self, url: &str) -> Result<()> {
-        let tab = self.session.tab();
-        self.session.blocking().wait(url, tab.goto(url)).map(drop)
+        self.go_within(PATIENCE, url)
+    }
+
+    fn go_within(&self, patience: Duration, url: &str) -> Result<()> {
+        let load = self.session.tab().goto(url);
+        let loaded = self.session.blocking().wait_for(url, patience, load);
+        loaded.map(drop)
     }
 
     /// Loads the page again.
