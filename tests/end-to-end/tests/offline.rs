@@ -99,7 +99,7 @@ fn look_for_new_version(page: &Page) -> Result<bool> {
     let said = page.evaluate(
         "navigator.serviceWorker.getRegistration().then((it) => Promise.race([
             it.update().then(() => 'looked', String),
-            new Promise((give) => setTimeout(give, 10_000, 'no answer')),
+            new Promise((give) => setTimeout(give, 5_000, 'no answer')),
         ]))",
     )?;
     if said == "no answer" {
@@ -165,7 +165,7 @@ fn a_new_version_is_taken_when_the_person_says_so_and_not_while_a_port_is_open()
     anyhow::bail!("the browser never looked for a new version")
 }
 
-const VISITS_MAX: u32 = 5;
+const VISITS_MAX: u32 = 8;
 
 /// Whether the browser has looked for it at all.
 fn a_new_version_is_taken() -> Result<bool> {
