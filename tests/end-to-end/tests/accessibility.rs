@@ -153,19 +153,37 @@ impl Judge {
         }
         self.click("tab", "Velocity")?;
         self.panels("connected")?;
+        self.dead_line()?;
         self.page.press("Escape")?;
         self.page
             .wait_for_text("alertdialog", said("Stopped"), |text| text.contains("0x01"))?;
         self.screen("Stopped")?;
         self.click("button", "Release")?;
         self.click("button", "Disconnect")?;
-        // Everything there is old.
-        self.page
-            .wait_for_text("status", said("Connection"), |text| {
-                text.contains(said("Disconnected"))
-            })?;
-        self.screen("Disconnected")?;
         self.question()
+    }
+
+    /// The doctor has found something, and what is known of the motor is old.
+    fn dead_line(&mut self) -> Result<()> {
+        open_panel(&self.page, said("Link"))?;
+        self.page.choose(said("Virtual wire"), said("Dead"))?;
+        let old = |text: &str| text.contains(said("No data"));
+        self.page.wait_for_text("output", said("Motion"), old)?;
+        let known = self
+            .page
+            .evaluate("document.querySelector('.twin-figures').innerText")?;
+        assert!(
+            known.as_str().is_some_and(|text| text.contains("rpm")),
+            "{known}"
+        );
+        self.screen("Link, the line dead")?;
+        self.click("button", "Close the panel")?;
+        self.screen("desk, the line dead")?;
+        open_panel(&self.page, said("Link"))?;
+        self.page.choose(said("Virtual wire"), said("Good"))?;
+        self.page
+            .wait_for_text("output", said("Motion"), |text| !old(text))?;
+        self.click("button", "Close the panel")
     }
 
     fn wait_for_speed(&self, rpm: &str) -> Result<()> {
