@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use leptos::{mount::mount_to_body, prelude::*};
-use motorlink_messages::ToWorker;
 
 use crate::{
     assembling::{assembled, in_the_next_turn},
@@ -32,6 +31,9 @@ pub fn App() -> impl IntoView {
     speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
+    if wants_virtual_motor() {
+        desk.connect_virtual();
+    }
     follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
 
     // First of all: a stop that is asked for before there is a worker stands once there is one.
@@ -78,9 +80,7 @@ fn start_worker(desk: Desk) {
         }
         desk.start_journal();
         desk.stop_if_asked_early();
-        if wants_virtual_motor() {
-            desk.post(&ToWorker::ConnectVirtual);
-        }
+        desk.connect_if_asked_early();
     } else {
         desk.worker.set(WorkerState::Dead);
         desk.start_journal();

@@ -2,8 +2,8 @@
 //!
 //! A browser compiles the code of a part when it first runs, and on a phone all of them at once would hold
 //! it up for a second in which nothing is heard and nothing painted. So each part is mounted by itself, and
-//! the browser gets its turn in between. The frame in index.html lies over the page until all are there: what
-//! comes into view comes once, and nothing shifts.
+//! the browser gets its turn in between. The header comes first and can be used at once. The frame in index.html
+//! lies over the rest until all of it is there: what comes into view comes once, and nothing shifts.
 
 use std::{any::Any, time::Duration};
 

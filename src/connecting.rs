@@ -30,7 +30,7 @@ impl Desk {
     }
 
     pub(crate) fn connect_virtual(self) {
-        self.post(&ToWorker::ConnectVirtual);
+        self.ask_to_connect(ToWorker::ConnectVirtual);
     }
 
     pub(crate) fn disconnect(self) {
@@ -65,7 +65,22 @@ impl Desk {
     fn open(self, candidates: Vec<PortRef>) {
         self.notices.update(|board| board.withdraw(Topic::Port));
         let wanted = self.selected.get_untracked();
-        self.post(&ToWorker::ConnectSerial { candidates, wanted });
+        self.ask_to_connect(ToWorker::ConnectSerial { candidates, wanted });
+    }
+
+    /// The header can be used before the worker is there, which then begins with what was asked for last.
+    fn ask_to_connect(self, to: ToWorker) {
+        if self.link.with_value(Option::is_some) {
+            self.post(&to);
+        } else {
+            self.connect_early.set_value(Some(to));
+        }
+    }
+
+    pub(crate) fn connect_if_asked_early(self) {
+        if let Some(to) = self.connect_early.try_update_value(Option::take).flatten() {
+            self.post(&to);
+        }
     }
 
     fn could_not_pick(self, trouble: PickTrouble) {

@@ -124,6 +124,8 @@ pub(crate) struct Parts {
     pub(crate) link: StoredValue<Option<WorkerLink>, LocalStorage>,
     /// Whether a person has stopped all motors before there was a link.
     pub(crate) stopped_early: StoredValue<bool>,
+    /// What a person has asked to connect to before there was a link.
+    pub(crate) connect_early: StoredValue<Option<ToWorker>>,
     pub(crate) clock: StoredValue<Clock>,
     /// When a wheel was started last, on the page's clock.
     started_ms: StoredValue<f64>,
@@ -187,6 +189,7 @@ impl Desk {
         Self(Box::leak(Box::new(Parts {
             link: StoredValue::new_local(None),
             stopped_early: StoredValue::new(false),
+            connect_early: StoredValue::new(None),
             clock: StoredValue::new(Clock::default()),
             started_ms: StoredValue::new(f64::NEG_INFINITY),
             latest: StoredValue::new(Session::default()),

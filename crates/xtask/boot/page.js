@@ -50,7 +50,7 @@ async function compiled(fetched) {
 }
 
 // What is seen first is in index.html. The program, thirty times as heavy, is fetched behind it: on a slow
-// line they would hold each other up. A page that nobody sees is not painted, and a browser may not tell.
+// line they would hold each other up. The glue weighs little, and on a slow processor it is ready by then. A page that nobody sees is not painted, and a browser may not tell.
 function firstPaint() {
   return new Promise((painted) => {
     if (document.hidden) painted();
@@ -61,9 +61,10 @@ function firstPaint() {
 }
 
 async function start() {
+  // An import in a try can be explained.
+  const imported = import("./{{glue}}");
   await firstPaint();
-  // Both at once: the module need not wait for the glue. An import in a try can be explained.
-  const [glue, module] = await Promise.all([import("./{{glue}}"), compiled(fetch(wasmUrl))]);
+  const [glue, module] = await Promise.all([imported, compiled(fetch(wasmUrl))]);
   loaded = true;
   await glue.default({ module_or_path: module });
 }

@@ -52,7 +52,7 @@ fn udev_shim(target: &Path) -> PathBuf {
 }
 
 /// What can be measured by itself: programs of `end-to-end`, and what needs no browser.
-const PARTS: [&str; 5] = ["figures", "instruments", "wire", "scans", "pure"];
+const PARTS: [&str; 6] = ["start", "figures", "instruments", "wire", "scans", "pure"];
 
 /// Measures the figures that the page is held to, prints them, and puts them into the README's table.
 ///

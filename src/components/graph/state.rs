@@ -88,7 +88,7 @@ impl Chart {
             drag: Cell::new(None),
             layout: Cell::new(Layout::default()),
             grid: Cell::new(Grid::default()),
-            in_sight: Cell::new(true),
+            in_sight: Cell::new(false),
             size_stale: Cell::new(true),
             looks_stale: Cell::new(true),
             asleep: Cell::new(false),

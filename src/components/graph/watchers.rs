@@ -48,8 +48,11 @@ impl Watchers {
             }
         });
         let sight = IntersectionObserver::new(on_sight.as_ref().unchecked_ref()).ok();
-        if let Some(sight) = &sight {
-            sight.observe(plot);
+        // Nothing is drawn before it has told for the first time, which it does at once: on a phone the graph
+        // is below what is seen, and its first drawing is the longest task of the page's start.
+        match &sight {
+            Some(sight) => sight.observe(plot),
+            None => chart.in_sight.set(true),
         }
         let on_dark = Closure::<dyn FnMut()>::new(move || {
             chart.looks_stale.set(true);

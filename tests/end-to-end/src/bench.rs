@@ -106,9 +106,17 @@ impl Bench {
     ///
     /// When it does not load.
     pub fn open(&self, path: &str) -> Result<Page> {
-        let url = format!("{}{path}", self.origin);
+        self.open_url(&format!("{}{path}", self.origin))
+    }
+
+    /// Opens a tab in front that has asked for nothing yet.
+    pub(crate) fn open_blank(&self) -> Result<Page> {
+        self.open_url("about:blank")
+    }
+
+    fn open_url(&self, url: &str) -> Result<Page> {
         let tab = self.new_tab()?;
-        let error = match Page::load_within(SOON, tab.clone(), &url, self.downloads()) {
+        let error = match Page::load_within(SOON, tab.clone(), url, self.downloads()) {
             Ok(page) => return Ok(page),
             Err(error) => error,
         };
@@ -117,7 +125,7 @@ impl Bench {
         eprintln!("opened once more: {error:#}");
         tab.blocking()
             .wait("a tab to close", tab.tab().clone().close())?;
-        Page::load(self.new_tab()?, &url, self.downloads())
+        Page::load(self.new_tab()?, url, self.downloads())
     }
 
     /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.

@@ -1,0 +1,89 @@
+//! How soon a page can be used.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+
+use crate::bench::Bench;
+use crate::page::Page;
+use crate::wait::wait_until;
+
+/// Even a processor that is slowed down much has the page whole within this.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Presses `Virtual motor` in the first frame in which a person could, and goes on until the frame that is
+/// painted before the page is gone.
+const PRESS_SOON: &str = r#"(() => {
+    const first = (globalThis.firstPress = {});
+    const canBePressed = (button) => {
+        const { x, y, width, height } = button.getBoundingClientRect();
+        const there = document.elementFromPoint(x + width / 2, y + height / 2);
+        return button.contains(there) && !button.disabled && button.ariaDisabled !== "true";
+    };
+    const look = () => {
+        const frame = document.getElementById("starting");
+        const buttons = [...document.querySelectorAll("button")];
+        const button = buttons.find(({ textContent }) => textContent.trim() === "Virtual motor");
+        if (first.usable === undefined) {
+            if (button && canBePressed(button)) {
+                first.usable = performance.now();
+                button.click();
+            }
+        } else if (!frame) {
+            first.whole = performance.now();
+            return;
+        }
+        requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+})()"#;
+
+/// A first visit by somebody who presses `Virtual motor` at once.
+pub struct FirstPress {
+    /// From the visit to the press, in milliseconds.
+    pub usable_ms: f64,
+    /// From the visit until all of the page was there, in milliseconds.
+    pub whole_ms: f64,
+}
+
+impl FirstPress {
+    /// Visits the page on a processor slowed down so many times.
+    ///
+    /// # Errors
+    ///
+    /// When nothing can be pressed within a minute.
+    pub fn on(bench: &Bench, times_slower: f64) -> Result<(Page, Self)> {
+        let page = bench.open_blank()?;
+        page.slow_down(times_slower)?;
+        page.before_load(PRESS_SOON)?;
+        page.go(&bench.origin())?;
+        let first = wait_until("all of the page", PATIENCE, || {
+            let first = page.evaluate("globalThis.firstPress")?;
+            let whole = first.get("whole").is_some();
+            Ok(if whole {
+                Ok(first)
+            } else {
+                Err(first.to_string())
+            })
+        })?;
+        let ms = |name: &str| {
+            let ms = first.get(name).and_then(Value::as_f64);
+            ms.with_context(|| format!("{name} in {first}"))
+        };
+        let first = Self {
+            usable_ms: ms("usable")?,
+            whole_ms: ms("whole")?,
+        };
+        Ok((page, first))
+    }
+}
+
+impl Page {
+    /// Slows the page's main thread down so many times, until it is gone.
+    fn slow_down(&self, times: f64) -> Result<()> {
+        let rate = json!({ "rate": times });
+        let slowed = self.session.call("Emulation.setCPUThrottlingRate", rate);
+        slowed.map(drop)
+    }
+}
