@@ -179,6 +179,10 @@ pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
             // STOP is out of reach until it stands again.
             while assembly.add_next(round).is_some() {}
         } else {
+            if round > 1 {
+                // The header, which the language was chosen in, is back before anybody misses its STOP.
+                let _ = assembly.add_next(round);
+            }
             in_the_next_turn(move || assembly.add_others(round));
         }
     };

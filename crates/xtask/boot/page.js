@@ -63,6 +63,8 @@ function firstPaint() {
 async function start() {
   // An import in a try can be explained.
   const imported = import("./{{glue}}");
+  // Where it fails before it is awaited, it is explained once: below.
+  imported.catch(() => {});
   await firstPaint();
   const [glue, module] = await Promise.all([imported, compiled(fetch(wasmUrl))]);
   loaded = true;

@@ -31,8 +31,9 @@ pub(super) fn save(chart: Chart) {
         .desk
         .history
         .with_value(|history| chart.subject(history));
-    let stage = chart.stage.borrow();
-    let picture = stage.as_ref().and_then(|stage| {
+    let mut stage = chart.stage.borrow_mut();
+    let picture = stage.as_mut().and_then(|stage| {
+        stage.draw_first(chart);
         let (title, entries) = legend(chart, &subject, stage.inks);
         paint(stage, &title, &entries, now)
     });

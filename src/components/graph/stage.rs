@@ -144,6 +144,13 @@ impl Stage {
         })
     }
 
+    /// Draws what was never in sight.
+    pub(super) fn draw_first(&mut self, chart: Chart) {
+        if self.layout.is_empty() {
+            let _ = self.step(chart, page_now_ms());
+        }
+    }
+
     fn step(&mut self, chart: Chart, frame_ms: f64) -> Next {
         let early_ms = self.drawn_ms + DRAWN_EVERY_MS - frame_ms;
         if early_ms > 0.0 {

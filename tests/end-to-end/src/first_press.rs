@@ -12,9 +12,9 @@ use crate::wait::wait_until;
 /// Even a processor that is slowed down much has the page whole within this.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Presses `Virtual motor` in the first frame in which a person could, and goes on until the frame that is
-/// painted before the page is gone.
-const PRESS_SOON: &str = r#"(() => {
+/// Presses a button in the first frame in which a person could, and goes on until the frame that is painted
+/// before the page is gone.
+const PRESS_SOON: &str = r#"((name) => {
     const first = (globalThis.firstPress = {});
     const canBePressed = (button) => {
         const { x, y, width, height } = button.getBoundingClientRect();
@@ -24,7 +24,7 @@ const PRESS_SOON: &str = r#"(() => {
     const look = () => {
         const frame = document.getElementById("starting");
         const buttons = [...document.querySelectorAll("button")];
-        const button = buttons.find(({ textContent }) => textContent.trim() === "Virtual motor");
+        const button = buttons.find((it) => (it.ariaLabel ?? it.textContent.trim()) === name);
         if (first.usable === undefined) {
             if (button && canBePressed(button)) {
                 first.usable = performance.now();
@@ -37,9 +37,9 @@ const PRESS_SOON: &str = r#"(() => {
         requestAnimationFrame(look);
     };
     requestAnimationFrame(look);
-})()"#;
+})"#;
 
-/// A first visit by somebody who presses `Virtual motor` at once.
+/// A first visit by somebody who presses a button at once.
 pub struct FirstPress {
     /// From the visit to the press, in milliseconds.
     pub usable_ms: f64,
@@ -48,15 +48,15 @@ pub struct FirstPress {
 }
 
 impl FirstPress {
-    /// Visits the page on a processor slowed down so many times.
+    /// Visits the page on a processor slowed down so many times, and presses the button of this name.
     ///
     /// # Errors
     ///
     /// When nothing can be pressed within a minute.
-    pub fn on(bench: &Bench, times_slower: f64) -> Result<(Page, Self)> {
+    pub fn on(bench: &Bench, times_slower: f64, button: &str) -> Result<(Page, Self)> {
         let page = bench.open_blank()?;
         page.slow_down(times_slower)?;
-        page.before_load(PRESS_SOON)?;
+        page.before_load(&format!("{PRESS_SOON}({})", json!(button)))?;
         page.go(&bench.origin())?;
         let first = wait_until("all of the page", PATIENCE, || {
             let first = page.evaluate("globalThis.firstPress")?;

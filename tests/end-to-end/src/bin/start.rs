@@ -30,7 +30,7 @@ fn measure() -> Result<()> {
     for _ in 0..VISITS {
         // A browser of its own: nothing is kept from the visit before.
         let bench = Bench::start()?;
-        let (page, first) = FirstPress::on(&bench, TIMES_SLOWER)?;
+        let (page, first) = FirstPress::on(&bench, TIMES_SLOWER, "Virtual motor")?;
         page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
         usable.push(first.usable_ms);
         whole.push(first.whole_ms);
