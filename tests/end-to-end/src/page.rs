@@ -81,7 +81,20 @@ impl Page {
     fn go_within(&self, patience: Duration, url: &str) -> Result<()> {
         let load = self.session.tab().goto(url);
         let loaded = self.session.blocking().wait_for(url, patience, load);
-        loaded.map(drop)
+        loaded?;
+        self.wait_until_whole()
+    }
+
+    /// The header can be used before the rest is there; a story begins behind that.
+    fn wait_until_whole(&self) -> Result<()> {
+        wait_until("all of the page", PATIENCE, || {
+            // While it loads there is nobody to ask.
+            let whole = self.evaluate("document.getElementById('starting') === null");
+            Ok(match whole {
+                Ok(Value::Bool(true)) => Ok(()),
+                other => Err(format!("{other:?}")),
+            })
+        })
     }
 
     /// Loads the page again.
@@ -91,10 +104,8 @@ impl Page {
     /// When it does not load.
     pub fn reload(&self) -> Result<()> {
         let tab = self.session.tab();
-        self.session
-            .blocking()
-            .wait("a reload", tab.reload())
-            .map(drop)
+        self.session.blocking().wait("a reload", tab.reload())?;
+        self.wait_until_whole()
     }
 
     /// All controls of this role and name, in the page's order. Roles are as in HTML and ARIA;
