@@ -50,7 +50,8 @@ async function compiled(fetched) {
 }
 
 // What is seen first is in index.html. The program, thirty times as heavy, is fetched behind it: on a slow
-// line they would hold each other up. The glue weighs little, and on a slow processor it is ready by then. A page that nobody sees is not painted, and a browser may not tell.
+// line they would hold each other up. The glue weighs little, and on a slow processor it is ready by then. A
+// page that nobody sees is not painted, and a browser may not tell.
 function firstPaint() {
   return new Promise((painted) => {
     if (document.hidden) painted();
