@@ -95,6 +95,10 @@ pub enum StopReason {
     PageGone,
     /// The page did not answer for a second.
     PageSilent,
+    /// The computer slept, or the wall clock was set forward, which looks the same.
+    ComputerSlept,
+    /// The program that owns the port did nothing for over half a second.
+    LoopDelayed,
     /// The operator disconnects.
     Disconnect,
     /// The bus is to be scanned.

@@ -2,7 +2,7 @@
 
 use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request};
 
-use crate::timing::SETTLE;
+use crate::timing::{REFUSED_PAUSE, SETTLE};
 use motorlink_protocol::FRAME_AIRTIME;
 use std::time::Duration;
 
@@ -39,6 +39,8 @@ pub(crate) enum Purpose {
     Survey,
     /// A frame that a person wrote.
     Raw,
+    /// Nobody's: the port did not take the frame.
+    Refused,
 }
 
 /// Which answer ends an exchange.
@@ -93,6 +95,19 @@ impl Exchange {
             purpose,
             sent: now,
             window_ends: now + occupied,
+            held_until: None,
+            last_byte: None,
+        }
+    }
+
+    /// The port did not take this frame: the line is left alone for a moment.
+    pub(crate) fn refused(now: Instant, frame: Frame) -> Self {
+        Self {
+            frame,
+            expects: Expects::Nothing,
+            purpose: Purpose::Refused,
+            sent: now,
+            window_ends: now + REFUSED_PAUSE,
             held_until: None,
             last_byte: None,
         }

@@ -33,6 +33,7 @@ mod ramp;
 mod rate;
 mod raw;
 mod receiver;
+mod reckoning;
 mod round_trip;
 mod safety;
 mod scan;
@@ -42,6 +43,7 @@ mod survey;
 mod temperatures;
 mod timing;
 mod together;
+mod torque;
 mod traffic;
 mod watchdog;
 

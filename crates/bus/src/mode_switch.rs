@@ -11,6 +11,7 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Switch {
     pub(crate) to: Mode,
+    pub(crate) began: Instant,
     sent: u8,
     next_frame: Instant,
     /// Whether the last reply since the first frame reports the loop.
@@ -44,6 +45,7 @@ impl Switch {
         let neutral = driven_in.and_then(|from| neutral_between(from, to));
         Self {
             to,
+            began: now,
             sent: 0,
             next_frame: now,
             reported: false,

@@ -15,11 +15,15 @@ use crate::{
     mode_switch::Switch,
     ramp::Ramped,
     rate::RateMeter,
+    reckoning::{Hold, Reckoning},
     round_trip::RoundTrip,
     safety::Known,
     stop::Stopping,
     temperatures::Temperatures,
-    timing::{FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD},
+    timing::{
+        DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD,
+    },
+    torque::Torque,
 };
 
 /// What the bus does with a motor.
@@ -36,14 +40,13 @@ pub(crate) enum Control {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Driven {
     pub(crate) goal: Setpoint,
-    /// The setpoint of the last frame.
-    pub(crate) on_the_wire: Option<Setpoint>,
+    /// Since when it is driven; its silence counts from here at the earliest.
     pub(crate) since: Instant,
     pub(crate) next_frame: Instant,
     /// When the next frame would be due had every one gone out in time.
     pub(crate) on_schedule: Instant,
-    /// Whether the angle of the next reply is to be held.
-    pub(crate) hold: bool,
+    /// Until the first reply after Hold.
+    pub(crate) hold: Option<Hold>,
     /// The number of the group that it is driven in; none goes on without the others.
     pub(crate) group: Option<u32>,
     /// The speed that was sent last.
@@ -55,11 +58,10 @@ impl Driven {
     pub(crate) fn begin(now: Instant, goal: Setpoint, speed: Option<Rpm>) -> Self {
         Self {
             goal,
-            on_the_wire: None,
             since: now,
             next_frame: now,
             on_schedule: now,
-            hold: false,
+            hold: None,
             group: None,
             ramped: Ramped::from(now, speed),
         }
@@ -113,10 +115,6 @@ pub struct MotorStatus {
     pub counters: Counters,
 }
 
-/// Beyond what its speed explains an angle differs by no more than this from the one before: half a
-/// window's worth of the fastest wheel.
-const ANGLE_STEP_MAX_DEG: f32 = 40.0;
-
 #[derive(Clone, Debug)]
 pub(crate) struct Motor {
     pub(crate) id: MotorId,
@@ -134,6 +132,8 @@ pub(crate) struct Motor {
     pub(crate) late: LateReplies,
     temperatures: Temperatures,
     angles: Angles,
+    pub(crate) reckoning: Reckoning,
+    pub(crate) torque: Torque,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The loop that was asked for since the motor last said which it is in.
@@ -163,6 +163,8 @@ impl Motor {
             late: LateReplies::default(),
             temperatures: Temperatures::default(),
             angles: Angles::default(),
+            reckoning: Reckoning::default(),
+            torque: Torque::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
@@ -219,20 +221,6 @@ impl Motor {
         // Each of them sees every reading.
         let follows = self.angles.follows(now, degrees, reply.speed, certain);
         (fits && follows).then_some(layout)
-    }
-
-    /// Whether the angle of a drive reply goes on from the one before it, where that is fresh. One that
-    /// was read in the wrong layout hardly does, and a wheel that is to be held would go there.
-    pub(crate) fn continues(&self, now: Instant, reply: &Reply) -> bool {
-        let Detail::Drive { position } = reply.detail else {
-            return false;
-        };
-        let before = self.position.filter(|(at, _)| now.since(*at) <= FRESH_FOR);
-        before.is_none_or(|(at, before)| {
-            let off = (position.degrees() - before.degrees() + 180.0).rem_euclid(360.0) - 180.0;
-            let turned = reply.speed.degrees_per_second().abs() * now.since(at).as_secs_f32();
-            off.abs() <= ANGLE_STEP_MAX_DEG + turned
-        })
     }
 
     /// What it is driven to.
@@ -361,6 +349,11 @@ impl Motor {
 
     pub(crate) const fn ever_heard(&self) -> bool {
         self.last.is_some()
+    }
+
+    /// Whether its last requests had no answer, one like the other.
+    pub(crate) const fn is_without_answer(&self) -> bool {
+        self.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX
     }
 
     /// Since when the motor has said nothing.

@@ -158,10 +158,11 @@ pub(crate) fn check_driven(
     silent.then_some(WithdrawReason::Silent)
 }
 
-/// The setpoint of the next frame on the way to `goal`: a torque reversal passes through zero.
+/// The setpoint of the next frame on the way to `goal`: a torque reversal passes through a zero that the
+/// motor has answered. `possible` is the current that the motor may still follow.
 #[must_use]
-pub(crate) fn step_towards(goal: Setpoint, on_the_wire: Option<Setpoint>) -> Setpoint {
-    if let (Setpoint::Current(goal), Some(Setpoint::Current(present))) = (goal, on_the_wire)
+pub(crate) fn step_towards(goal: Setpoint, possible: Option<CurrentTarget>) -> Setpoint {
+    if let (Setpoint::Current(goal), Some(present)) = (goal, possible)
         && i32::from(goal.raw()) * i32::from(present.raw()) < 0
     {
         return Setpoint::Current(CurrentTarget::ZERO);

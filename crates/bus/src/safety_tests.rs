@@ -174,10 +174,12 @@ fn a_motor_is_asked_for_no_more_than_its_limits_and_not_while_it_is_too_hot() {
 
 #[test]
 fn a_torque_reversal_passes_through_zero() {
-    assert_eq!(step_towards(amps(-500), Some(amps(500))), amps(0));
-    assert_eq!(step_towards(amps(-500), Some(amps(0))), amps(-500));
-    assert_eq!(step_towards(amps(900), Some(amps(500))), amps(900));
+    let raw = |raw| CurrentTarget::new(raw).ok();
+    assert_eq!(step_towards(amps(-500), raw(500)), amps(0));
+    assert_eq!(step_towards(amps(500), raw(-1)), amps(0));
+    assert_eq!(step_towards(amps(900), raw(500)), amps(900));
+    assert_eq!(step_towards(amps(0), raw(500)), amps(0));
     assert_eq!(step_towards(amps(-500), None), amps(-500));
     let angle = Setpoint::Position(PositionTarget::new(7).unwrap());
-    assert_eq!(step_towards(angle, Some(amps(-1))), angle);
+    assert_eq!(step_towards(angle, raw(-1)), angle);
 }

@@ -7,7 +7,8 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 use crate::{
     motor::{Control, Motor},
     scan::Ask,
-    timing::{DRIVEN_UNANSWERED_MAX, EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
+    stop::Stopping,
+    timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };
 
 /// What the line is to be used for.
@@ -55,6 +56,8 @@ pub(crate) struct Pace {
     pub(crate) just_freed: bool,
     /// When the line may carry a query again.
     pub(crate) queries_from: Instant,
+    /// The round of a stop behind which a motor that does not answer gets its next frame.
+    pub(crate) silent_stop_round: u32,
 }
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
@@ -68,9 +71,10 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
         query_was_last,
         just_freed,
         queries_from,
+        silent_stop_round,
     } = pace;
     let due = |at: Instant| now + EARLY >= at;
-    let stop = next_stop(motors);
+    let stop = next_stop(motors, silent_stop_round);
     if let Some((_, id, false)) = stop {
         return Turn::Now(Errand::Stop(id));
     }
@@ -130,21 +134,34 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     }
 }
 
-/// The motor whose stop is furthest behind: no motor gets its next frame before all got this one.
-/// With it, whether its first frame was sent.
-fn next_stop(motors: &[Motor]) -> Option<(Instant, MotorId, bool)> {
-    motors
-        .iter()
-        .filter_map(|motor| match &motor.control {
-            Control::Stopping(stop) => {
-                let silent = motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX;
-                Some((stop.round, silent, motor.id, stop))
+/// The motor whose stop is furthest behind: of those that answer, none gets its next frame before all got
+/// this one. With it, whether its first frame was sent.
+///
+/// A motor that does not answer costs a window each time. So between two of their frames, all that answer
+/// get theirs: 15 motors without power do not let go of the 16th.
+fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, bool)> {
+    let furthest_behind = |of_silent: bool| {
+        let stops = motors.iter().filter_map(|motor| match &motor.control {
+            Control::Stopping(stop) if motor.is_without_answer() == of_silent => {
+                Some((motor.id, stop))
             }
             _ => None,
-        })
-        // One that does not answer costs a window: those that do get their first brake before it.
-        .min_by_key(|(round, silent, id, stop)| (stop.first_frame_sent, *round, *silent, *id))
-        .map(|(.., id, stop)| (stop.next_frame, id, stop.first_frame_sent))
+        });
+        stops.min_by_key(|(id, stop)| (stop.first_frame_sent, stop.round, *id))
+    };
+    let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent);
+    match (furthest_behind(false), furthest_behind(true)) {
+        (Some((id, answers)), Some((silent_id, silent))) => {
+            let has_its_turn = answers.first_frame_sent && answers.round >= silent_round;
+            let is_next = has_its_turn && silent.next_frame <= answers.next_frame;
+            Some(frame(if is_next {
+                (silent_id, silent)
+            } else {
+                (id, answers)
+            }))
+        }
+        (one, other) => one.or(other).map(frame),
+    }
 }
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {

@@ -7,7 +7,7 @@ use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
 use crate::{
     StopOutcome, StopReason, StopReport,
     safety::{StopPlan, stop_plan},
-    timing::{STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD},
+    timing::{SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_PERIOD},
 };
 
 /// A motor on its way to a standstill.
@@ -27,8 +27,8 @@ pub(crate) struct Stopping {
     next_switch: Instant,
     /// Replies in a row that reported standstill in the velocity loop.
     still: u8,
-    /// Whether replies of this stop report the position loop, where zero is no stop.
-    in_position_loop: bool,
+    /// Whether any reply has come since it began, and so the motor is not silent.
+    answers: bool,
 }
 
 impl Stopping {
@@ -52,7 +52,7 @@ impl Stopping {
             switches: 0,
             next_switch: first_switch,
             still: 0,
-            in_position_loop: false,
+            answers: false,
         }
     }
 
@@ -70,10 +70,11 @@ impl Stopping {
         }
     }
 
-    /// A motor that says nothing gets the brake after five switches: it heard them or hears nothing.
+    /// Out of the position loop the motor has to say that it has left it. One that says nothing at all gets
+    /// the brake after many switches: it heard enough of them, or hears nothing.
     fn may_brake(&self) -> bool {
-        self.plan != StopPlan::SwitchThenBrake
-            || (self.switches >= SWITCH_FRAMES && !self.in_position_loop)
+        let silent = !self.answers && self.switches >= SILENT_SWITCHES;
+        self.plan != StopPlan::SwitchThenBrake || silent
     }
 
     /// A frame was sent; the next round begins `period` later.
@@ -91,14 +92,24 @@ impl Stopping {
 
     /// A reply to a request of this stop.
     pub(crate) fn heard(&mut self, reply: &Reply) {
+        self.answers = true;
         self.plan = stop_plan(Some(reply.mode), None);
-        self.in_position_loop = reply.mode == Mode::Position;
         let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
         self.still = if standing {
             self.still.saturating_add(1)
         } else {
             0
         };
+    }
+
+    /// A reply that may be older than this stop: it proves that the motor answers, and no more. Where it
+    /// reports the position loop, that counts.
+    pub(crate) fn heard_uncertain(&mut self, mode: Mode) {
+        self.answers = true;
+        if mode == Mode::Position {
+            self.plan = stop_plan(Some(mode), None);
+            self.still = 0;
+        }
     }
 
     pub(crate) const fn began(&self) -> Instant {

@@ -177,6 +177,8 @@ pub enum RawAnswer {
     Garbled,
     /// Such a frame has no answer: a mode switch, set ID.
     NoneExpected,
+    /// The port did not take the frame.
+    NotSent,
     /// Nothing.
     Silence {
         /// How long it was waited for.

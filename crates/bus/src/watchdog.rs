@@ -35,6 +35,13 @@ impl Watchdog {
         self.bitten = false;
     }
 
+    /// We were not there ourselves until now: a page that answered before gets its time again.
+    pub(crate) fn resumed(&mut self, now: Instant) {
+        if !self.bitten {
+            self.heard = now;
+        }
+    }
+
     /// Whether the page was silent for too long and has not answered since.
     pub(crate) const fn has_bitten(&self) -> bool {
         self.bitten

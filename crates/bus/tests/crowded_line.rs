@@ -314,3 +314,47 @@ fn the_queries_of_many_motors_are_spread_over_their_period() {
     let nearest = times.windows(2).map(|pair| pair[1].since(pair[0])).min();
     assert!(nearest.unwrap() >= ms(24), "{nearest:?}");
 }
+
+/// What does not answer costs those that do nothing: 221 ms to rest, as alone.
+#[test]
+fn a_stop_of_16_motors_of_which_15_have_no_power_brakes_the_16th_as_if_alone() {
+    let ids: Vec<MotorId> = (1..=16).map(id).collect();
+    for live in [1, 9, 16] {
+        let mut bench = Bench::watching(WorldConfig::with_ids(ids.clone()), &ids);
+        let live = id(live);
+        bench
+            .command(Command::Drive {
+                id: live,
+                setpoint: rpm(100),
+                consent: Consent::None,
+            })
+            .unwrap();
+        bench.run(ms(1_500));
+        for other in ids.iter().filter(|other| **other != live) {
+            bench.world.motor_mut(*other).unwrap().power(false);
+        }
+        bench.run(ms(3_000));
+        bench.forget_the_past();
+        let asked = bench.now;
+        bench
+            .command(Command::StopAll(StopReason::Operator))
+            .unwrap();
+        // Every one of them is stopped: none is known to stand.
+        let stands = bench.run_until(ms(1_000), |bench| {
+            bench.world.motor(live).unwrap().speed_rpm().abs() < 1.0
+        });
+        let brakes: Vec<Instant> = bench.drive_times(live);
+        assert!(brakes[0].since(asked) <= ms(10));
+        let gap = longest_gap(&brakes);
+        println!("motor {live} of 16: {stands:?} to rest, brake frames {gap:?} apart at most");
+        assert!(gap <= ms(15), "{gap:?}");
+        assert!(stands <= ms(230), "{stands:?}");
+        let others = ids.iter().filter(|other| **other != live);
+        bench.run(ms(1_500));
+        for other in others {
+            let frames = bench.sent.iter();
+            let to_it = frames.filter(|sent| sent.frame.bytes()[0] == other.get());
+            assert!(to_it.count() > 3, "motor {other} was given up");
+        }
+    }
+}

@@ -9,7 +9,7 @@
 
 mod bench;
 
-use bench::{Bench, ID, degrees, id, longest_gap, ms, rpm};
+use bench::{Bench, ID, amps, degrees, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, Command, Event, Refusal};
 use motorlink_protocol::{Drive, Mode, Setpoint};
 
@@ -133,4 +133,39 @@ fn the_position_loop_reaches_its_target_and_holds_where_it_is_told_to() {
     };
     bench.run(ms(2_000));
     assert!((angle(&bench) - held.degrees()).abs() < 3.0);
+}
+
+/// The drive that was given during the switch is carried out behind its fifth frame, 100 ms later.
+#[test]
+fn a_motor_that_loses_power_during_a_switch_is_not_started_behind_it() {
+    for cut_ms in (0..120).step_by(3) {
+        let mut bench = Bench::one_motor();
+        bench.switch(Mode::Current);
+        // Driven, it reports its loop with every frame, long before the fifth switch.
+        bench.drive(amps(0.0)).unwrap();
+        bench.run(ms(200));
+        bench.forget_the_past();
+        let switch = Command::SwitchMode {
+            id: ID,
+            mode: Mode::Velocity,
+        };
+        bench.command(switch).unwrap();
+        bench.drive(rpm(100)).unwrap();
+        bench.run(ms(cut_ms));
+        bench.world.motor_mut(ID).unwrap().power(false);
+        let cut = bench.now;
+        bench.run(ms(1_500));
+        let last = bench.drive_times(ID).into_iter().filter(|at| {
+            let moves = |sent: &&bench::Sent| {
+                sent.at == *at && sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0)
+            };
+            bench.sent.iter().any(|sent| moves(&sent))
+        });
+        // As if it had been driven all along.
+        let late = last.max().map_or(ms(0), |at| at.since(cut));
+        assert!(
+            late <= ms(250),
+            "driven {late:?} after the cut at {cut_ms} ms"
+        );
+    }
 }

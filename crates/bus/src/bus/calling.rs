@@ -70,6 +70,7 @@ impl Bus {
         let outcome = self.judge_id_query(rest);
         match exchange.purpose {
             Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
+            Purpose::Refused => {}
             Purpose::Survey => self.survey_called(outcome, took),
             Purpose::Raw => self.raw_answered(match (answer, rest.is_silence()) {
                 (Some((frame, asked)), _) => RawAnswer::Reply {

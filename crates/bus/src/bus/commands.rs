@@ -19,6 +19,7 @@ impl Bus {
     /// # Errors
     /// The [`Refusal`] says why; nothing has changed then.
     pub fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
+        self.begin_call(now);
         if self.watchdog.has_bitten() && command.may_move() {
             // It may have been given long ago, to a page that has only now come to send it.
             return Err(Refusal::PageSilent);
@@ -146,7 +147,7 @@ impl Bus {
                 // An operator's act shows at once, at any rate.
                 *driven = Driven {
                     goal: setpoint,
-                    hold: false,
+                    hold: None,
                     next_frame: now,
                     ..*driven
                 };
@@ -200,9 +201,14 @@ impl Bus {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         }
-        // The angle of the last reply is where the wheel was. The next reply says where it is.
+        let Some((hold, angle)) = motor.reckoning.hold(now) else {
+            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            return Ok(());
+        };
+        // At once where the wheel should be by its speed; the next reply says it better.
         *driven = Driven {
-            hold: true,
+            goal: Setpoint::Position(angle),
+            hold: Some(hold),
             next_frame: now,
             ..*driven
         };
@@ -262,11 +268,10 @@ impl Bus {
             .map(|motor| motor.id)
             .collect();
         self.add_companions(&mut ids);
-        let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
-            Control::Stopping(stop) => Some(stop.round),
-            _ => None,
-        });
-        let round = rounds.min().unwrap_or(0);
+        if self.stop.is_none() {
+            self.silent_stop_round = 0;
+        }
+        let round = self.stop_round().unwrap_or(0);
         for motor in self
             .motors
             .iter_mut()
@@ -285,6 +290,15 @@ impl Bus {
         }
         self.events.push_back(Event::StopBegan(reason));
         self.cut_exchange_short(now);
+    }
+
+    /// The frames of their stop that all motors which answer have got; `None` where none is stopped.
+    pub(super) fn stop_round(&self) -> Option<u32> {
+        let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
+            Control::Stopping(stop) if !motor.is_without_answer() => Some(stop.round),
+            _ => None,
+        });
+        rounds.min()
     }
 
     /// A stop waits for the exchange in flight, but not for a motor that does not answer.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Detail, FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
+use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
 
 use super::{Bus, surveying::Survey};
 use crate::{
@@ -18,6 +18,7 @@ use crate::{
 impl Bus {
     /// Takes bytes that the port delivered.
     pub fn receive(&mut self, now: Instant, bytes: &[u8]) {
+        self.begin_call(now);
         self.receiver.push(bytes);
         if let Line::Busy(exchange) = &mut self.line {
             exchange.held_until = exchange.held_until.map(|_| now + AMBIGUITY_QUIET);
@@ -118,7 +119,7 @@ impl Bus {
         match exchange.purpose {
             // That a motor is silent that was silent before says nothing of the adapter, unless all are.
             Purpose::Control if self.tells_of_the_adapter(now, id) => self.round_trip.lost(),
-            Purpose::Control => {}
+            Purpose::Control | Purpose::Refused => {}
             Purpose::Survey if rest.is_silence() => {
                 self.survey_looked(now, exchange.sent, id, Look::Silence);
             }
@@ -180,7 +181,7 @@ impl Bus {
         };
         self.log_heard(now, frame, asked);
         match exchange.purpose {
-            Purpose::Control => {}
+            Purpose::Control | Purpose::Refused => {}
             Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Reply(took)),
             Purpose::Raw => self.raw_answered(RawAnswer::Reply {
                 frame: *frame,
@@ -198,24 +199,32 @@ impl Bus {
         let tells_round_trip = !motor.late.blurs_round_trips(now);
         if tells_round_trip {
             motor.round_trip.replied(took);
-            // A late reply may speak of the time before a switch.
+            // A late reply may speak of the time before a switch, or of the frame before.
             motor.loop_reported();
+            motor.torque.answered(&exchange.frame);
         }
         let Ok(reply) = Reply::decode(frame, asked) else {
             return;
         };
         let in_the_air = motor.loop_is_in_the_air();
-        let continues = motor.continues(now, &reply);
+        motor.reckoning.replied(now, &reply);
+        let seen = motor.reckoning.just_seen(now);
         match (&mut motor.control, reply.detail) {
             (Control::Switching(switch), _) => switch.heard(reply.mode),
             // A late reply may speak of the time before a switch.
             (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !in_the_air => {
                 stop.heard(&reply);
             }
-            (Control::Driven(driven), Detail::Drive { position }) if driven.hold && continues => {
-                driven.goal = Setpoint::Position(position.into());
-                driven.hold = false;
-                driven.next_frame = now;
+            (Control::Stopping(stop), _) => stop.heard_uncertain(reply.mode),
+            (Control::Driven(driven), _) => {
+                // The first reply after Hold says where the wheel was then.
+                if let Some(hold) = driven.hold
+                    && let Some(held) = hold.refined(now, seen, reply.speed)
+                {
+                    driven.goal = Setpoint::Position(held);
+                    driven.next_frame = now;
+                    driven.hold = None;
+                }
             }
             _ => {}
         }

@@ -26,11 +26,14 @@ use crate::{
     scan::Ask,
     schedule::{Errand, Pace, Turn, next_turn},
     stop::ActiveStop,
-    timing::{CALL_FORGOTTEN, EARLY, JUST_FREED},
+    timing::{CALL_FORGOTTEN, EARLY, JUST_FREED, LATE_CALL, SLEPT_AT_LEAST},
     watchdog::{Bark, Watchdog},
 };
 
-use self::surveying::{Proof, Survey};
+use self::{
+    speaking::HandedOut,
+    surveying::{Proof, Survey},
+};
 
 /// What [`Bus::poll`] wants done.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -79,6 +82,16 @@ pub struct Bus {
     /// What happened on the line while no single motor was asked.
     counters: Counters,
     watchdog: Watchdog,
+    /// The frame that was handed out last, until the next call says that it was taken.
+    handed_out: Option<HandedOut>,
+    /// Frames in a row that the port did not take.
+    refused_in_a_row: u32,
+    /// A question or a set-ID frame that the port did not take.
+    survey_again: Option<Errand>,
+    /// When the next call was asked for.
+    call_due: Instant,
+    /// Motors that do not answer get a frame of their stop behind this round of those that do.
+    silent_stop_round: u32,
     /// Drained by every poll, so it holds what one input can cause: a few a motor.
     events: VecDeque<Event>,
 }
@@ -111,6 +124,11 @@ impl Bus {
             raw: None,
             counters: Counters::default(),
             watchdog: Watchdog::new(now),
+            handed_out: None,
+            refused_in_a_row: 0,
+            survey_again: None,
+            call_due: now,
+            silent_stop_round: 0,
             events: VecDeque::new(),
         }
     }
@@ -156,11 +174,13 @@ impl Bus {
 
     /// The page has answered its ping.
     pub fn page_answered(&mut self, now: Instant) {
+        self.begin_call(now);
         self.watchdog.answered(now);
     }
 
     /// What to do next. To be called until it answers [`Output::Wait`].
     pub fn poll(&mut self, now: Instant) -> Output {
+        self.begin_call(now);
         match self.watchdog.wake(now) {
             Some(Bark::Ping) => self.events.push_back(Event::PingPage),
             Some(Bark::PageSilent) if self.is_active(now) => {
@@ -193,11 +213,39 @@ impl Bus {
             .chain(next_on_the_line)
             .fold(self.watchdog.deadline(), Instant::min);
         // Whatever is due was done above; a moment that is not in the future would be a busy loop.
-        Output::Wait(next.max(now + Duration::from_micros(1)))
+        self.call_due = next.max(now + Duration::from_micros(1));
+        Output::Wait(self.call_due)
+    }
+
+    /// What every call begins with: the last frame was taken, and the time is as it was expected.
+    pub(super) fn begin_call(&mut self, now: Instant) {
+        self.settle_handed_out();
+        let late = now.since(self.call_due);
+        self.call_due = self.call_due.max(now);
+        if late < LATE_CALL {
+            return;
+        }
+        self.watchdog.resumed(now);
+        let reason = if late < SLEPT_AT_LEAST {
+            StopReason::LoopDelayed
+        } else {
+            StopReason::ComputerSlept
+        };
+        if self.is_active(now) {
+            self.stop_all(now, reason);
+        } else {
+            // Nobody asked for the rest of it now.
+            self.cancel_survey(now);
+        }
     }
 
     fn next_turn(&mut self, now: Instant) -> Turn {
         if self.stop.is_none() {
+            if let Some(errand) = self.survey_again.take()
+                && self.survey.is_some()
+            {
+                return Turn::Now(errand);
+            }
             if self.id_query_wanted {
                 return Turn::Now(Errand::IdQuery);
             }
@@ -216,6 +264,7 @@ impl Bus {
             query_was_last: self.query_was_last,
             just_freed: now.since(self.freed_at) < JUST_FREED,
             queries_from: self.queries_from,
+            silent_stop_round: self.silent_stop_round,
         };
         next_turn(
             &self.motors,
@@ -238,6 +287,7 @@ impl Bus {
 
     /// Ends what is under way as the line is let go, and gives what is still to be told.
     pub fn close(&mut self, now: Instant) -> impl Iterator<Item = Event> {
+        self.settle_handed_out();
         self.cancel_survey(now);
         self.events.drain(..)
     }

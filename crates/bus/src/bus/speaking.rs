@@ -1,25 +1,66 @@
-//! What is sent.
+//! What is sent, and what is known of it once the port has taken it.
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Request};
+use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request, Setpoint};
 
 use super::{Bus, surveying::request_of};
 use crate::{
-    Passed, Ramp,
+    Passed, Ramp, RawAnswer,
     exchange::{Exchange, Expects, Line, Purpose},
-    mode_switch::Switch,
+    mode_switch::{Meanwhile, Switch},
     motor::{Control, Driven, Motor},
     safety::step_towards,
     schedule::Errand,
     timing::{
         CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW,
-        SILENT_STOP_PERIOD, STOP_PERIOD,
+        REFUSED_MAX, SILENT_STOP_PERIOD, STOP_PERIOD,
     },
 };
 
+/// A frame that was handed out, until the port has taken it or not.
+///
+/// All of its effects wait for that: a frame that the port did not take was not sent, and has none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HandedOut {
+    at: Instant,
+    frame: Frame,
+    expects: Expects,
+    purpose: Purpose,
+    /// The loop in which its motor reads a drive frame, for the log.
+    mode: Option<Mode>,
+    effect: Effect,
+}
+
+/// What a frame changes once it was taken.
+#[derive(Clone, Copy, Debug)]
+enum Effect {
+    IdQuery,
+    /// The scan or the ID change has counted it already: where it was not taken it is sent again.
+    Survey(Errand),
+    Raw,
+    Motor {
+        id: MotorId,
+        control: Control,
+        sent: Sent,
+    },
+}
+
+/// What was sent to a motor.
+#[derive(Clone, Copy, Debug)]
+enum Sent {
+    Stop,
+    Switch {
+        to: Mode,
+        is_last: bool,
+    },
+    /// The setpoint; none between two loops, where zero is sent.
+    Drive(Option<Setpoint>),
+    Query(Tempo),
+}
+
 impl Bus {
-    /// Begins the exchange of an errand and hands out its frame.
+    /// Hands out the frame of an errand.
     pub(super) fn speak(&mut self, now: Instant, errand: Errand) -> Frame {
         self.sort_unasked_bytes(now);
         let tempo = Tempo {
@@ -28,42 +69,158 @@ impl Bus {
             ramp: self.ramp,
             others_driven: self.anyone_driven(),
         };
-        self.query_was_last = matches!(errand, Errand::Query(_));
-        if self.query_was_last {
-            self.queries_from = now + self.query_distance();
-        }
-        let (request, purpose) = match errand {
-            Errand::Raw => return self.speak_raw(now),
-            Errand::IdQuery => {
-                self.id_query_wanted = false;
-                (Request::IdQuery, Purpose::Control)
+        let (frame, expects, purpose, effect) = match errand {
+            Errand::Raw => {
+                // Without a frame nothing would be due; the ID query harms nobody.
+                let frame = self.raw.map_or(Request::IdQuery.frame(), |raw| raw.frame);
+                let expects = Expects::of_raw(&frame);
+                (frame, expects, Purpose::Raw, Effect::Raw)
             }
-            Errand::Survey(ask) => (request_of(ask), Purpose::Survey),
-            Errand::SetId(id) => (Request::SetId { id }, Purpose::Survey),
+            Errand::IdQuery => {
+                let request = Request::IdQuery;
+                let expects = Expects::of(&request);
+                (request.frame(), expects, Purpose::Control, Effect::IdQuery)
+            }
+            Errand::Survey(_) | Errand::SetId(_) => {
+                let request = match errand {
+                    Errand::SetId(id) => Request::SetId { id },
+                    Errand::Survey(ask) => request_of(ask),
+                    _ => Request::IdQuery,
+                };
+                let effect = Effect::Survey(errand);
+                let expects = Expects::of(&request);
+                (request.frame(), expects, Purpose::Survey, effect)
+            }
             Errand::Stop(id) | Errand::Switch(id) | Errand::Drive(id) | Errand::Query(id) => {
                 let motor = self.watch(now, id);
-                (next_request(motor, now, errand, tempo), Purpose::Control)
+                let (request, control, sent) = next_request(motor, now, errand, tempo);
+                let effect = Effect::Motor { id, control, sent };
+                let expects = Expects::of(&request);
+                (request.frame(), expects, Purpose::Control, effect)
             }
         };
-        self.begin_exchange(now, request.frame(), Expects::of(&request), purpose)
+        let [addressee, ..] = *frame.bytes();
+        let motor = self.motors.iter().find(|motor| motor.id.get() == addressee);
+        let mode = motor.and_then(|motor| motor.reads_drive_frames_in(now));
+        self.handed_out = Some(HandedOut {
+            at: now,
+            frame,
+            expects,
+            purpose,
+            mode,
+            effect,
+        });
+        frame
     }
 
-    /// Sends what a person wrote, as it is.
-    fn speak_raw(&mut self, now: Instant) -> Frame {
-        // Without a frame nothing would be due; the ID query harms nobody.
-        let frame = self.raw.map_or(Request::IdQuery.frame(), |raw| raw.frame);
-        self.raw_goes_out(now);
-        self.begin_exchange(now, frame, Expects::of_raw(&frame), Purpose::Raw)
+    /// The frame that was handed out last was taken: the next call of any kind says so.
+    pub(super) fn settle_handed_out(&mut self) {
+        let Some(handed) = self.handed_out.take() else {
+            return;
+        };
+        self.refused_in_a_row = 0;
+        let HandedOut {
+            at, frame, mode, ..
+        } = handed;
+        self.log(at, Passed::Sent { frame, mode });
+        self.take_effect(&handed);
+        self.begin_exchange(&handed);
     }
 
-    fn begin_exchange(
-        &mut self,
-        now: Instant,
-        frame: Frame,
-        expects: Expects,
-        purpose: Purpose,
-    ) -> Frame {
-        let exchange = Exchange::begin(now, frame, expects, self.window(expects, purpose), purpose);
+    /// The port did not take the frame that was handed out last; to be called before anything else.
+    ///
+    /// The log has it as not sent, and it has no effect: what was to be sent is still to be sent, a little
+    /// later. For its motor it counts as unanswered, so that a port that takes nothing ends in withdrawn
+    /// setpoints.
+    pub fn unsent(&mut self) {
+        let Some(handed) = self.handed_out.take() else {
+            return;
+        };
+        let HandedOut { at, frame, .. } = handed;
+        self.log(at, Passed::Unsent { frame });
+        self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
+        match handed.effect {
+            // What a person wrote is not sent at a moment that the person did not choose.
+            Effect::Raw => {
+                self.take_effect(&handed);
+                if let Some(id) = self.raw.and_then(|raw| raw.addressee) {
+                    self.count_refused(id);
+                }
+                self.raw_answered(RawAnswer::NotSent);
+            }
+            Effect::Survey(errand) if self.refused_in_a_row < REFUSED_MAX => {
+                self.survey_again = Some(errand);
+            }
+            // A port that takes nothing for so long answers nothing.
+            Effect::Survey(_) => {
+                self.begin_exchange(&handed);
+                return;
+            }
+            Effect::IdQuery => {}
+            Effect::Motor { id, .. } => {
+                self.count_refused(id);
+            }
+        }
+        self.line = Line::Busy(Exchange::refused(at, frame));
+    }
+
+    fn count_refused(&mut self, id: MotorId) {
+        if let Some(motor) = self.motor_mut(id) {
+            motor.unanswered_in_a_row = motor.unanswered_in_a_row.saturating_add(1);
+        }
+    }
+
+    fn take_effect(&mut self, handed: &HandedOut) {
+        let now = handed.at;
+        self.query_was_last = false;
+        match handed.effect {
+            Effect::IdQuery => self.id_query_wanted = false,
+            Effect::Survey(_) => {}
+            Effect::Raw => self.raw_goes_out(now),
+            Effect::Motor { id, control, sent } => {
+                let is_query = matches!(sent, Sent::Query(_));
+                let mut stops_silent = false;
+                let motor = self.watch(now, id);
+                motor.control = control;
+                match sent {
+                    Sent::Stop => stops_silent = motor.is_without_answer(),
+                    Sent::Switch { to, is_last } => {
+                        if is_last {
+                            // Ask whether it took.
+                            motor.next_query = now;
+                        }
+                        motor.switch_sent(to);
+                    }
+                    Sent::Drive(setpoint) => {
+                        motor.drive_frames.count(now);
+                        if let Some(Setpoint::Current(current)) = setpoint {
+                            motor.torque.sent(current);
+                        }
+                    }
+                    Sent::Query(tempo) => {
+                        motor.query_sent(now, tempo.query_period, tempo.others_driven);
+                    }
+                }
+                if stops_silent {
+                    self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);
+                }
+                if is_query {
+                    self.query_was_last = true;
+                    self.queries_from = now + self.query_distance();
+                }
+            }
+        }
+    }
+
+    fn begin_exchange(&mut self, handed: &HandedOut) {
+        let &HandedOut {
+            at,
+            frame,
+            expects,
+            purpose,
+            ..
+        } = handed;
+        let exchange = Exchange::begin(at, frame, expects, self.window(expects, purpose), purpose);
         match expects {
             Expects::Reply { id, .. } => match self.motor_mut(id) {
                 Some(motor) => motor.counters.requests += 1,
@@ -72,12 +229,7 @@ impl Bus {
             Expects::Everyone { .. } => self.counters.requests += 1,
             Expects::Nothing => {}
         }
-        let [addressee, ..] = *frame.bytes();
-        let motor = self.motors.iter().find(|motor| motor.id.get() == addressee);
-        let mode = motor.and_then(|motor| motor.reads_drive_frames_in(now));
-        self.log(now, Passed::Sent { frame, mode });
         self.line = Line::Busy(exchange);
-        frame
     }
 
     /// How long the reply may take.
@@ -103,7 +255,7 @@ impl Bus {
 }
 
 /// How often, and how fast.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Tempo {
     /// Between two drive frames to one motor.
     period: Duration,
@@ -113,45 +265,57 @@ struct Tempo {
     others_driven: bool,
 }
 
-/// The request that an errand means now, with the motor's schedule moved on.
-fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -> Request {
+/// The request that an errand means now, and what its motor's control is once it was sent.
+fn next_request(
+    motor: &Motor,
+    now: Instant,
+    errand: Errand,
+    tempo: Tempo,
+) -> (Request, Control, Sent) {
     let id = motor.id;
     let period = tempo.period;
-    let stop_period = if tempo.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
-        SILENT_STOP_PERIOD
-    } else {
-        STOP_PERIOD
-    };
-    match (&mut motor.control, errand) {
-        (Control::Stopping(stop), Errand::Stop(_)) => {
+    match (motor.control, errand) {
+        (Control::Stopping(mut stop), Errand::Stop(_)) => {
+            let stop_period =
+                if tempo.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
+                    SILENT_STOP_PERIOD
+                } else {
+                    STOP_PERIOD
+                };
             let request = stop.next_request(now, id);
             stop.sent(now, &request, stop_period);
-            request
+            (request, Control::Stopping(stop), Sent::Stop)
         }
-        (Control::Switching(switch), Errand::Switch(_)) => {
+        (Control::Switching(mut switch), Errand::Switch(_)) => {
             switch.frame_sent(now);
             let to = switch.to;
-            if switch.next_frame().is_none() {
-                // The fifth was sent: ask whether it took.
-                motor.next_query = now;
-            }
-            motor.switch_sent(to);
-            Request::SwitchMode { id, mode: to }
+            let is_last = switch.next_frame().is_none();
+            let request = Request::SwitchMode { id, mode: to };
+            (
+                request,
+                Control::Switching(switch),
+                Sent::Switch { to, is_last },
+            )
         }
         (Control::Driven(driven), Errand::Drive(_)) => {
-            let goal = step_towards(driven.goal, driven.on_the_wire);
+            let goal = step_towards(driven.goal, motor.torque.possible());
             let mut ramped = driven.ramped;
             let setpoint = ramped.step(now, goal, tempo.ramp, period);
-            let (on_schedule, next_frame) = kept_schedule(driven.on_schedule, now, period);
-            *driven = Driven {
-                ramped,
-                on_schedule,
-                on_the_wire: Some(setpoint),
+            let (on_schedule, mut next_frame) = kept_schedule(driven.on_schedule, now, period);
+            if driven.hold.is_some_and(|hold| hold.is_open(now)) {
+                next_frame = next_frame.min(now + STOP_PERIOD);
+            }
+            let control = Control::Driven(Driven {
                 next_frame,
-                ..*driven
-            };
-            motor.drive_frames.count(now);
-            Request::drive(id, setpoint)
+                on_schedule,
+                ramped,
+                ..driven
+            });
+            (
+                Request::drive(id, setpoint),
+                control,
+                Sent::Drive(Some(setpoint)),
+            )
         }
         (
             Control::Switching(Switch {
@@ -160,17 +324,18 @@ fn next_request(motor: &mut Motor, now: Instant, errand: Errand, tempo: Tempo) -
             }),
             Errand::Drive(_),
         ) => {
-            meanwhile.next_frame = next_on_schedule(meanwhile.next_frame, now, period);
-            motor.drive_frames.count(now);
-            Request::Drive {
-                id,
-                drive: meanwhile.drive,
+            let next_frame = next_on_schedule(meanwhile.next_frame, now, period);
+            let mut control = motor.control;
+            if let Control::Switching(switch) = &mut control {
+                switch.meanwhile = Some(Meanwhile {
+                    next_frame,
+                    ..meanwhile
+                });
             }
+            let drive = meanwhile.drive;
+            (Request::Drive { id, drive }, control, Sent::Drive(None))
         }
-        _ => {
-            motor.query_sent(now, tempo.query_period, tempo.others_driven);
-            Request::Query { id }
-        }
+        (control, _) => (Request::Query { id }, control, Sent::Query(tempo)),
     }
 }
 

@@ -148,6 +148,7 @@ impl Bus {
 
     /// Ends whatever has the line to itself, at once.
     pub(super) fn cancel_survey(&mut self, now: Instant) {
+        self.survey_again = None;
         if std::mem::take(&mut self.id_query_wanted) {
             let outcome = IdQueryOutcome::Cancelled;
             self.events.push_back(Event::IdQueryEnded(outcome));

@@ -20,27 +20,8 @@ impl Bus {
                 motor.silent = true;
                 self.events.push_back(Event::MotorSilent(motor.id));
             }
-            match motor.control {
-                Control::Driven(driven) => {
-                    let quiet = motor.quiet_while_driven(now, &driven);
-                    let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
-                    let withdrawn = check_driven(
-                        Some(driven.goal.mode()),
-                        motor.last_mode(),
-                        faults,
-                        motor.crossed(now, self.limits, driven.since),
-                        quiet,
-                        motor.unanswered_in_a_row,
-                    );
-                    if let Some(reason) = withdrawn {
-                        self.events.push_back(Event::Withdrawn {
-                            id: motor.id,
-                            reason,
-                        });
-                        to_stop.push(motor.id);
-                    }
-                }
-                Control::Switching(switch) => match switch.progress(now) {
+            if let Control::Switching(switch) = motor.control {
+                match switch.progress(now) {
                     Progress::Underway => {}
                     Progress::Confirmed => {
                         let reported = motor.fresh_faults(now);
@@ -64,8 +45,27 @@ impl Bus {
                             motor.control = Control::Idle;
                         }
                     }
-                },
-                Control::Idle | Control::Stopping(_) => {}
+                }
+            }
+            // Behind the switch: what it starts has to stand the same questions before its first frame.
+            if let Control::Driven(driven) = motor.control {
+                let quiet = motor.quiet_while_driven(now, &driven);
+                let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
+                let withdrawn = check_driven(
+                    Some(driven.goal.mode()),
+                    motor.last_mode(),
+                    faults,
+                    motor.crossed(now, self.limits, driven.since),
+                    quiet,
+                    motor.unanswered_in_a_row,
+                );
+                if let Some(reason) = withdrawn {
+                    self.events.push_back(Event::Withdrawn {
+                        id: motor.id,
+                        reason,
+                    });
+                    to_stop.push(motor.id);
+                }
             }
         }
         if !to_stop.is_empty() {
@@ -135,6 +135,10 @@ fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>, faulty: bool)
     let goal = switch.then.or(zero.filter(|_| switch.was_driven));
     // A motor that reports a fault is not driven into it.
     goal.filter(|_| !faulty).map_or(Control::Idle, |goal| {
-        Control::Driven(Driven::begin(now, goal, speed))
+        Control::Driven(Driven {
+            // A motor that fell silent during the switch does not get its time again.
+            since: switch.began,
+            ..Driven::begin(now, goal, speed)
+        })
     })
 }

@@ -74,6 +74,8 @@ pub struct Bench {
     pub events: Vec<(Instant, Event)>,
     /// Whether the adapter is still at the frame before, and takes none.
     pub adapter_is_busy: bool,
+    /// How many of the next frames it does not take.
+    pub refusals: u32,
     /// Whether the page answers its pings.
     pub page_lives: bool,
 }
@@ -90,6 +92,7 @@ impl Bench {
             sent: Vec::new(),
             events: Vec::new(),
             adapter_is_busy: false,
+            refusals: 0,
             page_lives: true,
         }
     }
@@ -152,6 +155,20 @@ impl Bench {
         }
     }
 
+    /// Time passes while nobody calls the bus: the computer sleeps, or its worker is delayed. What the
+    /// motors send meanwhile waits.
+    pub fn sleep(&mut self, duration: Duration) {
+        self.now = self.now + duration;
+        self.world.advance(self.now);
+    }
+
+    /// Hands over what has waited.
+    pub fn deliver(&mut self) {
+        while let Some(chunk) = self.world.receive(self.now) {
+            self.bus.receive(self.now, &chunk.bytes);
+        }
+    }
+
     /// Runs until something holds; panics when it does not hold in time.
     pub fn run_until(&mut self, limit: Duration, mut holds: impl FnMut(&Self) -> bool) -> Duration {
         let began = self.now;
@@ -166,6 +183,10 @@ impl Bench {
         for _ in 0..1_000 {
             match self.bus.poll(self.now) {
                 Output::Transmit(_) if self.adapter_is_busy => self.bus.unsent(),
+                Output::Transmit(_) if self.refusals > 0 => {
+                    self.refusals -= 1;
+                    self.bus.unsent();
+                }
                 Output::Transmit(frame) => {
                     self.world.transmit(self.now, frame.bytes());
                     self.sent.push(Sent {

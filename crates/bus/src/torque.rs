@@ -1,0 +1,60 @@
+//! The current that a motor may follow, for a reversal that passes through zero.
+
+use motorlink_protocol::{CurrentTarget, Frame, Request};
+
+/// The last current other than zero that was sent to a motor, until it has answered a zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Torque(Option<CurrentTarget>);
+
+impl Torque {
+    /// A drive frame was sent in the current loop.
+    pub(crate) fn sent(&mut self, current: CurrentTarget) {
+        if current.raw() != 0 {
+            self.0 = Some(current);
+        }
+    }
+
+    /// The motor has answered this frame.
+    pub(crate) fn answered(&mut self, frame: &Frame) {
+        if let Ok(Request::Drive { drive, .. }) = Request::parse(frame)
+            && drive.signed() == 0
+        {
+            self.0 = None;
+        }
+    }
+
+    /// The current that the motor may follow; `None` where it is zero for sure.
+    pub(crate) const fn possible(self) -> Option<CurrentTarget> {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_protocol::{MotorId, Setpoint};
+
+    use super::*;
+
+    fn drive(raw: i32) -> Frame {
+        let current = CurrentTarget::new(raw).unwrap();
+        Request::drive(MotorId::FIRST, Setpoint::Current(current)).frame()
+    }
+
+    #[test]
+    fn a_current_is_possible_until_a_zero_is_answered() {
+        let forward = CurrentTarget::new(5_000).unwrap();
+        let mut torque = Torque::default();
+        assert_eq!(torque.possible(), None);
+        torque.sent(forward);
+        torque.answered(&drive(5_000));
+        assert_eq!(torque.possible(), Some(forward));
+        // Sent is not answered.
+        torque.sent(CurrentTarget::ZERO);
+        assert_eq!(torque.possible(), Some(forward));
+        let query = Request::Query { id: MotorId::FIRST }.frame();
+        torque.answered(&query);
+        assert_eq!(torque.possible(), Some(forward));
+        torque.answered(&drive(0));
+        assert_eq!(torque.possible(), None);
+    }
+}

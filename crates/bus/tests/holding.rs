@@ -1,0 +1,96 @@
+//! Hold: the wheel stays where it is, however bad the line.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use bench::{Bench, ID, degrees, ms};
+use motorlink_bus::{Activity, Command};
+use motorlink_protocol::Mode;
+use motorlink_simulator::{WireFaults, WorldConfig};
+
+const GOAL_DEG: f32 = 170.0;
+
+fn losing(lose_reply: f64, seed: u64) -> Bench {
+    let config = WorldConfig {
+        seed,
+        faults: WireFaults {
+            lose_reply,
+            ..WireFaults::default()
+        },
+        ..WorldConfig::default()
+    };
+    let mut bench = Bench::watching(config, &[ID]);
+    for _ in 0..10 {
+        let _ = bench.command(Command::SwitchMode {
+            id: ID,
+            mode: Mode::Position,
+        });
+        bench.run(ms(600));
+        if bench.drive(degrees(GOAL_DEG)).is_ok() {
+            return bench;
+        }
+    }
+    panic!("not in the position loop with {lose_reply} lost, seed {seed}");
+}
+
+/// The distance that the wheel lies from where it was at Hold once it rests, in degrees, and whether it
+/// lies at the goal that was given up.
+fn travel(lose_reply: f64, seed: u64) -> Option<(f32, bool)> {
+    let mut bench = losing(lose_reply, seed);
+    bench.run(ms(40 + seed * 2));
+    let turns = |bench: &Bench| bench.world.motor(ID).unwrap().turns();
+    let before = turns(&bench);
+    // On so bad a line the setpoint may have been withdrawn: then there is nothing to hold.
+    bench.command(Command::Hold(ID)).ok()?;
+    bench.run(ms(2_500));
+    let off_deg = (turns(&bench) - before).abs() * 360.0;
+    let angle = bench.world.motor(ID).unwrap().angle_deg();
+    Some((off_deg, (angle - GOAL_DEG).abs() < 3.0 && off_deg > 5.0))
+}
+
+#[test]
+fn a_held_wheel_stays_within_10_degrees_however_many_replies_are_lost() {
+    for lose_reply in [0.0, 0.05, 0.15, 0.45] {
+        let runs: Vec<_> = (0..149)
+            .filter_map(|seed| Some((seed, travel(lose_reply, seed)?)))
+            .collect();
+        let worst = runs
+            .iter()
+            .max_by(|a, b| a.1.0.total_cmp(&b.1.0))
+            .expect("runs that hold");
+        let at_goal = runs.iter().filter(|(_, (_, at_goal))| *at_goal).count();
+        println!(
+            "travel after Hold, {:.0} % of replies lost: worst of {} runs {:.1} degrees (seed {}), {at_goal} at the old goal",
+            lose_reply * 100.0,
+            runs.len(),
+            worst.1.0,
+            worst.0,
+        );
+        assert!(runs.len() > 100, "{} runs", runs.len());
+        assert_eq!(at_goal, 0, "{lose_reply}");
+
+        assert!(worst.1.0 <= 10.0, "{lose_reply}: {worst:?}");
+    }
+}
+
+#[test]
+fn hold_without_any_angle_is_a_stop() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Position);
+    bench.drive(degrees(170.0)).unwrap();
+    bench.run(ms(100));
+    bench.world.motor_mut(ID).unwrap().mute(true);
+    bench.run(ms(205));
+    if bench.command(Command::Hold(ID)).is_ok() {
+        assert!(matches!(bench.activity(), Activity::Stopping { .. }));
+    } else {
+        // The silence has withdrawn the setpoint already.
+        assert!(!matches!(bench.activity(), Activity::Driven { .. }));
+    }
+}
