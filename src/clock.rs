@@ -1,6 +1,8 @@
 //! The worker's clock read on the page's, and the other way round.
 
-use motorlink_messages::protocol::Instant;
+use std::cell::Cell;
+
+use motorlink_messages::{AwakeClock, protocol::Instant};
 use wasm_bindgen::JsCast;
 
 const DAY_MS: f64 = 86_400_000.0;
@@ -50,9 +52,20 @@ impl Clock {
     }
 }
 
-/// The page's `performance.now()`, and 0 where there is no browser.
+thread_local! {
+    /// The worker counts the time asleep as well: without it here, all that a person does after a sleep would
+    /// be too old.
+    static AWAKE: Cell<AwakeClock> = Cell::default();
+}
+
+/// The page's `performance.now()` with the time that the computer slept, and 0 where there is no browser.
 pub(crate) fn page_now_ms() -> f64 {
-    performance().map_or(0.0, |performance| performance.now())
+    performance().map_or(0.0, |performance| {
+        let mut awake = AWAKE.get();
+        let now_ms = awake.read(performance.now(), js_sys::Date::now());
+        AWAKE.set(awake);
+        now_ms
+    })
 }
 
 /// The page's `performance.timeOrigin`.
@@ -99,7 +112,8 @@ fn time_of_day(local_ms: f64) -> String {
 pub(crate) fn act_ms() -> f64 {
     let event =
         web_sys::window().and_then(|window| window.event().dyn_into::<web_sys::Event>().ok());
-    event.map_or_else(page_now_ms, |event| event.time_stamp())
+    let now_ms = page_now_ms();
+    event.map_or(now_ms, |event| AWAKE.get().of_event(event.time_stamp()))
 }
 
 fn performance() -> Option<web_sys::Performance> {

@@ -137,6 +137,9 @@ pub(crate) fn answer(raw: &RawStatus) -> String {
             tr!("Bytes came, but no good reply: several motors at once, or noise.").to_owned()
         }
         Some(RawAnswer::NoneExpected) => tr!("Sent. Such a frame has no answer.").to_owned(),
+        Some(RawAnswer::NotSent) => {
+            tr!("Not sent: the adapter is busy. Press Send again.").to_owned()
+        }
         Some(RawAnswer::Silence { waited_us }) => {
             tr!(
                 "No answer within {ms} ms.",

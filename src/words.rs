@@ -470,6 +470,10 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
         StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
         StopReason::PageSilent => tr!("The page did not answer its worker for a second."),
+        StopReason::ComputerSlept => tr!("The computer slept; motors were stopped."),
+        StopReason::LoopDelayed => {
+            tr!("The computer was too busy to keep driving; motors were stopped.")
+        }
         StopReason::Disconnect => tr!("The port was closed."),
         StopReason::OneMotor => tr!("A motor was stopped."),
         StopReason::Survey => tr!("The bus is to be scanned."),

@@ -140,6 +140,8 @@ fn our_stop_is_never_called_an_emergency_stop() {
         StopReason::PageHidden,
         StopReason::PageGone,
         StopReason::PageSilent,
+        StopReason::ComputerSlept,
+        StopReason::LoopDelayed,
     ] {
         assert!(!of_stop_reason(reason).to_lowercase().contains("emergency"));
     }

@@ -13,10 +13,12 @@ use motorlink_protocol::{AssignableId, Instant, Mode, MotorId};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
+mod awake_clock;
 pub mod journal;
 mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
+pub use awake_clock::AwakeClock;
 pub use motorlink_bus as bus;
 pub use motorlink_protocol as protocol;
 pub use virtual_wire::VirtualWire;

@@ -1,7 +1,9 @@
 //! The worker's global object: its clock and its messages.
 
-use js_sys::{Array, Uint8Array};
-use motorlink_messages::{ToPage, encode};
+use std::{cell::Cell, rc::Rc};
+
+use js_sys::{Array, Date, Uint8Array};
+use motorlink_messages::{AwakeClock, ToPage, encode};
 use motorlink_protocol::Instant;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{DedicatedWorkerGlobalScope, MessageEvent, MessagePort, Performance};
@@ -12,13 +14,22 @@ pub(crate) fn global() -> DedicatedWorkerGlobalScope {
     js_sys::global().unchecked_into()
 }
 
-/// Reads the worker's monotonic clock.
+/// Reads the worker's monotonic clock, and counts the time that the computer slept.
 #[derive(Clone, Debug)]
-pub(crate) struct Clock(Option<Performance>);
+pub(crate) struct Clock {
+    performance: Option<Performance>,
+    /// One for all copies: who sees a sleep first sees it for all.
+    awake: Rc<Cell<AwakeClock>>,
+}
 
 impl Clock {
     pub(crate) fn new() -> Self {
-        Self(global().performance())
+        let clock = Self {
+            performance: global().performance(),
+            awake: Rc::default(),
+        };
+        clock.now();
+        clock
     }
 
     /// Now, in microseconds since the worker's time origin. Steps of 0.1 ms, as browsers have it.
@@ -28,13 +39,18 @@ impl Clock {
         reason = "a float cast saturates, and milliseconds since the start are positive"
     )]
     pub(crate) fn now(&self) -> Instant {
-        let millis = self.0.as_ref().map_or(0.0, Performance::now);
+        let millis = self.performance.as_ref().map_or(0.0, Performance::now);
+        let mut awake = self.awake.get();
+        let millis = awake.read(millis, Date::now());
+        self.awake.set(awake);
         Instant::from_micros((millis * 1000.0) as u64)
     }
 
     /// When the clock was zero, in milliseconds of the time that page and worker share.
     pub(crate) fn origin_ms(&self) -> f64 {
-        self.0.as_ref().map_or(0.0, Performance::time_origin)
+        self.performance
+            .as_ref()
+            .map_or(0.0, Performance::time_origin)
     }
 }
 

@@ -273,7 +273,6 @@ impl Station {
                     // Of a port on trial too: the log shows what passed, whoever it came from.
                     Output::Event(Event::Traffic(traffic)) => self.tape.push(traffic),
                     Output::Event(event) => {
-                        self.halted |= matches!(event, Event::StopBegan(StopReason::PageSilent));
                         if let Event::StopEnded(_) = event
                             && let Stage::Closing(then) = &mut open.stage
                         {
@@ -284,6 +283,8 @@ impl Station {
                     Output::Wait(at) => break at,
                 }
             };
+            // The bus stops all motors by itself where the page or the computer was away.
+            self.halted |= open.bus.is_halted();
             wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
         }
         // Before the page hears that a port is closed, the journal is sent all that passed on it.

@@ -1,5 +1,5 @@
-//! The wall clock jumps, as when a machine is told the time: only in the page and its workers here, never
-//! in the machine.
+//! The wall clock jumps, as when a machine is told the time or has slept: only in the page and its workers
+//! here, never in the machine.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -20,7 +20,8 @@ use story::{
     spin, wait_for_speed,
 };
 
-/// Runs before anything of ours: from a word on a channel on the wall clock is a day behind.
+/// Runs before anything of ours: a message on a channel says how far the wall clock is behind from now on.
+/// One that is ahead is what a page sees of a sleep: its monotonic clock stood still.
 const CLOCK_THAT_JUMPS: &str = "
     {
         const True = Date;
@@ -29,8 +30,8 @@ const CLOCK_THAT_JUMPS: &str = "
             constructor(...all) { if (all.length) super(...all); else super(True.now() - behind_ms); }
             static now() { return True.now() - behind_ms; }
         };
-        new BroadcastChannel('clock').onmessage = () => {
-            behind_ms = 86_400_000;
+        new BroadcastChannel('clock').onmessage = ({ data }) => {
+            behind_ms = data;
             new BroadcastChannel('jumped').postMessage(globalThis.name ?? '');
         };
     }
@@ -59,35 +60,44 @@ fn age_of_speed(page: &Page) -> Result<f64> {
     number(&age).with_context(|| format!("no age: {age:?}"))
 }
 
-#[test]
-fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
-    let dir = tempfile::tempdir()?;
-    pages_with_the_clock(dir.path())?;
-    let bench = Bench::serving(dir.path())?;
+/// A wheel at +100 rpm, driven by a page whose clocks can jump.
+fn spinning(dir: &Path) -> Result<Story> {
+    pages_with_the_clock(dir)?;
+    let bench = Bench::serving(dir)?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let page = bench.open("/")?;
-    let story = Story {
+    connect(&page)?;
+    spin(&page, "+100", 97..=103)?;
+    Ok(Story {
         bench,
         adapter,
         page,
-    };
-    let page = &story.page;
-    connect(page)?;
-    spin(page, "+100", 97..=103)?;
+    })
+}
 
-    let jumped_us = now_us();
-    let told = page.evaluate(
-        "new Promise((told) => {
+/// Lets the wall clocks of the page, of the worker with the port and of the log's worker jump.
+fn jump_back(page: &Page, ms: i64) -> Result<()> {
+    let told = page.evaluate(&format!(
+        "new Promise((told) => {{
             const heard = [];
             const jumped = new BroadcastChannel('jumped');
-            jumped.onmessage = ({ data }) => { heard.push(data); };
-            new BroadcastChannel('clock').postMessage('jump');
-            const page = new BroadcastChannel('jumped');
+            jumped.onmessage = ({{ data }}) => {{ heard.push(data); }};
+            new BroadcastChannel('clock').postMessage({ms});
             setTimeout(() => told(heard.length), 500);
-        })",
-    )?;
-    // The page, the worker with the port, the journal.
+        }})"
+    ))?;
     assert_eq!(told, 3, "clocks that jumped");
+    Ok(())
+}
+
+#[test]
+fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
+    let dir = tempfile::tempdir()?;
+    let story = spinning(dir.path())?;
+    let page = &story.page;
+
+    let jumped_us = now_us();
+    jump_back(page, 86_400_000)?;
     let before_ms = page.evaluate("performance.timeOrigin + performance.now() - Date.now()")?;
     let behind_ms = before_ms.as_f64().context("a time")?;
     assert!(behind_ms > 86_000_000.0, "{behind_ms} ms behind");
@@ -125,5 +135,43 @@ fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
     the_log_has_it_all(&story, 0)?;
     the_recording_is_intact(&story, jumped_us)?;
     assert_quiet_console(&story.page);
+    Ok(())
+}
+
+/// What a page sees when the computer wakes.
+#[test]
+fn a_computer_that_slept_finds_its_motors_stopped_and_says_why() -> Result<()> {
+    const ASLEEP_MS: i64 = 600_000;
+    let dir = tempfile::tempdir()?;
+    let story = spinning(dir.path())?;
+    let page = &story.page;
+
+    let slept_us = now_us();
+    jump_back(page, -ASLEEP_MS)?;
+    the_page_says(page, "The computer slept; motors were stopped.")?;
+    wait_for_speed(page, 0..=0)?;
+    let drives = story.since(slept_us)?.drives();
+    let behind_the_first_stop = drives.frames.iter().skip_while(|frame| !frame.is_stop());
+    assert!(behind_the_first_stop.clone().count() > 0, "{drives}");
+    for frame in behind_the_first_stop {
+        assert!(frame.is_stop(), "{drives}");
+    }
+    page.find("alertdialog", "Stopped")?;
+
+    // Nothing is too old, and the log tells the time after the sleep.
+    page.click("button", "Release")?;
+    spin(page, "+50", 47..=53)?;
+    page.press("Escape")?;
+    wait_for_speed(page, 0..=0)?;
+    let log = the_log_has_it_all(&story, 0)?;
+    let times = log.column("time")?;
+    let last = times.last().context("an empty log")?;
+    let behind = page.evaluate(&format!("Date.now() - Date.parse('{last}')"))?;
+    let behind_ms = behind.as_f64().context("a time")?;
+    assert!(
+        behind_ms.abs() < 30_000.0,
+        "the log is {behind_ms} ms behind"
+    );
+    assert_quiet_console(page);
     Ok(())
 }
