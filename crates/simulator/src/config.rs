@@ -29,6 +29,9 @@ pub struct MotorConfig {
     /// Set-ID frames in a row before the ID is taken. Default 5 (DDSM115); M0601 units are reported
     /// to take more.
     pub set_id_frames: u8,
+    /// Whether it obeys a drive frame to 0xC8, the address of the ID query, as one report says. Default
+    /// no.
+    pub obeys_all: bool,
 }
 
 impl MotorConfig {
@@ -53,6 +56,7 @@ impl Default for MotorConfig {
             latch: Duration::from_millis(100),
             mode_switch_frames: 1,
             set_id_frames: 5,
+            obeys_all: false,
         }
     }
 }

@@ -3,7 +3,7 @@
 mod by_hand;
 
 use motorlink_protocol::{
-    Celsius, Current, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Reply, Request,
+    Celsius, Current, Detail, Drive, Faults, Frame, Instant, Layout, Mode, MotorId, Reply, Request,
     RequestError, Rpm,
 };
 
@@ -97,6 +97,24 @@ impl VirtualMotor {
     pub fn is_driven(&self) -> bool {
         self.firmware()
             .is_some_and(|firmware| firmware.is_driven(self.now))
+    }
+
+    /// The last drive frame that it heard, obeyed or not, and when.
+    #[must_use]
+    pub fn drive_heard(&self) -> Option<(Instant, Drive)> {
+        self.firmware().and_then(Firmware::drive_heard)
+    }
+
+    /// The drive frame that it obeys at present, and when it was heard.
+    #[must_use]
+    pub fn obeyed(&self) -> Option<(Instant, Drive)> {
+        self.firmware().and_then(Firmware::obeyed)
+    }
+
+    /// How far its wheel would run from here without load or torque, in degrees.
+    #[must_use]
+    pub fn coasting_deg(&self) -> f32 {
+        narrow(self.wheel.coasting_turns() * 360.0)
     }
 
     /// Whether it has its supply.

@@ -42,6 +42,7 @@ fn bad_world(seed: u64) -> World {
             corrupt_reply: 0.05,
             corrupt_reply_per_rpm: 0.001,
             stray: 0.05,
+            mix_answers: 0.5,
             split: Some(Split::default()),
             hold: us(700),
             stranger: Some(id(7)),

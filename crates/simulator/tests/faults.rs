@@ -301,3 +301,20 @@ fn no_case_of_a_line_drives_anything() {
         }
     }
 }
+
+#[test]
+fn answers_that_collide_become_a_good_frame_only_where_they_are_said_to() {
+    for mix_answers in [0.0, 1.0] {
+        let mut bench = Bench::with_ids(&[1, 2, 3]);
+        bench.world.set_faults(WireFaults {
+            mix_answers,
+            ..WireFaults::default()
+        });
+        let heard = bench.send(Request::IdQuery.frame());
+        let frame = Frame::new(heard.try_into().unwrap());
+        let is_good = Reply::decode(&frame, Some(Layout::Drive)).is_ok();
+        assert_eq!(is_good, mix_answers > 0.0, "{frame}");
+        // One alone is as it was.
+        assert!(bench.ask(QUERY).is_some());
+    }
+}

@@ -320,3 +320,48 @@ fn the_layout_follows_the_request_and_not_the_mode() {
         assert!(fine_degrees(&reply) < 1.0, "{reply:?}");
     }
 }
+
+#[test]
+fn a_free_wheel_runs_as_far_as_its_momentum_was_said_to_carry_it() {
+    for rpm in [3, 40, 200] {
+        let mut bench = Bench::with_one_motor();
+        bench.drive_for(speed(rpm), ms(3_000));
+        // The latch is over.
+        bench.wait(ms(101));
+        assert_eq!(bench.motor().obeyed(), None);
+        let from = bench.motor().turns();
+        let said = bench.motor().coasting_deg();
+        bench.wait(ms(30_000));
+        assert_eq!(bench.motor().coasting_deg().to_bits(), 0);
+        let ran = (bench.motor().turns() - from) * 360.0;
+        let tolerance = 0.5 + said * 0.001;
+        assert!((ran - said).abs() < tolerance, "{ran} for {said} degrees");
+    }
+}
+
+#[test]
+fn the_last_drive_frame_is_known_by_whether_it_is_obeyed() {
+    let mut bench = Bench::with_one_motor();
+    bench.drive(speed(7));
+    let (heard, drive) = bench.motor().obeyed().expect("it was heard");
+    assert_eq!(drive.signed(), 7);
+    bench.wait(ms(150));
+    assert_eq!(bench.motor().obeyed(), None, "it does not latch");
+    assert_eq!(bench.motor().drive_heard(), Some((heard, drive)));
+}
+
+/// One report says that `C8 64` with a value drives every motor.
+#[test]
+fn a_drive_frame_to_all_is_obeyed_only_where_a_motor_is_said_to() {
+    for obeys_all in [false, true] {
+        let mut bench = Bench::new(WorldConfig {
+            motors: vec![MotorConfig {
+                obeys_all,
+                ..MotorConfig::default()
+            }],
+            ..WorldConfig::default()
+        });
+        bench.ask(Request::drive(id(0xC8), speed(50)));
+        assert_eq!(bench.motor().is_driven(), obeys_all);
+    }
+}

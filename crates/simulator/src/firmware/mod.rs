@@ -20,6 +20,9 @@ use set_id::SetIdRow;
 /// The position loop is refused at or above this (maker's manual).
 const POSITION_MODE_BELOW_RPM: f64 = 10.0;
 
+/// The first byte of the ID query, which all motors answer.
+const ALL_ADDRESS: u8 = 0xC8;
+
 /// What the controller can measure.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sense {
@@ -46,7 +49,8 @@ pub(crate) struct Firmware {
     id: MotorId,
     mode: Mode,
     command: Option<Command>,
-    drive_heard: Option<Instant>,
+    drive_heard: Option<(Instant, Drive)>,
+    obeys_all: bool,
     loops: Loops,
     mode_row: ModeRow,
     set_id: SetIdRow,
@@ -63,6 +67,7 @@ impl Firmware {
             mode: Mode::Velocity,
             command: None,
             drive_heard: None,
+            obeys_all: config.obeys_all,
             loops: Loops::Idle,
             mode_row: ModeRow::new(config.mode_switch_frames),
             set_id: SetIdRow::new(config.set_id_frames),
@@ -87,7 +92,19 @@ impl Firmware {
     /// Whether a drive frame was heard within the latch time before `now`.
     pub(crate) fn is_driven(&self, now: Instant) -> bool {
         self.drive_heard
-            .is_some_and(|heard| now.since(heard) <= self.latch)
+            .is_some_and(|(heard, _)| now.since(heard) <= self.latch)
+    }
+
+    /// The last drive frame that was heard, obeyed or not.
+    pub(crate) const fn drive_heard(&self) -> Option<(Instant, Drive)> {
+        self.drive_heard
+    }
+
+    /// The drive frame that is obeyed, and when it was heard.
+    pub(crate) fn obeyed(&self) -> Option<(Instant, Drive)> {
+        self.command
+            .as_ref()
+            .map(|command| (command.heard, command.drive))
     }
 
     /// Whether the power stage does nothing and no timer runs, so that time may be skipped.
@@ -110,7 +127,10 @@ impl Firmware {
         // Five in a row means that any other frame on the wire starts the count anew.
         self.set_id.interrupt();
         let request = heard.ok()?;
-        if request.addressee().is_some_and(|id| id != self.id) || !self.frame_rate.admits(now) {
+        let to_all = self.obeys_all
+            && matches!(request, Request::Drive { id, .. } if id.get() == ALL_ADDRESS);
+        let to_other = request.addressee().is_some_and(|id| id != self.id);
+        if (to_other && !to_all) || !self.frame_rate.admits(now) {
             return None;
         }
         match request {
@@ -123,7 +143,7 @@ impl Firmware {
 
     /// While a protection is active a drive frame is answered but not obeyed (maker's manual).
     fn drive(&mut self, drive: Drive, now: Instant) {
-        self.drive_heard = Some(now);
+        self.drive_heard = Some((now, drive));
         if self.protections.faults().is_none() {
             self.command = Some(Command { drive, heard: now });
         }

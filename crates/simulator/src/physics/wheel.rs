@@ -54,6 +54,16 @@ impl Wheel {
         self.speed_rad_s == 0.0
     }
 
+    /// How far it would run without any torque but friction.
+    pub(crate) fn coasting_turns(&self) -> f64 {
+        let speed = self.speed_rad_s.abs();
+        // From J dw/dt = -(dry + viscous w), with w dw/dt over the angle.
+        let dry_rad_s = DRY_FRICTION_NM / VISCOUS_NM_S;
+        let run_rad =
+            (speed - dry_rad_s * (speed / dry_rad_s).ln_1p()) * INERTIA_KG_M2 / VISCOUS_NM_S;
+        run_rad / TAU
+    }
+
     /// Something solid in the spokes, or not.
     pub(crate) const fn block(&mut self, blocked: bool) {
         self.blocked = blocked;

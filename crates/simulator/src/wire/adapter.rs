@@ -13,6 +13,9 @@ const CHUNKS_MAX: usize = 1024;
 /// Bytes at which a holding adapter delivers before its timer (a full USB packet of FTDI's chips).
 const PACKET_MAX: usize = 62;
 
+/// Answers that are mixed seem to come from one of the first so many addresses.
+const MIXED_IDS: u8 = 4;
+
 /// Bytes that reach the host at one moment, as one read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chunk {
@@ -66,8 +69,12 @@ impl Adapter {
             echo: mut bytes,
             mut reply,
             end,
+            mixed,
         } = run;
         let replied = !reply.is_empty();
+        if mixed && self.chance.chance(self.faults.mix_answers) {
+            self.mix(&mut reply);
+        }
         if replied {
             if self.chance.chance(self.faults.lose_reply) {
                 reply.clear();
@@ -105,6 +112,18 @@ impl Adapter {
         let bit = self.chance.byte() % 8;
         if let Some(byte) = bytes.get_mut(place) {
             *byte ^= 1 << bit;
+        }
+    }
+
+    /// Ten bytes that several sent become a good frame of one motor: of which is left to chance.
+    fn mix(&mut self, reply: &mut [u8]) {
+        let speaker = 1 + self.chance.byte() % MIXED_IDS;
+        if let Some([id, body @ .., crc]) = reply.first_chunk_mut::<FRAME_LEN>() {
+            let [mode, rest @ ..] = *body;
+            let [b2, b3, b4, b5, b6, b7, b8] = rest;
+            let frame = Frame::with_crc([speaker, mode, b2, b3, b4, b5, b6, b7, b8]);
+            let [.., last] = *frame.bytes();
+            (*id, *crc) = (speaker, last);
         }
     }
 

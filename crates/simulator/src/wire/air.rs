@@ -47,6 +47,8 @@ pub(crate) struct Passed {
     pub(crate) heard: u8,
     /// Whether the host's receiver picks it up.
     pub(crate) audible: bool,
+    /// Whether another talker spoke a different byte at the same time.
+    pub(crate) collides: bool,
 }
 
 /// What is on the wire now and what the host has queued for it, in order of time.
@@ -166,6 +168,7 @@ impl Air {
             sent: byte.sent,
             heard,
             audible: byte.audible,
+            collides: byte.collides,
         })
     }
 

@@ -63,6 +63,9 @@ pub struct WireFaults {
     /// The same, more of it for each rpm of the fastest wheel: the motor's current is heard on the
     /// line, as where A and B are not terminated or the grounds lie apart.
     pub corrupt_reply_per_rpm: f64,
+    /// Answers of several motors at once are received as one frame that nobody sent and whose CRC holds.
+    /// Chance does that to one collision in 256, of which one in a few has a known ID.
+    pub mix_answers: f64,
     /// One to three bytes of noise come right before or after a reply.
     pub stray: f64,
     /// What is received comes in pieces.

@@ -13,6 +13,8 @@ pub(crate) struct Run {
     pub(crate) reply: Vec<u8>,
     /// When the last byte had passed.
     pub(crate) end: Instant,
+    /// Whether several spoke at once.
+    pub(crate) mixed: bool,
 }
 
 /// Gathers runs. A receiver is busy for a byte's time once it has seen a start bit, so of two
@@ -25,6 +27,7 @@ pub(crate) struct HostEar {
 impl HostEar {
     /// A byte passed that the host can hear. `more`: another is on the wire already.
     pub(crate) fn hear(&mut self, byte: Passed, more: bool) -> Option<Run> {
+        self.run.mixed |= byte.collides;
         if byte.start >= self.run.end {
             match byte.talker {
                 Talker::Host => self.run.echo.push(byte.heard),
