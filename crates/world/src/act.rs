@@ -44,6 +44,56 @@ pub enum Act {
     Unplug,
     /// It is put back: a new bus, on which nothing is known.
     Replug,
+    /// The worker does nothing for a while, and the motors live on.
+    Away {
+        /// Why.
+        because: Absence,
+        /// How long.
+        lasts: Duration,
+        /// What it does at its end, in this order, all at one moment.
+        then: Vec<Turn>,
+    },
+    /// The port refuses the next frames, and says so.
+    Refuses {
+        /// How many.
+        frames: u8,
+    },
+    /// Of the next frames the port sends only the front.
+    Cuts {
+        /// How many frames.
+        frames: u8,
+        /// How many bytes of each reach the wire, 1-9.
+        bytes: u8,
+        /// Whether the port says so.
+        told: bool,
+    },
+}
+
+/// Why a worker does nothing for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Absence {
+    /// The machine sleeps, for seconds to minutes.
+    Sleep,
+    /// The machine is busy, for up to half a minute.
+    Delay,
+}
+
+/// One of the things that a worker finds to do behind an absence.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Turn {
+    /// The page has answered a ping.
+    Pong,
+    /// All bytes that were received meanwhile, as one chunk.
+    Bytes,
+    /// A timer is due.
+    Poll,
+    /// An act of the operator.
+    Command {
+        /// What was asked for.
+        command: Command,
+        /// How long ago; never before the absence.
+        age: Duration,
+    },
 }
 
 /// How a line is bad.
@@ -73,6 +123,12 @@ pub enum LineFault {
     Strays,
     /// Another host's motor answers too.
     Stranger,
+    /// 45 % of replies do not come, and 10 % of requests are not heard.
+    LosesMuch,
+    /// Answers at once become a good frame that nobody sent.
+    Mixes,
+    /// The adapter hands out what it received so many milliseconds later, several frames in one chunk.
+    Gathers(u8),
 }
 
 impl LineFault {
@@ -123,6 +179,19 @@ impl LineFault {
                 stranger: MotorId::new(99).ok(),
                 ..good
             },
+            Self::LosesMuch => WireFaults {
+                lose_reply: 0.45,
+                lose_request: 0.1,
+                ..good
+            },
+            Self::Mixes => WireFaults {
+                mix_answers: 1.0,
+                ..good
+            },
+            Self::Gathers(ms) => WireFaults {
+                hold: Duration::from_millis(ms.into()),
+                ..good
+            },
         }
     }
 }
@@ -130,7 +199,7 @@ impl LineFault {
 /// The kinds of fault, as they are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
-    /// The line; cut echoes are one kind, however long.
+    /// The line; cut echoes are one kind, however long, and so are adapters that gather.
     Line(LineFault),
     /// A supply was cut.
     PowerCut,
@@ -148,6 +217,16 @@ pub enum Fault {
     Unplugged,
     /// The adapter was put back.
     Replugged,
+    /// The worker did nothing for a while.
+    Away(Absence),
+    /// The port refused frames.
+    Refused,
+    /// The port sent only the front of frames.
+    Cut,
+    /// A motor needs all five mode switches.
+    NeedsFiveSwitches,
+    /// A motor obeys drive frames to 0xC8.
+    ObeysAll,
 }
 
 impl Act {
@@ -160,6 +239,7 @@ impl Act {
             | Self::Pause(_)
             | Self::PageHangs(false) => None,
             Self::Line(LineFault::CutsEchoes(_)) => Some(Fault::Line(LineFault::CutsEchoes(0))),
+            Self::Line(LineFault::Gathers(_)) => Some(Fault::Line(LineFault::Gathers(0))),
             Self::Line(line) => Some(Fault::Line(*line)),
             Self::Power { on: false, .. } => Some(Fault::PowerCut),
             Self::Power { on: true, .. } => Some(Fault::PowerBack),
@@ -169,6 +249,9 @@ impl Act {
             Self::PageGoes => Some(Fault::PageWent),
             Self::Unplug => Some(Fault::Unplugged),
             Self::Replug => Some(Fault::Replugged),
+            Self::Away { because, .. } => Some(Fault::Away(*because)),
+            Self::Refuses { .. } => Some(Fault::Refused),
+            Self::Cuts { .. } => Some(Fault::Cut),
         }
     }
 }

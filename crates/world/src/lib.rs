@@ -17,7 +17,7 @@ mod rules;
 mod shrink;
 mod story;
 
-pub use act::{Act, Fault, LineFault};
+pub use act::{Absence, Act, Fault, LineFault, Turn};
 pub use player::{Coverage, Failure, play, what_passed};
 pub use rules::{Rule, Violation};
 pub use shrink::shrink;

@@ -7,11 +7,11 @@ use std::{
 };
 
 use motorlink_bus::{Bus, Command, Event, Limits, Output, StopReason};
-use motorlink_protocol::{Instant, MotorId, Request};
-use motorlink_simulator::{Speaker, World, WorldConfig};
+use motorlink_protocol::{Frame, Instant, MotorId, Request};
+use motorlink_simulator::{MotorConfig, Speaker, World, WorldConfig};
 
 use crate::{
-    act::{Act, Fault, LineFault},
+    act::{Act, Fault, LineFault, Turn},
     rules::{Rule, Rules, Violation},
     story::Story,
 };
@@ -29,6 +29,10 @@ const LAST_STOP: Duration = Duration::from_secs(8);
 const REST: Duration = Duration::from_secs(1);
 /// Below this a wheel stands.
 const STANDS_RPM: f32 = 1.0;
+/// Later than this after the moment that the bus asked for, whatever stood is withdrawn.
+const LATE_MAX: Duration = Duration::from_millis(500);
+/// Mode switches for a motor that needs many.
+const MANY_SWITCHES: u8 = 5;
 
 /// What happened in the stories that were played.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -66,6 +70,13 @@ pub struct Failure {
 /// What did not hold, and where.
 pub fn play(story: &Story, coverage: &mut Coverage) -> Result<(), Failure> {
     let mut player = Player::new(story);
+    let mut count = |fault, times: usize| {
+        if let Ok(times @ 1..) = u64::try_from(times) {
+            *coverage.faults.entry(fault).or_default() += times;
+        }
+    };
+    count(Fault::NeedsFiveSwitches, story.need_five_switches.len());
+    count(Fault::ObeysAll, usize::from(story.obey_all));
     for (step, act) in story.acts.iter().enumerate() {
         if let Some(fault) = act.fault() {
             *coverage.faults.entry(fault).or_default() += 1;
@@ -115,6 +126,12 @@ struct Player {
     acted: u64,
     /// When the second began, and how often the bus has asked to be woken in it.
     wakes: (Instant, u32),
+    /// When the bus asked to be called again, at the latest.
+    promised: Option<Instant>,
+    /// Frames that the port will refuse.
+    refuses: u8,
+    /// Of how many frames the port will send only so many bytes, and whether it says so.
+    cuts: Option<(u8, usize, bool)>,
     /// What passed, where somebody wants to know; no more lines than it was made for.
     passed: Option<VecDeque<String>>,
 }
@@ -124,7 +141,8 @@ impl Player {
         let now = Instant::from_millis(1_000);
         let mut world = World::new(WorldConfig {
             seed: story.seed,
-            ..WorldConfig::with_ids(story.motors.iter().copied())
+            motors: story.motors.iter().map(|id| motor(story, *id)).collect(),
+            ..WorldConfig::default()
         });
         world.advance(now);
         let mut player = Self {
@@ -139,6 +157,9 @@ impl Player {
             motors: story.motors.clone(),
             acted: 0,
             wakes: (now, 0),
+            promised: None,
+            refuses: 0,
+            cuts: None,
             passed: None,
         };
         player.rules.line(now, true);
@@ -156,6 +177,7 @@ impl Player {
         let limits = Command::SetLimits(self.limits);
         let watched = self.motors.iter().copied().map(Command::Watch);
         self.rules.limits(self.limits);
+        self.promised = None;
         for command in watched.chain([limits]) {
             // On a bus on which nothing drives this is not refused.
             let _: Result<(), _> = bus.command(self.now, command);
@@ -179,6 +201,7 @@ impl Player {
                 }
             }
             Act::Load { id, tenths_nm } => {
+                self.rules.loaded(*id);
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.set_load_nm(f32::from(*tenths_nm) / 10.0);
                 }
@@ -201,7 +224,7 @@ impl Player {
                     for event in bus.close(self.now) {
                         self.rules.told(self.now, &event, &self.world)?;
                     }
-                    self.rules.port_lost();
+                    self.rules.port_lost(self.now, &self.world);
                     self.run(PULLED_OUT_FOR)?;
                 }
             }
@@ -210,8 +233,70 @@ impl Player {
                     self.plug();
                 }
             }
+            Act::Away { lasts, then, .. } => self.away(*lasts, then)?,
+            Act::Refuses { frames } => self.refuses = *frames,
+            Act::Cuts {
+                frames,
+                bytes,
+                told,
+            } => self.cuts = Some((*frames, usize::from(*bytes), *told)),
         }
         self.run(Duration::ZERO)
+    }
+
+    /// Nobody calls the bus for a while; then all that waits is handed to it in this order.
+    fn away(&mut self, lasts: Duration, then: &[Turn]) -> Result<(), Violation> {
+        self.now = self.now + lasts;
+        self.advance()?;
+        let late = self
+            .promised
+            .map_or(Duration::ZERO, |promised| self.now.since(promised));
+        let is_driven_late = self.bus.is_some() && late > LATE_MAX;
+        self.rules.was_away(self.now, is_driven_late, &self.world);
+        self.rules.passed(self.now, &self.world)?;
+        for turn in then {
+            self.note(|| format!("{turn:?}"));
+            match turn {
+                Turn::Pong => {
+                    if let Some(bus) = self.bus.as_mut().filter(|_| self.page_answers) {
+                        bus.page_answered(self.now);
+                    }
+                }
+                Turn::Bytes => {
+                    let chunks = std::iter::from_fn(|| self.world.receive(self.now));
+                    let bytes: Vec<u8> = chunks.flat_map(|chunk| chunk.bytes).collect();
+                    if !bytes.is_empty() {
+                        self.hand_over(&bytes);
+                    }
+                }
+                Turn::Poll => {
+                    self.settle()?;
+                }
+                Turn::Command { command, age } if self.page_answers => {
+                    self.give(self.now - *age, *command)?;
+                }
+                Turn::Command { command, age } => {
+                    self.clicked.push((self.now - *age, *command));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The world comes to this moment, and the rules see what its motors do.
+    fn advance(&mut self) -> Result<(), Violation> {
+        self.world.advance(self.now);
+        self.rules.moved(self.now, &self.world)?;
+        self.hear_motors();
+        Ok(())
+    }
+
+    /// Bytes reach the bus, where there is one.
+    fn hand_over(&mut self, bytes: &[u8]) {
+        if let Some(bus) = &mut self.bus {
+            self.rules.delivered(self.now, bytes);
+            bus.receive(self.now, bytes);
+        }
     }
 
     /// What was clicked meanwhile is handed over, before or behind the answer to the ping.
@@ -235,6 +320,11 @@ impl Player {
     /// The operator asks for something at `given`. As in the worker, an act that comes late is not
     /// carried out.
     fn command(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
+        self.give(given, command)?;
+        self.run(Duration::ZERO)
+    }
+
+    fn give(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
         if let Command::SetLimits(limits) = command {
             self.limits = limits;
         }
@@ -243,15 +333,17 @@ impl Player {
         } else if let Some(bus) = &mut self.bus {
             let answer = bus.command(self.now, command);
             self.rules
-                .commanded(self.now, given, command, answer, bus)?;
+                .commanded(self.now, given, command, answer, bus, &self.world)?;
         }
-        self.run(Duration::ZERO)
+        Ok(())
     }
 
     /// Stops everything on a good line, and looks whether it stands and stays so.
     fn end(&mut self) -> Result<(), Violation> {
+        (self.refuses, self.cuts) = (0, None);
         self.act(&Act::Line(LineFault::None))?;
         for motor in self.world.motors_mut() {
+            self.rules.loaded(motor.id());
             motor.set_load_nm(0.0);
             motor.set_temperature_c(30.0);
             // One without supply would coast for longer than anybody waits.
@@ -296,12 +388,9 @@ impl Player {
             let next = next.into_iter().flatten().min().unwrap_or(end);
             self.count_wake(wake.is_some_and(|wake| wake <= next))?;
             self.now = next.max(self.now);
-            self.world.advance(self.now);
-            self.hear_motors();
+            self.advance()?;
             while let Some(chunk) = self.world.receive(self.now) {
-                if let Some(bus) = &mut self.bus {
-                    bus.receive(self.now, &chunk.bytes);
-                }
+                self.hand_over(&chunk.bytes);
             }
             if self.now >= end {
                 self.settle()?;
@@ -335,9 +424,10 @@ impl Player {
     /// Lets the rules know what the motors said.
     fn hear_motors(&mut self) {
         let is_heard = self.bus.is_some();
-        for traffic in self.world.drain_traffic() {
+        let passed: Vec<_> = self.world.drain_traffic().collect();
+        for traffic in passed {
             if is_heard && let Speaker::Motor(_) = traffic.from {
-                self.rules.replied(traffic.at, traffic.frame);
+                self.rules.replied(traffic.at, traffic.frame, &self.world);
             }
         }
     }
@@ -349,15 +439,7 @@ impl Player {
                 return Ok(None);
             };
             match bus.poll(self.now) {
-                Output::Transmit(frame) => {
-                    self.rules.sent(self.now, frame, bus, &self.world)?;
-                    let asks = matches!(
-                        Request::parse(&frame),
-                        Ok(Request::Query { .. } | Request::IdQuery)
-                    );
-                    self.acted += u64::from(!asks);
-                    self.world.transmit(self.now, frame.bytes());
-                }
+                Output::Transmit(frame) => self.transmit(frame)?,
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
                 Output::Event(event) => {
                     self.note(|| format!("{event:?}"));
@@ -365,6 +447,7 @@ impl Player {
                 }
                 Output::Wait(at) if at > self.now => {
                     self.rules.settled(self.now, bus)?;
+                    self.promised = Some(at);
                     return Ok(Some(at));
                 }
                 Output::Wait(_) => break,
@@ -372,5 +455,51 @@ impl Player {
         }
         self.restless("the bus never rests".to_owned())
             .map(|()| None)
+    }
+
+    /// The port takes a frame, or not, or its front.
+    fn transmit(&mut self, frame: Frame) -> Result<(), Violation> {
+        let Some(bus) = &mut self.bus else {
+            return Ok(());
+        };
+        if let Some(left) = self.refuses.checked_sub(1) {
+            self.refuses = left;
+            bus.unsent();
+            self.rules.refused(self.now, frame, 0, true);
+            return Ok(());
+        }
+        if let Some((frames @ 1.., bytes, told)) = self.cuts {
+            self.cuts = Some((frames - 1, bytes, told));
+            if told {
+                bus.unsent();
+            }
+            self.rules.refused(self.now, frame, bytes, told);
+            let front = frame.bytes().get(..bytes).unwrap_or_default();
+            self.world.transmit(self.now, front);
+            return Ok(());
+        }
+        self.rules.sent(self.now, frame, bus, &self.world)?;
+        let asks = matches!(
+            Request::parse(&frame),
+            Ok(Request::Query { .. } | Request::IdQuery)
+        );
+        self.acted += u64::from(!asks);
+        self.world.transmit(self.now, frame.bytes());
+        Ok(())
+    }
+}
+
+/// A motor of a story.
+fn motor(story: &Story, id: MotorId) -> MotorConfig {
+    let default = MotorConfig::new(id);
+    let mode_switch_frames = if story.need_five_switches.contains(&id) {
+        MANY_SWITCHES
+    } else {
+        default.mode_switch_frames
+    };
+    MotorConfig {
+        mode_switch_frames,
+        obeys_all: story.obey_all,
+        ..default
     }
 }

@@ -5,7 +5,11 @@
 //! | `operator` | what was asked for, what stands of it, what may be sent by it |
 //! | `wire` | what passes on the wire, and what the log has of it |
 //! | `truth` | whether what is told is true of the motors |
+//! | `motion` | whether a wheel moves on behind a stop or a hold |
+//! | `bounds` | what may be on the wire at all |
 
+mod bounds;
+mod motion;
 mod operator;
 mod truth;
 mod wire;
@@ -14,17 +18,20 @@ use std::{collections::BTreeMap, fmt, time::Duration};
 
 use motorlink_bus::{
     Bus, Command, Event, Limits, Passed, Refusal, StopReason, StopReport, WithdrawReason,
+    is_hazardous,
 };
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::World;
 
-use self::{operator::Operator, truth::Truth, wire::Wire};
+use self::{bounds::Bounds, motion::Motion, operator::Operator, truth::Truth, wire::Wire};
 
 /// What a stop may take to reach a motor: 10 ms of bus time, and the exchange in flight, which it waits
 /// for at most 10 ms.
 const STOP_REACHES_WITHIN: Duration = Duration::from_millis(20);
 /// A motor that does not answer costs those behind it its window.
 const WINDOW_MAX: Duration = Duration::from_millis(40);
+/// A frame that the port did not take costs its window, and what is sent then its airtime.
+const REFUSED_COSTS: Duration = Duration::from_millis(45);
 /// A stop ends confirmed or with the end of its window, three seconds; scans and switches are over then.
 const STOP_ENDS_WITHIN: Duration = Duration::from_secs(4);
 
@@ -59,11 +66,21 @@ pub enum Rule {
     LogIsComplete,
     /// No panic, no busy loop, and rest in the end.
     ComesToRest,
+    /// What stood before the bus was called late stands no more.
+    GapWithdraws,
+    /// A wheel that is stopped turns no further than its momentum carries it.
+    StopMovesNothing,
+    /// A wheel that is held goes no further.
+    HoldHolds,
+    /// No frame asks for more than a limit, in any loop that its motor may be in.
+    NothingAboveALimit,
+    /// A torque is reversed only behind a zero that the motor has answered.
+    ReversalPassesZero,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 19] = [
         Self::DrivenByCommandOnly,
         Self::NoOldActs,
         Self::NoMoreThanCommanded,
@@ -78,6 +95,11 @@ impl Rule {
         Self::IdChangeIsProved,
         Self::LogIsComplete,
         Self::ComesToRest,
+        Self::GapWithdraws,
+        Self::StopMovesNothing,
+        Self::HoldHolds,
+        Self::NothingAboveALimit,
+        Self::ReversalPassesZero,
     ];
 }
 
@@ -98,6 +120,12 @@ impl fmt::Display for Violation {
     }
 }
 
+/// Whether a motor may obey a frame, by its first byte; all hear what is for 0xC8.
+fn hears(frame: &Frame, id: MotorId) -> bool {
+    let [first, ..] = *frame.bytes();
+    first == id.get() || first == 0xC8
+}
+
 type Outcome = Result<(), Violation>;
 
 fn broken<T>(rule: Rule, at: Instant, what: impl Into<String>) -> Result<T, Violation> {
@@ -111,6 +139,8 @@ pub(crate) struct Rules {
     operator: Operator,
     wire: Wire,
     truth: Truth,
+    motion: Motion,
+    bounds: Bounds,
     /// Who has to get a frame of a stop, and until when.
     stops: BTreeMap<MotorId, Instant>,
     /// When each motor got its last frame that a stop may consist of.
@@ -135,23 +165,88 @@ impl Rules {
         command: Command,
         answer: Result<(), Refusal>,
         bus: &Bus,
+        world: &World,
     ) -> Outcome {
+        let raw = self.operator.raw();
         self.operator.commanded(now, given, command, answer)?;
-        if answer.is_ok() {
-            match command {
-                // One that joins another has a window of its own.
-                Command::Stop(id) => {
-                    self.stop_begins(now, |other| *other == id);
-                    self.stop_began = self.stop_began.map(|_| now);
-                }
-                Command::StopAll(_) => {
-                    self.stop_begins(now, |_| true);
-                    self.stop_began = Some(now);
-                }
-                _ => {}
+        match answer {
+            Ok(()) => self.carried_out(now, command, raw, world),
+            Err(Refusal::AboveSpeedLimit(_) | Refusal::NeedsConsent(_)) => {
+                self.judge(Rule::NothingAboveALimit);
             }
+            Err(_) => {}
         }
         self.keep_what_stands(now, bus)
+    }
+
+    /// The bus carries it out; `raw` is what a person's frame was before.
+    fn carried_out(&mut self, now: Instant, command: Command, raw: Option<Frame>, world: &World) {
+        match command {
+            // One that joins another has a window of its own.
+            Command::Stop(id) => {
+                self.stop_begins(now, |other| *other == id);
+                self.stop_began = self.stop_began.map(|_| now);
+                self.moves_no_more(now, world, |other| *other == id);
+            }
+            Command::StopAll(_) => {
+                self.stop_begins(now, |_| true);
+                self.stop_began = Some(now);
+                self.moves_no_more(now, world, |_| true);
+            }
+            Command::StopRaw => {
+                let standing = self.operator.standing();
+                self.moves_no_more(now, world, |id| {
+                    !standing.contains(id) && raw.is_some_and(|raw| hears(&raw, *id))
+                });
+            }
+            Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
+                self.motion.asked(|other| *other == id);
+                self.bounds.commanded(id, consent);
+            }
+            Command::DriveTogether { parts, consent }
+            | Command::AdjustTogether { parts, consent } => {
+                for (id, _) in parts.parts() {
+                    self.motion.asked(|other| *other == id);
+                    self.bounds.commanded(id, consent);
+                }
+            }
+            Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
+                self.motion.asked(|id| hears(&frame, *id));
+            }
+            Command::Hold(id) if self.motion.hold(now, id, world) => self.judge(Rule::HoldHolds),
+            _ => {}
+        }
+    }
+
+    /// These were stopped: whatever moves them now was not asked for.
+    fn moves_no_more(
+        &mut self,
+        now: Instant,
+        world: &World,
+        is_stopped: impl Fn(&MotorId) -> bool,
+    ) {
+        let judged = self.motion.stop(now, world, is_stopped);
+        *self.judged.entry(Rule::StopMovesNothing).or_default() += judged;
+    }
+
+    /// Nobody called the bus for a while: `is_late` is whether for too long.
+    pub(crate) fn was_away(&mut self, now: Instant, is_late: bool, world: &World) {
+        self.wire.disturbed(now);
+        self.stop_began = self.stop_began.map(|_| now);
+        if is_late {
+            if self.operator.was_late() {
+                self.judge(Rule::GapWithdraws);
+            }
+            self.stop_begins(now, |_| true);
+            self.moves_no_more(now, world, |_| true);
+        } else {
+            // What a motor said before is heard this late.
+            self.truth.was_away();
+        }
+        let others = u32::try_from(self.stops.len()).unwrap_or(u32::MAX);
+        for until in self.stops.values_mut() {
+            *until = now + STOP_REACHES_WITHIN + WINDOW_MAX * others;
+        }
     }
 
     fn stop_begins(&mut self, now: Instant, is_stopped: impl Fn(&MotorId) -> bool) {
@@ -199,7 +294,9 @@ impl Rules {
     }
 
     /// The port is gone, and with it whatever stood.
-    pub(crate) fn port_lost(&mut self) {
+    pub(crate) fn port_lost(&mut self, now: Instant, world: &World) {
+        self.moves_no_more(now, world, |_| true);
+        self.bounds.port_lost();
         self.operator.port_lost();
         self.wire.port_lost();
         self.stops.clear();
@@ -211,6 +308,16 @@ impl Rules {
     pub(crate) fn sent(&mut self, now: Instant, frame: Frame, bus: &Bus, world: &World) -> Outcome {
         self.judge(Rule::OneFrameAtATime);
         self.wire.sent(now, frame)?;
+        let raw = self.operator.raw_consent(frame);
+        let limits = self.operator.limits;
+        for rule in self.bounds.sent(now, frame, raw, limits, world)? {
+            self.judge(rule);
+        }
+        if let (None, Ok(Request::Drive { id, drive })) = (raw, Request::parse(&frame))
+            && drive.brakes()
+        {
+            self.moves_no_more(now, world, |other| *other == id);
+        }
         let may_stop = self.operator.sent(now, frame, bus, world)?;
         if may_stop
             && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
@@ -233,9 +340,36 @@ impl Rules {
         Ok(())
     }
 
+    /// The port refused a frame, or sent only its front; `told` is whether the bus knows.
+    pub(crate) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, told: bool) {
+        self.wire.refused(now, frame, bytes, told);
+        // Until the bus sends another.
+        for until in self.stops.values_mut() {
+            *until = *until + REFUSED_COSTS;
+        }
+    }
+
+    /// Something holds this wheel, or lets it go: what its controller has built up against it comes out.
+    pub(crate) fn loaded(&mut self, id: MotorId) {
+        self.motion.loaded(id);
+    }
+
+    /// The motors have come to this moment.
+    pub(crate) fn moved(&mut self, now: Instant, world: &World) -> Outcome {
+        self.bounds.moved(world);
+        self.motion.moved(now, world)
+    }
+
     /// A motor replies.
-    pub(crate) fn replied(&mut self, at: Instant, frame: Frame) {
+    pub(crate) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
         self.wire.replied(at, frame);
+        self.truth.replied(frame);
+        self.bounds.replied(at, frame, world);
+    }
+
+    /// Bytes are handed to the bus.
+    pub(crate) fn delivered(&mut self, now: Instant, bytes: &[u8]) {
+        self.bounds.delivered(now, bytes);
     }
 
     /// The bus tells something.
@@ -249,6 +383,7 @@ impl Rules {
                 if *reason == StopReason::PageSilent {
                     self.judge(Rule::DeadPageStops);
                     self.stop_begins(now, |_| true);
+                    self.moves_no_more(now, world, |_| true);
                 }
             }
             Event::StopEnded(report) => {
@@ -263,6 +398,7 @@ impl Rules {
                     WithdrawReason::Fault(_) | WithdrawReason::OtherLoop { .. } => {}
                 }
                 self.stop_begins(now, |other| other == id);
+                self.moves_no_more(now, world, |other| other == id);
             }
             Event::Telemetry(_) => self.judge(Rule::TelemetryIsTrue),
             Event::Traffic(traffic) => self.judge(match traffic.passed {

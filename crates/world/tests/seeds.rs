@@ -9,7 +9,7 @@ use motorlink_world::{Coverage, Rule, Story, play, shrink};
 
 const SEEDS: u64 = 2_000;
 /// So many kinds of fault there are.
-const KINDS: usize = 19;
+const KINDS: usize = 28;
 /// Each fault happens, and each rule has something to judge, at least so often.
 const EACH: u64 = 100;
 

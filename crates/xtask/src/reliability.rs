@@ -17,7 +17,7 @@ use crate::workspace::Workspace;
 pub const PARTS: [&str; 4] = ["seeds", "fuzz", "browser", "hidden"];
 
 /// Worlds that are played.
-const SEEDS: &str = "10000";
+const SEEDS: &str = "100000";
 
 /// What is fuzzed: the programs in `fuzz/fuzz_targets`.
 const FUZZED: [&str; 4] = ["decode", "resynchronise", "raw_editor", "setup_file"];

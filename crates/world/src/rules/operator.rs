@@ -1,9 +1,13 @@
 //! What an operator asked for, what stands of it, and what may be sent by it.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    time::Duration,
+};
 
 use motorlink_bus::{
-    Activity, Bus, Command, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample, is_hazardous,
+    Activity, Bus, Command, Consent, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample,
+    is_hazardous,
 };
 use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::World;
@@ -51,8 +55,10 @@ pub(super) struct Operator {
     proof: Option<(MotorId, Instant)>,
     /// What was asked for: from which ID to which.
     id_change: Option<(MotorId, MotorId)>,
-    /// The frame that a person wrote and that is still sent.
-    raw: Option<Frame>,
+    /// The frame that a person wrote and that is still sent, and what was said yes to.
+    raw: Option<(Frame, Consent)>,
+    /// Whose setpoints ended because the bus was called late, until they are given another.
+    withdrawn_by_gap: BTreeSet<MotorId>,
     /// Frames that drive, at this moment; they are judged when all that was heard is told.
     driven_now: Vec<MotorId>,
 }
@@ -73,6 +79,12 @@ impl Operator {
             let what = format!("{command:?} of {given:?} was taken");
             return broken(Rule::NoOldActs, now, what);
         }
+        if let Command::Adjust { id, .. } = command
+            && self.withdrawn_by_gap.contains(&id)
+        {
+            let what = format!("{id} is adjusted, and was withdrawn");
+            return broken(Rule::GapWithdraws, now, what);
+        }
         match command {
             Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. } => {
                 self.stands(now, id, setpoint);
@@ -87,7 +99,7 @@ impl Operator {
                 self.standing.remove(&id);
             }
             Command::SetLimits(limits) => self.limits = limits,
-            Command::SendRaw { frame, .. } => self.raw = Some(frame),
+            Command::SendRaw { frame, consent, .. } => self.raw = Some((frame, consent)),
             Command::StopRaw => self.raw = None,
             _ => {}
         }
@@ -100,6 +112,35 @@ impl Operator {
             self.told.insert(id, Told::default());
         }
         self.standing.insert(id, Standing { setpoint, since });
+        self.withdrawn_by_gap.remove(&id);
+    }
+
+    /// The bus was called late: nothing stands any more. Gives whether anything did.
+    pub(super) fn was_late(&mut self) -> bool {
+        let standing = self.standing.keys().copied();
+        self.withdrawn_by_gap.extend(standing);
+        let raw = self.raw.filter(|(frame, _)| is_hazardous(frame));
+        if let Some((frame, _)) = raw {
+            let [first, ..] = *frame.bytes();
+            self.withdrawn_by_gap.extend(MotorId::new(first));
+        }
+        raw.is_some() || !self.standing.is_empty()
+    }
+
+    /// For whom a command stands.
+    pub(super) fn standing(&self) -> BTreeSet<MotorId> {
+        self.standing.keys().copied().collect()
+    }
+
+    /// The frame that a person wrote and that is still sent.
+    pub(super) fn raw(&self) -> Option<Frame> {
+        self.raw.map(|(frame, _)| frame)
+    }
+
+    /// Where a person wrote this frame: what was said yes to.
+    pub(super) fn raw_consent(&self, frame: Frame) -> Option<Consent> {
+        let (_, consent) = self.raw.filter(|(raw, _)| *raw == frame)?;
+        Some(consent)
     }
 
     /// Those for whom a command stood that does no more. A person's own frames end with any stop.
@@ -188,7 +229,7 @@ impl Operator {
         {
             self.told.entry(id).or_default().asked += 1;
         }
-        if self.raw == Some(frame) {
+        if self.raw() == Some(frame) {
             return self.raw_goes_out(now, frame);
         }
         match request {
@@ -238,7 +279,12 @@ impl Operator {
     fn drives(&mut self, now: Instant, id: MotorId, signed: i16, raw: u16, bus: &Bus) -> Outcome {
         let Some(Standing { setpoint, .. }) = self.standing.get(&id) else {
             let what = format!("{id} to {signed}, and no command stands");
-            return broken(Rule::DrivenByCommandOnly, now, what);
+            let rule = if self.withdrawn_by_gap.contains(&id) {
+                Rule::GapWithdraws
+            } else {
+                Rule::DrivenByCommandOnly
+            };
+            return broken(rule, now, what);
         };
         if let Some(since) = self.page_silent_since
             && now.since(since) > PAGE_SILENT_MAX

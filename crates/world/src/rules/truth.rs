@@ -1,9 +1,12 @@
 //! Whether what is told is true of the motors.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    time::Duration,
+};
 
 use motorlink_bus::{Event, Sample, StopReport};
-use motorlink_protocol::{Detail, Instant, MotorId};
+use motorlink_protocol::{Detail, Frame, Instant, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
 use super::{Outcome, Rule, broken};
@@ -19,6 +22,9 @@ const STANDS_RPM: f32 = 1.0;
 /// A wheel whose standstill was confirmed turns no faster than this: it may be pushed.
 const CONFIRMED_RPM: f32 = 10.0;
 
+/// What motors said last: more than any adapter holds.
+const SAID_MAX: usize = 256;
+
 /// What is known of the motors themselves.
 #[derive(Debug, Default)]
 pub(super) struct Truth {
@@ -26,12 +32,27 @@ pub(super) struct Truth {
     heated: Option<Instant>,
     /// Since when a wheel stands, and at which angle.
     standing: BTreeMap<MotorId, (Instant, f32)>,
+    /// What they said, the last behind.
+    said: VecDeque<Frame>,
 }
 
 impl Truth {
     /// A motor is as hot at once as it would be in minutes.
     pub(super) fn heated(&mut self, now: Instant) {
         self.heated = Some(now);
+    }
+
+    /// What motors say is heard later than usual.
+    pub(super) fn was_away(&mut self) {
+        self.standing.clear();
+    }
+
+    /// A motor replies.
+    pub(super) fn replied(&mut self, frame: Frame) {
+        if self.said.len() >= SAID_MAX {
+            self.said.pop_front();
+        }
+        self.said.push_back(frame);
     }
 
     /// Time has passed.
@@ -61,6 +82,11 @@ impl Truth {
         let Some(motor) = world.motor(reply.id) else {
             return Ok(());
         };
+        let frame = reply.frame();
+        if !self.said.iter().rev().any(|said| *said == frame) {
+            let what = format!("{frame}, which no motor has said");
+            return broken(Rule::TelemetryIsTrue, now, what);
+        }
         if let Detail::Query { temperature, .. } = reply.detail
             && self.heated.is_none_or(|at| now.since(at) >= REPLY_HELD_MAX)
         {

@@ -3,7 +3,7 @@
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::{Event, Passed};
-use motorlink_protocol::{Frame, Instant, Request};
+use motorlink_protocol::{Frame, Instant};
 
 use super::{Outcome, Rule, broken};
 
@@ -26,9 +26,11 @@ struct Sent {
 /// The wire and its log.
 #[derive(Debug, Default)]
 pub(super) struct Wire {
-    last_sent: Option<Instant>,
+    /// When the last byte that was handed out has passed.
+    busy_until: Option<Instant>,
     last_was_for_all: bool,
-    unlogged: VecDeque<Frame>,
+    /// Frames that the log is to have, and whether the bus knows that they were not sent.
+    unlogged: VecDeque<(Frame, bool)>,
     replies: VecDeque<Sent>,
     line_is_good_since: Option<Instant>,
     /// Readings of this moment, which the log must have too.
@@ -50,13 +52,30 @@ impl Wire {
 
     /// A frame goes out.
     pub(super) fn sent(&mut self, now: Instant, frame: Frame) -> Outcome {
-        if self.last_sent.is_some_and(|last| now < last + AIRTIME) {
+        if self.busy_until.is_some_and(|until| now < until) {
             return broken(Rule::OneFrameAtATime, now, format!("{frame}"));
         }
-        self.last_sent = Some(now);
-        self.last_was_for_all = Request::parse(&frame) == Ok(Request::IdQuery);
-        self.unlogged.push_back(frame);
+        self.busy_until = Some(now + AIRTIME);
+        let [first, command, ..] = *frame.bytes();
+        self.last_was_for_all = first == 0xC8 && command == 0x64;
+        self.unlogged.push_back((frame, false));
         Ok(())
+    }
+
+    /// Only so many bytes of a frame go out.
+    pub(super) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, told: bool) {
+        let tenths = u32::try_from(bytes).unwrap_or(u32::MAX);
+        self.busy_until = self.busy_until.max(Some(now + AIRTIME / 10 * tenths));
+        self.unlogged.push_back((frame, told));
+    }
+
+    /// What is on its way is heard late, if at all.
+    pub(super) fn disturbed(&mut self, now: Instant) {
+        let was_good = self.line_is_good_since.is_some();
+        self.line(now, false);
+        if was_good {
+            self.line(now, true);
+        }
     }
 
     /// A motor replies.
@@ -83,21 +102,28 @@ impl Wire {
     pub(super) fn told(&mut self, now: Instant, event: &Event) -> Outcome {
         match event {
             Event::Traffic(traffic) => match traffic.passed {
-                Passed::Sent { frame, .. } => {
-                    if self.unlogged.pop_front() != Some(frame) {
-                        return broken(Rule::LogIsComplete, now, format!("{frame} out of turn"));
-                    }
-                }
+                Passed::Sent { frame, .. } => return self.logged_as(now, frame, false),
+                Passed::Unsent { frame } => return self.logged_as(now, frame, true),
                 Passed::Heard { frame, .. } => {
                     self.heard.push(frame);
                     return self.logged(now, frame);
                 }
-                Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. } => {}
+                Passed::Junk(_) | Passed::Silence { .. } => {}
             },
             Event::Telemetry(sample) => self.read.push(sample.reply.frame()),
             _ => {}
         }
         Ok(())
+    }
+
+    /// What was handed out is in the log in its turn, sent or not.
+    fn logged_as(&mut self, now: Instant, frame: Frame, unsent: bool) -> Outcome {
+        if self.unlogged.pop_front() == Some((frame, unsent)) {
+            return Ok(());
+        }
+        let what = if unsent { "as not sent" } else { "as sent" };
+        let what = format!("{frame} {what}, out of turn");
+        broken(Rule::LogIsComplete, now, what)
     }
 
     /// What is in the log came in the order in which it was sent, and nothing good before it is missing.

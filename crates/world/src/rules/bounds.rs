@@ -1,0 +1,234 @@
+//! What may be on the wire at all: by what really reached the motors, and what really came back.
+
+use std::{
+    collections::{BTreeMap, BTreeSet, VecDeque},
+    time::Duration,
+};
+
+use motorlink_bus::{Consent, HIGH_CURRENT_RAW, Limits};
+use motorlink_protocol::{Drive, FRAME_LEN, Frame, Instant, Mode, MotorId, Request};
+use motorlink_simulator::{VirtualMotor, World};
+
+use super::{Rule, broken};
+
+/// A frame of ten bytes at 115200 baud.
+const AIRTIME: Duration = Duration::from_micros(868);
+/// What a motor told longer ago than this is unknown.
+const FRESH_FOR: Duration = Duration::from_millis(500);
+/// The address that every motor hears.
+const ALL: u8 = 0xC8;
+/// Replies that may still come; motors say no more in the longest that an adapter holds.
+const REPLIES_KEPT: usize = 64;
+/// Bytes that reached the host, kept to find replies that came in pieces.
+const BYTES_KEPT: usize = 4 * FRAME_LEN;
+
+/// What the host can know of each motor, and what each motor was told.
+#[derive(Debug, Default)]
+pub(super) struct Bounds {
+    motors: BTreeMap<MotorId, Known>,
+    replies: VecDeque<Reply>,
+    arrived: VecDeque<u8>,
+    /// Who was asked for a high current, and said yes.
+    consented: BTreeSet<MotorId>,
+}
+
+/// A reply that a motor sent.
+#[derive(Clone, Copy, Debug)]
+struct Reply {
+    at: Instant,
+    frame: Frame,
+    answers_zero: bool,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Known {
+    /// The loop that its last reply told, and when that reached the host.
+    told: Option<(Instant, Mode)>,
+    /// Mode switches on the wire since that reply was sent.
+    switches: Vec<(Instant, Mode)>,
+    torque: Torque,
+}
+
+/// Torque that a motor was told.
+#[derive(Clone, Copy, Debug, Default)]
+enum Torque {
+    #[default]
+    None,
+    /// Of this sign. The zero that came behind it was not answered yet.
+    Told { sign: i16, is_zero: bool },
+    /// It was answered.
+    ZeroAnswered,
+}
+
+impl Bounds {
+    /// The port is gone: a new bus knows nothing. The motors are what they are.
+    pub(super) fn port_lost(&mut self) {
+        for known in self.motors.values_mut() {
+            (known.told, known.switches) = (None, Vec::new());
+        }
+        self.replies.clear();
+        self.arrived.clear();
+        self.consented.clear();
+    }
+
+    /// An operator's setpoint was accepted.
+    pub(super) fn commanded(&mut self, id: MotorId, consent: Consent) {
+        if consent == Consent::HighCurrent {
+            self.consented.insert(id);
+        } else {
+            self.consented.remove(&id);
+        }
+    }
+
+    /// The motors have come to this moment.
+    pub(super) fn moved(&mut self, world: &World) {
+        for motor in world.motors() {
+            let torque = &mut self.motors.entry(motor.id()).or_default().torque;
+            let obeyed = motor.obeyed().filter(|_| motor.mode() == Mode::Current);
+            *torque = match (*torque, obeyed.map(|(_, drive)| drive.signed())) {
+                // It coasts: there is no torque to reverse.
+                (_, None) => Torque::None,
+                (Torque::Told { sign, .. }, Some(0)) => Torque::Told {
+                    sign,
+                    is_zero: true,
+                },
+                (other, Some(0)) => other,
+                (_, Some(value)) => Torque::Told {
+                    sign: value.signum(),
+                    is_zero: false,
+                },
+            };
+        }
+    }
+
+    /// A motor replies.
+    pub(super) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
+        let [id, ..] = *frame.bytes();
+        let motor = MotorId::new(id).ok().and_then(|id| world.motor(id));
+        let heard = motor.and_then(VirtualMotor::drive_heard);
+        if self.replies.len() >= REPLIES_KEPT {
+            self.replies.pop_front();
+        }
+        self.replies.push_back(Reply {
+            at,
+            frame,
+            answers_zero: heard.is_some_and(|(_, drive)| drive.signed() == 0),
+        });
+    }
+
+    /// Bytes reach the host.
+    pub(super) fn delivered(&mut self, now: Instant, bytes: &[u8]) {
+        self.arrived.extend(bytes);
+        let arrived: &[u8] = self.arrived.make_contiguous();
+        let motors = &mut self.motors;
+        self.replies.retain(|reply| {
+            let frame = reply.frame.bytes();
+            let is_there = arrived.windows(FRAME_LEN).any(|window| window == frame);
+            let [id, mode, ..] = *frame;
+            if let (true, Ok(id), Ok(mode)) = (is_there, MotorId::new(id), Mode::from_byte(mode)) {
+                motors.entry(id).or_default().heard(now, reply, mode);
+            }
+            !is_there
+        });
+        let old = self.arrived.len().saturating_sub(BYTES_KEPT);
+        self.arrived.drain(..old);
+    }
+
+    /// A frame goes out whole; `raw` is for what a person said yes to where a person wrote it. Gives
+    /// which rules had something to judge.
+    pub(super) fn sent(
+        &mut self,
+        now: Instant,
+        frame: Frame,
+        raw: Option<Consent>,
+        limits: Limits,
+        world: &World,
+    ) -> Result<Vec<Rule>, super::Violation> {
+        let mut judged = Vec::new();
+        let [first, command, high, low, .., brake, _, last] = *frame.bytes();
+        let ids: Vec<MotorId> = world
+            .motors()
+            .map(VirtualMotor::id)
+            .filter(|id| first == ALL || first == id.get())
+            .collect();
+        if let (0xA0, Ok(mode)) = (command, Mode::from_byte(last)) {
+            for id in ids {
+                self.motors
+                    .entry(id)
+                    .or_default()
+                    .switches
+                    .push((now, mode));
+            }
+            return Ok(judged);
+        }
+        if command != 0x64 || Request::parse(&frame) == Ok(Request::IdQuery) {
+            return Ok(judged);
+        }
+        let value = i16::from_be_bytes([high, low]);
+        for id in ids {
+            let known = self.motors.entry(id).or_default();
+            let above_speed = value.unsigned_abs() > limits.speed_rpm() && brake != Drive::BRAKE;
+            let high_current = value.unsigned_abs() > HIGH_CURRENT_RAW;
+            if above_speed || high_current {
+                judged.push(Rule::NothingAboveALimit);
+            }
+            let is_raw = raw.is_some();
+            let consents = raw.map_or(self.consented.contains(&id), |raw| {
+                raw == Consent::HighCurrent
+            });
+            let what = if above_speed && known.may_be_in(Mode::Velocity, now, is_raw) {
+                Some("speed")
+            } else if high_current && !consents && known.may_be_in(Mode::Current, now, is_raw) {
+                Some("current")
+            } else {
+                None
+            };
+            if let Some(what) = what {
+                let by = if is_raw { "a person" } else { "the bus" };
+                let limit = limits.speed_rpm();
+                let what = format!(
+                    "{frame} of {by} to {id}, a {what} with a limit of {limit} rpm; {:?} told, {:?} on the way",
+                    known.told, known.switches
+                );
+                return broken(Rule::NothingAboveALimit, now, what);
+            }
+            let reverses = match known.torque {
+                Torque::Told { sign, .. } => sign * value.signum() < 0,
+                _ => false,
+            };
+            let passes = matches!(known.torque, Torque::ZeroAnswered);
+            if !is_raw && value != 0 && (reverses || passes) {
+                judged.push(Rule::ReversalPassesZero);
+            }
+            if !is_raw && reverses {
+                let what = format!("{frame}: {id} was told {:?}", known.torque);
+                return broken(Rule::ReversalPassesZero, now, what);
+            }
+        }
+        Ok(judged)
+    }
+}
+
+impl Known {
+    fn heard(&mut self, now: Instant, reply: &Reply, mode: Mode) {
+        self.told = Some((now, mode));
+        self.switches
+            .retain(|(sent, _)| *sent + AIRTIME >= reply.at);
+        if let Torque::Told { is_zero: true, .. } = self.torque
+            && reply.answers_zero
+        {
+            self.torque = Torque::ZeroAnswered;
+        }
+    }
+
+    /// Whether the motor may be in a loop, by all that the host can know. What the bus itself drives it
+    /// takes back by a rule of its own where nothing is heard.
+    fn may_be_in(&self, mode: Mode, now: Instant, is_raw: bool) -> bool {
+        let on_the_way = self.switches.iter().any(|(_, to)| *to == mode);
+        on_the_way
+            || self.told.is_none_or(|(at, told)| {
+                let is_old = is_raw && now.since(at) > FRESH_FOR;
+                told == mode || is_old
+            })
+    }
+}
