@@ -277,7 +277,11 @@ fn an_id_change_does_not_go_on_behind_a_sleep() {
             Act::Command(Command::FullScan),
             pause(8_000),
             Act::Command(Command::SetId { from: id(1), to }),
-            away(Absence::Sleep, 172_000, vec![Turn::Pong, Turn::Poll]),
+            away(
+                Absence::Sleep,
+                172_000,
+                vec![Turn::Pong, Turn::Bytes, Turn::Poll],
+            ),
             pause(700),
         ],
     );
@@ -317,8 +321,8 @@ fn a_stop_whose_switches_are_refused_turns_no_wheel_at_an_angle() {
                 pause(600),
                 switch(id(1), Mode::Position),
                 pause(450),
-                degrees(id(1), 120.0),
-                pause(1_500),
+                degrees(id(1), 175.0),
+                pause(291),
                 Act::Refuses { frames },
                 Act::Command(Command::Stop(id(1))),
                 pause(900),
