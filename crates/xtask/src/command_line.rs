@@ -89,6 +89,12 @@ pub enum Command {
         #[arg(long, default_value_t = 600)]
         seconds: u64,
     },
+    /// Change what keeps fingers whole, spot by spot, and fail where no test of the bus notices
+    Mutants {
+        /// How many changes are tried at once
+        #[arg(long, default_value_t = 1)]
+        jobs: u8,
+    },
     /// Judge the built page with Lighthouse, as a desktop and as a phone load it
     Lighthouse,
     /// Make the README's moving picture (`docs`: that alone), the installer's, and one of every view

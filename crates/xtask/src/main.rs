@@ -11,6 +11,7 @@ mod failure;
 mod foreign;
 mod fresh_name;
 mod lighthouse;
+mod mutants;
 mod npm;
 mod packed;
 mod process;
@@ -86,6 +87,7 @@ fn obey(command: Command) -> Result<()> {
         Command::Reliability { part, seconds } => {
             reliability::show(&workspace, part.as_deref(), seconds)
         }
+        Command::Mutants { jobs } => mutants::show(&workspace, jobs),
         Command::Words { check } => words::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Lighthouse => lighthouse::run(&workspace),

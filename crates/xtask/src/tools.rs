@@ -77,6 +77,12 @@ const CARGO_DENY: Pinned = Pinned {
     version: "0.18.9",
 };
 
+/// Changes the code and asks the tests to notice: see `mutants`.
+const CARGO_MUTANTS: Pinned = Pinned {
+    package: "cargo-mutants",
+    version: "27.1.0",
+};
+
 impl Pinned {
     /// The directory of the program, which is built where it is missing.
     fn ensure(&self) -> Result<PathBuf> {
@@ -126,7 +132,16 @@ fn install(
 
 /// A PATH on which cargo finds cargo-fuzz.
 pub fn path_with_cargo_fuzz() -> Result<OsString> {
-    let dir = CARGO_FUZZ.ensure()?;
+    path_with(&CARGO_FUZZ)
+}
+
+/// A PATH on which cargo finds cargo-mutants.
+pub fn path_with_cargo_mutants() -> Result<OsString> {
+    path_with(&CARGO_MUTANTS)
+}
+
+fn path_with(program: &Pinned) -> Result<OsString> {
+    let dir = program.ensure()?;
     let path = env::var_os("PATH").unwrap_or_default();
     let dirs = std::iter::once(dir).chain(env::split_paths(&path));
     Ok(env::join_paths(dirs)?)
