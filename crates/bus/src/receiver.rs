@@ -88,34 +88,33 @@ impl Receiver {
         self.buffer.len()
     }
 
-    /// Looks for a reply of this motor. With `settled`, the line has been quiet and no more bytes
-    /// are waited for.
-    pub(crate) fn find(&self, id: MotorId, settled: bool) -> Found {
-        let is_reply = |offset: usize| {
-            frame_at(&self.buffer, offset).is_some_and(|frame| replies(&frame) == Some(id))
-        };
-        let Some(first) = (0..self.buffer.len()).find(|offset| is_reply(*offset)) else {
+    /// Looks for a reply of this motor to the request `sent`. With `settled`, the line has been quiet
+    /// and no more bytes are waited for.
+    pub(crate) fn find(&self, id: MotorId, sent: &Frame, settled: bool) -> Found {
+        let bytes = self.buffer.as_slice();
+        let is_its = |offset: usize| replier_at(bytes, offset) == Some(id);
+        if !(0..bytes.len()).any(is_its) {
             return Found::Nothing;
-        };
-        let rivals = first + 1..first + FRAME_LEN;
-        // Behind a cut echo the true reply is the later window, and it ends where the bytes end.
-        let last = rivals
-            .clone()
-            .rev()
-            .find(|offset| is_reply(*offset))
-            .unwrap_or(first);
-        let may_begin = |offset: usize| match self.buffer.get(offset..offset + 2) {
+        }
+        let may_begin = |offset: usize| match bytes.get(offset..offset + 2) {
             Some([first, second]) => *first == id.get() && Mode::from_byte(*second).is_ok(),
             _ => false,
         };
-        let unfinished = rivals
-            .clone()
-            .any(|at| at + FRAME_LEN > self.buffer.len() && may_begin(at));
-        if unfinished && !settled {
-            Found::Ambiguous
-        } else {
-            Found::At(last)
+        let mut from = 0;
+        while let Some(window) = next_window(bytes, from, sent) {
+            let unfinished = || {
+                let mut rivals = window.offset + 1..window.offset + FRAME_LEN;
+                rivals.any(|at| at + FRAME_LEN > bytes.len() && may_begin(at))
+            };
+            if !settled && (window.is_open || is_its(window.offset) && unfinished()) {
+                return Found::Ambiguous;
+            }
+            if is_its(window.offset) {
+                return Found::At(window.offset);
+            }
+            from = window.offset + FRAME_LEN;
         }
+        Found::Nothing
     }
 
     /// Takes everything up to and with the frame at `offset`; says what stood in front of it.
@@ -136,46 +135,87 @@ impl Receiver {
     /// Sorts the first `length` bytes into echo, frames and junk.
     fn sort(&mut self, length: usize, sent: &Frame) -> Leftovers {
         let bytes = self.buffer.get(..length).unwrap_or_default();
-        let is_frame =
-            |offset: &usize| frame_at(&self.buffer, *offset).is_some_and(|f| replies(&f).is_some());
         let same = bytes
             .iter()
             .zip(sent.bytes())
             .take_while(|(heard, sent)| heard == sent)
             .count();
+        let first = next_window(bytes, 0, sent).map(|window| window.offset);
         // A reply begins with the byte that its request began with. Where a reply starts, whole or
         // spoilt, that byte is no echo.
-        let echoed = match (0..same).find(is_frame) {
+        let echoed = match first {
             // A reply that a person sent: no motor answers with what it was asked.
             _ if same == FRAME_LEN => FRAME_LEN,
-            Some(reply) => reply,
-            None if same == 1 && !is_frame(&1) => 0,
-            None => same,
+            Some(reply) if reply < same => reply,
+            _ if same == 1 && replier_at(&self.buffer, 1).is_none() => 0,
+            _ => same,
         };
         let mut leftovers = Leftovers {
             echoed,
             pieces: Vec::new(),
             junk_bytes: std::mem::take(&mut self.overflowed),
         };
-        let mut rest = bytes.get(echoed..).unwrap_or_default();
-        while !rest.is_empty() {
-            let good = |at: usize| frame_at(rest, at).filter(|frame| replies(frame).is_some());
-            let length = if let Some(frame) = good(0) {
-                leftovers.pieces.push(Piece::Frame(frame));
-                FRAME_LEN
-            } else {
-                // To the next good frame, in pieces of a frame's length.
-                let all = rest.len().min(FRAME_LEN);
-                let length = (1..all).find(|at| good(*at).is_some()).unwrap_or(all);
-                let junk = rest.get(..length).unwrap_or_default();
+        let mut at = echoed;
+        while at < bytes.len() {
+            let next = next_window(bytes, at, sent).map_or(bytes.len(), |window| window.offset);
+            for junk in bytes.get(at..next).unwrap_or_default().chunks(FRAME_LEN) {
                 leftovers.pieces.push(Piece::Junk(JunkBytes::new(junk)));
-                leftovers.junk_bytes += length;
-                length
-            };
-            rest = rest.get(length..).unwrap_or_default();
+            }
+            leftovers.junk_bytes += next - at;
+            at = next;
+            if let Some(frame) = frame_at(bytes, at) {
+                leftovers.pieces.push(Piece::Frame(frame));
+                at += FRAME_LEN;
+            }
         }
         leftovers
     }
+}
+
+/// A good frame of any motor among the bytes.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    offset: usize,
+    /// Whether more bytes may say that another is the true one.
+    is_open: bool,
+}
+
+/// The next good frame at `from` or behind it.
+///
+/// Two windows that overlap cannot both be true: about one in 256 that begins like a reply has a good
+/// CRC by chance, behind a cut echo or across the border of two frames. The first is the true one,
+/// unless it is no part of a row of frames and there is a reason for the other: it has a frame right
+/// behind it, an echo of what was `sent` right before it, or it ends where the bytes end.
+fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
+    let is_good = |offset: usize| replier_at(bytes, offset).is_some();
+    let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
+    let ends_at = |offset: usize| offset + FRAME_LEN == bytes.len();
+    let follows_echo = |offset: usize| {
+        (1..=FRAME_LEN).any(|length| {
+            let begins = offset.checked_sub(length).filter(|begins| *begins <= first);
+            begins.is_some_and(|begins| bytes.get(begins..offset) == sent.bytes().get(..length))
+        })
+    };
+    let mut offset = first;
+    let mut is_open = false;
+    if !is_good(first + FRAME_LEN) {
+        let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
+        let has_reason =
+            |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
+        // Behind a cut echo the true reply is the last one.
+        offset = rivals().filter(has_reason).last().unwrap_or(first);
+        let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
+        let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
+        is_open = rivals().next().is_some() && may_be_followed && !is_settled;
+    }
+    Some(Window { offset, is_open })
+}
+
+/// Whose reply begins here.
+fn replier_at(bytes: &[u8], offset: usize) -> Option<MotorId> {
+    // Before its CRC: it tells most bytes apart.
+    Mode::from_byte(*bytes.get(offset + 1)?).ok()?;
+    replies(&frame_at(bytes, offset)?)
 }
 
 fn frame_at(bytes: &[u8], offset: usize) -> Option<Frame> {
@@ -213,7 +253,7 @@ mod tests {
             bytes.extend(frame(REPLY).bytes());
             let mut receiver = after(&bytes);
             assert_eq!(
-                receiver.find(ID, false),
+                receiver.find(ID, &frame(QUERY), false),
                 Found::At(cut),
                 "echo of {cut} bytes"
             );
@@ -232,7 +272,7 @@ mod tests {
     #[test]
     fn an_echo_alone_is_no_reply() {
         let mut receiver = after(frame(QUERY).bytes());
-        assert_eq!(receiver.find(ID, true), Found::Nothing);
+        assert_eq!(receiver.find(ID, &frame(QUERY), true), Found::Nothing);
         assert_eq!(receiver.clear(&frame(QUERY)).echoed, FRAME_LEN);
     }
 
@@ -241,7 +281,10 @@ mod tests {
         for length in 0..CAPACITY - FRAME_LEN {
             let mut bytes = vec![0x55; length];
             bytes.extend(frame(REPLY).bytes());
-            assert_eq!(after(&bytes).find(ID, false), Found::At(length));
+            assert_eq!(
+                after(&bytes).find(ID, &frame(QUERY), false),
+                Found::At(length)
+            );
         }
     }
 
@@ -249,7 +292,10 @@ mod tests {
     fn a_flood_keeps_the_newest_bytes() {
         let mut receiver = after(&[0x55; 1000]);
         receiver.push(frame(REPLY).bytes());
-        assert_eq!(receiver.find(ID, false), Found::At(CAPACITY - FRAME_LEN));
+        assert_eq!(
+            receiver.find(ID, &frame(QUERY), false),
+            Found::At(CAPACITY - FRAME_LEN)
+        );
         let (_, before) = receiver.take(CAPACITY - FRAME_LEN, &frame(QUERY)).unwrap();
         assert_eq!(before.junk_bytes, 1000);
     }
@@ -271,9 +317,83 @@ mod tests {
             .expect("one in 256 does");
         let mut receiver = after(&[1]);
         receiver.push(&image.bytes()[..9]);
-        assert_eq!(receiver.find(ID, false), Found::Ambiguous);
+        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::Ambiguous);
         receiver.push(&image.bytes()[9..]);
-        assert_eq!(receiver.find(ID, false), Found::At(1));
+        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::At(1));
+    }
+
+    /// Two replies in one chunk, from a world that failed: the last byte of one and nine of the other
+    /// have a good CRC as a reply of motor 2 at 2,048 rpm.
+    #[test]
+    fn a_window_across_two_good_frames_is_not_taken_for_a_reply() {
+        let first = frame("02 02 00 08 00 00 75 7F 00 02");
+        let second = frame("01 01 00 08 00 00 58 00 10 85");
+        let sent = frame("02 74 00 00 00 00 00 00 00 F1");
+        let bytes = [*first.bytes(), *second.bytes()].concat();
+        let image: [u8; FRAME_LEN] = bytes[9..19].try_into().unwrap();
+        assert!(Frame::new(image).crc_holds());
+        let motors = [(MotorId::new(2).unwrap(), 0), (ID, 10)];
+        for (id, offset) in motors {
+            for settled in [false, true] {
+                let found = after(&bytes).find(id, &sent, settled);
+                assert_eq!(found, Found::At(offset), "{id}");
+            }
+        }
+        let frames: Vec<Frame> = after(&bytes).clear(&sent).frames().copied().collect();
+        assert_eq!(frames, [first, second]);
+    }
+
+    /// Before the rest of the second has come, nothing tells them apart but that more may come.
+    #[test]
+    fn a_window_that_ends_the_bytes_is_not_taken_before_the_line_is_quiet() {
+        let bytes = [
+            *frame("02 02 00 08 00 00 75 7F 00 02").bytes(),
+            *frame("01 01 00 08 00 00 58 00 10 85").bytes(),
+        ]
+        .concat();
+        let sent = frame("02 74 00 00 00 00 00 00 00 F1");
+        let mut receiver = after(&bytes[..19]);
+        let second = MotorId::new(2).unwrap();
+        assert_eq!(receiver.find(second, &sent, false), Found::Ambiguous);
+        receiver.push(&bytes[19..]);
+        assert_eq!(receiver.find(second, &sent, false), Found::At(0));
+    }
+
+    /// The last byte of a spoilt frame and nine of the good one behind it.
+    #[test]
+    fn the_first_of_a_row_of_frames_is_found_behind_a_spoilt_one() {
+        let first = frame("02 02 00 08 00 00 75 7F 00 02");
+        let second = frame(REPLY);
+        let last = (1..u8::MAX)
+            .find(|last| replier_at(&[&[*last], first.bytes().as_slice()].concat(), 0).is_some())
+            .expect("the CRC tells all first bytes apart");
+        let mut bytes = vec![0x55; 9];
+        bytes.push(last);
+        bytes.extend(first.bytes());
+        bytes.extend(second.bytes());
+        let mut receiver = after(&bytes);
+        let id = MotorId::new(2).unwrap();
+        assert_eq!(receiver.find(id, &frame(QUERY), false), Found::At(10));
+        let rest = receiver.clear(&frame(QUERY));
+        assert_eq!(
+            rest.frames().copied().collect::<Vec<_>>(),
+            [first, second],
+            "{last:02X}"
+        );
+    }
+
+    #[test]
+    fn behind_junk_that_makes_an_image_the_reply_is_the_window_that_ends_the_bytes() {
+        let reply = *frame(REPLY).bytes();
+        let junk = (0..=u16::MAX)
+            .map(|junk| [1, 2, junk.to_be_bytes()[0], junk.to_be_bytes()[1]])
+            .find(|junk| replier_at(&[junk.as_slice(), &reply].concat(), 0).is_some())
+            .expect("one in 256 does");
+        let mut receiver = after(&[junk.as_slice(), &reply].concat());
+        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::Ambiguous);
+        assert_eq!(receiver.find(ID, &frame(QUERY), true), Found::At(4));
+        let (taken, before) = receiver.take(4, &frame(QUERY)).unwrap();
+        assert_eq!((taken, before.junk_bytes), (frame(REPLY), 4));
     }
 
     #[test]
@@ -310,7 +430,7 @@ mod tests {
         bytes.extend(other.bytes());
         bytes.extend(frame(REPLY).bytes());
         let mut receiver = after(&bytes);
-        assert_eq!(receiver.find(ID, false), Found::At(11));
+        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::At(11));
         let (_, before) = receiver.take(11, &frame(QUERY)).unwrap();
         assert_eq!(
             before,

@@ -33,8 +33,14 @@ impl Bus {
             && let Expects::Reply { id, layout } = exchange.expects
         {
             let settled = now >= exchange.deadline();
-            match self.receiver.find(id, settled) {
-                Found::Nothing => return,
+            match self.receiver.find(id, &exchange.frame, settled) {
+                Found::Nothing => {
+                    // What was held back is another motor's: nothing is waited for sooner.
+                    if let Line::Busy(exchange) = &mut self.line {
+                        exchange.held_until = None;
+                    }
+                    return;
+                }
                 Found::Ambiguous => {
                     if let Line::Busy(exchange) = &mut self.line {
                         exchange.held_until.get_or_insert(now + AMBIGUITY_QUIET);
