@@ -148,7 +148,7 @@ impl Raw {
 
 /// The motor that may obey it, whatever is wrong with it. 0xC8 is everyone's address, at least in the
 /// ID query, and set-ID frames have none.
-fn addressee(frame: &Frame) -> Option<MotorId> {
+pub(crate) fn addressee(frame: &Frame) -> Option<MotorId> {
     let &[first, command, third, ..] = frame.bytes();
     let is_query = matches!(Request::parse(frame), Ok(Request::Query { .. }));
     match (first, command, third) {

@@ -1,6 +1,6 @@
 //! What is heard when everyone was asked at once.
 
-use motorlink_protocol::{Instant, Layout, Reply};
+use motorlink_protocol::{Instant, Layout, MotorId, Reply};
 
 use super::{
     Bus,
@@ -9,6 +9,8 @@ use super::{
 use crate::{
     Event, IdQueryOutcome, Passed, RawAnswer,
     exchange::{Exchange, Purpose},
+    motor::Motor,
+    raw::addressee,
     receiver::{Leftovers, Piece},
 };
 
@@ -26,6 +28,12 @@ impl Bus {
         rest: &Leftovers,
     ) {
         count_line(&mut self.counters, rest);
+        // What only one motor may obey is answered by that one.
+        let only = match exchange.purpose {
+            Purpose::Raw => addressee(&exchange.frame),
+            Purpose::Control | Purpose::Survey => None,
+        };
+        let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;
         for piece in &rest.pieces {
             let frame = match piece {
@@ -38,15 +46,24 @@ impl Bus {
             let Ok(reply) = Reply::decode(&frame, None) else {
                 continue;
             };
+            if outcome != IdQueryOutcome::One(reply.id) {
+                // Several voices may pass the CRC as one that nobody has.
+                self.log_heard(now, &frame, None);
+                continue;
+            }
             if exchange.purpose == Purpose::Control {
-                self.watch(exchange.sent, reply.id);
+                self.watch(exchange.sent, reply.id).next_query = now;
             }
             let asked = layout.and_then(|layout| match self.motor_mut(reply.id) {
                 Some(motor) => motor.late.layout_of_reply(now, layout),
                 None => Some(layout),
             });
             self.log_heard(now, &frame, asked);
-            if let Ok(reply) = Reply::decode(&frame, asked) {
+            // A motor that is not known may have answered with it, so what was asked of all tells who
+            // is there, and nothing of how it is.
+            if let Ok(reply) = Reply::decode(&frame, asked)
+                && only.is_some()
+            {
                 self.keep(now, reply);
             }
             answer = answer.or(Some((frame, asked)));
@@ -67,7 +84,6 @@ impl Bus {
             self.called = Some(exchange.sent);
         }
         let took = exchange.last_byte.map(|last| last.since(exchange.sent));
-        let outcome = self.judge_id_query(rest);
         match exchange.purpose {
             Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
             Purpose::Refused => {}
@@ -86,22 +102,37 @@ impl Bus {
         }
     }
 
-    /// Who answered the ID query, with the line's counters.
-    fn judge_id_query(&mut self, rest: &Leftovers) -> IdQueryOutcome {
+    /// Who answered, with the line's counters. `only` is the one motor that may, where it is one.
+    fn judge_answers(
+        &mut self,
+        now: Instant,
+        only: Option<MotorId>,
+        rest: &Leftovers,
+    ) -> IdQueryOutcome {
         if rest.is_silence() {
             self.counters.silences += 1;
             return IdQueryOutcome::Nobody;
         }
         let mut frames = rest.frames();
-        match (frames.next(), frames.next()) {
+        let one = match (frames.next(), frames.next()) {
             (Some(frame), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
-                self.counters.replies += 1;
-                match Reply::decode(frame, None) {
-                    Ok(reply) => IdQueryOutcome::One(reply.id),
-                    Err(_) => IdQueryOutcome::Garbled,
-                }
+                Reply::decode(frame, None).ok().map(|reply| reply.id)
             }
-            _ => {
+            _ => None,
+        };
+        // Where another is there, it has answered as well.
+        let another =
+            |id: MotorId| move |motor: &Motor| motor.id != id && motor.fresh_speed(now).is_some();
+        let is_alone = |id: &MotorId| match only {
+            Some(only) => only == *id,
+            None => !self.motors.iter().any(another(*id)),
+        };
+        match one.filter(is_alone) {
+            Some(id) => {
+                self.counters.replies += 1;
+                IdQueryOutcome::One(id)
+            }
+            None => {
                 self.counters.bad_crcs += 1;
                 IdQueryOutcome::Garbled
             }
