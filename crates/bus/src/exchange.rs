@@ -2,7 +2,10 @@
 
 use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request};
 
-use crate::timing::{REFUSED_PAUSE, SETTLE};
+use crate::{
+    raw::addressee,
+    timing::{REFUSED_PAUSE, SETTLE},
+};
 use motorlink_protocol::FRAME_AIRTIME;
 use std::time::Duration;
 
@@ -67,11 +70,16 @@ impl Expects {
         }
     }
 
-    /// The answer to a frame that a person wrote. What nobody can read, somebody may answer.
+    /// The answer to a frame that a person wrote. What nobody can read, somebody may answer, and so may
+    /// all whom a drive frame without one addressee reaches.
     pub(crate) fn of_raw(frame: &Frame) -> Self {
-        Request::parse(frame).map_or(Self::Everyone { layout: None }, |request| {
-            Self::of(&request)
-        })
+        match Request::parse(frame) {
+            Ok(Request::Drive { .. }) if addressee(frame).is_none() => {
+                Self::Everyone { layout: None }
+            }
+            Ok(request) => Self::of(&request),
+            Err(_) => Self::Everyone { layout: None },
+        }
     }
 }
 

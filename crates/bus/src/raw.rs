@@ -111,6 +111,12 @@ impl Raw {
         self.running && self.is_hazardous()
     }
 
+    /// Whether this motor may obey it. Set-ID frames move nobody.
+    pub(crate) fn may_move(&self, id: MotorId) -> bool {
+        let moves = !matches!(self.deed, Deed::Ask | Deed::SetId);
+        moves && self.addressee.is_none_or(|addressee| addressee == id)
+    }
+
     pub(crate) fn sent(&mut self, now: Instant) {
         self.sent = self.sent.saturating_add(1);
         self.last = None;

@@ -90,6 +90,15 @@ pub(crate) struct Known {
     pub(crate) temperature: Option<Celsius>,
 }
 
+impl Known {
+    /// Of a motor that has not answered lately.
+    pub(crate) const NOTHING: Self = Self {
+        reported: None,
+        faults: None,
+        temperature: None,
+    };
+}
+
 /// Whether a motor may be driven to a setpoint now, by what is known of it.
 pub(crate) fn check_drive(
     id: MotorId,

@@ -162,10 +162,9 @@ impl Bus {
 
     /// Everything known of every motor.
     pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
-        let driven_raw = self.driven_raw();
         self.motors.iter().map(move |motor| {
             let mut status = motor.status(now);
-            if driven_raw == Some(motor.id) && status.activity == Activity::Idle {
+            if self.is_driven_raw(motor.id) && status.activity == Activity::Idle {
                 status.activity = Activity::DrivenRaw;
             }
             status

@@ -1,6 +1,6 @@
 //! Frames that a person wrote. What they may set in motion is under the same rules as any driving.
 
-use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Setpoint};
+use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Rpm, Setpoint};
 
 use super::Bus;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
     exchange::Expects,
     motor::{Control, Motor},
     raw::{Deed, Raw},
-    safety::{check_driven, check_position_switch, needs_consent},
+    safety::{Known, check_driven, check_position_switch, needs_consent},
 };
 
 impl Bus {
@@ -35,52 +35,52 @@ impl Bus {
         }
         if raw.is_hazardous() {
             self.check_not_halted()?;
-            self.check_deed(now, &raw, consent)?;
+            self.check_deed(now, raw, consent)?;
         }
         if raw.deed == Deed::SetId {
             raw.to_check = Some(self.use_proof(now)?);
         }
         if let Some(id) = raw.addressee.filter(|_| raw.is_hazardous()) {
-            raw.began_in = self.watch(now, id).fresh_mode(now);
+            self.watch(now, id);
         }
+        raw.began_in = self.concerned(raw).find_map(|motor| motor.fresh_mode(now));
         self.raw = Some(raw);
         Ok(())
     }
 
-    /// What is asked before a setpoint or a loop is asked of the same deed by raw bytes.
-    fn check_deed(&self, now: Instant, raw: &Raw, consent: Consent) -> Result<(), Refusal> {
-        let motor = self.motors.iter().find(|m| Some(m.id) == raw.addressee);
-        let mode = motor.and_then(|motor| motor.fresh_mode(now));
-        if let (Deed::Drive { value }, Some(id)) = (raw.deed, raw.addressee) {
-            let temperature = motor.and_then(|motor| motor.known(now).temperature);
-            if let Some(crossed) = self.limits.too_hot(temperature) {
-                return Err(Refusal::TooHot { id, crossed });
+    /// The motors that may obey it, as far as they are known.
+    fn concerned(&self, raw: Raw) -> impl Iterator<Item = &Motor> {
+        self.motors.iter().filter(move |it| raw.may_move(it.id))
+    }
+
+    /// What is asked before a setpoint or a loop is asked of the same deed by raw bytes, of each motor
+    /// that may obey them.
+    fn check_deed(&self, now: Instant, raw: Raw, consent: Consent) -> Result<(), Refusal> {
+        let mut seen = None;
+        for motor in self.concerned(raw) {
+            let (known, speed) = (motor.known(now), motor.fresh_speed(now));
+            check_raw(raw.deed, motor.id, known, speed, self.limits, consent)?;
+            // One number means something else in each loop.
+            if let (Some(asked), Some(reported)) = (seen, known.reported)
+                && asked != reported
+                && !matches!(raw.deed, Deed::Switch(_))
+            {
+                let id = motor.id;
+                return Err(Refusal::OtherLoop {
+                    id,
+                    asked,
+                    reported,
+                });
             }
-            // Where its loop is unknown, it may be meant as a speed.
-            let may_be_speed = matches!(mode, None | Some(Mode::Velocity));
-            let limit = self.limits.speed_rpm();
-            // What no motor takes as a speed is none.
-            let is_speed = value.unsigned_abs() <= Limits::SPEED_RPM.1;
-            if may_be_speed && is_speed && value.unsigned_abs() > limit {
-                return Err(Refusal::AboveSpeedLimit(limit));
-            }
+            seen = seen.or(known.reported);
         }
-        match (raw.deed, raw.addressee) {
-            (Deed::Switch(Mode::Position), Some(id)) => {
-                check_position_switch(id, motor.and_then(|motor| motor.fresh_speed(now)))
-            }
-            (Deed::Drive { value }, _) if matches!(mode, None | Some(Mode::Current)) => {
-                // The lowest value of all has no positive twin.
-                let value = i32::from(value).max(-i32::from(i16::MAX));
-                let current = CurrentTarget::new(value).unwrap_or_default();
-                let asks = needs_consent(Setpoint::Current(current)) != Consent::None;
-                if asks && consent == Consent::None {
-                    return Err(Refusal::NeedsConsent(current));
-                }
-                Ok(())
-            }
-            _ => Ok(()),
+        if self.concerned(raw).next().is_none() {
+            // Nothing is known of whoever obeys it.
+            let [first, ..] = *raw.frame.bytes();
+            let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
+            check_raw(raw.deed, id, Known::NOTHING, None, self.limits, consent)?;
         }
+        Ok(())
     }
 
     /// Sends no more of them, and stops what they may have moved.
@@ -163,35 +163,45 @@ impl Bus {
         }
     }
 
-    /// A motor that a person drives by raw frames loses them for the same reasons as any other.
+    /// Motors that a person drives by raw frames lose them for the same reasons as any other. Those that
+    /// one frame may drive lose it together.
     pub(super) fn look_after_raw(&mut self, now: Instant) {
         let Some(raw) = self.raw.as_mut().filter(|raw| raw.is_hazard_running()) else {
             return;
         };
-        let Some(motor) = self.motors.iter().find(|m| Some(m.id) == raw.addressee) else {
-            return;
-        };
-        if motor.quiet_since() > raw.since {
-            // What the first reply reports is what the frames are meant for.
-            raw.began_in = raw.began_in.or(motor.fresh_mode(now));
+        let mut ends = false;
+        for motor in &self.motors {
+            if !raw.may_move(motor.id) {
+                continue;
+            }
+            if motor.quiet_since() > raw.since {
+                // What the first reply reports is what the frames are meant for.
+                raw.began_in = raw.began_in.or(motor.fresh_mode(now));
+            }
+            let reported = motor.last_mode();
+            let asked = match raw.deed {
+                Deed::Switch(_) => reported,
+                _ => raw.began_in.or(reported),
+            };
+            let withdrawn = check_driven(
+                asked,
+                reported,
+                motor.fresh_faults(now).unwrap_or(Faults::NONE),
+                motor.crossed(now, self.limits, raw.since),
+                now.since(motor.quiet_since().max(raw.since)),
+                motor.unanswered_in_a_row,
+            );
+            if let Some(reason) = withdrawn {
+                let id = motor.id;
+                self.events.push_back(Event::Withdrawn { id, reason });
+            }
+            // A limit may be lowered meanwhile.
+            let allowed = check_raw_speed(raw.deed, motor.known(now), self.limits).is_ok();
+            ends |= withdrawn.is_some() || !allowed;
         }
-        let reported = motor.last_mode();
-        let asked = match raw.deed {
-            Deed::Switch(_) => reported,
-            _ => raw.began_in.or(reported),
-        };
-        let withdrawn = check_driven(
-            asked,
-            reported,
-            motor.fresh_faults(now).unwrap_or(Faults::NONE),
-            motor.crossed(now, self.limits, raw.since),
-            now.since(motor.quiet_since().max(raw.since)),
-            motor.unanswered_in_a_row,
-        );
-        let id = motor.id;
-        if let Some(reason) = withdrawn {
-            self.events.push_back(Event::Withdrawn { id, reason });
-            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+        let raw = *raw;
+        if ends {
+            self.begin_stop(now, StopReason::OneMotor, |motor| raw.may_move(motor.id));
         }
     }
 
@@ -201,10 +211,52 @@ impl Bus {
         raw.next_frame()
     }
 
-    /// The motor that a person drives by raw frames, where it is one.
-    pub(super) fn driven_raw(&self) -> Option<MotorId> {
+    /// Whether a person drives this motor by raw frames, alone or with others.
+    pub(super) fn is_driven_raw(&self, id: MotorId) -> bool {
         self.raw
-            .filter(Raw::is_hazard_running)
-            .and_then(|raw| raw.addressee)
+            .is_some_and(|raw| raw.is_hazard_running() && raw.may_move(id))
     }
+}
+
+/// Whether raw bytes may do this to a motor now, by what is known of it.
+fn check_raw(
+    deed: Deed,
+    id: MotorId,
+    known: Known,
+    speed: Option<Rpm>,
+    limits: Limits,
+    consent: Consent,
+) -> Result<(), Refusal> {
+    let value = match deed {
+        Deed::Drive { value } => value,
+        Deed::Switch(Mode::Position) => return check_position_switch(id, speed),
+        Deed::Ask | Deed::Switch(_) | Deed::SetId | Deed::Unknown => return Ok(()),
+    };
+    if let Some(crossed) = limits.too_hot(known.temperature) {
+        return Err(Refusal::TooHot { id, crossed });
+    }
+    check_raw_speed(deed, known, limits)?;
+    if matches!(known.reported, None | Some(Mode::Current)) {
+        // The lowest value of all has no positive twin.
+        let value = i32::from(value).max(-i32::from(i16::MAX));
+        let current = CurrentTarget::new(value).unwrap_or_default();
+        let asks = needs_consent(Setpoint::Current(current)) != Consent::None;
+        if asks && consent == Consent::None {
+            return Err(Refusal::NeedsConsent(current));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a value that raw bytes drive to is within the speed limit. Where the motor's loop is unknown,
+/// it may be meant as a speed, and a motor takes a value that is none as its highest.
+fn check_raw_speed(deed: Deed, known: Known, limits: Limits) -> Result<(), Refusal> {
+    let Deed::Drive { value } = deed else {
+        return Ok(());
+    };
+    let may_be_speed = matches!(known.reported, None | Some(Mode::Velocity));
+    if may_be_speed && value.unsigned_abs() > limits.speed_rpm() {
+        return Err(Refusal::AboveSpeedLimit(limits.speed_rpm()));
+    }
+    Ok(())
 }
