@@ -2,7 +2,7 @@
 
 use crate::words::terms;
 use motorlink_messages::{
-    bus::{RawAnswer, RawStatus},
+    bus::{RawAnswer, RawStatus, unassignable_id},
     protocol::{Frame, Mode, MotorId, Request, explain_heard, explain_sent},
 };
 use motorlink_words::tr;
@@ -70,6 +70,8 @@ fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String 
         None => format!("{}.", format::capitalized(&meaning)),
     };
     let rest = match (request.is_ok(), tenth) {
+        // The reason why it is not sent stands at the button.
+        (false, _) if unassignable_id(frame).is_some() => return words,
         (false, _) => tr!("It is sent as it is."),
         (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("It carries no CRC and is not answered."),
         (true, Tenth::Loop) => tr!("Byte 9 is the loop: it carries no CRC and is not answered."),
@@ -192,6 +194,10 @@ mod tests {
             (
                 "01 64 00 64 00 00 00 00 00 5B",
                 "CRC is 5B, should be 4F. It is sent as it is.",
+            ),
+            (
+                "AA 55 53 00 00 00 00 00 00",
+                "0 is no motor's ID: use 1 to 254.",
             ),
         ] {
             assert_eq!(words(text), wanted);

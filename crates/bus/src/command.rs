@@ -151,6 +151,18 @@ pub fn is_hazardous(frame: &Frame) -> bool {
     )
 }
 
+/// The ID that a set-ID frame would give to a motor, where no motor may have it: no scan asks for 0x00
+/// and 0xFF, so the motor would never be found again, and 0xC8 starts the ID query that all motors hear.
+/// Such a frame is never sent.
+#[must_use]
+pub fn unassignable_id(frame: &Frame) -> Option<u8> {
+    let &[0xAA, 0x55, 0x53, new, ..] = frame.bytes() else {
+        return None;
+    };
+    let assignable = MotorId::new(new).is_ok_and(|id| AssignableId::new(id).is_ok());
+    (!assignable).then_some(new)
+}
+
 /// What the operator was asked before the command was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -223,6 +235,8 @@ pub enum Refusal {
     SameId(MotorId),
     /// A frame of the raw editor is still being repeated.
     RawRunning,
+    /// No motor may have this ID: see [`unassignable_id`].
+    NotAssignable(u8),
 }
 
 impl fmt::Display for Refusal {
@@ -297,6 +311,10 @@ impl fmt::Display for Refusal {
             ),
             Self::SameId(id) => write!(f, "The motor has ID {id} already."),
             Self::RawRunning => f.write_str("A raw frame is being repeated. Stop that first."),
+            Self::NotAssignable(id) => write!(
+                f,
+                "No motor may have ID 0x{id:02X}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another."
+            ),
         }
     }
 }

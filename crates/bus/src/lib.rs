@@ -48,7 +48,7 @@ mod traffic;
 mod watchdog;
 
 pub use bus::{Bus, Output};
-pub use command::{ACT_AGE_MAX, Command, Consent, Refusal, is_hazardous};
+pub use command::{ACT_AGE_MAX, Command, Consent, Refusal, is_hazardous, unassignable_id};
 pub use counters::{Counters, LinkQuality};
 pub use event::{
     Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,

@@ -8,7 +8,7 @@
 
 mod bench;
 
-use bench::{Bench, ID, drive_frame, every, id, ms, raw, rpm, status, two};
+use bench::{Bench, ID, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two};
 use motorlink_bus::{
     Activity, Command, Consent, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
 };
@@ -249,6 +249,24 @@ fn motors_that_hear_one_frame_are_asked_for_telemetry_meanwhile() {
             assert!((4..=20).contains(&times), "{first:02X} {motor}: {times}");
         }
         assert!(status(&bench).running);
+    }
+}
+
+#[test]
+fn an_id_that_no_scan_would_find_is_never_set() {
+    for new in [0x00, 0xFF, 0xC8] {
+        for last in [0x00, 0x01] {
+            let mut bench = Bench::new(WorldConfig::default());
+            assert_eq!(scan_report(&mut bench).found, [ID]);
+            let frame = Frame::new([0xAA, 0x55, 0x53, new, 0, 0, 0, 0, 0, last]);
+            let refused = bench.command(raw(frame, every(5, 20)));
+            assert_eq!(refused, Err(Refusal::NotAssignable(new)));
+            bench.run(ms(500));
+            assert!(!bench.sent.iter().any(is_set_id));
+            // The proof is not used up by it.
+            let frame = Request::SetId { id: bench::to(5) }.frame();
+            assert_eq!(bench.command(raw(frame, every(5, 20))), Ok(()));
+        }
     }
 }
 

@@ -1,7 +1,10 @@
 //! Tab `Raw Hex`.
 
 use leptos::prelude::*;
-use motorlink_messages::{bus::is_hazardous, protocol::Layout};
+use motorlink_messages::{
+    bus::{Refusal, is_hazardous, unassignable_id},
+    protocol::Layout,
+};
 use motorlink_words::tr;
 
 use super::{number_field::NumberField, panel::tab_panel};
@@ -19,6 +22,7 @@ use crate::{
     session::Reading,
     tab::Tab,
     tool_entry,
+    words::terms,
 };
 
 #[component]
@@ -146,6 +150,9 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
         } else {
             blocked
         };
+        if let Some(id) = unassignable_id(&frame) {
+            return Some(terms::refusal(Refusal::NotAssignable(id)));
+        }
         let trouble = || raw.count.trouble().or_else(|| raw.interval.trouble());
         let repeats = move || raw.repeats.get();
         blocked.get().or_else(|| trouble().filter(|_| repeats()))

@@ -9,6 +9,7 @@ use crate::{
     motor::{Control, Motor},
     raw::{Deed, Raw},
     safety::{Known, check_driven, check_position_switch, needs_consent},
+    unassignable_id,
 };
 
 impl Bus {
@@ -25,6 +26,9 @@ impl Bus {
         repeat: Repeat,
         consent: Consent,
     ) -> Result<(), Refusal> {
+        if let Some(id) = unassignable_id(&frame) {
+            return Err(Refusal::NotAssignable(id));
+        }
         self.check_no_survey()?;
         self.check_no_raw_hazard()?;
         let mut raw = Raw::begin(now, frame, repeat);
