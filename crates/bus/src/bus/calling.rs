@@ -31,7 +31,7 @@ impl Bus {
         // What only one motor may obey is answered by that one.
         let only = match exchange.purpose {
             Purpose::Raw => addressee(&exchange.frame),
-            Purpose::Control | Purpose::Survey => None,
+            Purpose::Control | Purpose::Survey | Purpose::Refused => None,
         };
         let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;

@@ -143,9 +143,8 @@ impl Bus {
             // What a person wrote is not sent at a moment that the person did not choose.
             Effect::Raw => {
                 self.take_effect(&handed);
-                if let Some(id) = self.raw.and_then(|raw| raw.addressee) {
-                    self.count_refused(id);
-                }
+                let raw = self.raw;
+                self.count_refused(|id| raw.is_some_and(|raw| raw.may_move(id)));
                 self.raw_answered(RawAnswer::NotSent);
             }
             Effect::Survey(errand) if self.refused_in_a_row < REFUSED_MAX => {
@@ -158,14 +157,15 @@ impl Bus {
             }
             Effect::IdQuery => {}
             Effect::Motor { id, .. } => {
-                self.count_refused(id);
+                self.count_refused(|motor| motor == id);
             }
         }
         self.line = Line::Busy(Exchange::refused(at, frame));
     }
 
-    fn count_refused(&mut self, id: MotorId) {
-        if let Some(motor) = self.motor_mut(id) {
+    /// A frame to these motors was refused.
+    fn count_refused(&mut self, concerns: impl Fn(MotorId) -> bool) {
+        for motor in self.motors.iter_mut().filter(|motor| concerns(motor.id)) {
             motor.unanswered_in_a_row = motor.unanswered_in_a_row.saturating_add(1);
         }
     }
