@@ -151,6 +151,17 @@ impl Limits {
         self.too_hot(temperature)
     }
 
+    /// What a setpoint that stands crosses: the limit may have been set below it.
+    pub(crate) fn exceeded_by(self, setpoint: Setpoint) -> Option<Crossed> {
+        match setpoint {
+            Setpoint::Velocity { speed, .. } if !self.allow(setpoint) => Some(Crossed::Speed {
+                reached: Rpm::new(speed.rpm()),
+                limit: self.speed_rpm,
+            }),
+            _ => None,
+        }
+    }
+
     /// Whether a motor is too hot to be driven.
     pub(crate) fn too_hot(self, temperature: Option<Celsius>) -> Option<Crossed> {
         let reached = temperature?;

@@ -212,3 +212,24 @@ fn an_angle_is_gone_to_within_the_limits() {
     bench.run(ms(2_000));
     assert_eq!(crossed(&bench), None);
 }
+
+#[test]
+fn a_speed_limit_that_is_set_below_what_is_driven_stops_it_before_the_next_frame() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_000));
+    bench.forget_the_past();
+    let limits = Limits::new(60, 2_700, 75).unwrap();
+    bench.command(Command::SetLimits(limits)).unwrap();
+    bench.run(ms(1_000));
+    let fast = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() > 60);
+    assert!(!bench.sent.iter().any(fast));
+    assert!(bench.happened(|event| matches!(
+        event,
+        Event::Withdrawn {
+            reason: WithdrawReason::Limit(Crossed::Speed { limit: 60, .. }),
+            ..
+        }
+    )));
+    assert!(bench.true_rpm().abs() < 1.0);
+}

@@ -212,3 +212,19 @@ fn a_stop_under_way_goes_on_after_a_gap_and_is_confirmed() {
     };
     assert!(bench.sent.iter().all(brake));
 }
+
+/// It was measured a night ago.
+#[test]
+fn a_reply_that_waited_through_a_gap_is_no_reading_of_now() {
+    let mut bench = Bench::one_motor();
+    bench.run_until(ms(200), |bench| {
+        bench.sent.last().is_some_and(bench::Sent::is_query)
+    });
+    bench.forget_the_past();
+    bench.sleep(ms(114_000));
+    bench.deliver();
+    bench.run(ms(0));
+    assert!(!bench.happened(|event| matches!(event, Event::Telemetry(_))));
+    bench.run(ms(300));
+    assert!(bench.happened(|event| matches!(event, Event::Telemetry(_))));
+}

@@ -224,6 +224,8 @@ impl Bus {
         if late < LATE_CALL {
             return;
         }
+        // What has waited meanwhile is no reading of now.
+        self.end_spent_window(now);
         self.watchdog.resumed(now);
         let reason = if late < SLEPT_AT_LEAST {
             StopReason::LoopDelayed

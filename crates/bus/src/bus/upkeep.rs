@@ -55,7 +55,9 @@ impl Bus {
                     Some(driven.goal.mode()),
                     motor.last_mode(),
                     faults,
-                    motor.crossed(now, self.limits, driven.since),
+                    motor
+                        .crossed(now, self.limits, driven.since)
+                        .or(self.limits.exceeded_by(driven.goal)),
                     quiet,
                     motor.unanswered_in_a_row,
                 );
