@@ -266,11 +266,9 @@ impl Desk {
         self.command(Command::SetLimits(limits));
     }
 
-    /// Does what a key asks for. Stop all motors is not among them: it is posted by the handler of
-    /// the key itself.
+    /// Does what a key asks for.
     pub(crate) fn act(self, act: Act) {
         match act {
-            Act::StopAll => self.stop_all(StopReason::Operator),
             Act::Forward => self.drive_at(self.targets.preset_rpm()),
             Act::Backward => self.drive_at(-self.targets.preset_rpm()),
             Act::Preset(rpm) => self.drive_at(rpm),

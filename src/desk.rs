@@ -247,7 +247,7 @@ impl Desk {
         };
         if matches!(
             command,
-            Command::Drive { .. } | Command::DriveTogether { .. }
+            Command::Drive { .. } | Command::DriveTogether { .. } | Command::SendRaw { .. }
         ) {
             self.started_ms.set_value(page_now_ms());
         }
@@ -260,9 +260,18 @@ impl Desk {
     /// Why no motor can change its side now, whatever is shown of it: what was asked for last may not have
     /// been told yet, and a question may be open that has the sign of now.
     pub(crate) fn why_not_turn_sides(self) -> Option<String> {
-        let just_asked = page_now_ms() - self.started_ms.get_value() < TOLD_WITHIN_MS;
+        let just_asked = self.has_just_started();
         let asks = self.dialog.with_untracked(Option::is_some);
         (just_asked || asks).then(|| tr!("A motor is just being started. Try again.").to_owned())
+    }
+
+    /// Whether anything is driven, moves by what was driven, or may have been started a moment ago.
+    pub(crate) fn is_anything_driven(self) -> bool {
+        self.has_just_started() || self.latest.with_value(Session::is_anything_driven)
+    }
+
+    fn has_just_started(self) -> bool {
+        page_now_ms() - self.started_ms.get_value() < TOLD_WITHIN_MS
     }
 
     /// Puts words on the notice board and a line into the log.

@@ -9,15 +9,128 @@ pub(crate) enum Focus {
     Free,
     /// On something that Space presses: a button, a checkbox, a link.
     Button,
-    /// On something that one types into or picks from by letters.
+    /// On a list, open or closed: Space opens it and letters pick from it.
+    List,
+    /// On something that one types into.
     Text,
 }
 
-/// What a key asks for.
+/// A key that stops all motors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StopKey {
+    /// While anything is driven, and always where the focus is on nothing that Space acts on.
+    Space,
+    /// Always.
+    Escape,
+}
+
+impl StopKey {
+    /// By the `key` of its event.
+    pub(crate) fn of(key: &str) -> Option<Self> {
+        match key {
+            " " => Some(Self::Space),
+            "Escape" => Some(Self::Escape),
+            _ => None,
+        }
+    }
+}
+
+/// What is known when a key that stops goes down or comes up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Scene {
+    /// Where the focus is.
+    pub(crate) focus: Focus,
+    /// Whether anything is driven, or moves by what was driven.
+    pub(crate) driven: bool,
+    /// Whether the worker has told that all motors are stopped.
+    pub(crate) halted: bool,
+}
+
+/// What is done with the event of a key that stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reaction {
+    /// All motors are stopped, and the focused control does not get the key.
+    Stop,
+    /// The focused control does not get the key.
+    Take,
+    /// The focused control gets the key.
+    Pass,
+}
+
+/// The keys that stop, each from its press to its release.
+///
+/// A browser presses a focused button when Space comes up. So the release goes where the press went: what
+/// stopped a wheel presses nothing, though the wheel stands by then.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct StopKeys {
+    space: Press,
+    escape: Press,
+}
+
+/// Where the press of a key went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Press {
+    /// The key is up, or went down where the page did not hear it.
+    #[default]
+    Unheard,
+    /// To the focused control.
+    Passed,
+    /// To the stop.
+    Taken,
+}
+
+impl StopKeys {
+    /// The key goes down, or repeats.
+    pub(crate) fn down(&mut self, key: StopKey, repeat: bool, scene: Scene) -> Reaction {
+        let press = self.press(key);
+        let stops = match key {
+            StopKey::Escape => true,
+            StopKey::Space => match scene.focus {
+                Focus::Free => true,
+                Focus::Button | Focus::List => scene.driven,
+                Focus::Text => false,
+            },
+        };
+        if stops {
+            *press = Press::Taken;
+            // A key held down is one press, as long as the first was heard.
+            return if repeat && scene.halted {
+                Reaction::Take
+            } else {
+                Reaction::Stop
+            };
+        }
+        // A key that repeats was pressed for something else, unless its press went here.
+        if repeat && *press != Press::Passed && scene.focus != Focus::Text {
+            *press = Press::Taken;
+            return Reaction::Take;
+        }
+        *press = Press::Passed;
+        Reaction::Pass
+    }
+
+    /// The key comes up. A press that the page did not hear stops now: an open list of the browser's own
+    /// keeps the press of Escape to itself.
+    pub(crate) fn up(&mut self, key: StopKey, scene: Scene) -> Reaction {
+        let text = key == StopKey::Space && scene.focus == Focus::Text;
+        match std::mem::take(self.press(key)) {
+            Press::Taken => Reaction::Take,
+            Press::Unheard | Press::Passed if scene.driven && !text => Reaction::Stop,
+            Press::Unheard | Press::Passed => Reaction::Pass,
+        }
+    }
+
+    const fn press(&mut self, key: StopKey) -> &mut Press {
+        match key {
+            StopKey::Space => &mut self.space,
+            StopKey::Escape => &mut self.escape,
+        }
+    }
+}
+
+/// What a key asks for that does not stop all motors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Act {
-    /// Stop all motors.
-    StopAll,
     /// Drive forward at the preset.
     Forward,
     /// Drive backward at the preset.
@@ -39,25 +152,15 @@ impl Act {
     pub(crate) const fn drives(self) -> bool {
         match self {
             Self::Forward | Self::Backward | Self::Preset(_) | Self::Switch(_) => true,
-            Self::StopAll | Self::Stop | Self::Brake | Self::Help => false,
+            Self::Stop | Self::Brake | Self::Help => false,
         }
     }
 }
 
 /// What a key asks for here, with `modified` where Ctrl, Alt or Meta is down.
 pub(crate) fn act(key: &str, modified: bool, focus: Focus) -> Option<Act> {
-    // Whatever has the focus and whatever else is pressed in haste.
-    if key == "Escape" {
-        return Some(Act::StopAll);
-    }
-    if focus == Focus::Text {
-        return None;
-    }
-    if key == " " {
-        return (focus == Focus::Free).then_some(Act::StopAll);
-    }
     // Ctrl+C copies, Ctrl+F finds.
-    if modified {
+    if modified || matches!(focus, Focus::List | Focus::Text) {
         return None;
     }
     Some(match key {
@@ -82,21 +185,103 @@ pub(crate) fn act(key: &str, modified: bool, focus: Focus) -> Option<Act> {
 mod tests {
     use super::*;
 
+    const EVERYWHERE: [Focus; 4] = [Focus::Free, Focus::Button, Focus::List, Focus::Text];
+
+    fn scene(focus: Focus, driven: bool) -> Scene {
+        Scene {
+            focus,
+            driven,
+            halted: false,
+        }
+    }
+
     #[test]
     fn escape_stops_wherever_the_focus_is() {
-        for focus in [Focus::Free, Focus::Button, Focus::Text] {
-            for modified in [false, true] {
-                assert_eq!(act("Escape", modified, focus), Some(Act::StopAll));
+        for focus in EVERYWHERE {
+            for driven in [false, true] {
+                let mut keys = StopKeys::default();
+                let scene = scene(focus, driven);
+                assert_eq!(keys.down(StopKey::Escape, false, scene), Reaction::Stop);
+                assert_eq!(keys.up(StopKey::Escape, scene), Reaction::Take);
             }
         }
     }
 
     #[test]
-    fn space_stops_unless_something_else_takes_it() {
-        assert_eq!(act(" ", false, Focus::Free), Some(Act::StopAll));
-        assert_eq!(act(" ", true, Focus::Free), Some(Act::StopAll));
-        assert_eq!(act(" ", false, Focus::Button), None);
-        assert_eq!(act(" ", false, Focus::Text), None);
+    fn space_while_driven_stops_everywhere_but_in_a_text_field() {
+        for focus in EVERYWHERE {
+            let mut keys = StopKeys::default();
+            let scene = scene(focus, true);
+            let (down, up) = if focus == Focus::Text {
+                (Reaction::Pass, Reaction::Pass)
+            } else {
+                (Reaction::Stop, Reaction::Take)
+            };
+            assert_eq!(keys.down(StopKey::Space, false, scene), down, "{focus:?}");
+            assert_eq!(keys.up(StopKey::Space, scene), up, "{focus:?}");
+        }
+    }
+
+    #[test]
+    fn space_at_a_standstill_is_left_to_the_focused_control() {
+        for focus in [Focus::Button, Focus::List, Focus::Text] {
+            let mut keys = StopKeys::default();
+            let scene = scene(focus, false);
+            assert_eq!(keys.down(StopKey::Space, false, scene), Reaction::Pass);
+            assert_eq!(keys.down(StopKey::Space, true, scene), Reaction::Pass);
+            assert_eq!(keys.up(StopKey::Space, scene), Reaction::Pass);
+        }
+        let mut keys = StopKeys::default();
+        let nowhere = scene(Focus::Free, false);
+        assert_eq!(keys.down(StopKey::Space, false, nowhere), Reaction::Stop);
+    }
+
+    /// The button would be pressed by the release, and drive.
+    #[test]
+    fn the_release_of_a_space_that_stopped_presses_nothing_though_the_wheel_stands() {
+        let mut keys = StopKeys::default();
+        let (turning, standing) = (scene(Focus::Button, true), scene(Focus::Button, false));
+        assert_eq!(keys.down(StopKey::Space, false, turning), Reaction::Stop);
+        assert_eq!(keys.down(StopKey::Space, true, standing), Reaction::Take);
+        assert_eq!(keys.up(StopKey::Space, standing), Reaction::Take);
+        // The next press is one of its own.
+        assert_eq!(keys.down(StopKey::Space, false, standing), Reaction::Pass);
+    }
+
+    #[test]
+    fn a_space_that_is_held_while_a_wheel_starts_stops_it_and_presses_nothing() {
+        let mut keys = StopKeys::default();
+        let (turning, standing) = (scene(Focus::Button, true), scene(Focus::Button, false));
+        assert_eq!(keys.down(StopKey::Space, false, standing), Reaction::Pass);
+        assert_eq!(keys.up(StopKey::Space, turning), Reaction::Stop);
+        assert_eq!(keys.down(StopKey::Space, false, standing), Reaction::Pass);
+        assert_eq!(keys.down(StopKey::Space, true, turning), Reaction::Stop);
+        assert_eq!(keys.up(StopKey::Space, standing), Reaction::Take);
+    }
+
+    #[test]
+    fn a_key_held_down_stops_once_it_was_heard() {
+        let mut keys = StopKeys::default();
+        let told = Scene {
+            halted: true,
+            ..scene(Focus::Free, true)
+        };
+        let untold = scene(Focus::Free, true);
+        assert_eq!(keys.down(StopKey::Escape, false, untold), Reaction::Stop);
+        assert_eq!(keys.down(StopKey::Escape, true, untold), Reaction::Stop);
+        assert_eq!(keys.down(StopKey::Escape, true, told), Reaction::Take);
+        assert_eq!(keys.down(StopKey::Escape, false, told), Reaction::Stop);
+    }
+
+    #[test]
+    fn a_release_whose_press_was_not_heard_stops_what_is_driven() {
+        let up = |key, focus, driven| StopKeys::default().up(key, scene(focus, driven));
+        for focus in EVERYWHERE {
+            assert_eq!(up(StopKey::Escape, focus, true), Reaction::Stop);
+            assert_eq!(up(StopKey::Escape, focus, false), Reaction::Pass);
+        }
+        assert_eq!(up(StopKey::Space, Focus::List, true), Reaction::Stop);
+        assert_eq!(up(StopKey::Space, Focus::Text, true), Reaction::Pass);
     }
 
     #[test]
@@ -105,6 +290,7 @@ mod tests {
             assert!(act(key, false, Focus::Free).is_some(), "{key}");
             assert!(act(key, false, Focus::Button).is_some(), "{key}");
             assert_eq!(act(key, false, Focus::Text), None, "{key}");
+            assert_eq!(act(key, false, Focus::List), None, "{key}");
             assert_eq!(act(key, true, Focus::Free), None, "{key}");
         }
     }
@@ -116,7 +302,7 @@ mod tests {
             let act = act(&digit.to_string(), false, Focus::Free);
             assert!(act.is_none_or(Act::drives), "{digit}");
         }
-        for key in ["s", "k", "?", " ", "Escape"] {
+        for key in ["s", "k", "?"] {
             let act = act(key, false, Focus::Free).unwrap();
             assert!(!act.drives(), "{key}");
         }

@@ -205,6 +205,20 @@ impl Session {
         self.motors.iter().filter(|motor| is_in_hand(motor))
     }
 
+    /// Whether anything is driven, or moves by what was driven: a wheel that coasts, or whose last speed is
+    /// not known to be over.
+    pub(crate) fn is_anything_driven(&self) -> bool {
+        let turns = |motor: &MotorStatus| {
+            let speed = motor.last.map(|sample| sample.reply.speed);
+            !motor.silent && speed.is_some_and(|speed| speed.rpm() != 0)
+        };
+        self.raw.is_some_and(|raw| raw.running)
+            || self
+                .motors
+                .iter()
+                .any(|motor| is_in_hand(motor) || turns(motor))
+    }
+
     fn last_reply(&self, id: MotorId) -> Option<Reading<Reply>> {
         let sample = self.motor(id)?.last?;
         Some(Reading {

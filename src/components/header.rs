@@ -79,7 +79,7 @@ fn LanguageChoice() -> impl IntoView {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         desk.choose_language(language);
                         // By then the page is another, and the focus is to be where it was; but not while
-                        // something turns: Space would open the list instead of stopping it.
+                        // something turns: S and K would pick from the list instead of stopping it.
                         let turns = desk.latest.with_value(|session| session.in_hand().next().is_some());
                         if !turns {
                             request_animation_frame(|| focus(LANGUAGE));

@@ -231,13 +231,19 @@ pub fn text_of(element: &HtmlElement) -> String {
 
 /// Presses a key where the focus is.
 pub fn press(key: &str) {
+    hear_key("keydown", key, false);
+}
+
+/// A key goes down, repeats or comes up where the focus is. Whether the focused control gets it.
+pub fn hear_key(name: &str, key: &str, repeat: bool) -> bool {
     let init = KeyboardEventInit::new();
     init.set_key(key);
+    init.set_repeat(repeat);
     init.set_bubbles(true);
     init.set_cancelable(true);
-    let event = KeyboardEvent::new_with_keyboard_event_init_dict("keydown", &init).unwrap();
+    let event = KeyboardEvent::new_with_keyboard_event_init_dict(name, &init).unwrap();
     let focused = document().active_element().unwrap();
-    focused.dispatch_event(&event).unwrap();
+    focused.dispatch_event(&event).unwrap()
 }
 
 pub fn motor(mode: Mode, activity: Activity) -> MotorStatus {

@@ -14,6 +14,7 @@ mod graph;
 mod help;
 mod instruments;
 mod kept;
+mod keyboard;
 mod language;
 mod limits;
 mod link;
