@@ -117,7 +117,12 @@ impl DrivePad {
     }
 
     /// The stick is pressed. It begins a hold if nobody else holds the pad and driving is allowed.
+    ///
+    /// A pointer that holds the pad was let go before it is pressed again, and that was not heard.
     pub(crate) fn press(&mut self, by: By, stick: Stick, allowed: Allowed) -> Option<Order> {
+        if matches!(by, By::Pointer(_)) && self.held.is_some_and(|held| held.by == by) {
+            return self.end();
+        }
         if self.down.contains(&by) {
             self.steer(by, stick);
             return None;
@@ -153,10 +158,15 @@ impl DrivePad {
         held.and_then(|_| self.end())
     }
 
-    /// An arrow key goes down or up.
+    /// An arrow key goes down or up; a key that repeats does neither.
+    ///
+    /// One that goes down twice came up unheard, and others may have too: that is a release, not a press.
     pub(crate) fn arrow(&mut self, key: &str, is_down: bool, allowed: Allowed) -> Option<Order> {
         let place = ARROWS.iter().position(|arrow| *arrow == key)?;
-        *self.arrows.get_mut(place)? = is_down;
+        let was_down = std::mem::replace(self.arrows.get_mut(place)?, is_down);
+        if is_down && was_down {
+            return self.leave();
+        }
         if !self.arrows.contains(&true) {
             return self.let_go(By::Keys);
         }
@@ -212,7 +222,8 @@ impl DrivePad {
         self.held.take().map(|_| Order::Stop)
     }
 
-    /// The same where keys that come up will not be heard: the pad has lost the focus, or the page.
+    /// The same where keys that come up will not be heard: the pad has lost the focus, or the page, or Meta
+    /// is down, with which macOS tells of no other key that comes up.
     pub(crate) fn leave(&mut self) -> Option<Order> {
         self.arrows = [false; 4];
         self.down.retain(|by| *by != By::Keys);

@@ -146,6 +146,27 @@ fn keys_that_are_held_when_the_bus_stops_start_nothing_by_another_key() {
     assert!(pad.arrow("ArrowUp", true, &yes).is_some());
 }
 
+/// Its release was not heard, so nobody knows what else was let go.
+#[test]
+fn a_key_that_goes_down_twice_stops_and_starts_nothing() {
+    let mut pad = DrivePad::default();
+    assert!(pad.arrow("ArrowUp", true, &yes).is_some());
+    assert_eq!(pad.arrow("ArrowRight", true, &yes), None);
+    assert_eq!(pad.arrow("ArrowUp", true, &yes), Some(Order::Stop));
+    assert_eq!(pad.arrow("ArrowUp", false, &yes), None);
+    let again = pad.arrow("ArrowUp", true, &yes);
+    assert_eq!(again, Some(Order::Start(straight(100))));
+}
+
+#[test]
+fn a_pointer_that_is_pressed_twice_stops_and_starts_nothing() {
+    let mut pad = held();
+    assert_eq!(pad.press(FINGER, HALF, &yes), Some(Order::Stop));
+    assert_eq!(pad.frame(), None);
+    assert_eq!(pad.let_go(FINGER), None);
+    assert!(pad.press(FINGER, HALF, &yes).is_some());
+}
+
 #[test]
 fn who_presses_second_has_nothing_even_when_the_first_lets_go() {
     let mut pad = held();

@@ -134,6 +134,8 @@ fn hear(desk: Desk, event: &Event) {
     let on_pad = id == PAD;
     match event.type_().as_str() {
         "contextmenu" if on_pad => event.prevent_default(),
+        // The browser's menu keeps the keys to itself.
+        "contextmenu" => desk.leave_pad(),
         // Elements that lose the focus are heard too: the pad itself counts, and the whole page.
         "blur" if on_pad || element.is_none() => desk.leave_pad(),
         "visibilitychange" if document().visibility_state() == VisibilityState::Hidden => {
@@ -167,10 +169,8 @@ fn hear_pointer(desk: Desk, event: &PointerEvent, pad: Option<HtmlElement>) {
             let _ = pad.focus_with_options(&options);
             desk.pad_pressed(by, stick(&pad, event));
         }
-        ("pointermove", Some(_)) if event.buttons() & FIRST_BUTTON == 0 => {
-            // It came up where nobody heard of it.
-            desk.pad_let_go(by);
-        }
+        // It came up where nobody heard of it.
+        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => desk.pad_let_go(by),
         ("pointermove", Some(pad)) => desk.pad_steered(by, stick(&pad, event)),
         _ => {}
     }
@@ -178,8 +178,11 @@ fn hear_pointer(desk: Desk, event: &PointerEvent, pad: Option<HtmlElement>) {
 
 fn hear_key(desk: Desk, event: &KeyboardEvent, on_pad: bool) {
     let key = event.key();
-    let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
-    if event.type_() == "keyup" {
+    let modified = event.ctrl_key() || event.alt_key();
+    // While Meta is down, macOS tells of no other key that comes up.
+    if event.meta_key() || key == "Meta" {
+        desk.leave_pad();
+    } else if event.type_() == "keyup" {
         desk.pad_arrow(&key, false);
     } else if on_pad && key.starts_with("Arrow") && !modified {
         event.prevent_default();

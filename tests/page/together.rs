@@ -81,9 +81,13 @@ fn whole(pixels: f64) -> i32 {
 }
 
 fn key(bench: &Bench, name: &str, key: &str, repeat: bool) {
+    key_with(bench, name, key, |init| init.set_repeat(repeat));
+}
+
+fn key_with(bench: &Bench, name: &str, key: &str, how: impl FnOnce(&KeyboardEventInit)) {
     let init = KeyboardEventInit::new();
     init.set_key(key);
-    init.set_repeat(repeat);
+    how(&init);
     init.set_bubbles(true);
     init.set_cancelable(true);
     let event = KeyboardEvent::new_with_keyboard_event_init_dict(name, &init).unwrap();
@@ -291,6 +295,33 @@ async fn arrows_drive_while_they_are_held() {
     assert_eq!(bench.commands().await, [adjust(-100, -100)]);
     key(&bench, "keyup", "ArrowLeft", false);
     assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
+}
+
+/// On macOS no key but Meta comes up while Meta is down.
+#[wasm_bindgen_test]
+async fn an_arrow_whose_release_may_be_lost_stops() {
+    let with_meta = |init: &KeyboardEventInit| init.set_meta_key(true);
+    for way in ["meta", "letter", "meta-up", "again", "menu"] {
+        let bench = rover(&format!("arrow-{way}")).await;
+        key(&bench, "keydown", "ArrowUp", false);
+        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+        match way {
+            "meta" => key_with(&bench, "keydown", "Meta", with_meta),
+            "letter" => key_with(&bench, "keydown", "c", with_meta),
+            "meta-up" => key(&bench, "keyup", "Meta", false),
+            "again" => key(&bench, "keydown", "ArrowUp", false),
+            _ => happen(&web_sys::window().unwrap(), "contextmenu"),
+        }
+        assert_eq!(bench.commands().await, [Command::Stop(id(1))], "{way}");
+        key_with(&bench, "keydown", "ArrowUp", |init| {
+            init.set_meta_key(true);
+            init.set_repeat(true);
+        });
+        key(&bench, "keydown", "ArrowUp", true);
+        assert_eq!(bench.commands().await, [], "{way}");
+        key(&bench, "keydown", "ArrowUp", false);
+        assert_eq!(bench.commands().await, [start(100, -100)], "{way}");
+    }
 }
 
 #[wasm_bindgen_test]
