@@ -225,6 +225,16 @@ impl Desk {
 
     /// The worker has failed: nothing more comes from it, and no frame leaves.
     pub(crate) fn worker_lost(self) {
+        // First of all: one that reports an error may live and drive on, and what is said here is to be true.
+        self.link.with_value(|link| {
+            if let Some(link) = link {
+                link.end();
+            }
+        });
+        if self.worker.get_untracked() == WorkerState::Starting {
+            // It has told no epoch, and the page's moments are on its own clock.
+            self.set_epoch(page_origin_ms());
+        }
         let mut driven = false;
         let lost_at = self.latest.with_value(|session| session.now);
         self.history.update_value(|history| history.end(lost_at));

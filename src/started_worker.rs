@@ -74,9 +74,11 @@ impl StartedWorker {
         post_with(&self.worker, port, port);
     }
 
-    /// Ends it, whatever it does.
+    /// Ends it, whatever it does. What it said before and has not been heard yet is not heard any more.
     pub(crate) fn end(&self) {
         self.worker.terminate();
+        self.worker.set_onmessage(None);
+        self.worker.set_onerror(None);
     }
 }
 

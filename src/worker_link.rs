@@ -72,16 +72,16 @@ impl WorkerLink {
         self.worker.hand_over(port);
     }
 
-    /// Looks whether a worker that pings has died without a word, and ends it if so: what is said of it
-    /// then is true even if it only hung.
+    /// Ends it, whatever it does: no frame leaves any more, and nothing more is heard of it.
+    pub(crate) fn end(&self) {
+        self.worker.end();
+    }
+
+    /// Looks whether a worker that pings has died without a word, or hangs.
     pub(crate) fn has_died(&self, pings: bool) -> bool {
         let looks = self.silent_looks.get().filter(|_| pings);
         self.silent_looks.set(looks.map(|looks| looks + 1));
-        let died = looks >= Some(SILENT_LOOKS_MAX);
-        if died {
-            self.worker.end();
-        }
-        died
+        looks >= Some(SILENT_LOOKS_MAX)
     }
 }
 

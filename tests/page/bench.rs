@@ -28,7 +28,11 @@ const WORKER: &str = r"
         if (event.data instanceof WebAssembly.Module) return;
         bench.postMessage(event.data instanceof MessagePort ? 'line' : event.data);
     };
-    bench.onmessage = (event) => self.postMessage(event.data);
+    bench.onmessage = (event) => {
+        if (event.data === 'fail') throw new Error('as it was asked to');
+        if (event.data === 'live?') bench.postMessage('up');
+        else self.postMessage(event.data);
+    };
     bench.postMessage('up');
 ";
 
@@ -122,6 +126,19 @@ impl Bench {
     pub fn say(&self, message: &ToPage) {
         let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
         self.channel.post_message(&bytes).unwrap();
+    }
+
+    /// Has the worker throw an error that nobody catches. It lives on.
+    pub fn fail(&self) {
+        self.channel.post_message(&"fail".into()).unwrap();
+    }
+
+    /// Whether the worker is there.
+    pub async fn is_up(&self) -> bool {
+        self.up.replace(false);
+        self.channel.post_message(&"live?".into()).unwrap();
+        pause(200).await;
+        *self.up.borrow()
     }
 
     pub fn report(&self, motor: MotorStatus, halted: bool) {

@@ -134,6 +134,25 @@ async fn a_high_current_asks_first() {
     assert_eq!(bench.find_all("alertdialog", "High current").len(), 0);
 }
 
+/// One that reports an error may drive on.
+#[wasm_bindgen_test]
+async fn a_worker_that_fails_is_ended_before_the_page_says_so() {
+    let bench = Bench::with_motor("failing", Mode::Velocity).await;
+    let setpoint = speed(100);
+    bench.report(motor(Mode::Velocity, Activity::Driven { setpoint }), false);
+    let title = || document().title();
+    bench
+        .until("the motor to be driven", || title().contains("+100 rpm"))
+        .await;
+    assert!(bench.is_up().await);
+    bench.fail();
+    let said = || bench.text("region", "Notices");
+    bench
+        .until("the words", || said().contains("worker has stopped"))
+        .await;
+    assert!(!bench.is_up().await);
+}
+
 #[wasm_bindgen_test]
 async fn after_a_stop_a_person_has_to_release() {
     let bench = Bench::with_motor("release", Mode::Velocity).await;
