@@ -196,11 +196,10 @@ impl Desk {
         }
     }
 
-    /// The bus of a port that was opened knows of no ramp.
+    /// The bus of a port that was opened has the ramp of the port before: what was entered meanwhile counts,
+    /// also if that is none.
     pub(crate) fn send_ramp(self) {
-        if let Some(ramp) = self.together.ramp() {
-            self.command(Command::SetRamp(Some(ramp)));
-        }
+        self.command(Command::SetRamp(self.together.ramp()));
     }
 
     /// How fast the pad may drive now.

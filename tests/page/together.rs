@@ -1,7 +1,7 @@
 //! Motors that drive together: the strip, the panel and the drive pad.
 
 use motorlink_messages::{
-    Notice,
+    Adapter, Connection, Notice,
     bus::{Activity, Command, Consent, Ramp, Refusal, StopReason, Together},
     protocol::{Acceleration, Current, Mode, Rpm, Setpoint, SpeedTarget},
 };
@@ -538,6 +538,29 @@ async fn another_motor_is_looked_at_while_all_drive_on() {
         .click();
     assert_eq!(bench.commands().await, []);
     motorlink::Preferences::default().save();
+}
+
+/// The worker keeps the ramp of the last connection.
+#[wasm_bindgen_test]
+async fn a_ramp_set_to_0_while_disconnected_stays_0_on_connect() {
+    let bench = rover("ramp-apart").await;
+    bench.enter("Ramp", "200").focus().unwrap();
+    press("Enter");
+    let connection = |connection| {
+        tell(&bench, |update| {
+            update.motors = vec![standing(1), standing(2)];
+            update.connection = connection;
+        });
+    };
+    let connected = Connection::Connected(Adapter::Virtual);
+    connection(Connection::Disconnected);
+    bench.commands().await;
+    bench.enter("Ramp", "0").focus().unwrap();
+    press("Enter");
+    connection(connected);
+    let commands = bench.commands().await;
+    assert!(commands.contains(&Command::SetRamp(None)), "{commands:?}");
+    storage().remove_item("motorlink.ramp").unwrap();
 }
 
 #[wasm_bindgen_test]
