@@ -94,10 +94,10 @@ impl Desk {
         if let (Setpoint::Current(target), Consent::HighCurrent) =
             (setpoint, needs_consent(setpoint))
         {
-            self.dialog.set(Some(Dialog::HighCurrent(target)));
+            self.dialog.set(Some(Dialog::HighCurrent { id, target }));
             return;
         }
-        self.drive_with(setpoint, Consent::None);
+        self.drive_with(id, setpoint, Consent::None);
     }
 
     /// The operator agrees to what the open dialog asks. Once: the dialog is closed by it.
@@ -105,8 +105,8 @@ impl Desk {
         let asked = self.dialog.get_untracked();
         self.dialog.set(None);
         match asked {
-            Some(Dialog::HighCurrent(target)) => {
-                self.drive_with(Setpoint::Current(target), Consent::HighCurrent);
+            Some(Dialog::HighCurrent { id, target }) => {
+                self.drive_with(id, Setpoint::Current(target), Consent::HighCurrent);
             }
             Some(Dialog::ChangeId { .. }) => self.set_proved_id(),
             Some(Dialog::Hazard(order)) => self.send_hazard(order),
@@ -125,8 +125,15 @@ impl Desk {
         self.give_up_id_change();
     }
 
-    fn drive_with(self, setpoint: Setpoint, consent: Consent) {
-        let id = self.selected.get_untracked();
+    /// Withdraws a question about motors: another is looked at, or they may be others on this connection.
+    pub(crate) fn withdraw_question(self) {
+        let open = self.dialog.get_untracked();
+        if open.is_some_and(Dialog::is_about_motors) {
+            self.decline();
+        }
+    }
+
+    fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {
         self.command(Command::Drive {
             id,
             setpoint,
@@ -218,6 +225,7 @@ impl Desk {
 
     /// Turns the page to a motor.
     pub(crate) fn select(self, id: MotorId) {
+        self.withdraw_question();
         self.selected.set(id);
         self.asked.set(None);
         self.notices.update(|board| board.withdraw(Topic::Answer));

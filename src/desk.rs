@@ -60,7 +60,12 @@ pub(crate) enum Dialog {
     /// The help, at one of its places.
     Help(Option<HelpTopic>),
     /// The question whether so high a current is meant.
-    HighCurrent(CurrentTarget),
+    HighCurrent {
+        /// The motor that it was asked for.
+        id: MotorId,
+        /// The current.
+        target: CurrentTarget,
+    },
     /// The question whether all of the log is to be forgotten, and how many entries that are.
     ClearLog(u64),
     /// The question whether everything that the browser keeps is to be erased.

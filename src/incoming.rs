@@ -72,6 +72,7 @@ impl Desk {
     }
 
     fn connection_changed(self, before: Connection, after: Connection) {
+        self.withdraw_question();
         match after {
             Connection::Connected(adapter) => {
                 self.notices.update(|board| {
@@ -112,6 +113,8 @@ impl Desk {
             }
             Notice::ModeSwitched { id, mode } if *id == selected => self.follow(*mode),
             Notice::MotorSilent(id) => self.faults_unheard(Some(*id)),
+            // It may be back before the page was told that it was gone.
+            Notice::AdapterLost { .. } => self.withdraw_question(),
             // The bus ends a stop in the velocity loop, whatever was asked for before.
             Notice::StopBegan(reason) if *reason != StopReason::OneMotor => self.asked.set(None),
             _ => {}

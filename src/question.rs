@@ -28,11 +28,22 @@ pub(crate) struct Question {
 }
 
 impl Dialog {
+    /// Whether it asks about a motor, or about what is sent to motors.
+    pub(crate) const fn is_about_motors(self) -> bool {
+        match self {
+            Self::HighCurrent { .. }
+            | Self::ChangeId { .. }
+            | Self::Hazard(_)
+            | Self::HighRawCurrent { .. } => true,
+            Self::Help(_) | Self::ClearLog(_) | Self::EraseKept => false,
+        }
+    }
+
     /// What this dialog asks; `None` where it asks nothing.
     pub(crate) fn question(self) -> Option<Question> {
         Some(match self {
             Self::Help(_) => return None,
-            Self::HighCurrent(target) => {
+            Self::HighCurrent { target, .. } => {
                 high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
             }
             Self::ChangeId { from, to } => change_id(from, to),
@@ -170,7 +181,11 @@ mod tests {
     fn a_high_current_is_named_in_amps() {
         let current = CurrentTarget::new(26_000).unwrap();
         let yes = |dialog: Dialog| dialog.question().unwrap().yes;
-        assert_eq!(yes(Dialog::HighCurrent(current)), "Drive at +6.35 A");
+        let drive = Dialog::HighCurrent {
+            id: MotorId::FIRST,
+            target: current,
+        };
+        assert_eq!(yes(drive), "Drive at +6.35 A");
         let order = order(Repeat::Once);
         let raw = Dialog::HighRawCurrent { order, current };
         assert_eq!(yes(raw), "Send +6.35 A");

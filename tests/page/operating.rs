@@ -1,14 +1,17 @@
 //! What an operator does, and what the worker is told by it.
 
 use motorlink_messages::{
-    ToPage, ToWorker,
-    bus::{Activity, Command, Consent, StopReason},
+    Adapter, Connection, Notice, ToPage, ToWorker,
+    bus::{Activity, Command, Consent, IdQueryOutcome, StopReason},
     protocol::{Acceleration, CurrentTarget, Mode, MotorId, Setpoint, SpeedTarget},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::Event;
 
-use crate::bench::{Bench, document, motor, press};
+use crate::{
+    bench::{Bench, document, motor, press},
+    tools::{id, tell},
+};
 
 const ID: MotorId = MotorId::FIRST;
 const STOP_ALL: Command = Command::StopAll(StopReason::Operator);
@@ -132,6 +135,40 @@ async fn a_high_current_asks_first() {
         [drive(setpoint, Consent::HighCurrent)]
     );
     assert_eq!(bench.find_all("alertdialog", "High current").len(), 0);
+}
+
+/// The one that is asked for may be another motor behind a replug.
+#[wasm_bindgen_test]
+async fn a_question_about_a_motor_does_not_outlive_its_connection_or_its_choice() {
+    for way in ["unplugged", "replugged", "other motor"] {
+        let bench = Bench::with_motor(&format!("consent {way}"), Mode::Current).await;
+        bench.enter("Target current", "26000");
+        bench.click("Start");
+        let asked = || bench.find_all("alertdialog", "High current").len() == 1;
+        bench.until("the question", asked).await;
+        tell(&bench, |update| {
+            update.motors = vec![motor(Mode::Current, Activity::Idle)];
+            match way {
+                "unplugged" => update.connection = Connection::Reconnecting(Adapter::Virtual),
+                "replugged" => {
+                    let lost = Notice::AdapterLost { driven: vec![] };
+                    update.notices = vec![lost, Notice::AdapterBack];
+                }
+                _ => {
+                    update.motors[0].id = id(2);
+                    let found = IdQueryOutcome::One(id(2));
+                    update.notices = vec![Notice::IdQueryEnded(found)];
+                }
+            }
+        });
+        bench.until("no question", || !asked()).await;
+        bench.report(motor(Mode::Current, Activity::Idle), false);
+        let commands = bench.commands().await;
+        let drives = |command: &Command| matches!(command, Command::Drive { .. });
+        assert!(!commands.iter().any(drives), "{way}: {commands:?}");
+        assert!(!asked(), "{way}");
+    }
+    motorlink::Preferences::default().save();
 }
 
 /// One that reports an error may drive on.
