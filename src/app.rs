@@ -6,7 +6,7 @@ use leptos::{mount::mount_to_body, prelude::*};
 
 use crate::{
     assembling::{assembled, in_the_next_turn},
-    components::live::follow,
+    components::{live::follow, provide_graph},
     desk::{Desk, WorkerState},
     installation, keyboard,
     language::{self, first_known, speak_from_now_on},
@@ -31,6 +31,7 @@ pub fn App() -> impl IntoView {
     speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
     let desk = Desk::new(Preferences::load());
     provide_context(desk);
+    provide_graph(desk);
     if wants_virtual_motor() {
         desk.connect_virtual();
     }

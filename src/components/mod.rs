@@ -36,7 +36,7 @@ mod wheel_panel;
 pub(crate) use control::{
     ControlPanel, CurrentTab, IdManagerTab, PositionTab, RawHexTab, VelocityTab,
 };
-pub(crate) use graph::Graph;
+pub(crate) use graph::{Graph, provide_graph};
 pub(crate) use header::Header;
 pub(crate) use help::HelpDialog;
 pub(crate) use link_panel::LinkPanel;

@@ -10,7 +10,8 @@ use web_sys::{Event, EventInit, HtmlInputElement, HtmlSelectElement};
 
 use crate::bench::{Bench, document, motor, press};
 
-fn choose(bench: &Bench, name: &str, language: &str) {
+/// Chooses a language in the list of this name.
+pub fn choose(bench: &Bench, name: &str, language: &str) {
     let choice: HtmlSelectElement = bench.find("combobox", name).unchecked_into();
     choice.set_value(language);
     let bubbles = EventInit::new();

@@ -37,15 +37,21 @@ use motorlink_words::tr;
 use self::{controls::Controls, state::Chart};
 use crate::{
     components::live::{heard, live, memo},
-    desk::use_desk,
+    desk::Desk,
     graph::words,
     words::help,
 };
 
+/// Makes the graph of this page, for every [`Graph`] that another language brings.
+pub(crate) fn provide_graph(desk: Desk) {
+    provide_context(Chart::new(desk));
+}
+
 /// The section `Speed and current` with its graph, the img of the same name.
 #[component]
 pub(crate) fn Graph() -> impl IntoView {
-    let chart = Chart::new(use_desk());
+    let chart: Chart = expect_context();
+    chart.begin_anew();
     let place = NodeRef::<Div>::new();
     let (view, traces) = (chart.view, chart.traces);
     let clock = chart.desk.clock;

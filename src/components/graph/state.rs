@@ -42,8 +42,8 @@ pub(super) struct Drag {
     pub(super) begun: bool,
 }
 
-/// The graph: a pointer, as the desk is one, for as long as the page lives. It stays on the thread of
-/// the page, which is what the store is for.
+/// The graph: a pointer, as the desk is one. A page has one, for as long as it lives, whichever language it is
+/// drawn in. It stays on the thread of the page, which is what the store is for.
 #[derive(Clone, Copy)]
 pub(super) struct Chart(StoredValue<&'static Parts, LocalStorage>);
 
@@ -96,6 +96,18 @@ impl Chart {
             wake: RefCell::new(None),
         }));
         Self(StoredValue::new_local(parts))
+    }
+
+    /// It is drawn on other canvases from now on, of which nothing is known yet.
+    pub(super) fn begin_anew(self) {
+        self.drag.set(None);
+        if let Crosshair::Pointer(_) = self.crosshair.get() {
+            self.crosshair.set(Crosshair::None);
+        }
+        self.in_sight.set(false);
+        self.size_stale.set(true);
+        self.looks_stale.set(true);
+        self.asleep.set(false);
     }
 
     /// From now on, `wake` has the next frame drawn.

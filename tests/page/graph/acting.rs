@@ -10,7 +10,10 @@ use web_sys::{Blob, Element, Event, HtmlCanvasElement, ImageBitmap, Response};
 use super::{
     bench, canvas, colour_of, context, graph, is_drawn, name, pixels, rows_of, steady, tell,
 };
-use crate::bench::{document, pause, press};
+use crate::{
+    bench::{document, pause, press},
+    language::choose,
+};
 
 #[wasm_bindgen_test]
 async fn the_graph_and_its_controls_are_found_by_their_names() {
@@ -83,6 +86,37 @@ async fn while_paused_the_arrow_keys_read_values() {
     assert!(text.contains("Current 0.00 A"), "{text}");
     // By keys, it is read aloud.
     assert_eq!(values.get_attribute("aria-live").unwrap(), "polite");
+}
+
+/// The page has one graph, whichever language it is drawn in.
+#[wasm_bindgen_test]
+async fn a_change_of_language_keeps_the_crosshair() {
+    let bench = bench("graph-language").await;
+    tell(&bench, steady(40_000, 123));
+    bench.until("a line", || is_drawn(&canvas(&bench))).await;
+    bench.click("Pause");
+    bench
+        .until("the pause", || name(&bench).contains("up to"))
+        .await;
+    graph(&bench).focus().unwrap();
+    press("ArrowLeft");
+    for (list, language, stop) in [
+        ("Language", "de", "Alle Motoren stoppen"),
+        ("Sprache", "en", "Stop all motors"),
+    ] {
+        choose(&bench, list, language);
+        bench
+            .until(stop, || !bench.find_all("button", stop).is_empty())
+            .await;
+    }
+    bench
+        .until("the values", || {
+            let values = bench.find("status", "Crosshair");
+            !values.class_list().contains("absent")
+        })
+        .await;
+    let text = bench.text("status", "Crosshair");
+    assert!(text.contains("Speed +123 rpm"), "{text}");
 }
 
 #[wasm_bindgen_test]
