@@ -2,7 +2,7 @@
 //! worker.
 
 use motorlink_words::{Language, spoken, tr};
-use std::ops::Deref;
+use std::{ops::Deref, sync::Mutex};
 
 use leptos::prelude::*;
 use motorlink_messages::{
@@ -35,7 +35,7 @@ use crate::{
     tool_entry::NO_NEW_ID,
     tour::Tour,
     twin::TwinFeed,
-    words::log_lines,
+    words::log_lines::{self, Line},
     worker_link::WorkerLink,
 };
 
@@ -132,6 +132,8 @@ pub(crate) struct Parts {
     /// What a person has asked to connect to before there was a link.
     pub(crate) connect_early: StoredValue<Option<ToWorker>>,
     pub(crate) clock: StoredValue<Clock>,
+    /// Lines of the log on the page's clock, until it is known how that of the worker goes.
+    pub(crate) early_lines: Mutex<Option<Vec<(Instant, Line)>>>,
     /// When a wheel was started last, on the page's clock.
     started_ms: StoredValue<f64>,
     /// The newest state, as the motors count. It changes with every message and is no signal.
@@ -196,6 +198,7 @@ impl Desk {
             stopped_early: StoredValue::new(false),
             connect_early: StoredValue::new(None),
             clock: StoredValue::new(Clock::default()),
+            early_lines: Mutex::new(Some(Vec::new())),
             started_ms: StoredValue::new(f64::NEG_INFINITY),
             latest: StoredValue::new(Session::default()),
             tab_to_follow: StoredValue::new(false),

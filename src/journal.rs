@@ -9,7 +9,7 @@ use motorlink_words::tr;
 use web_sys::Blob;
 
 use crate::{
-    clock::page_origin_ms,
+    clock::{Clock, page_origin_ms},
     desk::{Desk, Dialog, WorkerState},
     download::save_blob,
     format::grouped,
@@ -64,6 +64,9 @@ impl Journal {
     }
 }
 
+/// Lines that are kept until there is a journal: more than a person brings about in that second.
+const EARLY_LINES_MAX: usize = 32;
+
 /// As many entries are not forgotten without a question.
 const ASKED_ABOVE: u64 = 1000;
 
@@ -95,13 +98,30 @@ impl Desk {
         self.refilter(|filter| filter.collapse = collapse);
     }
 
-    /// The wall clock at the zero of every [`Instant`].
+    /// The wall clock at the zero of every [`Instant`]. From now on lines have their place in the log.
     pub(crate) fn set_epoch(self, unix_ms: f64) {
         self.tell_journal(&ToJournal::Epoch { unix_ms });
+        let early = self
+            .early_lines
+            .lock()
+            .ok()
+            .and_then(|mut early| early.take());
+        for (at, line) in early.unwrap_or_default() {
+            let page_ms = Clock::default().page_ms(at);
+            self.log(self.clock.get_value().instant(page_ms), line);
+        }
     }
 
     /// Writes a line of the page's own into the log.
     pub(crate) fn log(self, at: Instant, line: Line) {
+        if let Ok(mut early) = self.early_lines.lock()
+            && let Some(early) = early.as_mut()
+        {
+            if early.len() < EARLY_LINES_MAX {
+                early.push((at, line));
+            }
+            return;
+        }
         let Line { error, text } = line;
         self.tell_journal(&ToJournal::Say { at, error, text });
     }

@@ -4,6 +4,7 @@ use std::{cell::RefCell, rc::Rc};
 
 use js_sys::Array;
 use motorlink_messages::{
+    ToPage,
     bus::{Activity, Command},
     journal::{Export, Filter, FromJournal, Kind, RecordingStatus, ToJournal},
     protocol::Mode,
@@ -14,10 +15,28 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{AddEventListenerOptions, Blob, Element, Event, Response};
 
 use crate::{
-    bench::{Bench, document, motor, press},
+    bench::{Bench, document, motor, performance, press},
     fake_journal::FakeJournal,
     log_bench::{page, rows},
 };
+
+/// It is not lost because the page can be used before its workers are there.
+#[wasm_bindgen_test]
+async fn what_is_said_before_there_is_a_journal_is_logged_once_there_is() {
+    let journal = FakeJournal::new("log-early");
+    let bench = Bench::after("log-early", || press("1")).await;
+    let said = bench.text("region", "Notices");
+    assert!(said.contains("was not driven"), "{said}");
+    let time_origin_ms = performance().time_origin();
+    bench.say(&ToPage::Hello { time_origin_ms });
+    let told = journal.told().await;
+    let place = |is: fn(&ToJournal) -> bool| told.iter().position(is);
+    let epoch = place(|told| matches!(told, ToJournal::Epoch { .. })).unwrap();
+    let line = place(
+        |told| matches!(told, ToJournal::Say { text, .. } if text.contains("was not driven")),
+    );
+    assert!(line.unwrap() > epoch, "{told:?}");
+}
 
 #[wasm_bindgen_test]
 async fn both_workers_get_an_end_of_one_line() {
