@@ -103,7 +103,7 @@ fn raw_frames_begun_with_unknown_loop_do_not_reach_another_loop() {
         .unwrap();
     bench.run_until(ms(300), |bench| bench.bus.raw().unwrap().sent == 5);
     bench
-        .command(raw(drive_frame(ID, amps(0.5)), every(0, 20)))
+        .command(raw(drive_frame(ID, amps(0.05)), every(0, 20)))
         .unwrap();
     bench.run(ms(300));
     bench.world.motor_mut(ID).unwrap().power(false);
