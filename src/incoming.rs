@@ -95,7 +95,7 @@ impl Desk {
             self.forget_motor();
             self.faults_unheard(None);
             self.forget_scans();
-            self.raw.await_nothing();
+            self.raw.forget();
         }
     }
 

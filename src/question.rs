@@ -127,8 +127,8 @@ fn hazard(order: RawOrder) -> Question {
         title: tr!("Send this frame?").to_owned(),
         words: tr!(
             "{frame}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
-             keep fingers clear.\nSTOP, Space and Escape stop it. You are asked this once, until the \
-             page is closed.",
+             keep fingers clear.\nSTOP, Space and Escape stop it. Any other frame, and this one in \
+             another loop, is asked about again.",
             frame = order.frame,
             often
         ),

@@ -5,7 +5,7 @@ use leptos::prelude::*;
 use motorlink_messages::{
     Notice,
     bus::{Command, Consent, Refusal, Repeat, is_hazardous},
-    protocol::{Frame, Layout, MotorId, Request},
+    protocol::{Frame, Layout, Mode, MotorId, Request},
 };
 use motorlink_words::tr;
 
@@ -37,8 +37,9 @@ pub(crate) struct RawEntry {
     pub(crate) refused: RwSignal<Option<String>>,
     /// The last one that was given to the bus, until a stop makes it moot.
     awaited: StoredValue<Option<RawOrder>>,
-    /// Whether the operator was asked about frames that can move a wheel, and meant it.
-    agreed: StoredValue<bool>,
+    /// What the operator was asked about last, and meant. Of another frame, or of this one where it
+    /// means something else, nothing was agreed.
+    agreed: StoredValue<Option<(RawOrder, Mode)>>,
 }
 
 impl RawEntry {
@@ -50,13 +51,19 @@ impl RawEntry {
             interval: Target::new(FIRST_INTERVAL_MS),
             refused: RwSignal::new(None),
             awaited: StoredValue::new(None),
-            agreed: StoredValue::new(false),
+            agreed: StoredValue::new(None),
         }
     }
 
     /// A stop: a refusal that comes late asks nothing any more.
     pub(crate) fn await_nothing(self) {
         self.awaited.set_value(None);
+    }
+
+    /// The port is closed or lost: nothing was agreed for the next.
+    pub(crate) fn forget(self) {
+        self.await_nothing();
+        self.agreed.set_value(None);
     }
 
     fn repeat(self) -> Repeat {
@@ -69,20 +76,31 @@ impl RawEntry {
 }
 
 impl Desk {
-    /// Sends a frame as often as entered; one that can move a wheel after a question, once.
+    /// Sends a frame as often as entered; one that can move a wheel after a question, unless just this
+    /// was agreed to.
     pub(crate) fn send_raw(self, frame: Frame) {
         let repeat = self.raw.repeat();
         let order = RawOrder { frame, repeat };
-        if is_hazardous(&frame) && !self.raw.agreed.get_value() {
+        let meant = self.what_is_meant(order);
+        let agreed = meant.is_some() && self.raw.agreed.get_value() == meant;
+        if is_hazardous(&frame) && !agreed {
             self.dialog.set(Some(Dialog::Hazard(order)));
         } else {
             self.send_order(order, Consent::None);
         }
     }
 
-    /// The operator means it, and is not asked again.
+    /// The frame, how often, and the loop by which its motor reads it. `None` where that is not known,
+    /// or the frame is not for one motor: then it is asked about each time.
+    fn what_is_meant(self, order: RawOrder) -> Option<(RawOrder, Mode)> {
+        let id = Request::parse(&order.frame).ok()?.addressee()?;
+        let mode = self.latest.with_value(|session| session.mode(id))?;
+        Some((order, mode.value))
+    }
+
+    /// The operator means it, and is not asked again about the same.
     pub(crate) fn send_hazard(self, order: RawOrder) {
-        self.raw.agreed.set_value(true);
+        self.raw.agreed.set_value(self.what_is_meant(order));
         self.send_order(order, Consent::None);
     }
 

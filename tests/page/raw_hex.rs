@@ -3,17 +3,17 @@
 use motorlink_messages::{
     Notice,
     bus::{
-        Command, Consent, RawAnswer, RawInterval, RawStatus, Refusal, Repeat, StopReason,
+        Activity, Command, Consent, RawAnswer, RawInterval, RawStatus, Refusal, Repeat, StopReason,
         is_hazardous,
     },
-    protocol::{CurrentTarget, Frame, Layout, MotorId},
+    protocol::{CurrentTarget, Frame, Layout, Mode, MotorId},
 };
 use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, HtmlElement, HtmlInputElement};
 
 use crate::{
-    bench::{Bench, document, press},
+    bench::{Bench, document, motor, press},
     tools::{open, tell, until_enabled},
 };
 
@@ -163,6 +163,44 @@ async fn a_frame_that_can_move_a_wheel_is_asked_about_once() {
     send(&bench).await;
     assert_eq!(bench.commands().await, [once(DRIVE)], "not asked again");
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
+}
+
+#[wasm_bindgen_test]
+async fn consent_to_one_frame_lets_no_other_through() {
+    const WRONG_CRC: &str = "01 64 00 64 00 00 00 00 00 5B";
+    let bench = raw_hex("hazard-other").await;
+    write(&bench, WRONG_CRC);
+    send(&bench).await;
+    until_asked(&bench, QUESTION).await;
+    bench.click("Send it");
+    assert_eq!(bench.commands().await, [once(WRONG_CRC)]);
+    for other in ["01 64 01 F4 00 00 00 00 00 C3", DRIVE] {
+        let bytes = write(&bench, other).value();
+        bench
+            .until("the other frame", || cells(&bench).contains(&bytes[27..]))
+            .await;
+        send(&bench).await;
+        assert_eq!(bench.commands().await, [], "{other}");
+        until_asked(&bench, QUESTION).await;
+        assert!(bench.text(QUESTION.0, QUESTION.1).contains(other));
+        bench.click("Cancel");
+    }
+    // Nor the same frame once its motor reads it in another loop.
+    send(&bench).await;
+    until_asked(&bench, QUESTION).await;
+    bench.click("Send it");
+    assert_eq!(bench.commands().await, [once(DRIVE)]);
+    tell(&bench, |update| {
+        update.motors = vec![motor(Mode::Current, Activity::Idle)];
+    });
+    bench
+        .until("the loop", || {
+            bench.text("status", "Mode").contains("Current loop")
+        })
+        .await;
+    send(&bench).await;
+    until_asked(&bench, QUESTION).await;
+    assert_eq!(bench.commands().await, []);
 }
 
 #[wasm_bindgen_test]
