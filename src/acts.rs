@@ -108,7 +108,7 @@ impl Desk {
             Some(Dialog::HighCurrent { id, target }) => {
                 self.drive_with(id, Setpoint::Current(target), Consent::HighCurrent);
             }
-            Some(Dialog::ChangeId { .. }) => self.set_proved_id(),
+            Some(Dialog::ChangeId(_)) => self.set_proved_id(),
             Some(Dialog::Hazard(order)) => self.send_hazard(order),
             Some(Dialog::HighRawCurrent { order, .. }) => {
                 self.send_order(order, Consent::HighCurrent);

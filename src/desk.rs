@@ -8,7 +8,7 @@ use leptos::prelude::*;
 use motorlink_messages::{
     ToWorker,
     bus::Command,
-    protocol::{AssignableId, CurrentTarget, Instant, Mode, MotorId},
+    protocol::{CurrentTarget, Instant, Mode, MotorId},
 };
 
 use crate::{
@@ -19,7 +19,7 @@ use crate::{
     graph::{trace::Traces, view::View},
     help_topic::HelpTopic,
     history::History,
-    id_manager::IdManager,
+    id_manager::{Change, IdManager},
     installation::Installing,
     journal::Journal,
     mirror::to_wire,
@@ -71,12 +71,7 @@ pub(crate) enum Dialog {
     /// The question whether everything that the browser keeps is to be erased.
     EraseKept,
     /// The question whether the only motor is to have another ID.
-    ChangeId {
-        /// Its present one.
-        from: MotorId,
-        /// The new one.
-        to: AssignableId,
-    },
+    ChangeId(Change),
     /// The question whether a frame is to be sent that can move a wheel.
     Hazard(RawOrder),
     /// The question whether so high a current is meant in a frame that a person wrote.

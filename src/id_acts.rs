@@ -11,6 +11,7 @@ use crate::{
     id_manager::IdManager,
     notice_board::Topic,
     permission::why_not_scan,
+    session::Session,
     tab::Tab,
     tool_entry::{NO_NEW_ID, assignable},
 };
@@ -57,6 +58,18 @@ impl Desk {
         {
             self.change_ids(|ids| ids.wish_for(to));
             self.command(Command::FullScan);
+        }
+    }
+
+    /// Begins to send more frames to a motor that has kept its ID: with the same proof and question.
+    pub(crate) fn set_id_with_more(self) {
+        let may_scan = |session: &Session| why_not_scan(session).is_none();
+        if self.latest.with_value(may_scan) {
+            let mut wished = false;
+            self.change_ids(|ids| wished = ids.wish_for_more());
+            if wished {
+                self.command(Command::FullScan);
+            }
         }
     }
 
@@ -107,9 +120,9 @@ impl Desk {
     fn change_ids(self, change: impl FnOnce(&mut IdManager)) {
         self.ids.update(change);
         let asked = self.ids.with_untracked(IdManager::question);
-        let asked = asked.map(|(from, to)| Dialog::ChangeId { from, to });
+        let asked = asked.map(Dialog::ChangeId);
         let open = self.dialog.get_untracked();
-        let is_ours = matches!(open, Some(Dialog::ChangeId { .. }));
+        let is_ours = matches!(open, Some(Dialog::ChangeId(_)));
         if open != asked && (asked.is_some() || is_ours) {
             self.dialog.set(asked);
         }

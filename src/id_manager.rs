@@ -6,7 +6,7 @@
 
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdChangeOutcome, ScanReport, SurveyStatus},
+    bus::{Command, IdChangeOutcome, ScanReport, SetIdFrames, SurveyStatus},
     protocol::{AssignableId, MotorId},
 };
 use motorlink_words::tr;
@@ -15,6 +15,14 @@ use crate::{
     notice_board::{Remedy, Tone, Topic, Words},
     scan_words, words,
 };
+
+/// An ID change that a person is asked about, or has agreed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Change {
+    pub(crate) from: MotorId,
+    pub(crate) to: AssignableId,
+    pub(crate) frames: SetIdFrames,
+}
 
 /// How far an ID change has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,13 +33,14 @@ enum Wish {
     /// A full scan was asked for, to prove that one motor is there.
     Proving {
         to: AssignableId,
+        frames: SetIdFrames,
         /// Whether the bus was seen scanning since: a report of before proves nothing.
         scanning: bool,
     },
     /// One motor was found, and a person is asked.
-    Asking { from: MotorId, to: AssignableId },
+    Asking(Change),
     /// A person has agreed, and the bus has been told.
-    Setting { from: MotorId, to: AssignableId },
+    Setting(Change),
 }
 
 /// What the tab `ID Manager` shows but the motors' readings.
@@ -40,6 +49,8 @@ pub(crate) struct IdManager {
     wish: Wish,
     /// How the last scan or change ended.
     said: Option<Words>,
+    /// What to try next, where a motor has kept its ID.
+    more: Option<(AssignableId, SetIdFrames)>,
     /// Who was found by the last full scan.
     found: Vec<MotorId>,
 }
@@ -50,36 +61,58 @@ impl IdManager {
     pub(crate) fn scan(&mut self) {
         self.wish = Wish::None;
         self.said = None;
+        self.more = None;
     }
 
     /// A person wants the only motor to have this ID. The full scan has to be asked for now.
     pub(crate) fn wish_for(&mut self, to: AssignableId) {
+        self.begin(to, SetIdFrames::default());
+    }
+
+    /// The same once more, with more frames. Returns whether there is something to repeat.
+    pub(crate) fn wish_for_more(&mut self) -> bool {
+        let more = self.more;
+        if let Some((to, frames)) = more {
+            self.begin(to, frames);
+        }
+        more.is_some()
+    }
+
+    fn begin(&mut self, to: AssignableId, frames: SetIdFrames) {
         self.said = None;
+        self.more = None;
         self.wish = Wish::Proving {
             to,
+            frames,
             scanning: false,
         };
     }
 
+    /// How many frames may be sent, where a motor has kept its ID in spite of fewer.
+    pub(crate) fn offers_more(&self) -> Option<SetIdFrames> {
+        self.more.map(|(_, frames)| frames)
+    }
+
     /// What is to be asked of a person now.
-    pub(crate) const fn question(&self) -> Option<(MotorId, AssignableId)> {
+    pub(crate) const fn question(&self) -> Option<Change> {
         match self.wish {
-            Wish::Asking { from, to } => Some((from, to)),
+            Wish::Asking(change) => Some(change),
             _ => None,
         }
     }
 
     /// A person agrees. The command to send, once.
     pub(crate) fn agree(&mut self) -> Option<Command> {
-        let (from, to) = self.question()?;
-        self.wish = Wish::Setting { from, to };
-        Some(Command::SetId { from, to })
+        let change = self.question()?;
+        self.wish = Wish::Setting(change);
+        let Change { from, to, frames } = change;
+        Some(Command::SetId { from, to, frames })
     }
 
     /// A person does not want it any more, or turns to something else. A change that the bus is at
     /// goes on, or is ended by the bus itself; it says so in either case.
     pub(crate) fn give_up(&mut self) {
-        if !matches!(self.wish, Wish::Setting { .. }) {
+        if !matches!(self.wish, Wish::Setting(_)) {
             self.wish = Wish::None;
         }
     }
@@ -101,6 +134,10 @@ impl IdManager {
                 if *outcome == IdChangeOutcome::Changed {
                     self.found = vec![to.id()];
                 }
+                self.more = match outcome {
+                    IdChangeOutcome::Kept { frames } => frames.more().map(|more| (*to, more)),
+                    _ => None,
+                };
                 self.said = Some(scan_words::of_id_change(*from, *to, *outcome));
             }
             Notice::Refused { command, .. } | Notice::TooLate(command)
@@ -121,16 +158,16 @@ impl IdManager {
             Wish::Proving {
                 scanning: false, ..
             }
-            | Wish::Setting { .. } => return,
-            Wish::Proving { to, .. } => {
+            | Wish::Setting(_) => return,
+            Wish::Proving { to, frames, .. } => {
                 if let Some(from) = proved(report).filter(|from| *from != to.id()) {
-                    self.wish = Wish::Asking { from, to };
+                    self.wish = Wish::Asking(Change { from, to, frames });
                     return;
                 }
                 scan_words::of_no_proof(report, to)
             }
             // Also another scan than the one that was agreed to be enough.
-            Wish::None | Wish::Asking { .. } => scan_words::of_scan(report),
+            Wish::None | Wish::Asking(_) => scan_words::of_scan(report),
         };
         self.wish = Wish::None;
         self.said = Some(said);
@@ -159,16 +196,19 @@ impl IdManager {
     /// What the tab says: what goes on, how the last ended, or what can be done here.
     pub(crate) fn words(&self) -> Words {
         match (&self.wish, &self.said) {
-            (Wish::Proving { to, .. } | Wish::Asking { to, .. }, _) => calm(
+            (Wish::Proving { to, .. } | Wish::Asking(Change { to, .. }), _) => calm(
                 tr!(
                     "Before {id} is set, a full scan proves that one motor is there",
                     id = to.id()
                 ),
                 tr!("What is driven is stopped first. Then you are asked."),
             ),
-            (Wish::Setting { from, to }, _) => calm(
+            (Wish::Setting(Change { from, to, frames }), _) => calm(
                 tr!("Motor {from} is being given ID {to}", from, to = to.id()),
-                tr!("Leave its power on: five frames, then both IDs are asked."),
+                &tr!(
+                    "Leave its power on: {count} frames, then both IDs are asked.",
+                    count = frames.count()
+                ),
             ),
             (Wish::None, Some(said)) => said.clone(),
             (Wish::None, None) => calm(

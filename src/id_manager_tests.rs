@@ -28,8 +28,18 @@ fn ended(ids: &mut IdManager, report: ScanReport) {
 fn asking() -> IdManager {
     let mut ids = proving(5);
     ended(&mut ids, report(&[1], &[]));
-    assert_eq!(ids.question(), Some((id(1), new_id(5))));
+    assert_eq!(ids.question(), Some(change(SetIdFrames::Five)));
     ids
+}
+
+fn change(frames: SetIdFrames) -> Change {
+    let (from, to) = (id(1), new_id(5));
+    Change { from, to, frames }
+}
+
+fn set_id(frames: SetIdFrames) -> Command {
+    let Change { from, to, frames } = change(frames);
+    Command::SetId { from, to, frames }
 }
 
 fn setting() -> IdManager {
@@ -46,7 +56,7 @@ fn refused(command: Command, refusal: Refusal) -> Notice {
 fn one_motor_found_alone_is_asked_about_and_set_once() {
     let mut ids = asking();
     let (from, to) = (id(1), new_id(5));
-    assert_eq!(ids.agree(), Some(Command::SetId { from, to }));
+    assert_eq!(ids.agree(), Some(set_id(SetIdFrames::Five)));
     assert_eq!(ids.agree(), None, "a second click sets nothing");
     assert_eq!(ids.question(), None);
     assert!(ids.words().title.contains("being given ID 0x05"));
@@ -82,7 +92,9 @@ fn every_end_of_the_change_ends_the_wish_and_is_said() {
     let (from, to) = (id(1), new_id(5));
     for outcome in [
         IdChangeOutcome::Changed,
-        IdChangeOutcome::Kept,
+        IdChangeOutcome::Kept {
+            frames: SetIdFrames::Five,
+        },
         IdChangeOutcome::Lost,
         IdChangeOutcome::Both,
         IdChangeOutcome::NotAlone,
@@ -187,10 +199,10 @@ fn a_refused_command_ends_the_wish_and_says_why() {
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
 
-    let (from, to) = (id(1), new_id(5));
+    let command = set_id(SetIdFrames::Five);
     for notice in [
-        refused(Command::SetId { from, to }, Refusal::NotProvedAlone),
-        Notice::TooLate(Command::SetId { from, to }),
+        refused(command, Refusal::NotProvedAlone),
+        Notice::TooLate(command),
     ] {
         let mut ids = setting();
         ids.hear(&notice);
@@ -211,4 +223,67 @@ fn garbled_answers_offer_the_full_scan_until_it_is_pressed() {
     assert!(ids.offers_full_scan());
     ids.scan();
     assert!(!ids.offers_full_scan());
+}
+
+fn frames_of(count: u8) -> SetIdFrames {
+    let all = std::iter::successors(Some(SetIdFrames::default()), |frames| frames.more());
+    all.into_iter()
+        .find(|frames| frames.count() == count)
+        .unwrap()
+}
+
+/// Twice as many each time, until that is the most.
+#[test]
+fn a_motor_that_kept_its_id_is_offered_more_frames_up_to_a_bound() {
+    let mut ids = setting();
+    let (from, to) = (id(1), new_id(5));
+    for (sent, more) in [(5, Some(10)), (10, Some(20)), (20, Some(40)), (40, None)] {
+        assert!(ids.words().advice[0].contains(&format!("{sent} frames")));
+        assert_eq!(ids.offers_more(), None, "while it is being set");
+        let frames = frames_of(sent);
+        let outcome = IdChangeOutcome::Kept { frames };
+        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        assert_eq!(ids.offers_more().map(SetIdFrames::count), more);
+        let said = ids.words().advice.join(" ");
+        assert!(said.contains(&format!("{sent} frames in a row")), "{said}");
+        let Some(more) = more else {
+            assert!(!said.contains("Or press Send"), "{said}");
+            break;
+        };
+        assert!(said.contains(&format!("Send {more} frames")), "{said}");
+        assert!(ids.wish_for_more());
+        assert_eq!((ids.question(), ids.offers_more()), (None, None));
+        assert!(ids.look(Some(&SCANNING)), "it is proved once more");
+        ended(&mut ids, report(&[1], &[]));
+        assert_eq!(ids.question().map(|asked| asked.frames.count()), Some(more));
+        assert!(ids.agree().is_some());
+    }
+    assert!(!ids.wish_for_more());
+}
+
+#[test]
+fn more_frames_are_offered_after_a_verified_failure_only() {
+    let (from, to) = (id(1), new_id(5));
+    for outcome in [
+        IdChangeOutcome::Changed,
+        IdChangeOutcome::Lost,
+        IdChangeOutcome::Both,
+        IdChangeOutcome::NotAlone,
+        IdChangeOutcome::Cancelled { frames_sent: 4 },
+    ] {
+        let mut ids = setting();
+        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        assert_eq!(ids.offers_more(), None, "{outcome:?}");
+    }
+    let ends: [fn(&mut IdManager); 3] = [IdManager::scan, IdManager::disconnected, |ids| {
+        ids.wish_for(new_id(6))
+    }];
+    for end in ends {
+        let mut ids = setting();
+        let frames = SetIdFrames::Five;
+        let outcome = IdChangeOutcome::Kept { frames };
+        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        end(&mut ids);
+        assert_eq!(ids.offers_more(), None);
+    }
 }

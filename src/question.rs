@@ -1,12 +1,9 @@
 //! What the page asks before it does what cannot be taken back by a stop, or what needs care.
 
-use motorlink_messages::{
-    bus::Repeat,
-    protocol::{AssignableId, Frame, MotorId},
-};
+use motorlink_messages::{bus::Repeat, protocol::Frame};
 use motorlink_words::tr;
 
-use crate::{desk::Dialog, format, words};
+use crate::{desk::Dialog, format, id_manager::Change, words};
 
 /// A frame that a person wants to be sent, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +43,7 @@ impl Dialog {
             Self::HighCurrent { target, .. } => {
                 high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
             }
-            Self::ChangeId { from, to } => change_id(from, to),
+            Self::ChangeId(change) => change_id(change),
             Self::Hazard(order) => hazard(order),
             Self::ClearLog(entries) => clear_log(entries),
             Self::EraseKept => erase_kept(),
@@ -70,7 +67,7 @@ fn high_current(yes: String) -> Question {
     }
 }
 
-fn change_id(from: MotorId, to: AssignableId) -> Question {
+fn change_id(Change { from, to, frames }: Change) -> Question {
     let to = to.id();
     Question {
         name: tr!("Change the ID?"),
@@ -79,10 +76,11 @@ fn change_id(from: MotorId, to: AssignableId) -> Question {
             "Motor {from} will answer as {to} ({number}) from now on. It keeps that in its flash, through \
              power-off.\nIt takes one new ID between two power-ups: to change it again, switch its power \
              off and on first.\nOnly one motor may be connected. The scan has found one; others that \
-             are without power now would not be changed.",
+             are without power now would not be changed.\n{count} frames are sent in a row.",
             from,
             to,
-            number = to.get()
+            number = to.get(),
+            count = frames.count()
         ),
         yes: tr!("Set ID {to}", to),
     }
@@ -138,7 +136,10 @@ fn hazard(order: RawOrder) -> Question {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::CurrentTarget;
+    use motorlink_messages::{
+        bus::SetIdFrames,
+        protocol::{AssignableId, CurrentTarget, MotorId},
+    };
 
     use super::*;
 
@@ -153,13 +154,16 @@ mod tests {
     fn an_id_change_says_what_the_motor_keeps_and_what_must_be_connected() {
         let to = AssignableId::new(MotorId::new(10).unwrap()).unwrap();
         let from = MotorId::FIRST;
-        let question = Dialog::ChangeId { from, to }.question().unwrap();
+        let frames = SetIdFrames::Ten;
+        let change = Change { from, to, frames };
+        let question = Dialog::ChangeId(change).question().unwrap();
         assert_eq!(question.yes, "Set ID 0x0A");
         for words in [
             "Motor 0x01 will answer as 0x0A (10)",
             "flash",
             "power-off",
             "Only one motor may be connected",
+            "10 frames",
         ] {
             assert!(question.words.contains(words), "{}", question.words);
         }

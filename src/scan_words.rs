@@ -190,17 +190,27 @@ pub(crate) fn of_id_change(from: MotorId, to: AssignableId, outcome: IdChangeOut
                 tr!("To change it again, switch the motor's power off and on first."),
             ],
         ),
-        IdChangeOutcome::Kept => words(
-            Tone::Warning,
-            tr!("Motor {from} kept its ID", from),
-            &[
+        IdChangeOutcome::Kept { frames } => {
+            let why = tr!(
+                "It has taken an ID since power-up already (its firmware allows one), or {count} frames \
+                 in a row are too few for it.",
+                count = frames.count()
+            );
+            let power = tr!("Switch its power off and on, then press Set ID again.");
+            let more = frames.more().map(|more| {
                 tr!(
-                    "It has taken an ID since power-up already (its firmware allows one), or it did not \
-                 hear five frames in a row."
-                ),
-                tr!("Switch its power off and on, then press Set ID again."),
-            ],
-        ),
+                    "Or press Send {count} frames: some motors take more.",
+                    count = more.count()
+                )
+            });
+            let advice = [&*why, power].into_iter().chain(more.as_deref());
+            let advice: Vec<&str> = advice.collect();
+            words(
+                Tone::Warning,
+                tr!("Motor {from} kept its ID", from),
+                &advice,
+            )
+        }
         IdChangeOutcome::Lost => words(
             Tone::Error,
             tr!("Neither {from} nor {to} answers", from, to),

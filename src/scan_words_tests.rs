@@ -1,3 +1,5 @@
+use motorlink_messages::bus::SetIdFrames;
+
 use super::*;
 
 pub(crate) fn id(id: u8) -> MotorId {
@@ -80,7 +82,9 @@ fn every_end_of_an_id_change_says_what_to_do() {
     for (outcome, tone, what) in [
         (IdChangeOutcome::Changed, Tone::Calm, "motor 0x05 now"),
         (
-            IdChangeOutcome::Kept,
+            IdChangeOutcome::Kept {
+                frames: SetIdFrames::Five,
+            },
             Tone::Warning,
             "Switch its power off and on",
         ),

@@ -3,8 +3,8 @@
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
     bus::{
-        Activity, Command, IdChangeOutcome, IdQueryOutcome, MotorStatus, ScanReport, StopReason,
-        SurveyStatus,
+        Activity, Command, IdChangeOutcome, IdQueryOutcome, MotorStatus, ScanReport, SetIdFrames,
+        StopReason, SurveyStatus,
     },
     protocol::{AssignableId, Instant, Mode, MotorId},
 };
@@ -236,7 +236,11 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
     agree.click();
     agree.click();
     let (from, to) = (id(1), new_id(5));
-    assert_eq!(bench.commands().await, [Command::SetId { from, to }]);
+    let frames = SetIdFrames::Five;
+    assert_eq!(
+        bench.commands().await,
+        [Command::SetId { from, to, frames }]
+    );
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
 
     let outcome = IdChangeOutcome::Changed;

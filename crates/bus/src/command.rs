@@ -6,7 +6,7 @@ use motorlink_protocol::{
     AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Request, Rpm, Setpoint,
 };
 
-use crate::{CommandRate, Crossed, Limits, Ramp, Repeat, StopReason, Together};
+use crate::{CommandRate, Crossed, Limits, Ramp, Repeat, SetIdFrames, StopReason, Together};
 
 /// An operator's act. Motion starts by [`Command::Drive`], by [`Command::DriveTogether`], by a frame
 /// that a person wrote ([`Command::SendRaw`]), and by nothing else.
@@ -29,6 +29,8 @@ pub enum Command {
         from: MotorId,
         /// The new one.
         to: AssignableId,
+        /// How often it is sent.
+        frames: SetIdFrames,
     },
     /// End a scan or an ID change.
     CancelSurvey,

@@ -1,19 +1,16 @@
 //! Giving the only motor on the bus another ID: checked before, verified after.
 //!
 //! The full scan that proved it to be alone may be a minute old, so the ID query is asked once more;
-//! then five set-ID frames in a row, with nothing between them; then the new ID has to answer and the
+//! then the set-ID frames in a row, with nothing between them; then the new ID has to answer and the
 //! old one has to be silent.
 
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
-    IdChangeOutcome, IdQueryOutcome, SurveyStatus,
+    IdChangeOutcome, IdQueryOutcome, SetIdFrames, SurveyStatus,
     scan::{Ask, Look},
     timing::{ID_LOOK_PERIOD, ID_SETTLE, SET_ID_PERIOD},
 };
-
-/// Frames in a row that make a motor take an ID (the maker's samples).
-const SET_ID_FRAMES: u8 = 5;
 
 /// ID queries before the bus is said to be other than the scan found it: a reply may be lost.
 const CHECKS_MAX: u8 = 5;
@@ -35,6 +32,7 @@ const OLD_LOOKS_MAX: u8 = 8;
 pub(crate) struct IdChange {
     pub(crate) from: MotorId,
     pub(crate) to: AssignableId,
+    frames: SetIdFrames,
     step: Step,
     next: Instant,
 }
@@ -73,10 +71,16 @@ pub(crate) enum Want {
 }
 
 impl IdChange {
-    pub(crate) const fn begin(now: Instant, from: MotorId, to: AssignableId) -> Self {
+    pub(crate) const fn begin(
+        now: Instant,
+        from: MotorId,
+        to: AssignableId,
+        frames: SetIdFrames,
+    ) -> Self {
         Self {
             from,
             to,
+            frames,
             step: Step::Checking { asked: 0, clean: 0 },
             next: now,
         }
@@ -98,7 +102,7 @@ impl IdChange {
             Step::Sending { sent } => {
                 *sent += 1;
                 self.next = now + SET_ID_PERIOD;
-                if *sent == SET_ID_FRAMES {
+                if *sent == self.frames.count() {
                     self.next = now + ID_SETTLE;
                     self.step = Step::LookingAtNew { looks: 0 };
                 }
@@ -159,7 +163,9 @@ impl IdChange {
                 let silent = silent + u8::from(look == Look::Silence);
                 match (answers, new_answers) {
                     (true, true) => Step::Over(IdChangeOutcome::Both),
-                    (true, false) => Step::Over(IdChangeOutcome::Kept),
+                    (true, false) => Step::Over(IdChangeOutcome::Kept {
+                        frames: self.frames,
+                    }),
                     (false, true) if silent >= OLD_SILENCES => Step::Over(IdChangeOutcome::Changed),
                     (false, false) if silent >= OLD_SILENCES => Step::Over(IdChangeOutcome::Lost),
                     // Noise is somebody's voice.
@@ -185,7 +191,7 @@ impl IdChange {
         let frames_sent = match self.step {
             Step::Checking { .. } => 0,
             Step::Sending { sent } => sent,
-            Step::LookingAtNew { .. } | Step::LookingAtOld { .. } => SET_ID_FRAMES,
+            Step::LookingAtNew { .. } | Step::LookingAtOld { .. } => self.frames.count(),
             Step::Over(outcome) => return outcome,
         };
         IdChangeOutcome::Cancelled { frames_sent }

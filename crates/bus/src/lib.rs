@@ -62,7 +62,7 @@ pub use round_trip::{ROUND_TRIP_CLASSES_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use survey::{
     IdChangeOutcome, IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat, ScanReport,
-    SurveyStatus,
+    SetIdFrames, SurveyStatus,
 };
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
 pub use together::{NotTogether, Together};

@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request};
 
-use crate::{RawAnswer, RawStatus, Repeat, is_hazardous};
+use crate::{RawAnswer, RawStatus, Repeat, SetIdFrames, is_hazardous, timing::PROOF_LASTS};
 
-/// A motor takes an ID by the fifth set-ID frame in a row; more are never of use.
-const SET_ID_FRAMES_MAX: u32 = 5;
+/// More set-ID frames in a row are of no use.
+const SET_ID_FRAMES_MAX: u32 = SetIdFrames::MAX.count() as u32;
 
 /// What a frame may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +122,9 @@ impl Raw {
         self.last = None;
         // On schedule where it is kept, without a burst where it was not.
         self.next = (self.next + self.interval).max(now + self.interval / 2);
-        self.running = self.count == 0 || self.sent < self.count;
+        // Who is on the bus was proved for so long.
+        let outlives_proof = self.deed == Deed::SetId && self.next > self.since + PROOF_LASTS;
+        self.running = (self.count == 0 || self.sent < self.count) && !outlives_proof;
     }
 
     /// What came after the last one. An answer to the frame before this is none.

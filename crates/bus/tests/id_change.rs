@@ -9,7 +9,7 @@
 mod bench;
 
 use bench::{Bench, ID, id, ms, rpm};
-use motorlink_bus::{Command, Event, IdChangeOutcome, Refusal, Repeat, StopReason};
+use motorlink_bus::{Command, Event, IdChangeOutcome, Refusal, Repeat, SetIdFrames, StopReason};
 use motorlink_protocol::{AssignableId, MotorId, Request};
 use motorlink_simulator::{Echo, MotorConfig, WireFaults, WorldConfig};
 
@@ -18,8 +18,12 @@ fn to(address: u8) -> AssignableId {
 }
 
 fn set_id(from: MotorId, address: u8) -> Command {
+    more(from, address, SetIdFrames::Five)
+}
+
+fn more(from: MotorId, address: u8, frames: SetIdFrames) -> Command {
     let to = to(address);
-    Command::SetId { from, to }
+    Command::SetId { from, to, frames }
 }
 
 fn is_set_id(sent: &bench::Sent) -> bool {
@@ -139,8 +143,49 @@ fn a_motor_that_has_taken_an_id_since_power_up_keeps_it() {
         bench.happened(|event| matches!(event, Event::ScanEnded(_)))
     });
     bench.forget_the_past();
-    assert_eq!(change(&mut bench, set_id(id(5), 6)), IdChangeOutcome::Kept);
+    let frames = SetIdFrames::Five;
+    let kept = IdChangeOutcome::Kept { frames };
+    assert_eq!(change(&mut bench, set_id(id(5), 6)), kept);
     assert!(bench.world.motor(id(5)).is_some());
+}
+
+/// M0601 units are reported to take more than five.
+#[test]
+fn a_motor_that_needs_more_frames_takes_them_after_a_verified_failure() {
+    for needed in [6, 10, 13, 40, 41] {
+        let mut bench = scanned(WorldConfig {
+            motors: vec![MotorConfig {
+                set_id_frames: needed,
+                ..MotorConfig::default()
+            }],
+            ..WorldConfig::default()
+        });
+        let mut frames = Some(SetIdFrames::default());
+        while let Some(sent) = frames {
+            bench.forget_the_past();
+            let ended = change(&mut bench, more(ID, 5, sent));
+            let on_the_wire = bench.sent.iter().filter(|sent| is_set_id(sent)).count();
+            assert_eq!(on_the_wire, usize::from(sent.count()));
+            if sent.count() >= needed {
+                assert_eq!(ended, IdChangeOutcome::Changed, "{needed}");
+                frames = None;
+            } else {
+                assert_eq!(ended, IdChangeOutcome::Kept { frames: sent }, "{needed}");
+                frames = sent.more();
+                assert_eq!(
+                    bench.command(more(ID, 5, SetIdFrames::MAX)),
+                    Err(Refusal::NotProvedAlone),
+                    "each time it is proved anew"
+                );
+                bench.command(Command::FullScan).unwrap();
+                bench.run_until(ms(30_000), |bench| {
+                    bench.happened(|event| matches!(event, Event::ScanEnded(_)))
+                });
+            }
+        }
+        let within = needed <= SetIdFrames::MAX.count();
+        assert_eq!(bench.world.motor(id(5)).is_some(), within, "{needed}");
+    }
 }
 
 #[test]
@@ -209,7 +254,7 @@ fn on_a_bad_line_the_outcome_is_never_wrong() {
                 assert!(has_new, "seed {seed}");
                 changed += 1;
             }
-            IdChangeOutcome::Kept => assert!(!has_new, "seed {seed}"),
+            IdChangeOutcome::Kept { .. } => assert!(!has_new, "seed {seed}"),
             IdChangeOutcome::NotAlone => assert!(!bench.sent.iter().any(is_set_id), "seed {seed}"),
             other => panic!("seed {seed}: {other:?}"),
         }

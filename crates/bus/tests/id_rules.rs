@@ -9,7 +9,9 @@
 mod bench;
 
 use bench::{Bench, ID, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, to};
-use motorlink_bus::{Command, Event, IdChangeOutcome, Passed, Repeat, StopReason, Traffic};
+use motorlink_bus::{
+    Command, Event, IdChangeOutcome, Passed, Repeat, SetIdFrames, StopReason, Traffic,
+};
 use motorlink_protocol::Request;
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
@@ -25,6 +27,21 @@ fn a_raw_set_id_does_not_outlive_its_proof() {
     bench.run(ms(2_000));
     let ids: Vec<_> = bench.world.motors().map(|m| m.id().get()).collect();
     assert!(ids.contains(&7), "{ids:?}");
+}
+
+/// A minute after the command at the latest, however many frames were asked for, however far apart.
+#[test]
+fn raw_set_id_frames_end_with_their_proof() {
+    let mut bench = Bench::new(WorldConfig::default());
+    assert_eq!(scan_report(&mut bench).found, [ID]);
+    let began = bench.now;
+    let frame = Request::SetId { id: to(5) }.frame();
+    bench.command(raw(frame, every(0, 9_000))).unwrap();
+    bench.run(ms(300_000));
+    let times: Vec<_> = bench.sent.iter().filter(|sent| is_set_id(sent)).collect();
+    assert_eq!(times.len(), 7);
+    assert!(times.iter().all(|sent| sent.at.since(began) <= ms(60_000)));
+    assert!(!status(&bench).running);
 }
 
 #[test]
@@ -77,6 +94,7 @@ fn an_old_id_that_is_not_silent_is_not_changed() {
         .command(Command::SetId {
             from: ID,
             to: to(5),
+            frames: SetIdFrames::Five,
         })
         .unwrap();
     bench.run_until(ms(5000), |bench| {
@@ -131,6 +149,7 @@ fn an_id_is_not_set_on_a_turning_wheel() {
         .command(Command::SetId {
             from: ID,
             to: to(5),
+            frames: SetIdFrames::Five,
         })
         .unwrap();
     bench.run_until(ms(5000), |bench| bench.sent.iter().any(is_set_id));
@@ -145,6 +164,7 @@ fn silence_in_an_id_change_is_logged() {
         .command(Command::SetId {
             from: ID,
             to: to(5),
+            frames: SetIdFrames::Five,
         })
         .unwrap();
     bench.run(ms(3000));
@@ -166,7 +186,13 @@ fn a_check_that_heard_a_quarrel_does_not_go_on() {
         ..MotorConfig::new(id(7))
     });
     let to = to(5);
-    bench.command(Command::SetId { from: ID, to }).unwrap();
+    bench
+        .command(Command::SetId {
+            from: ID,
+            to,
+            frames: SetIdFrames::Five,
+        })
+        .unwrap();
     bench.run(ms(50));
     // It has quarrelled once, and would be missed from now on.
     bench.world.motor_mut(id(7)).unwrap().mute(true);
@@ -193,6 +219,7 @@ fn an_id_is_not_set_while_stopped() {
     let c = bench.command(Command::SetId {
         from: ID,
         to: to(5),
+        frames: SetIdFrames::Five,
     });
     assert_eq!(a, c);
 }
@@ -205,6 +232,7 @@ fn an_id_change_that_ends_with_its_port_is_told_as_cancelled() {
         .command(Command::SetId {
             from: ID,
             to: to(5),
+            frames: SetIdFrames::Five,
         })
         .unwrap();
     bench.run_until(ms(1_000), |bench| {

@@ -9,7 +9,7 @@
 mod bench;
 
 use bench::{Bench, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Command, Consent, RawInterval, Repeat, StopReason};
+use motorlink_bus::{Command, Consent, RawInterval, Repeat, SetIdFrames, StopReason};
 use motorlink_protocol::{AssignableId, Frame, Mode, MotorId, Request};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -95,6 +95,7 @@ impl Dice {
             14 => Command::SetId {
                 from: id,
                 to: assignable(9),
+                frames: SetIdFrames::Five,
             },
             _ => Command::Forget(id),
         }

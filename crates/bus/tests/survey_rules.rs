@@ -9,7 +9,7 @@
 mod bench;
 
 use bench::{Bench, ID, id, is_set_id, ms, rpm, scan_report, to, two};
-use motorlink_bus::{Command, Event, Output, StopReason};
+use motorlink_bus::{Command, Event, Output, SetIdFrames, StopReason};
 use motorlink_protocol::{Detail, Mode, Request};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
@@ -38,6 +38,7 @@ fn two_motors_of_one_id_are_no_proof() {
                 .command(Command::SetId {
                     from: id(4),
                     to: to(5),
+                    frames: SetIdFrames::Five,
                 })
                 .is_ok()
             {

@@ -40,6 +40,10 @@ struct Flags {
     /// Temperature of the winding at the start and of the air for good, in degrees Celsius
     #[arg(long, value_name = "C", value_parser = celsius)]
     temperature: Option<f32>,
+    /// Set-ID frames in a row before a motor takes an ID; M0601 units are reported to want more than 5
+    #[arg(long, default_value_t = 5, value_name = "N",
+        value_parser = clap::value_parser!(u8).range(1..))]
+    set_id_frames: u8,
     /// The adapter hears itself: `whole`, or `cut:N` for the first N bytes of every frame
     #[arg(long, value_parser = echo, value_name = "whole|cut:N")]
     echo: Option<Echo>,
@@ -126,6 +130,7 @@ impl Flags {
             MotorConfig {
                 load_nm: self.load_nm,
                 ambient_c: self.temperature.unwrap_or(plain.ambient_c),
+                set_id_frames: self.set_id_frames,
                 ..plain
             }
         };

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use motorlink_bus::{
-    Command, CommandRate, Consent, Limits, Ramp, RawInterval, Repeat, StopReason, Together,
+    Command, CommandRate, Consent, Limits, Ramp, RawInterval, Repeat, SetIdFrames, StopReason,
+    Together,
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
@@ -54,7 +55,11 @@ impl Story {
         if let (1, Some(from), Some(to)) = (count, teller.motors.first(), another_id()) {
             acts.push(Act::Command(Command::FullScan));
             acts.push(Act::Pause(Duration::from_secs(5)));
-            acts.push(Act::Command(Command::SetId { from: *from, to }));
+            acts.push(Act::Command(Command::SetId {
+                from: *from,
+                to,
+                frames: SetIdFrames::Five,
+            }));
         }
         for _ in 0..DRAWS {
             if teller.rng.u8(..SCENE_EVERY) == 0 {
@@ -339,7 +344,11 @@ impl Teller {
                 .ok()
                 .and_then(|id| AssignableId::new(id).ok())
             {
-                Some(to) => Command::SetId { from: id, to },
+                Some(to) => Command::SetId {
+                    from: id,
+                    to,
+                    frames: SetIdFrames::Five,
+                },
                 None => Command::CancelSurvey,
             },
             29 => Command::Watch(id),

@@ -41,6 +41,11 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
         blocked.get().or_else(entered).or_else(missing)
     });
     let offers_full_scan = memo(move || desk.ids.with(IdManager::offers_full_scan));
+    let more = memo(move || desk.ids.with(IdManager::offers_more));
+    let send_more = move || {
+        let count = more.get().unwrap_or_default().count();
+        tr!("Send {count} frames", count)
+    };
     let hint = Signal::derive(move || match assignable(new_id.get()) {
         Some(to) => tr!("{decimal} is {hex}", decimal = to.id().get(), hex = to.id()),
         None => tr!("1 to 254, decimal or in hex with 0x").to_owned(),
@@ -81,13 +86,23 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
                     objection=objection
                     on_edit=|| ()
                 />
-                <PressButton
-                    label=tr!("Set ID")
-                    class="button primary"
-                    hint=tr!("Scans first, then asks")
-                    why_not=why_not_set
-                    on_press=move || desk.set_id()
-                />
+                <div class="new-id-acts">
+                    <PressButton
+                        label=tr!("Set ID")
+                        class="button primary"
+                        hint=tr!("Scans first, then asks")
+                        why_not=why_not_set
+                        on_press=move || desk.set_id()
+                    />
+                    <div hidden=live(move || more.get().is_none())>
+                        <PressButton
+                            label=Signal::derive(send_more)
+                            hint=tr!("Scans first, then asks")
+                            why_not=blocked
+                            on_press=move || desk.set_id_with_more()
+                        />
+                    </div>
+                </div>
             </div>
         },
     )

@@ -312,6 +312,30 @@ fn a_motor_that_has_taken_an_id_takes_the_next_after_power_off() -> Result<()> {
     Ok(())
 }
 
+/// M0601 units are reported to take more than five frames.
+#[test]
+fn a_motor_that_needs_more_frames_is_offered_them_and_takes_them() -> Result<()> {
+    let line = Line::default().with(&["--set-id-frames", "8"]);
+    let story = in_the_id_manager(line)?;
+    let page = &story.page;
+    assert!(page.find_all("button", "Send 10 frames")?.is_empty());
+    set_id(page, 5, "0x01 kept its ID")?;
+    let pressed = now_us();
+    page.click("button", "Send 10 frames")?;
+    page.wait_for_text_within(SCAN_PATIENCE, "alertdialog", "Change the ID?", |text| {
+        text.contains("10 frames")
+    })?;
+    assert_eq!(set_ids(&story.since(pressed)?), 0, "before a person agreed");
+    page.click("button", "Set ID 0x05")?;
+    page.wait_for_text("status", "Scan result", |text| {
+        text.contains("0x01 is motor 0x05 now")
+    })?;
+    assert_eq!(set_ids(&story.since(pressed)?), 10);
+    assert!(page.find_all("button", "Send 10 frames")?.is_empty());
+    assert_quiet_console(page);
+    Ok(())
+}
+
 #[test]
 fn an_id_is_not_set_where_two_motors_would_hear_it() -> Result<()> {
     let story = in_the_id_manager(Line::with_motors(&[1, 2]))?;

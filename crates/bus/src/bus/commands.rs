@@ -31,7 +31,7 @@ impl Bus {
             Command::Forget(id) => self.forget(id)?,
             Command::IdQuery => self.begin_id_query(now)?,
             Command::FullScan => self.begin_scan(now)?,
-            Command::SetId { from, to } => self.begin_id_change(now, from, to)?,
+            Command::SetId { from, to, frames } => self.begin_id_change(now, from, to, frames)?,
             Command::CancelSurvey => self.cancel_survey(now),
             Command::SendRaw {
                 frame,

@@ -6,7 +6,8 @@ use motorlink_protocol::{AssignableId, Instant, MotorId, Request};
 
 use super::Bus;
 use crate::{
-    Event, IdChangeOutcome, IdQueryOutcome, Refusal, StopOutcome, StopReason, SurveyStatus,
+    Event, IdChangeOutcome, IdQueryOutcome, Refusal, SetIdFrames, StopOutcome, StopReason,
+    SurveyStatus,
     exchange::{Exchange, Expects, Line, Purpose},
     id_change::{IdChange, Want},
     motor::{Control, Motor},
@@ -74,6 +75,7 @@ impl Bus {
         now: Instant,
         from: MotorId,
         to: AssignableId,
+        frames: SetIdFrames,
     ) -> Result<(), Refusal> {
         self.check_no_survey()?;
         if from == to.id() {
@@ -84,7 +86,7 @@ impl Bus {
             return Err(Refusal::NotProvedAlone);
         }
         self.make_way(now);
-        self.survey = Some(Survey::IdChange(IdChange::begin(now, from, to)));
+        self.survey = Some(Survey::IdChange(IdChange::begin(now, from, to, frames)));
         Ok(())
     }
 

@@ -94,7 +94,7 @@ impl Operator {
                     self.stands(now, id, setpoint);
                 }
             }
-            Command::SetId { from, to } => self.id_change = Some((from, to.id())),
+            Command::SetId { from, to, .. } => self.id_change = Some((from, to.id())),
             Command::SwitchMode { id, .. } => {
                 self.standing.remove(&id);
             }
