@@ -2,10 +2,11 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_protocol::{Instant, Layout, MotorId, Request};
+use motorlink_protocol::{Instant, Layout, MotorId};
 
 use crate::{
     Chunk, LineCase, MotorConfig, Speaker, Traffic, VirtualMotor, WireFaults, WorldConfig,
+    firmware::understood,
     random::Random,
     traffic::TrafficLog,
     wire::{Adapter, Air, HostEar, MotorEar, Passed, Talker},
@@ -286,7 +287,7 @@ impl World {
         let Some(heard) = self.adapter.request(frame.heard) else {
             return;
         };
-        let request = Request::parse(&heard);
+        let request = understood(&heard);
         let at = byte.end + self.turnaround;
         let there = self
             .slots

@@ -85,6 +85,43 @@ fn a_request_with_a_wrong_crc_is_ignored() {
     assert!(!bench.motor().is_driven());
 }
 
+/// The article's `m0601_operations.py` sends the acceleration in byte 4, and drives with it.
+#[test]
+fn a_drive_frame_with_values_in_reserved_bytes_is_answered_and_obeyed() {
+    for (reserved, value) in [(4, 1), (5, 0xFF), (8, 0x80)] {
+        let mut bench = Bench::with_one_motor();
+        let mut body = [0x01, 0x64, 0x00, 0x64, 0, 0, 0, 0, 0];
+        body[reserved] = value;
+        let frame = Frame::with_crc(body);
+        for _ in 0..50 {
+            assert_eq!(bench.send(frame).len(), 10, "{frame}");
+        }
+        let rpm = bench.motor().speed_rpm();
+        assert!(rpm > 50.0, "{frame}: {rpm} rpm");
+    }
+}
+
+#[test]
+fn queries_and_mode_switches_with_values_in_reserved_bytes_are_understood() {
+    let mut bench = Bench::with_one_motor();
+    let query = Frame::with_crc([0x01, 0x74, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(bench.send(query).len(), 10);
+    let switch = Frame::new([0x01, 0xA0, 0, 0, 9, 0, 0, 0, 0, 1]);
+    assert_eq!(bench.send(switch), []);
+    assert_eq!(bench.motor().mode(), Mode::Current);
+}
+
+/// They change every motor's flash: only what the maker prints is taken for one.
+#[test]
+fn a_set_id_frame_with_values_in_reserved_bytes_changes_nothing() {
+    let mut bench = Bench::with_one_motor();
+    for _ in 0..5 {
+        let frame = Frame::new([0xAA, 0x55, 0x53, 7, 0, 1, 0, 0, 0, 0]);
+        assert_eq!(bench.send(frame), []);
+    }
+    assert_eq!(bench.motor().id(), ONE);
+}
+
 /// motor.md: a drive command does not latch.
 #[test]
 fn without_drive_frames_the_wheel_coasts() {

@@ -7,6 +7,7 @@ mod protection;
 mod set_id;
 mod speed_loop;
 mod speed_profile;
+mod understood;
 
 use motorlink_protocol::{Drive, Faults, Instant, Layout, Mode, MotorId, Request, RequestError};
 
@@ -16,6 +17,7 @@ use loops::Loops;
 use mode_row::ModeRow;
 use protection::Protections;
 use set_id::SetIdRow;
+pub(crate) use understood::understood;
 
 /// The position loop is refused at or above this (maker's manual).
 const POSITION_MODE_BELOW_RPM: f64 = 10.0;
