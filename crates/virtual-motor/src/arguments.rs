@@ -34,6 +34,11 @@ struct Flags {
     #[arg(long, default_value_t = 600, value_name = "US",
         value_parser = clap::value_parser!(u64).range(..=DELAY_MAX))]
     turnaround_us: u64,
+    /// How long a drive frame is obeyed, in milliseconds. The default is a guess: real motors are
+    /// reported to coast sooner, and nothing is published
+    #[arg(long, default_value_t = 100, value_name = "MS",
+        value_parser = clap::value_parser!(u64).range(1..=DELAY_MAX / 1000))]
+    latch_ms: u64,
     /// Load that opposes motion, in N.m
     #[arg(long, default_value = "0", value_name = "N.M", value_parser = load_nm)]
     load_nm: f32,
@@ -129,6 +134,7 @@ impl Flags {
             let plain = MotorConfig::new(id);
             MotorConfig {
                 load_nm: self.load_nm,
+                latch: Duration::from_millis(self.latch_ms),
                 ambient_c: self.temperature.unwrap_or(plain.ambient_c),
                 set_id_frames: self.set_id_frames,
                 ..plain

@@ -91,6 +91,20 @@ fn commands_change_the_world() {
 }
 
 #[test]
+fn a_drive_frame_is_obeyed_for_as_long_as_the_command_line_says() {
+    for (latch_ms, driven) in [("1", false), ("1000", true)] {
+        let mut program = Program::start(&["--latch-ms", latch_ms]);
+        // The last frame of it is 17 ms old.
+        drive_for(&program.port(), 100, 10);
+        let state = program.tell("state 1");
+        assert!(
+            state.contains(&format!("driven={driven} ")),
+            "{latch_ms} ms: {state}"
+        );
+    }
+}
+
+#[test]
 fn the_end_of_standard_input_is_not_the_end() {
     let mut program = Program::start(&[]);
     program.close_stdin();
