@@ -15,7 +15,8 @@ const DELAY_MAX: u64 = 1_000_000;
 ///
 /// Prints `ready <path>` when a serial program may open that path (115200 8N1). Commands on standard
 /// input, one a line, each answered by `ok ..` or `error: ..`: `block 1 on|off`, `load 1 <N.m>`,
-/// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`.
+/// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`, and `stall <ms>`, during which
+/// nothing passes the adapter.
 #[derive(Debug, Parser)]
 #[command(name = "virtual-motor", version)]
 struct Flags {

@@ -1,16 +1,30 @@
 //! What a test may do to a motor while it runs, one line each.
 
+use std::time::Duration;
+
 use motorlink_protocol::{Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
 use crate::arguments::{celsius, load_nm};
 
 const COMMANDS: &str = "block ID on|off, load ID N.M, temperature ID C, power ID on|off, \
-                        mute ID on|off, state ID";
+                        mute ID on|off, state ID, stall MS";
 
-/// A command that makes sense.
+/// Longest stall taken: an adapter that stalls for a minute has been pulled by then.
+const STALL_MS_MAX: u64 = 60_000;
+
+/// What a line asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Action {
+pub(crate) enum Command {
+    /// Nothing passes between terminal and wire for so long.
+    Stall(Duration),
+    /// Something is done to a motor, or it is looked at.
+    Motor(MotorId, Action),
+}
+
+/// What is done to a motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Action {
     Block(bool),
     Load(f32),
     Temperature(f32),
@@ -19,12 +33,19 @@ enum Action {
     State,
 }
 
-/// Obeys a line and gives the line to answer: `ok ..` or `error: ..`.
-pub(crate) fn obey(line: &str, world: &mut World) -> String {
-    let said = parse(line).and_then(|(id, action)| {
-        let motor = world.motor_mut(id);
-        let motor = motor.ok_or_else(|| format!("no motor has the ID {}", id.get()))?;
-        Ok(act(id, action, motor))
+/// Obeys a line and gives the line to answer: `ok ..` or `error: ..`. `stall` is told how long the
+/// adapter is to stall.
+pub(crate) fn obey(line: &str, world: &mut World, stall: impl FnOnce(Duration)) -> String {
+    let said = parse(line).and_then(|command| match command {
+        Command::Stall(time) => {
+            stall(time);
+            Ok(format!("stall {}", time.as_millis()))
+        }
+        Command::Motor(id, action) => {
+            let motor = world.motor_mut(id);
+            let motor = motor.ok_or_else(|| format!("no motor has the ID {}", id.get()))?;
+            Ok(act(id, action, motor))
+        }
     });
     match said {
         Ok(text) => format!("ok {text}"),
@@ -79,11 +100,18 @@ fn state(id: u8, motor: &VirtualMotor) -> String {
     )
 }
 
-fn parse(line: &str) -> Result<(MotorId, Action), String> {
+fn parse(line: &str) -> Result<Command, String> {
     let mut words = line.split_ascii_whitespace();
     let (verb, id, value) = (words.next(), words.next(), words.next());
     if words.next().is_some() {
         return Err(format!("too many words; known are {COMMANDS}"));
+    }
+    if let (Some("stall"), None) = (verb, value) {
+        let millis = id.and_then(|millis| millis.parse().ok());
+        return millis
+            .filter(|millis| (1..=STALL_MS_MAX).contains(millis))
+            .map(|millis| Command::Stall(Duration::from_millis(millis)))
+            .ok_or_else(|| format!("expected 1 to {STALL_MS_MAX} ms"));
     }
     let switch = || match value {
         Some("on") => Ok(true),
@@ -103,7 +131,7 @@ fn parse(line: &str) -> Result<(MotorId, Action), String> {
         .unwrap_or_default()
         .parse()
         .map_err(|error| format!("{error}"))?;
-    Ok((id, action))
+    Ok(Command::Motor(id, action))
 }
 
 #[cfg(test)]
@@ -111,6 +139,18 @@ mod tests {
     use motorlink_simulator::WorldConfig;
 
     use super::*;
+
+    fn obey(line: &str, world: &mut World) -> String {
+        super::obey(line, world, |_| {})
+    }
+
+    #[test]
+    fn a_stall_is_told_how_long_it_is() {
+        let (mut world, mut stall) = (World::new(WorldConfig::default()), None);
+        let answer = super::obey("stall 1000", &mut world, |time| stall = Some(time));
+        assert_eq!(answer, "ok stall 1000");
+        assert_eq!(stall, Some(Duration::from_secs(1)));
+    }
 
     #[test]
     fn every_command_does_what_it_says() {
@@ -145,6 +185,10 @@ mod tests {
             "state",
             "state 1 now",
             "block 1 on off",
+            "stall",
+            "stall 0",
+            "stall 60001",
+            "stall 1 on",
         ] {
             let answer = obey(line, &mut world);
             assert!(answer.starts_with("error: "), "{line:?} gave {answer:?}");

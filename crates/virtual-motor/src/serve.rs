@@ -2,6 +2,7 @@
 
 use std::{io::Write as _, num::NonZeroU64, os::unix::net::UnixStream, time::Duration};
 
+use motorlink_protocol::Instant;
 use motorlink_simulator::{World, WorldConfig};
 use rustix::{
     event::{PollFd, PollFlags, poll},
@@ -68,6 +69,9 @@ pub(crate) struct Server {
     log: Option<WireLog>,
     signals: Signals,
     commands: Option<Lines>,
+    /// Until then nothing passes between terminal and wire, as where an adapter stalls: what the host
+    /// writes waits in the terminal, and what the motors say waits in the adapter.
+    stalled_until: Option<Instant>,
 }
 
 impl Server {
@@ -83,6 +87,7 @@ impl Server {
             log,
             signals,
             commands: Some(Lines::default()),
+            stalled_until: None,
         }
     }
 
@@ -109,6 +114,14 @@ impl Server {
 
     /// Everything that is due between host and motors.
     fn carry(&mut self, buffer: &mut [u8]) -> Result<(), Failure> {
+        if let Some(until) = self.stalled_until {
+            let now = clock::now();
+            if now < until {
+                self.world.advance(now);
+                return self.log_traffic();
+            }
+            self.stalled_until = None;
+        }
         // The clock is read after the bytes, so that they are never older than their time.
         let written = self.pty.read(buffer)?;
         let now = clock::now();
@@ -116,6 +129,10 @@ impl Server {
         while let Some(chunk) = self.world.receive(now) {
             self.pty.write(&chunk.bytes)?;
         }
+        self.log_traffic()
+    }
+
+    fn log_traffic(&mut self) -> Result<(), Failure> {
         let traffic = self.world.drain_traffic();
         match &mut self.log {
             Some(log) => log.write(traffic),
@@ -125,13 +142,19 @@ impl Server {
 
     /// Sleeps until the world nearly has something, or somebody says something.
     fn sleep(&self) -> Result<Woken, Failure> {
-        let timeout = self
-            .world
-            .next_event()
-            .map(|at| clock::until(at - AWAKE, clock::now()));
+        let wake = match self.stalled_until {
+            // Deliveries that are due cannot be made.
+            Some(until) => Some(until),
+            None => self.world.next_event().map(|at| at - AWAKE),
+        };
+        let timeout = wake.map(|at| clock::until(at, clock::now()));
         let input = stdin();
+        let terminal = match self.stalled_until {
+            Some(_) => PollFlags::empty(),
+            None => PollFlags::IN,
+        };
         let mut watched = vec![
-            PollFd::new(self.pty.master(), PollFlags::IN),
+            PollFd::new(self.pty.master(), terminal),
             PollFd::new(&self.signals.0, PollFlags::IN),
         ];
         if self.commands.is_some() {
@@ -167,7 +190,8 @@ impl Server {
         for line in lines.unwrap_or_default() {
             self.world.advance(clock::now());
             // Whoever closed our output does not want the answer.
-            let _ = writeln!(out, "{}", command::obey(&line, &mut self.world));
+            let stall = |time| self.stalled_until = Some(clock::now() + time);
+            let _ = writeln!(out, "{}", command::obey(&line, &mut self.world, stall));
         }
         let _ = out.flush();
     }

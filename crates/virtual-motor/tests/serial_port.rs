@@ -105,6 +105,23 @@ fn a_drive_frame_is_obeyed_for_as_long_as_the_command_line_says() {
 }
 
 #[test]
+fn a_stalled_adapter_passes_nothing_either_way_and_then_all_of_it() {
+    let mut program = Program::start(&["--turnaround-us", "5000"]);
+    let port = program.port();
+    assert!(port.ask(QUERY).is_some());
+    assert_eq!(program.tell("stall 300"), "ok stall 300");
+    let began = std::time::Instant::now();
+    port.write(QUERY.frame().bytes());
+    std::thread::sleep(ms(50));
+    port.write(QUERY.frame().bytes());
+    assert_eq!(port.read(10, ms(100)), []);
+    // The second frame follows the first at once, and has passed before the first is answered.
+    assert_eq!(port.read(20, ms(2000)).len(), 20);
+    assert!(began.elapsed() >= ms(280), "{:?}", began.elapsed());
+    assert!(port.ask(QUERY).is_some());
+}
+
+#[test]
 fn the_end_of_standard_input_is_not_the_end() {
     let mut program = Program::start(&[]);
     program.close_stdin();
