@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
 
-use super::{Bus, surveying::Survey};
+use super::{Bus, LastDrive, surveying::Survey};
 use crate::{
     Counters, Event, Passed, RawAnswer, Sample,
     exchange::{Exchange, Expects, Line, Purpose},
@@ -20,6 +20,9 @@ impl Bus {
     pub fn receive(&mut self, now: Instant, bytes: &[u8]) {
         self.begin_call(now);
         self.receiver.push(bytes);
+        if !bytes.is_empty() {
+            self.last_drive = LastDrive::Carried;
+        }
         if let Line::Busy(exchange) = &mut self.line {
             exchange.held_until = exchange.held_until.map(|_| now + AMBIGUITY_QUIET);
             exchange.last_byte = Some(now);

@@ -46,6 +46,15 @@ pub enum Output {
     Wait(Instant),
 }
 
+/// Where the last drive frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LastDrive {
+    /// A byte has come since: the line carries what it is given.
+    Carried,
+    /// Perhaps still in the adapter.
+    InFlight,
+}
+
 /// The one owner of the wire.
 ///
 /// The caller keeps to one rule: after every input it polls until [`Output::Wait`], and polls again
@@ -65,6 +74,7 @@ pub struct Bus {
     line_use: LineUse,
     /// Whether the last frame was a query.
     query_was_last: bool,
+    last_drive: LastDrive,
     /// Where several motors are driven, when the line may carry a query again.
     queries_from: Instant,
     /// When the last exchange ended.
@@ -113,6 +123,7 @@ impl Bus {
             last_group: 0,
             line_use: LineUse::default(),
             query_was_last: false,
+            last_drive: LastDrive::Carried,
             queries_from: now,
             freed_at: now,
             halted: false,

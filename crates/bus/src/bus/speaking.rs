@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request, Setpoint};
 
-use super::{Bus, surveying::request_of};
+use super::{Bus, LastDrive, commands::rests, surveying::request_of};
 use crate::{
     Passed, Ramp, RawAnswer,
     exchange::{Exchange, Expects, Line, Purpose},
@@ -63,6 +63,17 @@ impl Bus {
     /// Hands out the frame of an errand.
     pub(super) fn speak(&mut self, now: Instant, errand: Errand) -> Frame {
         self.sort_unasked_bytes(now);
+        let errand = match errand {
+            // An adapter that stalls takes frames and carries none, and each comes out of it later, behind
+            // a stop that was pressed meanwhile. So one drive frame may be in flight, and behind it a query
+            // asks whether the line carries anything: it moves no wheel, however late it comes.
+            Errand::Drive(id)
+                if self.last_drive == LastDrive::InFlight && self.sets_in_motion(id) =>
+            {
+                Errand::Query(self.last_to_answer(id))
+            }
+            errand => errand,
+        };
         let tempo = Tempo {
             period: self.rate.period(),
             query_period: self.query_period(),
@@ -111,6 +122,22 @@ impl Bus {
             effect,
         });
         frame
+    }
+
+    /// The motor that is the most likely to answer, or `otherwise`.
+    fn last_to_answer(&self, otherwise: MotorId) -> MotorId {
+        let heard = self.motors.iter().filter(|motor| motor.ever_heard());
+        let last = heard.max_by_key(|motor| motor.quiet_since());
+        last.map_or(otherwise, |motor| motor.id)
+    }
+
+    /// Whether the next drive frame to this motor is more than a zero or the brake, which may wait behind any.
+    fn sets_in_motion(&self, id: MotorId) -> bool {
+        let motor = self.motors.iter().find(|motor| motor.id == id);
+        motor.is_some_and(|motor| match motor.control {
+            Control::Driven(driven) => !rests(driven.goal),
+            _ => false,
+        })
     }
 
     /// The frame that was handed out last was taken: the next call of any kind says so.
@@ -180,6 +207,7 @@ impl Bus {
             Effect::Motor { id, control, sent } => {
                 let is_query = matches!(sent, Sent::Query(_));
                 let mut stops_silent = false;
+                let mut drives = false;
                 let motor = self.watch(now, id);
                 motor.control = control;
                 match sent {
@@ -192,6 +220,7 @@ impl Bus {
                         motor.switch_sent(to);
                     }
                     Sent::Drive(setpoint) => {
+                        drives = setpoint.is_some_and(|setpoint| !rests(setpoint));
                         motor.drive_frames.count(now);
                         if let Some(Setpoint::Current(current)) = setpoint {
                             motor.torque.sent(current);
@@ -200,6 +229,9 @@ impl Bus {
                     Sent::Query(tempo) => {
                         motor.query_sent(now, tempo.query_period, tempo.others_driven);
                     }
+                }
+                if drives {
+                    self.last_drive = LastDrive::InFlight;
                 }
                 if stops_silent {
                     self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);

@@ -1,0 +1,136 @@
+//! An adapter that stalls keeps what it is given and puts it on the wire later: how much that is.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod bench;
+
+use bench::{Bench, ID, degrees, id, longest_gap, ms, rpm};
+use motorlink_bus::{Command, CommandRate, Consent, StopReason};
+use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
+use motorlink_simulator::{Echo, WireFaults, WorldConfig};
+
+/// Nothing passes the adapter. What the bus sends meanwhile is what will come out of it.
+fn stalled() -> WireFaults {
+    WireFaults {
+        lose_request: 1.0,
+        ..WireFaults::default()
+    }
+}
+
+fn as_fast_as_it_goes(bench: &mut Bench) {
+    bench
+        .command(Command::SetRate(CommandRate::new(500).unwrap()))
+        .unwrap();
+}
+
+fn driven(setpoint: Setpoint, mode: Mode) -> Bench {
+    let mut bench = Bench::one_motor();
+    as_fast_as_it_goes(&mut bench);
+    if mode != Mode::Velocity {
+        bench.switch(mode);
+    }
+    bench.drive(setpoint).unwrap();
+    bench.run(ms(500));
+    bench
+}
+
+/// When drive frames that are no stop were handed to the adapter since.
+fn moving(bench: &Bench, motor: MotorId, since: Instant) -> Vec<Instant> {
+    let frames = bench.sent.iter().filter(|sent| sent.at >= since);
+    let moving = frames.filter(|sent| sent.drive_of(motor).is_some_and(|drive| !drive.brakes()));
+    moving.map(|sent| sent.at).collect()
+}
+
+#[test]
+fn behind_an_adapter_that_stalls_no_more_than_one_drive_frame_waits() {
+    for (setpoint, mode) in [(rpm(100), Mode::Velocity), (degrees(90.0), Mode::Position)] {
+        for stop_after in [0, 1, 5, 50, 150, 250, 500] {
+            let mut bench = driven(setpoint, mode);
+            let stalls = bench.now;
+            bench.world.set_faults(stalled());
+            bench.run(ms(stop_after));
+            bench
+                .command(Command::StopAll(StopReason::Operator))
+                .unwrap();
+            bench.run(ms(1000 - stop_after));
+            let waiting = moving(&bench, ID, stalls);
+            assert!(
+                waiting.len() <= 1,
+                "stopped {stop_after} ms into it, {mode:?}: {} drive frames wait",
+                waiting.len()
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_driven_when_a_short_stall_ends_is_driven_on() {
+    let mut bench = driven(rpm(100), Mode::Velocity);
+    bench.world.set_faults(stalled());
+    bench.run(ms(60));
+    bench.world.set_faults(WireFaults::default());
+    let ended = bench.now;
+    bench.run(ms(60));
+    assert!(!moving(&bench, ID, ended).is_empty());
+    assert!((bench.true_rpm() - 100.0).abs() < 5.0);
+}
+
+#[test]
+fn on_a_line_that_loses_frames_a_motor_gets_the_drive_frames_that_it_wants() {
+    for (loss, gap_max) in [(0.05, ms(60)), (0.15, ms(90))] {
+        let mut bench = driven(rpm(100), Mode::Velocity);
+        bench.world.set_faults(WireFaults {
+            lose_request: loss / 2.0,
+            lose_reply: loss / 2.0,
+            ..WireFaults::default()
+        });
+        let began = bench.now;
+        bench.run(ms(10_000));
+        let frames = moving(&bench, ID, began);
+        assert!(frames.len() >= 1500, "{loss}: {} in 10 s", frames.len());
+        assert!(
+            longest_gap(&frames) <= gap_max,
+            "{loss}: {:?}",
+            longest_gap(&frames)
+        );
+    }
+}
+
+/// The echo of a frame proves that the adapter has carried it.
+#[test]
+fn where_the_adapter_echoes_a_lost_reply_holds_no_drive_frame_back() {
+    let mut bench = driven(rpm(100), Mode::Velocity);
+    bench.world.set_faults(WireFaults {
+        echo: Echo::Whole,
+        lose_reply: 1.0,
+        ..WireFaults::default()
+    });
+    let began = bench.now;
+    bench.run(ms(100));
+    assert!(moving(&bench, ID, began).len() > 1);
+}
+
+#[test]
+fn a_motor_that_falls_silent_leaves_those_beside_it_driven() {
+    let mut bench = Bench::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
+    for motor in [ID, id(2)] {
+        let drive = Command::Drive {
+            id: motor,
+            setpoint: rpm(100),
+            consent: Consent::None,
+        };
+        bench.command(drive).unwrap();
+    }
+    bench.run(ms(500));
+    bench.world.motor_mut(ID).unwrap().power(false);
+    let since = bench.now;
+    bench.run(ms(5_000));
+    let frames = moving(&bench, id(2), since);
+    assert!(frames.len() >= 245, "{} in 5 s", frames.len());
+    assert!(longest_gap(&frames) <= ms(60), "{:?}", longest_gap(&frames));
+}
