@@ -12,6 +12,7 @@
 //! | drive several as one | [`Together`] |
 //! | find motors, give an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
+//! | bound what waits in a port | [`InFlight`] |
 //!
 //! What must be done for safety is decided by pure functions from what is known, [`stop_plan`],
 //! [`check_position_switch`] and [`needs_consent`] among them; they are tested as tables.
@@ -23,6 +24,7 @@ mod counters;
 mod event;
 mod exchange;
 mod id_change;
+mod in_flight;
 mod last_second;
 mod late_replies;
 mod limits;
@@ -53,6 +55,7 @@ pub use counters::{Counters, LinkQuality};
 pub use event::{
     Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,
 };
+pub use in_flight::InFlight;
 pub use limits::{Crossed, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};

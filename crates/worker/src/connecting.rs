@@ -14,7 +14,7 @@ use wasm_bindgen_futures::spawn_local;
 use crate::{
     claim::{claim, give_back},
     line::Line,
-    serial::{self, ReadEnd},
+    serial::{self, ReadEnd, SharedInFlight},
     session::{OpenSession, Session, Stage},
     station::{self, Shared, leave, pump},
 };
@@ -179,7 +179,7 @@ async fn open_one(
         Ok(line) => line,
         Err(error) => return Ok(Err(error)),
     };
-    let port = line.port();
+    let (port, in_flight) = (line.port(), line.in_flight());
     let bus = shared.borrow().new_bus();
     let open = OpenSession {
         line: Line::Serial(line),
@@ -188,16 +188,22 @@ async fn open_one(
         reader: None,
     };
     let generation = begin(shared, Session::Open(Box::new(open)));
-    spawn_local(read(Rc::clone(shared), generation, port));
+    spawn_local(read(Rc::clone(shared), generation, port, in_flight));
     Ok(Ok(generation))
 }
 
 /// Reads a port for as long as its session lasts.
-async fn read(shared: Shared, generation: u32, port: web_sys::SerialPort) {
+async fn read(
+    shared: Shared,
+    generation: u32,
+    port: web_sys::SerialPort,
+    in_flight: SharedInFlight,
+) {
     let keep = Rc::clone(&shared);
     let tell = Rc::clone(&shared);
     let ended = serial::read(
         port,
+        in_flight,
         move |reader| {
             let mut station = keep.borrow_mut();
             if station.generation != generation {

@@ -31,7 +31,7 @@ impl Line {
     #[must_use]
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
         match self {
-            Self::Serial(serial) => serial.write(frame),
+            Self::Serial(serial) => serial.write(now, frame),
             Self::Virtual(world) => {
                 world.transmit(now, frame.bytes());
                 true

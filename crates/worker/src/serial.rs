@@ -1,16 +1,21 @@
 //! Web Serial: opening, reading, writing and closing a port, and what its errors mean.
 
-use std::{cell::RefCell, rc::Rc, time::Duration};
+use std::{
+    cell::{Cell, RefCell},
+    rc::Rc,
+    time::Duration,
+};
 
 use gloo_timers::future::sleep;
 use js_sys::{Promise, Reflect, Uint8Array};
+use motorlink_bus::InFlight;
 use motorlink_messages::{ConnectError, PortRef, UsbId};
-use motorlink_protocol::{FRAME_LEN, Frame};
+use motorlink_protocol::{Frame, Instant};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
     DomException, Event, ReadableStream, ReadableStreamDefaultReader, ReadableStreamReadResult,
-    Serial, SerialOptions, SerialPort, WritableStreamDefaultWriter,
+    Serial, SerialOptions, SerialPort, WritableStream, WritableStreamDefaultWriter,
 };
 
 use crate::scope::{global, report};
@@ -27,10 +32,39 @@ const REOPEN_PAUSE: Duration = Duration::from_millis(20);
 /// An open port.
 pub(crate) struct SerialLine {
     port: SerialPort,
-    writer: WritableStreamDefaultWriter,
-    /// The frame that is written. The browser is done with it when there is room for another.
-    frame: Uint8Array,
+    writer: Option<Writer>,
+    in_flight: SharedInFlight,
     usb: Option<UsbId>,
+}
+
+/// What the line may not have carried yet: the writing side adds to it, the reading side proves it.
+pub(crate) type SharedInFlight = Rc<Cell<InFlight>>;
+
+/// The writing end of a port, until an error of the line ends its stream.
+struct Writer {
+    stream: WritableStream,
+    end: WritableStreamDefaultWriter,
+    /// The room in a stream in which nothing waits: one chunk in Chromium 156, and by the specification
+    /// as many bytes as the port was opened with.
+    room_when_empty: f64,
+}
+
+impl Writer {
+    fn of(stream: WritableStream) -> Option<Self> {
+        let end = WritableStreamDefaultWriter::new(&stream).ok()?;
+        let room_when_empty = end.desired_size().ok().flatten()?;
+        Some(Self {
+            stream,
+            end,
+            room_when_empty,
+        })
+    }
+
+    /// Whether no earlier frame waits in the stream. One that has failed has no room at all.
+    fn is_empty(&self) -> bool {
+        let room = self.end.desired_size().ok().flatten();
+        room.is_some_and(|room| room >= self.room_when_empty)
+    }
 }
 
 thread_local! {
@@ -113,18 +147,7 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
             Err(error) => return Err(open_error(&error)),
         }
     }
-    match WritableStreamDefaultWriter::new(&port.writable()) {
-        Ok(writer) => Ok(SerialLine {
-            usb: usb_of(&port),
-            port,
-            writer,
-            frame: Uint8Array::from([0; FRAME_LEN].as_slice()),
-        }),
-        Err(error) => {
-            let _ = JsFuture::from(port.close()).await;
-            Err(other(&error))
-        }
-    }
+    Ok(SerialLine::over(port))
 }
 
 impl SerialLine {
@@ -132,20 +155,58 @@ impl SerialLine {
         self.usb
     }
 
-    /// Hands a frame to the port, unless it would wait behind another: it is late already then, and
+    fn over(port: SerialPort) -> Self {
+        Self {
+            usb: usb_of(&port),
+            writer: None,
+            in_flight: SharedInFlight::default(),
+            port,
+        }
+    }
+
+    /// Hands a frame to the port, unless it would wait behind others: it is late already then, and
     /// would be sent to a motor that may have stopped meanwhile. Gives back whether it was handed over.
     ///
     /// That it was proves nothing: the first write after an unplug succeeds too. What failed shows on
     /// the reading side.
-    pub(crate) fn write(&self, frame: Frame) -> bool {
-        let room = self.writer.desired_size().ok().flatten();
-        let has_room = room.is_none_or(|room| room > 0.0);
-        if has_room {
-            self.frame.copy_from(frame.bytes());
-            let written = self.writer.write_with_chunk(&self.frame);
+    pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
+        let mut in_flight = self.in_flight.get();
+        let Some(writer) = self.writer() else {
+            return false;
+        };
+        let takes = writer.is_empty() && in_flight.admits(now, &frame);
+        if takes {
+            // An array of its own: the browser may read it after this returns.
+            let bytes = Uint8Array::from(frame.bytes().as_slice());
+            let written = writer.end.write_with_chunk(&bytes);
             let _ = IGNORE.with(|ignore| written.catch(ignore));
+            in_flight.handed_over(now, &frame);
+            self.in_flight.set(in_flight);
         }
-        has_room
+        takes
+    }
+
+    /// The writing end. An error of the line ends its stream and the port offers another; what was
+    /// written to the old one would reach nobody.
+    fn writer(&mut self) -> Option<&Writer> {
+        let stream = writable(&self.port);
+        let kept = self.writer.as_ref().map(|writer| &writer.stream);
+        if kept != stream.as_ref() {
+            self.release();
+            self.writer = stream.and_then(Writer::of);
+        }
+        self.writer.as_ref()
+    }
+
+    fn release(&mut self) {
+        if let Some(old) = self.writer.take() {
+            old.end.release_lock();
+        }
+    }
+
+    /// To be told of every byte that comes: see [`read`].
+    pub(crate) fn in_flight(&self) -> SharedInFlight {
+        Rc::clone(&self.in_flight)
     }
 
     pub(crate) fn port(&self) -> SerialPort {
@@ -156,13 +217,21 @@ impl SerialLine {
 /// Reads a port until it is closed or lost.
 ///
 /// `wanted` is told of every reader before it is used, so that it can be cancelled, and says whether
-/// the port is still to be read.
+/// the port is still to be read. What comes proves what is `in_flight`.
 pub(crate) async fn read(
     port: SerialPort,
+    in_flight: SharedInFlight,
     mut wanted: impl FnMut(Option<ReadableStreamDefaultReader>) -> bool,
     tell: impl Fn(ReadEvent) + 'static,
 ) -> ReadEnd {
-    let tell: Rc<dyn Fn(ReadEvent)> = Rc::new(tell);
+    let tell: Rc<dyn Fn(ReadEvent)> = Rc::new(move |event: ReadEvent| {
+        if let ReadEvent::Bytes(_) = event {
+            let mut proved = in_flight.get();
+            proved.heard();
+            in_flight.set(proved);
+        }
+        tell(event);
+    });
     while let Some(stream) = readable(&port) {
         let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
             return ReadEnd::Lost;
@@ -246,11 +315,11 @@ fn tell_bytes(bytes: &Uint8Array, tell: &dyn Fn(ReadEvent)) {
 }
 
 /// Closes a port: reader cancelled, locks released, then the port itself.
-pub(crate) async fn close(line: SerialLine, reader: Option<ReadableStreamDefaultReader>) {
+pub(crate) async fn close(mut line: SerialLine, reader: Option<ReadableStreamDefaultReader>) {
     if let Some(reader) = reader {
         let _ = JsFuture::from(reader.cancel()).await;
     }
-    line.writer.release_lock();
+    line.release();
     // It fails where the adapter is gone, and then there is nothing to close.
     let _ = JsFuture::from(line.port.close()).await;
 }
@@ -258,6 +327,11 @@ pub(crate) async fn close(line: SerialLine, reader: Option<ReadableStreamDefault
 /// `port.readable`, which is null once the adapter is gone or the port is closed.
 fn readable(port: &SerialPort) -> Option<ReadableStream> {
     Reflect::get(port, &"readable".into()).ok()?.dyn_into().ok()
+}
+
+/// `port.writable`, likewise.
+fn writable(port: &SerialPort) -> Option<WritableStream> {
+    Reflect::get(port, &"writable".into()).ok()?.dyn_into().ok()
 }
 
 fn is_open_already(error: &JsValue) -> bool {
@@ -279,4 +353,140 @@ fn open_error(error: &JsValue) -> ConnectError {
 fn other(error: &JsValue) -> ConnectError {
     report("a port could not be opened", error);
     ConnectError::Other
+}
+
+#[cfg(test)]
+mod tests {
+    use js_sys::{Array, eval};
+    use motorlink_protocol::{MotorId, Request, Setpoint, SpeedTarget};
+    use wasm_bindgen_test::wasm_bindgen_test;
+
+    use super::*;
+
+    /// A port whose stream passes all chunks on as they are, into `got`. `fails` makes the next write
+    /// fail as after a line error that the port survives; `holds` keeps it from coming to an end.
+    const PORT: &str = "(() => {
+        const port = { got: [], fails: false, holds: false, getInfo: () => ({}) };
+        const renew = () => { port.writable = new WritableStream({ write(chunk) {
+            if (port.fails) {
+                port.fails = false;
+                renew();
+                throw new DOMException('An unknown system error has occurred.', 'UnknownError');
+            }
+            port.got.push(chunk);
+            if (port.holds) return new Promise(() => {});
+        } }, new ByteLengthQueuingStrategy({ highWaterMark: 16384 })); };
+        renew();
+        return port;
+    })()";
+
+    fn port() -> SerialPort {
+        eval(PORT).unwrap().unchecked_into()
+    }
+
+    fn set(port: &SerialPort, property: &str, value: impl Into<JsValue>) {
+        Reflect::set(port, &property.into(), &value.into()).unwrap();
+    }
+
+    /// What has come out of the port, one frame a row.
+    fn got(port: &SerialPort) -> Vec<Vec<u8>> {
+        let got: Array = Reflect::get(port, &"got".into()).unwrap().unchecked_into();
+        got.iter()
+            .map(|chunk| Uint8Array::from(chunk).to_vec())
+            .collect()
+    }
+
+    /// Lets streams do what is due.
+    async fn turn() {
+        sleep(Duration::from_millis(1)).await;
+    }
+
+    /// A frame for each `place` and a moment for it, far from the one before.
+    fn query(place: u8) -> (Instant, Frame) {
+        let id = MotorId::new(place).unwrap();
+        let now = Instant::from_millis(u64::from(place) * 10);
+        (now, Request::Query { id }.frame())
+    }
+
+    fn write(line: &mut SerialLine, (now, frame): (Instant, Frame)) -> bool {
+        line.write(now, frame)
+    }
+
+    fn rows(places: &[u8]) -> Vec<Vec<u8>> {
+        let frames = places.iter().map(|place| query(*place).1);
+        frames.map(|frame| frame.bytes().to_vec()).collect()
+    }
+
+    #[wasm_bindgen_test]
+    async fn a_frame_that_was_written_is_not_overwritten_by_the_next() {
+        let port = port();
+        let mut line = SerialLine::over(port.clone());
+        for place in 1..=3 {
+            turn().await;
+            assert!(write(&mut line, query(place)));
+        }
+        turn().await;
+        assert_eq!(got(&port), rows(&[1, 2, 3]));
+    }
+
+    #[wasm_bindgen_test]
+    async fn behind_a_frame_that_waits_in_the_stream_none_is_taken() {
+        let port = port();
+        set(&port, "holds", true);
+        let mut line = SerialLine::over(port.clone());
+        turn().await;
+        assert!(write(&mut line, query(1)));
+        turn().await;
+        assert!(!write(&mut line, query(2)));
+        assert_eq!(got(&port), rows(&[1]));
+    }
+
+    #[wasm_bindgen_test]
+    async fn behind_a_write_that_failed_frames_go_to_the_new_stream() {
+        let port = port();
+        let mut line = SerialLine::over(port.clone());
+        turn().await;
+        set(&port, "fails", true);
+        write(&mut line, query(1));
+        turn().await;
+        assert!(write(&mut line, query(2)));
+        turn().await;
+        assert!(write(&mut line, query(3)));
+        turn().await;
+        assert_eq!(got(&port), rows(&[2, 3]));
+    }
+
+    #[wasm_bindgen_test]
+    async fn a_frame_is_not_taken_where_the_port_has_no_stream_any_more() {
+        let port = port();
+        let mut line = SerialLine::over(port.clone());
+        turn().await;
+        assert!(write(&mut line, query(1)));
+        set(&port, "writable", JsValue::NULL);
+        turn().await;
+        assert!(!write(&mut line, query(2)));
+        assert_eq!(got(&port), rows(&[1]));
+    }
+
+    #[wasm_bindgen_test]
+    async fn a_drive_frame_is_not_taken_behind_another_before_a_byte_has_come() {
+        let port = port();
+        let mut line = SerialLine::over(port);
+        let rpm = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
+        let drive = Request::drive(MotorId::FIRST, rpm(100)).frame();
+        let brake = Request::drive(MotorId::FIRST, Setpoint::Brake).frame();
+        let taken =
+            |line: &mut SerialLine, millis, frame| line.write(Instant::from_millis(millis), frame);
+        turn().await;
+        assert!(taken(&mut line, 10, drive));
+        turn().await;
+        assert!(!taken(&mut line, 20, drive));
+        assert!(taken(&mut line, 20, brake));
+        turn().await;
+        let in_flight = line.in_flight();
+        let mut proved = in_flight.get();
+        proved.heard();
+        in_flight.set(proved);
+        assert!(taken(&mut line, 30, drive));
+    }
 }
