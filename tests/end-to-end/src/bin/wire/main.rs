@@ -2,7 +2,7 @@
 //! prints it as a table.
 //!
 //! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how
-//! long each line is watched, `--only bare`, `rates`, `crowd`, `load` or `heap` measures a part. The heap
+//! long each line is watched, `--only bare`, `rates`, `crowd`, `load`, `stall` or `heap` measures a part. The heap
 //! is watched ten times as long.
 
 mod bare;
@@ -10,6 +10,7 @@ mod crowd;
 mod driving;
 mod load;
 mod rates;
+mod stall;
 
 use std::{env, process::ExitCode, time::Duration};
 
@@ -19,7 +20,7 @@ use end_to_end::{Page, figures::Table};
 /// How long a line is watched.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 5] = ["bare", "rates", "crowd", "load", "heap"];
+const PARTS: [&str; 6] = ["bare", "rates", "crowd", "load", "stall", "heap"];
 
 fn main() -> ExitCode {
     match wanted().and_then(|wanted| measure(&wanted)) {
@@ -49,7 +50,7 @@ fn wanted() -> Result<Wanted> {
                 wanted.watched = Duration::from_secs(seconds);
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
-            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|heap]"),
+            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|stall|heap]"),
         }
     }
     Ok(wanted)
@@ -66,6 +67,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "rates" => rates::measure(wanted.watched),
             "crowd" => crowd::measure(wanted.watched),
             "load" => load::measure(wanted.watched),
+            "stall" => stall::measure(),
             _ => load::measure_heap(wanted.watched),
         };
         if let Err(error) = measured {
