@@ -10,6 +10,7 @@ use motorlink_messages::{
 use motorlink_words::tr;
 
 use crate::{
+    alerts::Until,
     desk::{Desk, Dialog, Targets},
     keys::Act,
     notice_board::{Tone, Topic, Words},
@@ -217,7 +218,11 @@ impl Desk {
         });
         for other in others {
             self.command(Command::Stop(other));
-            self.say(words::of_choice_while_driven(other, id));
+            let until = Until::AtRest {
+                motors: vec![other],
+                withdrawn: None,
+            };
+            self.say_until(self.now(), words::of_choice_while_driven(other, id), until);
         }
         self.prefer(|preferences| preferences.motor = id);
         self.select(id);

@@ -12,6 +12,7 @@ use motorlink_messages::{
 };
 
 use crate::{
+    alerts::Until,
     clock::{Clock, act_ms, page_now_ms},
     components::{live::memo, tour::remembered_tour},
     drawer::Drawer,
@@ -279,13 +280,13 @@ impl Desk {
 
     /// Puts words on the notice board and a line into the log.
     pub(crate) fn say(self, words: Words) {
-        self.say_at(self.now(), words);
+        self.say_until(self.now(), words, Until::Dismissed);
     }
 
-    /// The same about something that happened a moment ago.
-    pub(crate) fn say_at(self, at: Instant, words: Words) {
+    /// The same about something that happened a moment ago, and is true until then.
+    pub(crate) fn say_until(self, at: Instant, words: Words, until: Until) {
         self.log(at, log_lines::of_words(&words));
-        self.notices.update(|board| board.post(words));
+        self.notices.update(|board| board.post_until(words, until));
     }
 
     /// This moment on the worker's clock.

@@ -8,9 +8,10 @@ use motorlink_messages::{
 };
 
 use crate::{
+    alerts::{self, review},
     clock::{Clock, page_origin_ms},
     desk::{Desk, WorkerState},
-    notice_board::Topic,
+    notice_board::{NoticeBoard, Topic},
     raw_acts::belongs_to_raw_editor,
     recent::Report,
     scan_words::belongs_to_id_manager,
@@ -48,6 +49,8 @@ impl Desk {
             self.log(update.now, line);
         }
         self.latest.update_value(|session| session.apply(update));
+        self.notices
+            .maybe_update(|board| board.review(|until| review(until, update)));
         // Before a lost connection has them forgotten.
         self.keep_samples(update);
         if update.connection != before {
@@ -76,9 +79,12 @@ impl Desk {
         match after {
             Connection::Connected(adapter) => {
                 self.notices.update(|board| {
-                    board.withdraw(Topic::Port);
-                    board.withdraw(Topic::Answer);
-                    board.withdraw(Topic::Command);
+                    board.withdraw_all(|topic| {
+                        matches!(
+                            topic,
+                            Topic::Port | Topic::Answer | Topic::Command | Topic::Setpoint(_)
+                        )
+                    });
                 });
                 self.tab_to_follow.set_value(true);
                 self.send_rate();
@@ -96,6 +102,7 @@ impl Desk {
             self.faults_unheard(None);
             self.forget_scans();
             self.raw.forget();
+            self.notices.update(NoticeBoard::close_line);
         }
     }
 
@@ -128,11 +135,15 @@ impl Desk {
             Tab::RawHex => belongs_to_raw_editor(notice),
             Tab::Loop(_) => false,
         };
-        if let Some(words) = words::of_notice(notice) {
+        let words = self.latest.with_value(|session| {
+            let words = words::of_notice_in(notice, session)?;
+            Some((words, alerts::until(notice, session)))
+        });
+        if let Some((words, until)) = words {
             if said_by_tab {
                 self.log(at, log_lines::of_words(&words));
             } else {
-                self.say_at(at, words);
+                self.say_until(at, words, until);
             }
         } else if let Some(line) = log_lines::of_quiet_notice(notice) {
             self.log(at, line);
@@ -252,6 +263,11 @@ impl Desk {
         self.forget_motor();
         self.faults_unheard(None);
         self.forget_scans();
+        self.notices.update(|board| {
+            board.close_line();
+            // Nobody tells any more how the stop ends.
+            board.withdraw_all(|topic| matches!(topic, Topic::Setpoint(_)));
+        });
         self.say(words::of_dead_worker(driven));
         self.show();
     }

@@ -7,6 +7,7 @@
 //! `keyboard`.
 
 mod acts;
+mod alerts;
 mod app;
 mod assembling;
 mod attribute;

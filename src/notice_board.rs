@@ -4,7 +4,10 @@
 use motorlink_messages::protocol::MotorId;
 use motorlink_words::tr;
 
-use crate::help_topic::HelpTopic;
+use crate::{
+    alerts::{Fate, Until},
+    help_topic::HelpTopic,
+};
 
 /// What a notice is about. A new one takes the place of an older one on the same topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,8 +16,10 @@ pub(crate) enum Topic {
     Port,
     /// Bytes that came in damaged.
     Line,
-    /// Who answered the ID query, and who does not answer.
+    /// Who answered the ID query.
     Answer,
+    /// Who does not answer.
+    Silence,
     /// A command that was not carried out.
     Command,
     /// A setpoint that was taken back.
@@ -108,6 +113,7 @@ pub(crate) struct Posted {
     /// Tells it from all others of this page's life.
     pub(crate) number: u32,
     pub(crate) words: Words,
+    until: Until,
 }
 
 /// The notices. Each keeps its slot for as long as it stands, so that the page changes nothing but
@@ -122,9 +128,17 @@ impl NoticeBoard {
     /// More would not be read.
     pub(crate) const SLOTS: usize = 5;
 
+    /// Posts what happened: it stands until a person dismisses it, or something else is said on its topic.
     pub(crate) fn post(&mut self, words: Words) {
+        self.post_until(words, Until::Dismissed);
+    }
+
+    /// Posts what is true until then.
+    pub(crate) fn post_until(&mut self, words: Words, until: Until) {
         // The same again is no news: it keeps its number, and a screen reader is not told twice.
-        if self.posted().any(|posted| posted.words == words) {
+        let mut posted = self.slots.iter_mut().flatten();
+        if let Some(same) = posted.find(|posted| posted.words == words) {
+            same.until = until;
             return;
         }
         self.withdraw(words.topic);
@@ -136,12 +150,49 @@ impl NoticeBoard {
             .iter_mut()
             .min_by_key(|slot| slot.as_ref().map_or(0, |posted| posted.number));
         if let Some(slot) = slot {
-            *slot = Some(Posted { number, words });
+            *slot = Some(Posted {
+                number,
+                words,
+                until,
+            });
         }
     }
 
     pub(crate) fn withdraw(&mut self, topic: Topic) {
-        self.take_down(|posted| posted.words.topic == topic);
+        self.withdraw_all(|other| other == topic);
+    }
+
+    /// Withdraws what is said on all of these topics.
+    pub(crate) fn withdraw_all(&mut self, topics: impl Fn(Topic) -> bool) {
+        self.take_down(|posted| topics(posted.words.topic));
+    }
+
+    /// Withdraws what is said of a line that is closed now.
+    pub(crate) fn close_line(&mut self) {
+        self.withdraw_all(|topic| {
+            matches!(
+                topic,
+                Topic::Answer | Topic::Silence | Topic::Line | Topic::Loop(_)
+            )
+        });
+    }
+
+    /// Asks of every notice whether it is still true. Says whether any is not.
+    pub(crate) fn review(&mut self, mut fate: impl FnMut(&mut Until) -> Fate) -> bool {
+        let mut changed = false;
+        for slot in &mut self.slots {
+            let Some(posted) = slot else { continue };
+            match fate(&mut posted.until) {
+                Fate::Stands => continue,
+                Fate::Over => *slot = None,
+                Fate::Becomes(words, until) => {
+                    posted.words = words;
+                    posted.until = until;
+                }
+            }
+            changed = true;
+        }
+        changed
     }
 
     pub(crate) fn dismiss(&mut self, number: u32) {

@@ -8,9 +8,11 @@ use motorlink_messages::{
 use motorlink_words::tr;
 
 use crate::{
+    alerts,
     help_topic::HelpTopic,
     notice_board::{Remedy, Tone, Topic, Words},
     scan_words,
+    session::Session,
 };
 
 pub(crate) mod help;
@@ -197,6 +199,11 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> Words {
 
 /// What the worker tells; `None` where the page shows it in another way.
 pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
+    of_notice_in(notice, &Session::default())
+}
+
+/// The same while motors are in this state: it names all of those to which the same happened.
+pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<Words> {
     Some(match notice {
         Notice::Refused { command, refusal } => of_refusal(*command, *refusal)?,
         Notice::TooLate(_) => words(
@@ -225,8 +232,10 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
             asked,
             reported,
         } => of_failed_switch(*id, *asked, *reported),
-        Notice::Withdrawn { id, reason } => of_withdrawal(*id, *reason),
-        Notice::MotorSilent(id) => of_silence(*id),
+        Notice::Withdrawn { id, reason } => {
+            of_withdrawal(*id, *reason, &alerts::stopping(session, *id))
+        }
+        Notice::MotorSilent(id) => of_silence(&alerts::silent(session, *id)),
         Notice::StopEnded(report) => of_stop(report)?,
         Notice::AdapterLost { driven } => of_lost_adapter(driven),
         Notice::AdapterBack => words(
@@ -256,9 +265,10 @@ pub(crate) fn of_notice(notice: &Notice) -> Option<Words> {
 pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
     match notice {
         Notice::ModeSwitched { id, .. } => Some(Topic::Loop(*id)),
-        Notice::MotorBack(_)
-        | Notice::IdQueryEnded(IdQueryOutcome::One(_))
-        | Notice::ScanEnded(_) => Some(Topic::Answer),
+        // A motor that is silent is told by its ID.
+        Notice::IdQueryEnded(IdQueryOutcome::One(_))
+        | Notice::ScanEnded(_)
+        | Notice::MotorSilent(_) => Some(Topic::Answer),
         _ => None,
     }
 }
@@ -306,14 +316,13 @@ pub(crate) fn wiring() -> [&'static str; 4] {
     ]
 }
 
-fn of_silence(id: MotorId) -> Words {
-    words(
-        Topic::Answer,
-        Tone::Warning,
-        tr!("Motor {id} has not answered for 2 s", id),
-        &wiring(),
-    )
-    .explained_at(HelpTopic::NoAnswer)
+/// Motors do not answer.
+pub(crate) fn of_silence(ids: &[MotorId]) -> Words {
+    let title = match ids {
+        [id] => tr!("Motor {id} has not answered for 2 s", id),
+        ids => tr!("Motors {ids} have not answered for 2 s", ids = named(ids)),
+    };
+    words(Topic::Silence, Tone::Warning, title, &wiring()).explained_at(HelpTopic::NoAnswer)
 }
 
 fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
@@ -345,7 +354,8 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> Words {
     words(Topic::Loop(id), Tone::Error, title, &[advice]).explained_at(HelpTopic::StaysInLoop)
 }
 
-fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
+/// A motor's setpoint was withdrawn, and all of these are being stopped for it.
+fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> Words {
     let (why, advice) = match reason {
         WithdrawReason::Silent => (
             tr!("it did not answer for 200 ms").to_owned(),
@@ -367,37 +377,73 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason) -> Words {
             tr!("Find out why. The limits stand under Settings; nothing starts by itself."),
         ),
     };
-    words(
-        Topic::Setpoint(id),
-        Tone::Error,
-        tr!("Motor {id} is being stopped: {why}", id, why),
-        &[advice],
-    )
-    .explained_at(help::of_withdrawal(reason))
+    let title = match stopping {
+        [_] => tr!("Motor {id} is being stopped: {why}", id, why),
+        ids => tr!(
+            "Motors {ids} are being stopped because of motor {id}: {why}",
+            ids = named(ids),
+            id,
+            why
+        ),
+    };
+    words(Topic::Setpoint(id), Tone::Error, title, &[advice])
+        .explained_at(help::of_withdrawal(reason))
+}
+
+/// The same when the stop is over: what was true then, as what was.
+pub(crate) fn of_ended_drive(id: MotorId, reason: WithdrawReason, stopped: &[MotorId]) -> Words {
+    let why = match reason {
+        WithdrawReason::Fault(faults) => {
+            tr!("it reported {faults}", faults = terms::faults(faults))
+        }
+        WithdrawReason::OtherLoop { reported } => tr!(
+            "it reported the {reported}: it lost power, or another master spoke",
+            reported = terms::mode(reported)
+        ),
+        WithdrawReason::Silent => tr!("it did not answer for 200 ms").to_owned(),
+        WithdrawReason::Limit(crossed) => terms::crossed(crossed),
+    };
+    let title = match stopped {
+        [_] => tr!("Motor {id} is no longer driven: {why}", id, why),
+        ids => tr!(
+            "Motors {ids} are no longer driven because of motor {id}: {why}",
+            ids = named(ids),
+            id,
+            why
+        ),
+    };
+    Words {
+        title,
+        tone: Tone::Warning,
+        ..of_withdrawal(id, reason, stopped)
+    }
+}
+
+/// `0x01, 0x07`
+fn named(ids: &[MotorId]) -> String {
+    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
+    ids.join(", ")
 }
 
 fn of_stop(report: &StopReport) -> Option<Words> {
-    let open: Vec<String> = report
-        .motors
-        .iter()
-        .copied()
-        .filter(|motor| !motor.confirmed)
-        .map(of_unconfirmed)
-        .collect();
-    if open.is_empty() {
-        return None;
-    }
-    let title = tr!(
-        "Standstill is not confirmed: {motors}",
-        motors = open.join(", ")
-    );
-    let advice = tr!("Look at the wheel. If it turns, switch its power off.");
-    Some(
-        words(Topic::Stop, Tone::Error, title, &[advice]).explained_at(HelpTopic::StopNotConfirmed),
-    )
+    let motors = report.motors.iter().copied();
+    let mut open = motors.filter(|motor| !motor.confirmed).peekable();
+    open.peek()?;
+    Some(of_unconfirmed(open))
 }
 
-fn of_unconfirmed(motor: StopOutcome) -> String {
+/// These motors have not reported standstill.
+pub(crate) fn of_unconfirmed(motors: impl Iterator<Item = StopOutcome>) -> Words {
+    let motors: Vec<String> = motors.map(of_unconfirmed_motor).collect();
+    let title = tr!(
+        "Standstill is not confirmed: {motors}",
+        motors = motors.join(", ")
+    );
+    let advice = tr!("Look at the wheel. If it turns, switch its power off.");
+    words(Topic::Stop, Tone::Error, title, &[advice]).explained_at(HelpTopic::StopNotConfirmed)
+}
+
+fn of_unconfirmed_motor(motor: StopOutcome) -> String {
     let speed = motor
         .speed
         // Without a sign, which a mirrored motor has the other way round.

@@ -67,7 +67,6 @@ fn a_silent_motor_gets_the_checklist() {
             assert!(said.contains(check), "{said}");
         }
     }
-    assert_eq!(settled_by(&Notice::MotorBack(ID)), Some(Topic::Answer));
 }
 
 #[test]
@@ -116,6 +115,26 @@ fn a_withdrawn_setpoint_says_why() {
     let reported = Mode::Velocity;
     assert!(withdrawn(WithdrawReason::OtherLoop { reported }).contains("lost power"));
     assert!(withdrawn(WithdrawReason::Silent).contains("200 ms"));
+}
+
+#[test]
+fn a_drive_that_was_ended_says_what_was() {
+    let ended = |reason, ids: &[MotorId]| of_ended_drive(ID, reason, ids).title;
+    let stall = WithdrawReason::Fault(Faults::from_byte(8));
+    assert_eq!(
+        ended(stall, &[ID]),
+        "Motor 0x01 is no longer driven: it reported stall"
+    );
+    let two = MotorId::new(2).unwrap();
+    let both = ended(WithdrawReason::Silent, &[ID, two]);
+    assert!(
+        both.starts_with("Motors 0x01, 0x02 are no longer driven"),
+        "{both}"
+    );
+    assert!(
+        both.contains("because of motor 0x01: it did not answer"),
+        "{both}"
+    );
 }
 
 #[test]

@@ -27,5 +27,6 @@ mod remembering;
 mod setup;
 mod together;
 mod tools;
+mod truth;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

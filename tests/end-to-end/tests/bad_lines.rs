@@ -48,7 +48,7 @@ fn is_driven(page: &Page) -> Result<bool> {
     let said = page.evaluate("document.body.innerText")?;
     let said = said.as_str().unwrap_or_default();
     ensure!(
-        said.contains("is being stopped") && said.contains("did not answer"),
+        said.contains("it did not answer for 200 ms"),
         "driven no more, and it does not say why: {said}"
     );
     Ok(false)

@@ -20,7 +20,7 @@ const HUNG_MAX_US: u64 = 1_400_000;
 
 /// What the page says where a motor was lost for a moment: as it drove, or when it was to.
 pub const LOST: [&str; 2] = [
-    "is being stopped: it did not answer for 200 ms",
+    "it did not answer for 200 ms",
     "has not answered, so its loop is not known",
 ];
 
