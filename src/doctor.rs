@@ -20,16 +20,19 @@ use motorlink_messages::{
 
 pub(crate) use record::Record;
 
-/// A motor that does not answer is asked once a second: half of what [`Record::RECENT`] has of it.
-const ASKED_MIN: u32 = 5;
-/// So few, and all answered, do not prove a line good.
-const ASKED_TO_BE_WELL: u32 = 20;
+/// So few, and all answered, do not prove a line good: of 40 requests on a line that loses one of five, one
+/// at most is lost once in 700 times.
+const ASKED_TO_BE_KNOWN: u32 = 40;
 /// An idle motor is asked ten times a second. Of 50 requests on a line that loses one of a hundred,
 /// five are lost once in 5,000 times.
 const ASKED_TO_BE_LOSSY: u32 = 50;
 const LOST_MIN: u32 = 5;
 /// A line loses one of a hundred now and then; from one of twenty on something is wrong.
 const LOSSY_PER_MILLE: u32 = 50;
+/// What is lost in between is said, and no cause is named.
+const WELL_PER_MILLE: u32 = 20;
+const ASKED_TO_BE_SHARED: u32 = 5;
+const ANSWERED_TO_BE_SLOW: u32 = 20;
 
 /// Three seconds of an idle wheel, or half a second of a driven one: with one of ten damaged, 30 good
 /// ones in a row are chance once in 24 times.
@@ -76,6 +79,8 @@ pub(crate) enum Verdict {
     TooLittle,
     /// Nothing is wrong.
     Well,
+    /// More is lost than on a good line, and too little to name a cause.
+    Some,
     /// What is likely to be wrong, never empty.
     Ill(Vec<Diagnosis>),
 }
@@ -114,6 +119,16 @@ impl Tally {
         }
     }
 
+    /// Requests without a good reply.
+    const fn lost(&self) -> u32 {
+        self.silent.saturating_add(self.garbled)
+    }
+
+    /// Those among the requests, in per mille.
+    fn lost_per_mille(&self) -> u32 {
+        per_mille(self.lost(), self.asked)
+    }
+
     /// Spent windows among the requests, in per mille.
     fn garbled_per_mille(&self) -> u32 {
         per_mille(self.garbled, self.asked)
@@ -150,6 +165,14 @@ pub(crate) struct OfMotor {
     pub(crate) id: MotorId,
     /// In the last ten seconds.
     pub(crate) recent: Tally,
+    /// Of those, the seconds in which it answered: a motor that falls silent loses nothing.
+    pub(crate) heard: Tally,
+    /// Since it answered last, where that is whole seconds ago.
+    pub(crate) quiet: Tally,
+    /// Whether the bus calls it silent, as the alerts do.
+    pub(crate) silent: bool,
+    /// What the header says is lost, in per mille.
+    pub(crate) loss_per_mille: Option<u16>,
     /// In the last minute, while the wheel stood.
     pub(crate) standing: Tally,
     /// In the last minute, while it turned.
@@ -169,40 +192,44 @@ pub(crate) struct Findings {
 
 /// What is likely to be wrong with a line on which this happened.
 pub(crate) fn diagnose(findings: &Findings) -> Verdict {
-    let mut all = Tally::default();
-    for motor in &findings.motors {
-        all += motor.recent;
-    }
     let mut found = Found::default();
     let strangers = findings.foreign >= STRANGERS_MIN;
     if strangers {
         found.add(Diagnosis::Stranger);
     }
-    if is_deaf(&all) && !strangers {
-        let echo = all.echoed.saturating_mul(2) >= all.asked;
+    let motors = &findings.motors;
+    if !motors.is_empty() && motors.iter().all(is_deaf) && !strangers {
+        let mut quiet = Tally::default();
+        for motor in motors {
+            quiet += motor.quiet;
+        }
+        let echo = quiet.asked > 0 && quiet.echoed.saturating_mul(2) >= quiet.asked;
         found.add(if echo {
             Diagnosis::EchoOnly
         } else {
             Diagnosis::Nothing
         });
     } else {
-        for motor in &findings.motors {
+        for motor in motors {
             if let Some(diagnosis) = of_motor(motor) {
                 found.add(diagnosis);
             }
         }
     }
+    let answered: u32 = motors.iter().map(|motor| motor.recent.answered).sum();
     let median = findings.round_trip.median_us;
     let slow = median.is_some_and(|median_us| LATENCY_TIMER_US.contains(&median_us));
-    if slow && all.answered >= ASKED_TO_BE_WELL {
+    if slow && answered >= ANSWERED_TO_BE_SLOW {
         found.add(Diagnosis::LatencyTimer);
     }
     if !found.0.is_empty() {
         Verdict::Ill(found.0)
-    } else if all.asked < ASKED_TO_BE_WELL {
+    } else if motors.is_empty() || motors.iter().any(is_unknown) {
         Verdict::TooLittle
-    } else {
+    } else if motors.iter().all(is_well) {
         Verdict::Well
+    } else {
+        Verdict::Some
     }
 }
 
@@ -220,29 +247,43 @@ impl Found {
     }
 }
 
-/// Whether nobody answers. A loose wire picks up a byte now and then.
-const fn is_deaf(tally: &Tally) -> bool {
-    tally.asked >= ASKED_MIN
-        && tally.answered == 0
-        && tally.garbled.saturating_mul(10) <= tally.asked
+/// Whether it does not answer. A loose wire picks up a byte now and then.
+const fn is_deaf(motor: &OfMotor) -> bool {
+    motor.silent && motor.quiet.garbled.saturating_mul(10) <= motor.quiet.asked
+}
+
+/// Whether too little was heard of it, or nothing since a moment ago.
+const fn is_unknown(motor: &OfMotor) -> bool {
+    motor.recent.asked < ASKED_TO_BE_KNOWN || motor.quiet.asked > 0
+}
+
+/// Whether next to nothing is lost, as the header says too.
+fn is_well(motor: &OfMotor) -> bool {
+    !header_says_lossy(motor.loss_per_mille) && motor.recent.lost_per_mille() < WELL_PER_MILLE
+}
+
+/// Whether the header's figure, of the last hundred exchanges, is no better than that of a lossy line.
+pub(crate) fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
+    loss_per_mille.is_some_and(|loss| u32::from(loss) >= LOSSY_PER_MILLE)
+}
+
+fn is_lossy(motor: &OfMotor) -> bool {
+    let heard = motor.heard;
+    heard.asked >= ASKED_TO_BE_LOSSY
+        && heard.lost() >= LOST_MIN
+        && heard.lost_per_mille() >= LOSSY_PER_MILLE
 }
 
 fn of_motor(motor: &OfMotor) -> Option<Diagnosis> {
     let recent = motor.recent;
-    let lost = recent.silent.saturating_add(recent.garbled);
-    if is_deaf(&recent) {
+    if is_deaf(motor) {
         Some(Diagnosis::Silent(motor.id))
     } else if grows_with_speed(motor) {
         Some(Diagnosis::NoiseGrowsWithSpeed)
-    } else if recent.asked >= ASKED_MIN && recent.garbled_per_mille() >= 500 {
+    } else if recent.asked >= ASKED_TO_BE_SHARED && recent.garbled_per_mille() >= 500 {
         Some(Diagnosis::SharedId(motor.id))
-    } else if recent.asked >= ASKED_TO_BE_LOSSY
-        && lost >= LOST_MIN
-        && per_mille(lost, recent.asked) >= LOSSY_PER_MILLE
-    {
-        Some(Diagnosis::Lossy)
     } else {
-        None
+        is_lossy(motor).then_some(Diagnosis::Lossy)
     }
 }
 

@@ -7,7 +7,7 @@ use motorlink_messages::{
     bus::{Bus, Command, Consent, Event, Output},
     protocol::{Instant, Setpoint, SpeedTarget},
 };
-use motorlink_simulator::{LineCase, World, WorldConfig};
+use motorlink_simulator::{LineCase, WireFaults, World, WorldConfig};
 
 use super::*;
 use crate::session::Session;
@@ -29,11 +29,21 @@ fn tally(asked: u32, silent: u32, garbled: u32) -> Tally {
     }
 }
 
-/// A motor that stood all the time.
+/// A motor that stood all the time. One that answered nothing is silent.
 fn standing(id: MotorId, recent: Tally) -> OfMotor {
+    let is_silent = recent.answered == 0;
+    let [heard, quiet] = if is_silent {
+        [Tally::default(), recent]
+    } else {
+        [recent, Tally::default()]
+    };
     OfMotor {
         id,
         recent,
+        heard,
+        quiet,
+        silent: is_silent,
+        loss_per_mille: u16::try_from(recent.lost_per_mille()).ok(),
         standing: recent,
         turning: Tally::default(),
     }
@@ -42,10 +52,9 @@ fn standing(id: MotorId, recent: Tally) -> OfMotor {
 /// A motor that stood and turned.
 fn moving(standing: Tally, turning: Tally) -> OfMotor {
     OfMotor {
-        id: ID,
-        recent: turning,
         standing,
         turning,
+        ..self::standing(ID, turning)
     }
 }
 
@@ -142,6 +151,16 @@ fn what_happened_has_its_likely_cause() {
             vec![Diagnosis::Stranger, Diagnosis::Silent(ID)],
         ),
         (
+            "silence behind a minute of replies",
+            line(&[OfMotor {
+                silent: true,
+                heard: tally(480, 0, 0),
+                quiet: tally(20, 20, 0),
+                ..standing(ID, tally(500, 20, 0))
+            }]),
+            vec![Diagnosis::Nothing],
+        ),
+        (
             "one of two is silent",
             line(&[standing(ID, good), standing(two(), tally(9, 9, 0))]),
             vec![Diagnosis::Silent(two())],
@@ -166,11 +185,36 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
     let good = tally(100, 0, 0);
     for (name, findings, expected) in [
         ("nobody is asked", line(&[]), Verdict::TooLittle),
-        ("four silences", alone(tally(4, 4, 0)), Verdict::TooLittle),
-        ("four of garbage", alone(tally(4, 0, 4)), Verdict::TooLittle),
         (
-            "nineteen replies",
-            alone(tally(19, 0, 0)),
+            "silences that the bus does not call silence yet",
+            line(&[OfMotor {
+                silent: false,
+                ..standing(ID, tally(15, 15, 0))
+            }]),
+            Verdict::TooLittle,
+        ),
+        ("four of garbage", alone(tally(4, 0, 4)), Verdict::TooLittle),
+        ("few replies", alone(tally(39, 0, 0)), Verdict::TooLittle),
+        (
+            "replies of one motor, and few of another",
+            line(&[standing(ID, good), standing(two(), tally(20, 0, 0))]),
+            Verdict::TooLittle,
+        ),
+        (
+            "a header that knows of more losses",
+            line(&[OfMotor {
+                loss_per_mille: Some(50),
+                ..standing(ID, good)
+            }]),
+            Verdict::Some,
+        ),
+        (
+            "a motor that has just fallen silent",
+            line(&[OfMotor {
+                heard: tally(550, 3, 0),
+                quiet: tally(40, 40, 0),
+                ..standing(ID, tally(590, 43, 0))
+            }]),
             Verdict::TooLittle,
         ),
         ("a good line", alone(good), Verdict::Well),
@@ -180,11 +224,16 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
             Verdict::Well,
         ),
         (
+            "three of a hundred lost",
+            alone(tally(100, 1, 2)),
+            Verdict::Some,
+        ),
+        (
             "one of a hundred, for long",
             alone(tally(600, 3, 3)),
             Verdict::Well,
         ),
-        ("a bad start", alone(tally(20, 4, 0)), Verdict::Well),
+        ("a bad start", alone(tally(20, 4, 0)), Verdict::TooLittle),
         (
             "one of a hundred damaged, all while it turned",
             line(&[moving(tally(100, 0, 0), tally(600, 0, 6))]),
@@ -232,21 +281,24 @@ struct Clinic {
 impl Clinic {
     /// The line is good at first, as on the page.
     fn new(case: LineCase) -> Self {
+        let mut clinic = Self::on(World::new(WorldConfig::default()));
+        clinic.run_to(clinic.now + Duration::from_secs(1));
+        clinic.world.set_case(clinic.now, case);
+        clinic
+    }
+
+    fn on(world: World) -> Self {
         let now = Instant::from_millis(1_000);
-        let world = World::new(WorldConfig::default());
         let mut bus = Bus::new(now);
         for command in [Command::IdQuery, Command::Watch(ID)] {
             bus.command(now, command).unwrap();
         }
-        let mut clinic = Self {
+        Self {
             now,
             bus,
             world,
             record: Record::default(),
-        };
-        clinic.run_to(now + Duration::from_secs(1));
-        clinic.world.set_case(clinic.now, case);
-        clinic
+        }
     }
 
     fn drive(&mut self, rpm: i32) {
@@ -322,7 +374,9 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
         (LineCase::Stranger, Verdict::Ill(vec![Diagnosis::Stranger])),
     ] {
         let mut clinic = Clinic::new(case);
-        for seconds in [5, 10, 30] {
+        // What is lost while the window grows is gone by then, or not counted yet.
+        let first = if case == LineCase::Good { 6 } else { 5 };
+        for seconds in [first, 10, 30] {
             assert_eq!(*clinic.run(seconds), expected, "{case:?}, {seconds} s more");
         }
     }
@@ -370,5 +424,134 @@ fn what_was_not_looked_at_is_not_counted() {
     clinic.world.set_case(clinic.now, LineCase::Dead);
     clinic.run_to(clinic.now + Duration::from_secs(60));
     clinic.world.set_case(clinic.now, LineCase::Good);
-    assert_eq!(*clinic.run(5), Verdict::Well);
+    // The header remembers the last hundred exchanges.
+    assert_eq!(*clinic.run(12), Verdict::Well);
+}
+
+/// What the doctor says once a second.
+fn course(clinic: &mut Clinic, seconds: u64) -> Vec<Verdict> {
+    (0..seconds).map(|_| clinic.run(1).clone()).collect()
+}
+
+/// A line that has these faults from the beginning.
+fn faulty(faults: WireFaults, seed: u64) -> Clinic {
+    Clinic::on(World::new(WorldConfig {
+        faults,
+        seed,
+        ..WorldConfig::default()
+    }))
+}
+
+/// The header's figure.
+fn loss_per_mille(clinic: &Clinic) -> Option<u16> {
+    clinic.session().motors.first()?.link.loss_per_mille
+}
+
+#[test]
+fn a_lossy_line_is_never_called_well() {
+    let losing = WireFaults {
+        lose_request: 0.3,
+        ..WireFaults::default()
+    };
+    let damaging = WireFaults {
+        corrupt_reply: 0.2,
+        ..WireFaults::default()
+    };
+    for (name, faults) in [("30 % lost", losing), ("20 % damaged", damaging)] {
+        for seed in 0..40 {
+            let mut clinic = faulty(faults.clone(), seed);
+            let verdicts = course(&mut clinic, 30);
+            let ill = Verdict::Ill(vec![Diagnosis::Lossy]);
+            assert!(
+                !verdicts.contains(&Verdict::Well),
+                "{name}, seed {seed}: {verdicts:?}"
+            );
+            assert_eq!(verdicts[7..], vec![ill; 23], "{name}, seed {seed}");
+        }
+    }
+}
+
+/// Of whatever a line loses, at rest or driven.
+#[test]
+fn the_doctor_is_never_better_than_the_header() {
+    for percent in [1_u8, 3, 6, 10, 15] {
+        for seed in 0..10 {
+            let mut clinic = faulty(
+                WireFaults {
+                    lose_reply: f64::from(percent) / 100.0,
+                    ..WireFaults::default()
+                },
+                seed,
+            );
+            for second in 0..30 {
+                if second == 10 && percent < 10 {
+                    clinic.drive(100);
+                }
+                let verdict = clinic.run(1).clone();
+                let looked = loss_per_mille(&clinic);
+                assert!(
+                    verdict != Verdict::Well || looked.is_some_and(|loss| loss < 50),
+                    "{percent} %, seed {seed}, {second} s: {looked:?}"
+                );
+            }
+        }
+    }
+}
+
+/// As the alert does: two seconds behind the last reply, and until then nothing.
+#[test]
+fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
+    for ms in (0..1_000).step_by(70) {
+        let mut clinic = Clinic::new(LineCase::Good);
+        clinic.run(6);
+        clinic.drive(100);
+        assert_eq!(*clinic.run(12), Verdict::Well);
+        clinic.run_to(clinic.now + Duration::from_millis(ms));
+        clinic.world.set_case(clinic.now, LineCase::Dead);
+        let verdicts = course(&mut clinic, 15);
+        let nothing = Verdict::Ill(vec![Diagnosis::Nothing]);
+        for (second, verdict) in verdicts.iter().enumerate() {
+            let expected: &[&Verdict] = match second {
+                0 => &[&Verdict::Well, &Verdict::Some, &Verdict::TooLittle],
+                1 | 2 => &[&Verdict::TooLittle, &nothing],
+                _ => &[&nothing],
+            };
+            assert!(
+                expected.contains(&verdict),
+                "{second} s after {ms} ms: {verdict:?}"
+            );
+        }
+        clinic.world.set_case(clinic.now, LineCase::Good);
+        let verdicts = course(&mut clinic, 25);
+        let lossy = Verdict::Ill(vec![Diagnosis::Lossy]);
+        assert!(
+            !verdicts.contains(&lossy),
+            "back after {ms} ms: {verdicts:?}"
+        );
+        assert_eq!(verdicts.last(), Some(&Verdict::Well));
+    }
+}
+
+#[test]
+fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
+    for rpm in [40, 60, 100, 150] {
+        for rest in [2, 6, 12] {
+            let mut clinic = Clinic::new(LineCase::NoiseGrowsWithSpeed);
+            clinic.run(rest);
+            clinic.drive(rpm);
+            let verdicts = course(&mut clinic, 70);
+            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Well);
+            assert!(
+                verdicts[3..].iter().all(not_well),
+                "{rpm} rpm after {rest} s: {verdicts:?}"
+            );
+            let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
+            if rest > 2 && rpm > 40 {
+                assert!(
+                    verdicts[6..50].iter().all(|verdict| *verdict == grows),
+                    "{rpm} rpm after {rest} s: {verdicts:?}"
+                );
+            }
+        }
+    }
 }

@@ -8,7 +8,7 @@ use motorlink_messages::{
     protocol::{Instant, MotorId},
 };
 
-use super::{Findings, OfMotor, Tally, Verdict, diagnose};
+use super::{Findings, OfMotor, Tally, Verdict, diagnose, header_says_lossy};
 use crate::session::Session;
 
 /// From here on a wheel turns: below it the current, and so what is heard of it, is that of rest.
@@ -30,6 +30,11 @@ struct Seen {
     id: Option<MotorId>,
     counters: Counters,
     motion: Motion,
+    /// Whether the bus calls it silent.
+    silent: bool,
+    /// Whether its last reply is so old that one is overdue.
+    overdue: bool,
+    loss_per_mille: Option<u16>,
 }
 
 /// What happened in a second.
@@ -65,6 +70,8 @@ impl Record {
     const SECONDS_MAX: u32 = 60;
     /// A diagnosis is of the present.
     pub(crate) const RECENT: u32 = 10;
+    /// Two queries of an idle motor: what is lost of a second that ends so may be the beginning of a silence.
+    const OVERDUE_AFTER: Duration = Duration::from_millis(200);
 
     /// The line is another from now on.
     pub(crate) fn clear(&mut self) {
@@ -84,19 +91,36 @@ impl Record {
         }
         let elapsed = self.looked_at.map(|at| session.now.since(at));
         if elapsed.is_some_and(|elapsed| elapsed < Self::EVERY) {
-            return false;
+            // The header is not a second late, either.
+            let is_refuted = self.verdict == Verdict::Well
+                && session
+                    .motors
+                    .iter()
+                    .any(|motor| header_says_lossy(motor.link.loss_per_mille));
+            if is_refuted {
+                self.verdict = Verdict::Some;
+            }
+            return is_refuted;
         }
         self.looked_at = Some(session.now);
         let mut seen = vec![Seen {
             id: None,
             counters: line.unaddressed,
             motion: Motion::Unclear,
+            silent: false,
+            overdue: false,
+            loss_per_mille: None,
         }];
         for motor in &session.motors {
             seen.push(Seen {
                 id: Some(motor.id),
                 counters: motor.counters,
                 motion: motion(session, motor.id),
+                silent: motor.silent,
+                overdue: motor
+                    .last
+                    .is_none_or(|last| session.now.since(last.at) > Self::OVERDUE_AFTER),
+                loss_per_mille: motor.link.loss_per_mille,
             });
         }
         if elapsed.is_some_and(|elapsed| elapsed <= Self::EVERY_MAX) {
@@ -140,9 +164,23 @@ impl Record {
         };
         for now in seen {
             let [mut recent, mut standing, mut turning] = [Tally::default(); 3];
-            for entry in self.entries.iter().filter(|entry| entry.id == now.id) {
+            let [mut heard, mut quiet] = [Tally::default(); 2];
+            // Latest first: the second before a silent one is that in which the silence began.
+            let mut falls_silent = now.overdue;
+            let mut is_quiet = true;
+            let own = self.entries.iter().rev();
+            for entry in own.filter(|entry| entry.id == now.id) {
                 if entry.second + Self::RECENT > self.second {
                     recent += entry.tally;
+                    let is_silent = entry.tally.answered == 0;
+                    is_quiet &= is_silent;
+                    if is_quiet {
+                        quiet += entry.tally;
+                    }
+                    if !is_silent && !falls_silent {
+                        heard += entry.tally;
+                    }
+                    falls_silent = is_silent && entry.tally.asked > 0;
                 }
                 match entry.motion {
                     Motion::Standing => standing += entry.tally,
@@ -154,6 +192,10 @@ impl Record {
                 Some(id) => findings.motors.push(OfMotor {
                     id,
                     recent,
+                    heard,
+                    quiet,
+                    silent: now.silent,
+                    loss_per_mille: now.loss_per_mille,
                     standing,
                     turning,
                 }),

@@ -21,6 +21,11 @@ pub(crate) fn well() -> &'static str {
     tr!("All is well: nearly every request is answered, and at once.")
 }
 
+/// Something is wrong, and nobody knows what.
+pub(crate) fn some_lost() -> &'static str {
+    tr!("Some replies are lost or damaged: too few to name a cause.")
+}
+
 /// Why the virtual line cannot be made ill.
 pub(crate) fn no_virtual_wire() -> &'static str {
     tr!("Connect to the virtual motor: a real line is as it is wired.")

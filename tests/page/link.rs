@@ -35,6 +35,7 @@ fn silent(bench: &Bench, requests: u64) {
             carries_hz: Some(54),
             ..LineStatus::default()
         });
+        update.motors[0].silent = requests > 0;
         update.motors[0].counters = Counters {
             requests,
             silences: requests,

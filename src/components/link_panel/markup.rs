@@ -94,6 +94,7 @@ pub(super) fn verdict(verdict: &Verdict) -> String {
         Verdict::NotConnected => ("", link::not_connected()),
         Verdict::TooLittle => ("", link::too_little()),
         Verdict::Well => ("good", link::well()),
+        Verdict::Some => ("", link::some_lost()),
         Verdict::Ill(found) => {
             for diagnosis in found {
                 let cause = link::cause(*diagnosis);
