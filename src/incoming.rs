@@ -53,6 +53,7 @@ impl Desk {
             .maybe_update(|board| board.review(|until| review(until, update)));
         // Before a lost connection has them forgotten.
         self.keep_samples(update);
+        self.feed_twin(update);
         if update.connection != before {
             self.connection_changed(before, update.connection);
         }
@@ -62,7 +63,6 @@ impl Desk {
         self.look_after_ids();
         self.look_after_group();
         self.history.update_value(|history| history.take(update));
-        self.feed_twin(update);
         self.follow_loop();
         // Readings wait for the next tenth of a second; a state does not.
         let changed = self.latest.with_value(|latest| {

@@ -45,9 +45,11 @@ impl Band {
     }
 }
 
-/// The filled part as a dash of an arc whose length is 100: what is hotter than its end is its end.
-pub(super) fn fill(temperature: Celsius) -> String {
-    format!("{} 999", temperature.degrees().min(100))
+/// The filled part as a dash of an arc whose length is 100: what is hotter than its end is its end, and of
+/// what is not known there is nothing.
+pub(super) fn fill(temperature: Option<Celsius>) -> String {
+    let degrees = temperature.map_or(0, Celsius::degrees);
+    format!("{} 999", degrees.min(100))
 }
 
 /// Three quarters of a circle about the origin, open at the bottom; in the outer ring the bands.
@@ -87,8 +89,13 @@ mod tests {
 
     #[test]
     fn the_arc_ends_at_100() {
-        assert_eq!(fill(Celsius::new(33)), "33 999");
-        assert_eq!(fill(Celsius::new(180)), "100 999");
+        assert_eq!(fill(Some(Celsius::new(33))), "33 999");
+        assert_eq!(fill(Some(Celsius::new(180))), "100 999");
+    }
+
+    #[test]
+    fn an_unknown_temperature_fills_nothing() {
+        assert_eq!(fill(None), "0 999");
     }
 
     /// Their lengths are those of the arc, in degrees Celsius.

@@ -82,9 +82,10 @@ impl Instruments {
             let temperature = session.temperature(id).map(|reading| reading.value);
             (session.motors.is_empty(), temperature, session.mirror(id))
         });
-        // A state may come sooner, and is followed by another unless there are no motors.
-        let soon = now_ms - self.drawn_ms < DRAWN_EVERY_MS && !alone;
-        if soon || document().hidden() {
+        // A state may come sooner, and is followed by another unless there are no motors: then what is not
+        // known any more goes at once, seen or not.
+        let soon = now_ms - self.drawn_ms < DRAWN_EVERY_MS;
+        if !alone && (soon || document().hidden()) {
             return;
         }
         self.drawn_ms = now_ms;
@@ -205,9 +206,7 @@ impl Gauge {
     fn draw(&mut self, temperature: Option<Celsius>) {
         let band = temperature.map_or("unknown", |temperature| Band::of(temperature).key());
         self.band.set(band.to_owned());
-        if let Some(temperature) = temperature {
-            self.fill.set(gauge::fill(temperature));
-        }
+        self.fill.set(gauge::fill(temperature));
     }
 }
 
