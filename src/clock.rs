@@ -1,6 +1,6 @@
 //! The worker's clock read on the page's, and the other way round.
 
-use std::cell::Cell;
+use std::{cell::Cell, time::Duration};
 
 use motorlink_messages::{AwakeClock, protocol::Instant};
 use wasm_bindgen::JsCast;
@@ -31,14 +31,14 @@ impl Clock {
     }
 
     /// The local time of day of a moment of the worker, in microseconds since midnight.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and a day"
-    )]
     pub(crate) fn day_us(self, instant: Instant) -> u64 {
-        let local_ms = local_ms(page_origin_ms() + self.page_ms(instant));
-        (local_ms.rem_euclid(DAY_MS) * 1_000.0) as u64
+        day_us(page_origin_ms() + self.page_ms(instant))
+    }
+
+    /// The same of a moment so long before the worker's zero.
+    pub(crate) fn day_us_before(self, before: Duration) -> u64 {
+        let zero_ms = page_origin_ms() + self.page_ms(Instant::ZERO);
+        day_us(zero_ms - before.as_secs_f64() * 1_000.0)
     }
 
     /// A moment of the page's `performance.now()` as the worker would have it.
@@ -90,6 +90,16 @@ pub(crate) fn local_date(wall_ms: f64) -> String {
 fn local_ms(wall_ms: f64) -> f64 {
     let date = js_sys::Date::new(&wall_ms.into());
     wall_ms - date.get_timezone_offset() * 60_000.0
+}
+
+/// Microseconds since local midnight at a moment of the wall clock in milliseconds.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 0 and a day"
+)]
+fn day_us(wall_ms: f64) -> u64 {
+    (local_ms(wall_ms).rem_euclid(DAY_MS) * 1_000.0) as u64
 }
 
 #[allow(

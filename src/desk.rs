@@ -201,7 +201,7 @@ impl Desk {
             feed: StoredValue::new_local(TwinFeed::default()),
             recent: StoredValue::new(Recent::default()),
             fault_history: RwSignal::new(FaultHistory::default()),
-            history: StoredValue::new_local(History::default()),
+            history: StoredValue::new_local(History::with_past()),
             graph_view: RwSignal::new(View::default()),
             graph_traces: RwSignal::new(Traces::default()),
             virtual_wire: StoredValue::new(0),

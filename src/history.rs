@@ -6,7 +6,7 @@ use std::{collections::VecDeque, rc::Rc, time::Duration};
 use motorlink_messages::{
     Connection, Update,
     bus::{Activity, Sample},
-    protocol::{Celsius, Current, Detail, Instant, MotorId, Rpm, Setpoint},
+    protocol::{Celsius, Current, Detail, Instant, MotorId, Reply, Rpm, Setpoint},
 };
 
 /// How long anything is kept.
@@ -23,6 +23,10 @@ const GOALS_MAX: usize = 600 * 60;
 /// Beginnings of connections that are kept: one a second for ten minutes.
 const CUTS_MAX: usize = 600;
 
+/// The worker's zero on the clock of the page's history: a thousand million seconds, so that a session of
+/// before has its place there too, and microseconds are exact in a double.
+pub(crate) const ZERO_US: u64 = 1_000_000_000_000_000;
+
 /// Where a motor says nothing for longer than this, nobody knows what it did meanwhile. It is asked
 /// ten times a second.
 const GAP_US: u64 = 1_000_000;
@@ -30,7 +34,7 @@ const GAP_US: u64 = 1_000_000;
 /// One reply, as far as it can be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Point {
-    /// When its last byte was read, on the worker's clock.
+    /// When its last byte was read, on the history's clock.
     pub(crate) at: Instant,
     pub(crate) speed: Rpm,
     pub(crate) current: Current,
@@ -142,6 +146,17 @@ impl Track {
         }
     }
 
+    /// Points of before are taken in from the newest on; one that is not older is passed over.
+    fn recall(&mut self, point: Point) {
+        let is_older = self.oldest().is_none_or(|oldest| point.at <= oldest.at);
+        let is_kept = self
+            .newest()
+            .is_none_or(|newest| newest.at.since(point.at) <= KEPT_FOR);
+        if is_older && is_kept && self.points.len() < POINTS_MAX {
+            self.points.push_front(point);
+        }
+    }
+
     fn set_goal(&mut self, at: Instant, goal: Option<Setpoint>) {
         if self.goals.back().and_then(|change| change.goal) == goal {
             return;
@@ -164,6 +179,10 @@ impl Track {
 /// What is kept of every motor.
 #[derive(Default)]
 pub(crate) struct History {
+    /// The worker's zero on the clock of everything in here, in microseconds.
+    zero_us: u64,
+    /// Counts what was taken in of before.
+    recalled: u32,
     tracks: Vec<(MotorId, Track)>,
     /// The first reply of every connection but the first: nothing joins it to what was before.
     cuts: VecDeque<Instant>,
@@ -175,8 +194,49 @@ pub(crate) struct History {
 }
 
 impl History {
+    /// A history with room for what was before the worker.
+    pub(crate) fn with_past() -> Self {
+        Self {
+            zero_us: ZERO_US,
+            ..Self::default()
+        }
+    }
+
+    /// A moment of the worker on the clock of the history.
+    const fn at(&self, instant: Instant) -> Instant {
+        Instant::from_micros(self.zero_us.saturating_add(instant.as_micros()))
+    }
+
+    /// What comes by [`recall`](Self::recall) is of before: nothing joins it to what there is.
+    pub(crate) fn begin_past(&mut self) {
+        let oldest = self.tracks.iter().filter_map(|(_, track)| track.oldest());
+        if let Some(oldest) = oldest.map(|point| point.at).min() {
+            self.cuts.push_front(oldest);
+        }
+    }
+
+    /// Takes in samples of before, each part older than the last; oldest first in itself. The zero of their
+    /// times is so much later than the worker's.
+    pub(crate) fn recall(&mut self, zero_us: i64, samples: &[Sample]) {
+        for Sample { at, reply } in samples.iter().rev() {
+            let at_us = self.at(*at).as_micros().saturating_add_signed(zero_us);
+            let point = point(Instant::from_micros(at_us), reply);
+            self.on_track(reply.id, |track| track.recall(point));
+        }
+        self.recalled = self.recalled.wrapping_add(1);
+        if let Some(wake) = &self.wake {
+            wake();
+        }
+    }
+
+    /// Changes when something of before was taken in.
+    pub(crate) const fn recalled(&self) -> u32 {
+        self.recalled
+    }
+
     /// Takes in what the worker says.
     pub(crate) fn take(&mut self, update: &Update) {
+        let now = self.at(update.now);
         if !matches!(update.connection, Connection::Connected(_)) {
             self.end(update.now);
         } else if !self.connected {
@@ -189,7 +249,7 @@ impl History {
         for motor in &update.motors {
             let goal = goal(motor.activity);
             if goal.is_some() || self.track(motor.id).is_some() {
-                self.on_track(motor.id, |track| track.set_goal(update.now, goal));
+                self.on_track(motor.id, |track| track.set_goal(now, goal));
             }
         }
         if !update.samples.is_empty()
@@ -203,6 +263,7 @@ impl History {
     pub(crate) fn end(&mut self, at: Instant) {
         if self.connected {
             self.connected = false;
+            let at = self.at(at);
             for (_, track) in &mut self.tracks {
                 track.set_goal(at, None);
             }
@@ -239,18 +300,13 @@ impl History {
     }
 
     fn take_sample(&mut self, sample: &Sample) {
+        let point = point(self.at(sample.at), &sample.reply);
         if std::mem::take(&mut self.cut_pending) && !self.tracks.is_empty() {
             if self.cuts.len() == CUTS_MAX {
                 self.cuts.pop_front();
             }
-            self.cuts.push_back(sample.at);
+            self.cuts.push_back(point.at);
         }
-        let point = Point {
-            at: sample.at,
-            speed: sample.reply.speed,
-            current: sample.reply.current,
-            detail: sample.reply.detail,
-        };
         self.on_track(sample.reply.id, |track| track.take(point));
         while self
             .cuts
@@ -270,6 +326,15 @@ impl History {
             act(&mut track);
             self.tracks.push((id, track));
         }
+    }
+}
+
+fn point(at: Instant, reply: &Reply) -> Point {
+    Point {
+        at,
+        speed: reply.speed,
+        current: reply.current,
+        detail: reply.detail,
     }
 }
 

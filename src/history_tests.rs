@@ -284,3 +284,69 @@ fn a_point_knows_what_its_reply_held() {
     assert_eq!(coarse.temperature(), Some(Celsius::new(33)));
     assert_eq!(of(Detail::Undetermined([1, 2])).degrees(), None);
 }
+
+/// Samples of a session that ended a minute before this one began.
+fn before(at_ms: impl IntoIterator<Item = u64>) -> Vec<Sample> {
+    let samples = at_ms.into_iter().map(|at_ms| sample(ID, at_ms, 7));
+    samples.collect()
+}
+
+fn on(history: &History, worker_ms: i64) -> Instant {
+    let zero_ms = history.at(Instant::ZERO).as_micros() / 1_000;
+    millis(zero_ms.saturating_add_signed(worker_ms))
+}
+
+#[test]
+fn restored_samples_stand_at_their_times_before_the_present_ones_and_nothing_joins_them() {
+    let mut history = History::with_past();
+    history.take(&update(
+        600,
+        vec![sample(ID, 500, 1), sample(ID, 600, 2)],
+        vec![],
+    ));
+    history.begin_past();
+    // Their zero is a second before the worker's.
+    history.recall(-1_000_000, &before([1_100, 1_200]));
+    history.recall(-1_000_000, &before([900, 1_000]));
+    let track = history.track(ID).unwrap();
+    let (points, none) = track.around(on(&history, 9_999));
+    let mut at: Vec<Instant> = points.map(|point| point.at).collect();
+    at.reverse();
+    let expected = [-100, 0, 100, 200, 500, 600].map(|ms| on(&history, ms));
+    assert_eq!(at, expected);
+    assert_eq!(none.count(), 0);
+    let gap = |from, to| history.is_gap(on(&history, from), on(&history, to));
+    assert!(gap(200, 500), "another session");
+    assert!(!gap(0, 100) && !gap(500, 600));
+}
+
+#[test]
+fn of_restored_samples_ten_minutes_are_kept_up_to_the_newest() {
+    let mut history = History::with_past();
+    history.recall(-3_600_000_000, &before([0, 599_000, 600_001]));
+    let kept = |history: &History| {
+        let track = history.track(ID).unwrap();
+        speeds(track.around(on(history, 999_999)).0)
+    };
+    assert_eq!(kept(&history), [7, 7], "nothing newer is there");
+    history.take(&update(10, vec![sample(ID, 10, 1)], vec![]));
+    assert_eq!(kept(&history), [1]);
+    history.recall(-3_600_000_000, &before([5]));
+    assert_eq!(kept(&history), [1]);
+}
+
+#[test]
+fn restored_samples_wake_whoever_draws_them_and_are_another_picture() {
+    let woken = Rc::new(std::cell::Cell::new(0));
+    let mut history = History::with_past();
+    history.on_news(Rc::new({
+        let woken = Rc::clone(&woken);
+        move || woken.set(woken.get() + 1)
+    }));
+    let pictures = [history.recalled(), {
+        history.recall(0, &before([1]));
+        history.recalled()
+    }];
+    assert_ne!(pictures[0], pictures[1]);
+    assert_eq!(woken.get(), 1);
+}

@@ -228,6 +228,7 @@ impl Desk {
             }
             FromJournal::Kept(session) => self.journal.kept.set(Offer::Open(session)),
             FromJournal::Restored => self.session_restored(),
+            FromJournal::Past { zero_us, samples } => self.recall(zero_us, &samples),
             FromJournal::Erased { all } => self.kept_data_erased(all),
             FromJournal::NotKept(why) => self.log_now(kept_words::of_not_kept(why)),
             FromJournal::Died => self.journal_lost(),

@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::{
-    bus::{CommandRate, Limits},
+    bus::{CommandRate, Limits, Sample},
     journal::{KeptSession, ToJournal},
 };
 use motorlink_words::tr;
@@ -10,6 +10,7 @@ use motorlink_words::tr;
 use crate::{
     desk::{Desk, Dialog},
     fleet::Fleet,
+    history::History,
     log_feed::LogFeed,
     preferences::{Model, Preferences, forget_all},
     setup::Setup,
@@ -49,11 +50,25 @@ impl Desk {
 
     pub(crate) fn session_restored(self) {
         self.journal.feed.update_value(LogFeed::renumbered);
+        self.history.update_value(History::begin_past);
         self.look();
         if let Offer::Restoring(session) = self.journal.kept.get_untracked() {
             self.log_now(log_lines::calm(words::of_restored(&session)));
         }
         self.journal.kept.set(Offer::None);
+    }
+
+    /// Takes a part of the restored samples into the graph.
+    pub(crate) fn recall(self, zero_us: i64, samples: &[Sample]) {
+        let was_empty = self.history.try_update_value(|history| {
+            let was_empty = history.reported().is_empty();
+            history.recall(zero_us, samples);
+            was_empty
+        });
+        if was_empty == Some(true) {
+            // Without motors nothing else has the page shown anew.
+            self.show();
+        }
     }
 
     /// Why nothing can be erased now, where a setup could not be taken in for this reason either.

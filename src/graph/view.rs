@@ -1,6 +1,6 @@
 //! Which stretch of time is shown.
 //!
-//! All moments are microseconds of the worker's clock.
+//! All moments are microseconds of the history's clock.
 
 /// The windows that one button each chooses, in microseconds.
 pub(crate) const WINDOWS: [(u64, &str); 3] = [

@@ -15,7 +15,7 @@ fn nothing() -> String {
     tr!("No data yet.").to_owned()
 }
 
-/// A moment in words, from its microseconds on the worker's clock.
+/// A moment in words, from its microseconds on the history's clock.
 pub(crate) type TimeOfDay<'a> = &'a dyn Fn(u64) -> u64;
 
 /// `60 s`, `2.5 s`, `5 min`

@@ -14,7 +14,7 @@ use crate::{
     kept::{Act, Keeper, Segment, Stream, Summary, Timeline},
     log::Log,
     recording::Recording,
-    restoring::{Restoring, Wants},
+    restoring::{Past, Restoring, Wants},
     wall_clock::WallClock,
 };
 
@@ -72,6 +72,8 @@ pub struct Journal {
     /// Where the session is kept.
     keeper: Option<Keeper>,
     restoring: Option<Box<Restoring>>,
+    /// What was restored and the page does not have yet.
+    past: Option<Past>,
     /// Files that were asked for while a session was being restored.
     put_off: Vec<Export>,
     /// Files that are wanted, of which the first is being made.
@@ -105,6 +107,7 @@ impl Journal {
             filter: Filter::default(),
             keeper: None,
             restoring: None,
+            past: None,
             put_off: Vec::new(),
             files: VecDeque::new(),
             progress_told: None,
@@ -178,8 +181,10 @@ impl Journal {
         let Some(restoring) = self.restoring.take() else {
             return;
         };
-        (self.log, self.recording, self.timeline) =
+        let past;
+        (self.log, self.recording, self.timeline, past) =
             restoring.finish(&mut self.log, &self.recording, &self.filter);
+        self.past = Some(past);
         self.page_changed = true;
         self.outgoing.push_back(Output::Tell(FromJournal::Restored));
         for what in std::mem::take(&mut self.put_off) {
@@ -194,6 +199,7 @@ impl Journal {
             keeper.erase();
         }
         self.restoring = None;
+        self.past = None;
         self.put_off.clear();
         for file in std::mem::take(&mut self.files) {
             self.no_file(file.what(), true);
@@ -325,7 +331,7 @@ impl Journal {
         if let Some(act) = self.keeper.as_mut().and_then(|keeper| keeper.poll(now)) {
             return Output::Keep(act);
         }
-        if !self.log.is_filtered() || !self.files.is_empty() {
+        if !self.log.is_filtered() || self.past.is_some() || !self.files.is_empty() {
             return Output::Work;
         }
         // Before the epoch is known, nothing of this session has a time.
@@ -361,6 +367,13 @@ impl Journal {
         if !self.log.is_filtered() {
             self.log.advance(entries);
             self.page_changed = true;
+            return;
+        }
+        if let Some(past) = &mut self.past {
+            match past.next(&self.recording) {
+                Some(samples) => self.outgoing.push_back(Output::Tell(samples)),
+                None => self.past = None,
+            }
             return;
         }
         let Some(file) = self.files.front_mut() else {

@@ -194,6 +194,22 @@ impl Recording {
         }
     }
 
+    /// The number behind that of the newest of the last ten minutes.
+    pub(crate) const fn rolling_end(&self) -> u64 {
+        self.rolling.end()
+    }
+
+    /// So many samples of the last ten minutes at most, right before this number; oldest first.
+    pub(crate) fn rolling_before(&self, until: u64, most: u16) -> Vec<motorlink_bus::Sample> {
+        let from = until.saturating_sub(most.into()).max(self.rolling.first());
+        let samples = (from..until).filter_map(|number| {
+            let Sample { at, frame, asked } = self.rolling.get(number)?;
+            let reply = Reply::decode(&frame, asked).ok()?;
+            Some(motorlink_bus::Sample { at, reply })
+        });
+        samples.collect()
+    }
+
     /// A file has been made of the recording up to this sample.
     pub(crate) fn exported(&mut self, until: u64) {
         self.exported_until = self.exported_until.max(until);

@@ -3,7 +3,7 @@
 //! It is played into a log and a recording of its own, while the journal goes on. Then what the journal has
 //! is copied behind it until nothing is left to copy, and the two change places.
 
-use motorlink_messages::journal::Filter;
+use motorlink_messages::journal::{Filter, FromJournal, PAST_SAMPLES_MAX};
 
 use crate::{
     kept::{Replay, Stream, Timeline},
@@ -30,7 +30,31 @@ enum Stage {
     /// A file is being played.
     Playing,
     /// What the journal has is being copied: which number is next, of the log and of either kind of sample.
-    Copying { log: u64, samples: [u64; 2] },
+    Copying {
+        log: u64,
+        samples: [u64; 2],
+        /// The number behind the last rolling sample that was restored.
+        past_end: u64,
+    },
+}
+
+/// Restored samples that the page has not been given yet.
+#[derive(Debug)]
+pub(crate) struct Past {
+    /// How much later the zero of their times is than that of this session, in microseconds.
+    zero_us: i64,
+    /// The number behind the last of them.
+    until: u64,
+}
+
+impl Past {
+    /// The next part of them, from the newest on; `None` when all have been given.
+    pub(crate) fn next(&mut self, recording: &Recording) -> Option<FromJournal> {
+        let samples = recording.rolling_before(self.until, PAST_SAMPLES_MAX);
+        self.until = self.until.saturating_sub(PAST_SAMPLES_MAX.into());
+        let zero_us = self.zero_us;
+        (!samples.is_empty()).then_some(FromJournal::Past { zero_us, samples })
+    }
 }
 
 /// What it wants of the journal.
@@ -79,6 +103,7 @@ impl Restoring {
             Stage::Copying {
                 log: 0,
                 samples: [0; 2],
+                past_end: self.replay.recording.rolling_end(),
             }
         };
     }
@@ -102,7 +127,10 @@ impl Restoring {
         entries: u64,
     ) -> bool {
         let Self { replay, stage, .. } = self;
-        let Stage::Copying { log: next, samples } = stage else {
+        let Stage::Copying {
+            log: next, samples, ..
+        } = stage
+        else {
             if replay.advance(entries) {
                 *stage = Stage::NeedsFile;
             }
@@ -131,17 +159,26 @@ impl Restoring {
         samples_are_through && *next >= settled.end
     }
 
-    /// The log, the recording and the timeline with which the journal goes on.
+    /// The log, the recording and the timeline with which the journal goes on, and what the page is told of
+    /// the samples.
     pub(crate) fn finish(
         self,
         log: &mut Log,
         recording: &Recording,
         filter: &Filter,
-    ) -> (Log, Recording, Timeline) {
+    ) -> (Log, Recording, Timeline, Past) {
         let mut replay = self.replay;
+        let until = match self.stage {
+            Stage::Copying { past_end, .. } => past_end,
+            Stage::NeedsFile | Stage::Waiting | Stage::Playing => 0,
+        };
         replay.log.go_on_as(log, filter);
         let timeline = &mut replay.timeline;
         replay.recording.go_on_as(recording, |at| timeline.at(at));
-        (replay.log, replay.recording, replay.timeline)
+        let past = Past {
+            zero_us: timeline.zero_us().saturating_neg(),
+            until,
+        };
+        (replay.log, replay.recording, replay.timeline, past)
     }
 }

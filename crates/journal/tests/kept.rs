@@ -239,6 +239,68 @@ fn this_session_goes_on_behind_the_restored_one_and_both_survive_the_next_crash(
     assert_eq!(page.export(Export::Telemetry), telemetry);
 }
 
+/// The samples that the page is given, at their times on the clock of this session, in milliseconds.
+fn past(page: &Page) -> Vec<Vec<i64>> {
+    let parts = page.told.iter().filter_map(|told| match told {
+        FromJournal::Past { zero_us, samples } => {
+            let at_us = |at: Instant| i64::try_from(at.as_micros()).unwrap() + zero_us;
+            Some(
+                samples
+                    .iter()
+                    .map(|sample| at_us(sample.at) / 1_000)
+                    .collect(),
+            )
+        }
+        _ => None,
+    });
+    parts.collect()
+}
+
+#[test]
+fn the_page_is_given_the_restored_samples_at_their_times_in_bounded_parts() {
+    let mut first = Page::opened(EPOCH_MS);
+    for n in 0..4_500 {
+        first.journal.passed(&at(n, reply(1, 7)));
+    }
+    first.run();
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 60_000.0);
+    page.journal.passed(&at(3, reply(1, 7)));
+    page.restore(&disk);
+    page.pass(300);
+    let restored = page
+        .told
+        .iter()
+        .position(|told| *told == FromJournal::Restored);
+    let given = page
+        .told
+        .iter()
+        .position(|told| matches!(told, FromJournal::Past { .. }));
+    assert!(restored < given, "{restored:?} {given:?}");
+    let parts = past(&page);
+    let sizes: Vec<usize> = parts.iter().map(Vec::len).collect();
+    assert_eq!(sizes, [2_000, 2_000, 500], "the newest first");
+    let all: Vec<i64> = parts.into_iter().rev().flatten().collect();
+    let expected: Vec<i64> = (0..4_500).map(|n| n - 60_000).collect();
+    assert_eq!(all, expected, "before this session, each once");
+}
+
+#[test]
+fn of_the_restored_samples_those_older_than_ten_minutes_stay_away() {
+    let mut first = Page::opened(EPOCH_MS);
+    first.drive(0..100);
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 3_600_000.0);
+    page.journal.passed(&at(0, reply(1, 7)));
+    page.restore(&disk);
+    page.pass(300);
+    assert!(past(&page).is_empty());
+    let mut page = Page::opened(EPOCH_MS + 3_600_000.0);
+    page.restore(&disk);
+    page.pass(300);
+    assert!(!past(&page).is_empty(), "nothing newer is there");
+}
+
 #[test]
 fn a_wall_clock_that_was_set_back_puts_nothing_before_what_was_restored() {
     let mut page = Page::opened(EPOCH_MS);

@@ -5,7 +5,7 @@
 //! journal's line, as [`Traffic`] one behind the other, each encoded as by
 //! [`encode`](crate::encode).
 
-use motorlink_bus::Traffic;
+use motorlink_bus::{Sample, Traffic};
 use motorlink_protocol::{Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
@@ -130,6 +130,16 @@ pub enum FromJournal {
     Kept(KeptSession),
     /// The session that was offered stands in log and recording. The rows are numbered anew.
     Restored,
+    /// Samples of the session that was restored, of the last ten minutes of the recording: oldest first, at
+    /// most [`PAST_SAMPLES_MAX`] at once. They come behind [`FromJournal::Restored`], the newest first of
+    /// all.
+    Past {
+        /// How much later the zero of their times is than that of every other [`Instant`], in microseconds:
+        /// mostly it is earlier.
+        zero_us: i64,
+        /// The samples.
+        samples: Vec<Sample>,
+    },
     /// Everything that was kept has been removed.
     Erased {
         /// Whether nothing is left; what other tabs have open is.
@@ -140,6 +150,9 @@ pub enum FromJournal {
     /// The journal has failed; the log and the recording are lost.
     Died,
 }
+
+/// Samples of the past in one message: the page takes them in within a few milliseconds.
+pub const PAST_SAMPLES_MAX: u16 = 2_000;
 
 /// A session that the browser keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

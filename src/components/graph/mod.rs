@@ -31,7 +31,6 @@ mod traces;
 mod watchers;
 
 use leptos::{html::Div, prelude::*};
-use motorlink_messages::protocol::Instant;
 use motorlink_words::tr;
 
 use self::{controls::Controls, state::Chart};
@@ -54,7 +53,6 @@ pub(crate) fn Graph() -> impl IntoView {
     chart.begin_anew();
     let place = NodeRef::<Div>::new();
     let (view, traces) = (chart.view, chart.traces);
-    let clock = chart.desk.clock;
     // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
     Effect::new(move |_| {
         if let Some(place) = place.get() {
@@ -62,9 +60,8 @@ pub(crate) fn Graph() -> impl IntoView {
         }
     });
     let name = move || {
-        let clock = clock.get_value();
         words::name(traces.get().compared, view.get(), &|at_us| {
-            clock.day_us(Instant::from_micros(at_us)) / 1_000
+            chart.day_us(at_us) / 1_000
         })
     };
     let empty = memo(move || {

@@ -1,6 +1,5 @@
 //! What the crosshair reads, where it stands.
 
-use leptos::prelude::*;
 use motorlink_messages::protocol::Instant;
 
 use super::{
@@ -48,9 +47,7 @@ impl Stage {
         let when = if view.is_live() {
             words::ago(now_us.saturating_sub(at_us))
         } else {
-            let clock = chart.desk.clock.get_value();
-            let day_us = clock.day_us(Instant::from_micros(at_us));
-            ticks::time_of_day(day_us / 1_000, 1)
+            ticks::time_of_day(chart.day_us(at_us) / 1_000, 1)
         };
         let when = match subject {
             Subject::Motor { mirror, .. } => marked(when, *mirror),

@@ -1,6 +1,5 @@
 //! The values in words, for those who do not see the lines.
 
-use leptos::prelude::*;
 use motorlink_messages::protocol::Instant;
 use motorlink_words::tr;
 use web_sys::Element;
@@ -53,7 +52,7 @@ impl Spoken {
         let when = if view.is_live() {
             tr!("Now").to_owned()
         } else {
-            let day_us = chart.desk.clock.get_value().day_us(at);
+            let day_us = chart.day_us(at.as_micros());
             let time = ticks::time_of_day(day_us / 1_000, 1_000);
             tr!("At {time}", time)
         };

@@ -4,7 +4,6 @@
 use std::rc::Rc;
 
 use leptos::prelude::*;
-use motorlink_messages::protocol::Instant;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 
@@ -52,6 +51,8 @@ struct Scene {
     view: View,
     /// Whether every reply of these columns has come.
     settled: bool,
+    /// What was taken in of before.
+    recalled: u32,
 }
 
 /// The mounted graph.
@@ -166,8 +167,7 @@ impl Stage {
         if self.layout.is_empty() {
             return Next::Woken;
         }
-        let clock = chart.desk.clock.get_value();
-        let now_us = clock.instant(frame_ms).as_micros();
+        let now_us = chart.at_us(frame_ms);
         let view = chart.view.get_untracked();
         let grid = Grid::new(view.span_us, view.right_us(now_us), self.layout.columns());
         chart.grid.set(grid);
@@ -179,6 +179,7 @@ impl Stage {
                 subject,
                 view,
                 settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
+                recalled: history.recalled(),
             };
             if self.scene != Some(scene) {
                 self.scene = Some(scene);
@@ -286,8 +287,7 @@ impl Stage {
         let marks = if view.is_live() {
             ticks::ago(view.span_us, marks)
         } else {
-            let clock = chart.desk.clock.get_value();
-            let right_us = clock.day_us(Instant::from_micros(grid.right_us()));
+            let right_us = chart.day_us(grid.right_us());
             ticks::of_day(right_us, grid.span_us(), marks)
         };
         let scales: [Scale; 2] = self.lines.scales();

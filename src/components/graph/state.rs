@@ -3,6 +3,7 @@
 use std::{
     cell::{Cell, RefCell},
     ops::Deref,
+    time::Duration,
 };
 
 use leptos::prelude::*;
@@ -20,7 +21,7 @@ use crate::{
         trace::Traces,
         view::{Reach, View},
     },
-    history::History,
+    history::{History, ZERO_US},
 };
 
 /// Where the crosshair is.
@@ -29,7 +30,7 @@ pub(super) enum Crosshair {
     None,
     /// Under the pointer, so many pixels of the style sheet from the left of the graph.
     Pointer(f64),
-    /// Moved by keys, at this moment of the worker's clock.
+    /// Moved by keys, at this moment of the history's clock.
     Moment(u64),
 }
 
@@ -122,10 +123,24 @@ impl Chart {
         }
     }
 
-    /// The worker's clock, in microseconds.
+    /// Now on the clock of the history, in microseconds.
     pub(super) fn now_us(self) -> u64 {
+        self.at_us(page_now_ms())
+    }
+
+    /// A moment of the page's `performance.now()` on the clock of the history, in microseconds.
+    pub(super) fn at_us(self, page_ms: f64) -> u64 {
         let clock = self.desk.clock.get_value();
-        clock.instant(page_now_ms()).as_micros()
+        ZERO_US + clock.instant(page_ms).as_micros()
+    }
+
+    /// The local time of day of a moment of the history, in microseconds since midnight.
+    pub(super) fn day_us(self, at_us: u64) -> u64 {
+        let clock = self.desk.clock.get_value();
+        match at_us.checked_sub(ZERO_US) {
+            Some(at_us) => clock.day_us(Instant::from_micros(at_us)),
+            None => clock.day_us_before(Duration::from_micros(ZERO_US - at_us)),
+        }
     }
 
     /// What is drawn.

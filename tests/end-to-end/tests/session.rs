@@ -12,7 +12,7 @@ mod story;
 use std::{thread, time::Duration};
 
 use anyhow::Result;
-use end_to_end::{Adapter, Bench, Frame, Line, Page, Usb, WireLog, now_us};
+use end_to_end::{Adapter, Bench, Frame, Line, PATIENCE, Page, Usb, WireLog, now_us, wait_until};
 use story::{
     assert_quiet_console, connect,
     exports::{Table, hex, undisturbed_replies},
@@ -163,6 +163,46 @@ fn a_crash_costs_less_than_a_second_and_drives_nothing() -> Result<()> {
     assert!(crashed_again_us.saturating_sub(*newest_us) < LOST_US_MAX);
     let times = log.column("time")?;
     assert!(times.is_sorted(), "times go forward");
+    assert_quiet_console(&page);
+    Ok(())
+}
+
+/// Pixels on the canvas of the graph's lines.
+fn drawn(page: &Page) -> Result<u64> {
+    let count = page.evaluate(
+        "(() => { const c = document.querySelector('.graph-lines'); \
+         if (!c.width || !c.height) return 0; \
+         const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
+         let n = 0; for (let i = 3; i < d.length; i += 4) if (d[i]) n++; return n; })()",
+    )?;
+    Ok(count.as_u64().unwrap_or(0))
+}
+
+/// By a crash and by a reload: the graph is there again with log and samples.
+#[test]
+fn a_restored_session_has_its_graph() -> Result<()> {
+    let bench = Bench::start()?;
+    let adapter = bench.plug(Line::default(), Usb::default())?;
+    recorded_until_a_crash(&bench, &adapter)?;
+    let page = bench.open("/")?;
+    offered(&page)?;
+    assert_eq!(drawn(&page)?, 0, "nothing is known yet");
+    restore(&page)?;
+    let waits_for_lines = || {
+        wait_until("lines in the graph", PATIENCE, || {
+            let drawn = drawn(&page)?;
+            Ok((drawn > 100).then_some(()).ok_or(drawn.to_string()))
+        })
+    };
+    waits_for_lines()?;
+    page.reload()?;
+    offered(&page)?;
+    restore(&page)?;
+    waits_for_lines()?;
+    // This session stands behind it.
+    connect(&page)?;
+    spin(&page, "+50", 47..=53)?;
+    waits_for_lines()?;
     assert_quiet_console(&page);
     Ok(())
 }

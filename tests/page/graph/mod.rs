@@ -3,6 +3,7 @@
 mod acting;
 mod comparing;
 mod drawing;
+mod restored;
 
 use std::ops::Deref;
 

@@ -57,7 +57,7 @@ impl Timeline {
     /// The same for a run that may have been before all that have come.
     pub(crate) fn recall(&mut self, epoch_us: i64) {
         let offset_us = self.offset_us(epoch_us);
-        let offset_us = offset_us.unwrap_or(epoch_us.saturating_sub(self.base_us));
+        let offset_us = offset_us.unwrap_or(self.by_the_wall_us(epoch_us));
         self.run = Run::Placed { offset_us };
     }
 
@@ -66,14 +66,27 @@ impl Timeline {
         runs.find(|run| run.0 == epoch_us).map(|run| run.1)
     }
 
+    /// How much later the zero of this run is than ours, in microseconds. Before its first moment, where its
+    /// clock was set back, it is as late as can be.
+    pub(crate) fn zero_us(&self) -> i64 {
+        match self.run {
+            Run::Placed { offset_us } => offset_us,
+            Run::New { epoch_us } => self.by_the_wall_us(epoch_us).max(self.newest_us),
+        }
+    }
+
+    const fn by_the_wall_us(&self, epoch_us: i64) -> i64 {
+        epoch_us.saturating_sub(self.base_us)
+    }
+
     /// A moment of this run on our clock.
     pub(crate) fn at(&mut self, instant: Instant) -> Instant {
         let own_us = i64::try_from(instant.as_micros()).unwrap_or(i64::MAX);
         let offset_us = match self.run {
             Run::Placed { offset_us } => offset_us,
             Run::New { epoch_us } => {
-                let by_the_wall = epoch_us.saturating_sub(self.base_us);
-                let offset_us = by_the_wall.max(self.newest_us.saturating_sub(own_us));
+                let by_the_wall_us = self.by_the_wall_us(epoch_us);
+                let offset_us = by_the_wall_us.max(self.newest_us.saturating_sub(own_us));
                 self.runs.push((epoch_us, offset_us));
                 self.run = Run::Placed { offset_us };
                 offset_us
@@ -122,6 +135,20 @@ mod tests {
         assert_eq!(ms(&mut timeline, 5_001), 5_001, "it keeps its place");
         timeline.recall(900_000);
         assert_eq!(ms(&mut timeline, 300), 5_000);
+    }
+
+    #[test]
+    fn the_zero_of_a_run_is_known_before_its_first_moment() {
+        let mut timeline = Timeline::from(1_000_000);
+        assert_eq!(timeline.zero_us(), 0);
+        timeline.begin(1_000_000);
+        assert_eq!(ms(&mut timeline, 5_000), 5_000);
+        timeline.begin(61_000_000);
+        assert_eq!(timeline.zero_us(), 60_000_000);
+        timeline.begin(900_000);
+        assert_eq!(timeline.zero_us(), 5_000_000, "its clock was set back");
+        assert_eq!(ms(&mut timeline, 300), 5_000);
+        assert_eq!(timeline.zero_us(), 4_700_000);
     }
 
     #[test]

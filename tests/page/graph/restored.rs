@@ -1,0 +1,32 @@
+//! The graph of a session that was restored.
+
+use motorlink_messages::journal::FromJournal;
+use wasm_bindgen_test::wasm_bindgen_test;
+
+use super::{bench, canvas, colour_of, rows_of, sample};
+use crate::fake_journal::FakeJournal;
+
+/// Before the worker was: a minute of the graph reaches ten seconds behind its zero.
+#[wasm_bindgen_test]
+async fn restored_samples_are_drawn_at_their_times() {
+    let journal = FakeJournal::new("graph-restored");
+    let bench = bench("graph-restored").await;
+    let canvas = canvas(&bench);
+    let speed = colour_of(&bench, "border-right-color");
+    journal.say(&FromJournal::Restored);
+    journal.told().await;
+    assert!(rows_of(&canvas, speed, 1).is_empty());
+    let samples = (0..4_000).step_by(20).map(|at_ms| sample(at_ms, 100));
+    journal.say(&FromJournal::Past {
+        zero_us: -5_000_000,
+        samples: samples.collect(),
+    });
+    bench
+        .until("a line", || !rows_of(&canvas, speed, 20).is_empty())
+        .await;
+    let none = bench.find("region", "Speed and current");
+    let none = none.query_selector(".graph-none").unwrap().unwrap();
+    bench
+        .until("no word of an empty graph", || none.has_attribute("hidden"))
+        .await;
+}
