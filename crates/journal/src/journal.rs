@@ -12,6 +12,7 @@ use motorlink_words::Language;
 use crate::{
     csv_file::CsvFile,
     kept::{Act, Keeper, Segment, Stream, Summary, Timeline},
+    local_time::LocalTime,
     log::Log,
     recording::Recording,
     restoring::{Past, Restoring, Wants},
@@ -115,11 +116,19 @@ impl Journal {
         }
     }
 
-    /// Local time is so many minutes ahead of UTC, in the log and in the names of files.
-    pub const fn set_utc_offset(&mut self, minutes: i32) {
-        self.own_clock = self.own_clock.with_utc_offset(minutes);
+    /// Local time, in the log and in the names of files: it has to be right from [`Self::begins_ms`] on, or
+    /// from the beginning of a session that is to be restored.
+    pub const fn set_local_time(&mut self, local_time: LocalTime) {
+        self.own_clock = self.own_clock.with_local_time(local_time);
         self.log
-            .set_clock(self.log.clock().with_utc_offset(minutes));
+            .set_clock(self.log.clock().with_local_time(local_time));
+    }
+
+    /// When the log begins, in milliseconds since 1970; `None` before its epoch is known.
+    #[must_use]
+    pub fn begins_ms(&self) -> Option<i64> {
+        let zero_us = self.log.clock().zero_us();
+        self.epoch_us.map(|_| zero_us / 1_000)
     }
 
     /// The same journal, which from now on keeps what comes in: see [`Output::Keep`].
@@ -163,8 +172,7 @@ impl Journal {
         if let Some(keeper) = &mut self.keeper {
             keeper.adopt(files);
         }
-        let offset = self.own_clock.utc_offset_minutes();
-        let clock = WallClock::from_us(summary.first_epoch_us(), offset);
+        let clock = WallClock::from_us(summary.first_epoch_us(), self.own_clock.local_time());
         self.restoring = Some(Box::new(Restoring::new(clock, &self.log, &self.recording)));
     }
 
@@ -219,8 +227,8 @@ impl Journal {
         );
         match message {
             ToJournal::Epoch { unix_ms } => {
-                let offset = self.own_clock.utc_offset_minutes();
-                self.set_epoch(WallClock::new(unix_ms, offset));
+                let clock = WallClock::new(unix_ms, 0);
+                self.set_epoch(clock.with_local_time(self.own_clock.local_time()));
             }
             ToJournal::Say { at, error, text } => {
                 self.log.say(self.timeline.at(at), error, &text);

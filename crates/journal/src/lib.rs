@@ -17,7 +17,7 @@
 //! | `kept` | the session on disk: what is written, and how it is read back |
 //! | `restoring` | a kept session on its way into the journal, a slice at a time |
 //! | `csv_file` | CSV files, made a slice at a time |
-//! | `wall_clock` | the time of day |
+//! | `wall_clock`, `local_time` | the time of day |
 //! | `chunks`, `entry`, `texts`, `digits` | how it is kept small and quick |
 
 mod chunks;
@@ -26,6 +26,7 @@ mod digits;
 mod entry;
 mod journal;
 pub mod kept;
+mod local_time;
 mod log;
 mod recording;
 mod restoring;
@@ -38,6 +39,7 @@ mod words;
 
 pub use csv_file::CsvFile;
 pub use journal::{Journal, Output};
+pub use local_time::LocalTime;
 pub use log::{ENTRIES_MAX, Log};
 pub use recording::{RECORDED_MAX, ROLLING, ROLLING_MAX, Recording};
 pub use wall_clock::WallClock;

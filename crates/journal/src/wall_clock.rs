@@ -5,7 +5,10 @@
 
 use motorlink_protocol::Instant;
 
-use crate::digits::{push_decimal, push_padded};
+use crate::{
+    digits::{push_decimal, push_padded},
+    local_time::LocalTime,
+};
 
 const MS_A_DAY: i64 = 86_400_000;
 const MS_A_MINUTE: i64 = 60_000;
@@ -15,7 +18,7 @@ const MS_A_MINUTE: i64 = 60_000;
 pub struct WallClock {
     /// Microseconds since 1970 at [`Instant::ZERO`].
     zero_us: i64,
-    utc_offset_minutes: i32,
+    local_time: LocalTime,
 }
 
 /// A moment in milliseconds since 1970, in UTC or as the clock on the wall shows it.
@@ -33,15 +36,15 @@ impl WallClock {
     pub const fn new(unix_ms: f64, utc_offset_minutes: i32) -> Self {
         Self {
             zero_us: (unix_ms * 1000.0) as i64,
-            utc_offset_minutes,
+            local_time: LocalTime::fixed(utc_offset_minutes),
         }
     }
 
     /// A clock that showed so many microseconds since 1970, UTC, at [`Instant::ZERO`].
-    pub(crate) const fn from_us(zero_us: i64, utc_offset_minutes: i32) -> Self {
+    pub(crate) const fn from_us(zero_us: i64, local_time: LocalTime) -> Self {
         Self {
             zero_us,
-            utc_offset_minutes,
+            local_time,
         }
     }
 
@@ -52,15 +55,12 @@ impl WallClock {
 
     /// The same clock with another local time.
     #[must_use]
-    pub const fn with_utc_offset(self, utc_offset_minutes: i32) -> Self {
-        Self {
-            utc_offset_minutes,
-            ..self
-        }
+    pub const fn with_local_time(self, local_time: LocalTime) -> Self {
+        Self { local_time, ..self }
     }
 
-    pub(crate) const fn utc_offset_minutes(self) -> i32 {
-        self.utc_offset_minutes
+    pub(crate) const fn local_time(self) -> LocalTime {
+        self.local_time
     }
 
     pub(crate) fn utc(self, at: Instant) -> UnixMs {
@@ -70,7 +70,7 @@ impl WallClock {
 
     pub(crate) fn local(self, at: Instant) -> UnixMs {
         let UnixMs(utc) = self.utc(at);
-        UnixMs(utc + i64::from(self.utc_offset_minutes) * MS_A_MINUTE)
+        UnixMs(utc + i64::from(self.local_time.minutes_at(utc)) * MS_A_MINUTE)
     }
 
     /// Local date and time for the name of a file: `20261121-131536`.
@@ -256,7 +256,7 @@ mod tests {
     fn local_time_is_ahead_in_the_east_and_behind_in_the_west() {
         let shown = |minutes| {
             let mut out = String::new();
-            let clock = WallClock::new(SAMPLE, 0).with_utc_offset(minutes);
+            let clock = WallClock::new(SAMPLE, 0).with_local_time(LocalTime::fixed(minutes));
             clock.local(Instant::ZERO).push_time_of_day(&mut out);
             out.push(' ');
             clock.push_file_stamp(&mut out, Instant::ZERO);

@@ -11,7 +11,7 @@ mod line;
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_journal::{
-    Journal, Log, Output, Recording, WallClock,
+    Journal, LocalTime, Log, Output, Recording, WallClock,
     kept::{Act, PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream, Summary},
 };
 use motorlink_messages::journal::{Export, FromJournal, RecordingStatus, ToJournal};
@@ -299,6 +299,49 @@ fn of_the_restored_samples_those_older_than_ten_minutes_stay_away() {
     page.restore(&disk);
     page.pass(300);
     assert!(!past(&page).is_empty(), "nothing newer is there");
+}
+
+/// Clocks go back by an hour two seconds after the session of before began.
+#[test]
+fn restored_rows_have_the_local_time_of_their_moment() {
+    const CHANGED_MS: i64 = 1_795_266_902_000;
+    let local_time = |from_ms, until_ms| {
+        let minutes_at = |unix_ms| if unix_ms < CHANGED_MS { 120 } else { 60 };
+        LocalTime::between(from_ms, until_ms, minutes_at)
+    };
+    let begun_ms = CHANGED_MS - 2_000;
+    let mut first = Page::opened(EPOCH_MS);
+    first.say(1_000, "in summer");
+    first.journal.passed(&at(1_001, reply(1, 7)));
+    first.say(3_000, "in winter");
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 60_000.0);
+    page.say(0, "now");
+    page.journal
+        .set_local_time(local_time(begun_ms, begun_ms + 60_000));
+    page.restore(&disk);
+    // As the worker does once a minute.
+    let begins_ms = page.journal.begins_ms().unwrap();
+    assert_eq!(begins_ms, begun_ms);
+    page.journal
+        .set_local_time(local_time(begins_ms, begun_ms + 120_000));
+    page.pass(300);
+    page.told.clear();
+    page.handle(ToJournal::Look(line::ALL));
+    let rows = page.told.iter().find_map(|told| match told {
+        FromJournal::Log(page) => Some(&page.rows),
+        _ => None,
+    });
+    let times: Vec<&str> = rows.unwrap().iter().map(|row| row.time.as_str()).collect();
+    assert_eq!(
+        times,
+        [
+            "15:15:01.000",
+            "15:15:01.001",
+            "14:15:03.000",
+            "14:16:00.000"
+        ]
+    );
 }
 
 #[test]

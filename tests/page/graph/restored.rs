@@ -1,24 +1,26 @@
 //! The graph of a session that was restored.
 
-use motorlink_messages::journal::FromJournal;
+use motorlink_messages::{ToPage, journal::FromJournal};
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use super::{bench, canvas, colour_of, rows_of, sample};
+use super::{bench, canvas, colour_of, performance, rows_of, sample};
 use crate::fake_journal::FakeJournal;
 
-/// Before the worker was: a minute of the graph reaches ten seconds behind its zero.
+/// Before the worker was, which has just begun here.
 #[wasm_bindgen_test]
 async fn restored_samples_are_drawn_at_their_times() {
     let journal = FakeJournal::new("graph-restored");
     let bench = bench("graph-restored").await;
     let canvas = canvas(&bench);
     let speed = colour_of(&bench, "border-right-color");
+    let time_origin_ms = performance().time_origin() + performance().now();
+    bench.say(&ToPage::Hello { time_origin_ms });
     journal.say(&FromJournal::Restored);
     journal.told().await;
     assert!(rows_of(&canvas, speed, 1).is_empty());
     let samples = (0..4_000).step_by(20).map(|at_ms| sample(at_ms, 100));
     journal.say(&FromJournal::Past {
-        zero_us: -5_000_000,
+        zero_us: -20_000_000,
         samples: samples.collect(),
     });
     bench

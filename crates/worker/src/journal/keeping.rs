@@ -10,6 +10,7 @@ use super::{
     Desk, Shared,
     disk::{Dir, why},
     found::{self, Found},
+    local_time,
     store::{Done, Job, Jobs, Store},
     tell, turn,
 };
@@ -99,6 +100,8 @@ pub(super) fn handle(shared: &Shared, message: &ToJournal) {
             if let Some(found) = keeping.found.take() {
                 let files = found.files.iter().map(|(segment, _)| *segment).collect();
                 keeping.to_read = Some((found.dir.clone(), files));
+                // Clocks may have been changed since.
+                journal.set_local_time(local_time(found.summary.first_epoch_us() / 1_000));
                 journal.restore(&found.summary, &found.files);
                 keeping.add(shared, Job::Restore(found));
             }

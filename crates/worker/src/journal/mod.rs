@@ -11,7 +11,7 @@ mod store;
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
 use js_sys::{Date, Uint8Array};
-use motorlink_journal::{Journal, Output, WallClock};
+use motorlink_journal::{Journal, LocalTime, Output, WallClock};
 use motorlink_messages::{
     decode, encode,
     journal::{FromJournal, ToJournal, traffic},
@@ -46,7 +46,7 @@ type Shared = Rc<RefCell<Desk>>;
 pub(crate) fn start() {
     let clock = Clock::new();
     let now = clock.now();
-    let own_clock = WallClock::new(clock.origin_ms(), utc_offset_minutes());
+    let own_clock = WallClock::new(clock.origin_ms(), 0).with_local_time(local_time(i64::MAX));
     let shared: Shared = Rc::new_cyclic(|desk| {
         let desk = desk.clone();
         let again = Again::new(move || {
@@ -136,7 +136,8 @@ fn turn(shared: &Shared) {
     let began = clock.now();
     if began.since(*utc_offset_asked) > UTC_OFFSET_PERIOD {
         *utc_offset_asked = began;
-        journal.set_utc_offset(utc_offset_minutes());
+        let from_ms = journal.begins_ms().unwrap_or(i64::MAX);
+        journal.set_local_time(local_time(from_ms));
     }
     loop {
         let now = clock.now();
@@ -158,11 +159,14 @@ fn turn(shared: &Shared) {
     }
 }
 
-/// How far local time is ahead of UTC now.
+/// How far local time is ahead of UTC, from this moment until now, in milliseconds since 1970.
 #[allow(
     clippy::cast_possible_truncation,
-    reason = "a float cast saturates, and no place is a day ahead"
+    clippy::cast_precision_loss,
+    reason = "milliseconds since 1970 are exact in a double, and no place is a day ahead"
 )]
-fn utc_offset_minutes() -> i32 {
-    -Date::new_0().get_timezone_offset() as i32
+fn local_time(from_ms: i64) -> LocalTime {
+    LocalTime::between(from_ms, Date::now() as i64, |unix_ms| {
+        -Date::new(&(unix_ms as f64).into()).get_timezone_offset() as i32
+    })
 }
