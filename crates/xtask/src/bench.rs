@@ -121,9 +121,14 @@ pub fn soak(workspace: &Workspace, args: &[String]) -> Result<()> {
 pub fn worlds(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
+    name_worlds(&mut cargo);
+    cargo
+}
+
+/// Lets cargo run the program that plays worlds; its flags come next.
+pub fn name_worlds(cargo: &mut Command) {
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
     cargo.args(["--package", "motorlink-world", "--"]);
-    cargo
 }
 
 /// Makes the README's moving picture and the screenshots.

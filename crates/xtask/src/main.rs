@@ -16,6 +16,7 @@ mod npm;
 mod packed;
 mod process;
 mod reliability;
+mod sabotage;
 mod serve;
 mod service_worker;
 mod site;

@@ -9,12 +9,13 @@ use anyhow::{Context, Result};
 
 use crate::bench;
 use crate::process;
+use crate::sabotage;
 use crate::tables::Rows;
 use crate::tools;
 use crate::workspace::Workspace;
 
 /// What can be done by itself.
-pub const PARTS: [&str; 4] = ["seeds", "fuzz", "browser", "hidden"];
+pub const PARTS: [&str; 5] = ["seeds", "sabotage", "fuzz", "browser", "hidden"];
 
 /// Worlds that are played.
 const SEEDS: &str = "100000";
@@ -55,6 +56,7 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64) -> Result<(
                 let mut worlds = bench::worlds(workspace);
                 process::run_and_hear(worlds.args(["--seeds", SEEDS]), |line| rows.hear(line))
             }
+            "sabotage" => sabotage::show(workspace, &mut rows),
             "fuzz" => fuzz(workspace, seconds, &mut rows),
             "browser" => stories(workspace, &STORIES, "", &mut rows),
             _ => {
