@@ -68,10 +68,31 @@ fn a_stop_that_joins_another_is_reported_by_the_stronger_reason() {
         bench.command(second).unwrap();
         bench.run_until(ms(4_000), is_over);
         assert_eq!(report(&bench).reason, reason, "{first:?}, {second:?}");
-        // Both wheels are in it, but where nothing asked for a stop of the other.
+        // The first stop is still under way.
         let motors = report(&bench).motors.len();
         assert_eq!(motors, 2, "{first:?}, {second:?}");
     }
+}
+
+/// The second motor was driven behind the release, while the first was still on its way to a standstill.
+#[test]
+fn a_stop_before_a_scan_takes_over_none_of_all_motors() {
+    let mut bench = two();
+    let drive = |id| Command::Drive {
+        id,
+        setpoint: rpm(100),
+        consent: Consent::None,
+    };
+    bench.command(drive(ID)).unwrap();
+    bench.run(ms(800));
+    bench.forget_the_past();
+    let all = Command::StopAll(StopReason::Operator);
+    for command in [all, Command::Release, drive(id(2)), Command::FullScan] {
+        bench.command(command).unwrap();
+    }
+    bench.run_until(ms(4_000), is_over);
+    assert_eq!(report(&bench).reason, StopReason::Operator);
+    assert_eq!(report(&bench).motors.len(), 2);
 }
 
 /// A motor whose replies report the position loop, whatever is sent.
