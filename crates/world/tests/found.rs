@@ -266,6 +266,31 @@ fn a_wheel_that_was_driven_before_a_delay_is_not_driven_after() {
     }
 }
 
+/// Rule `TelemetryIsTrue`: a reply that had waited through the sleep was taken as of now.
+#[test]
+fn a_reply_from_before_a_sleep_is_no_reading_of_now() {
+    // One of these falls between a query and its reply.
+    for phase_ms in 0..100 {
+        holds(
+            714,
+            1,
+            vec![
+                Act::Heat {
+                    id: id(1),
+                    celsius: 90,
+                },
+                pause(600 + phase_ms),
+                away(
+                    Absence::Sleep,
+                    120_000,
+                    vec![Turn::Bytes, Turn::Pong, Turn::Poll],
+                ),
+                pause(100),
+            ],
+        );
+    }
+}
+
 /// Rule `IdChangeIsProved`: an ID change went on behind minutes of sleep, by a scan that was too old.
 #[test]
 fn an_id_change_does_not_go_on_behind_a_sleep() {

@@ -80,7 +80,7 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
-    /// Play 100,000 worlds, fuzz, and play the stories under faults in a browser; into docs/reliability.md
+    /// Play 100,000 worlds, break each rule on purpose, fuzz, and play the stories under faults in a browser; into docs/reliability.md
     Reliability {
         /// Only this part of it
         #[arg(value_parser = reliability::PARTS)]
