@@ -3,6 +3,7 @@
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
+    clippy::indexing_slicing,
     reason = "a test fails by panicking, in its helpers too"
 )]
 
@@ -10,7 +11,7 @@ mod bench;
 
 use bench::{Bench, ID, degrees, id, ms, rpm, two};
 use motorlink_bus::{Command, Consent, Event, StopReason, StopReport};
-use motorlink_protocol::{Mode, Setpoint};
+use motorlink_protocol::{Mode, Rpm, Setpoint};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
 /// Mode switches that no stop sends: 20 ms apart they would take 5 s.
@@ -135,7 +136,7 @@ fn a_motor_that_stays_in_the_position_loop_gets_no_brake_and_is_not_confirmed() 
     let [outcome] = <[_; 1]>::try_from(report(&bench).motors).unwrap();
     assert!(!outcome.confirmed);
     // It stands all the same, and says so.
-    assert_eq!(outcome.speed.map(|speed| speed.magnitude()), Some(0));
+    assert_eq!(outcome.speed.map(Rpm::magnitude), Some(0));
 }
 
 /// It hears the switches though nobody hears it, or it hears nothing: then the brake harms nobody.
