@@ -189,6 +189,8 @@ impl Teller {
     /// Torque one way, then the other.
     fn reverse(&mut self, id: MotorId, acts: &mut Vec<Act>) {
         let amps = self.rng.f32() * 2.0 - 1.0;
+        // One in five is so high that it would have to be asked for.
+        let amps = if amps.abs() > 0.8 { amps * 8.0 } else { amps };
         let current = |amps| Setpoint::Current(CurrentTarget::from_amps(amps));
         acts.push(switch(id, Mode::Current));
         acts.push(pause_ms(450));
