@@ -231,6 +231,14 @@ impl Motor {
         }
     }
 
+    /// Whether a reply can still say where the wheel was at Hold.
+    pub(crate) fn is_holding(&self, now: Instant) -> bool {
+        match &self.control {
+            Control::Driven(driven) => driven.hold.is_some_and(|hold| hold.is_open(now)),
+            _ => false,
+        }
+    }
+
     /// The number of the group that it is driven in.
     pub(crate) const fn group(&self) -> Option<u32> {
         match &self.control {

@@ -156,6 +156,10 @@ pub(crate) struct Hold {
 }
 
 impl Hold {
+    pub(crate) const fn began(self) -> Instant {
+        self.at
+    }
+
     /// Whether a reply can still say where the wheel was: then frames go out as fast as those of a stop.
     pub(crate) fn is_open(self, now: Instant) -> bool {
         now.since(self.at) < HOLD_REFINED_WITHIN

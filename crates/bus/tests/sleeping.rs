@@ -12,7 +12,7 @@ mod bench;
 use std::time::Duration;
 
 use bench::{Bench, ID, amps, degrees, every, ms, raw, rpm, scan_report, to};
-use motorlink_bus::{Activity, Command, Event, IdChangeOutcome, Refusal, StopReason};
+use motorlink_bus::{Activity, Command, Event, IdChangeOutcome, Refusal, SetIdFrames, StopReason};
 use motorlink_protocol::{Mode, Request, Setpoint};
 
 /// What the bus is told first after the gap.
@@ -166,6 +166,7 @@ fn an_id_change_does_not_go_on_after_a_gap() {
         .command(Command::SetId {
             from: ID,
             to: to(5),
+            frames: SetIdFrames::Five,
         })
         .unwrap();
     bench.run_until(ms(2_000), |bench| {

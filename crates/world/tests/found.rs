@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat};
+use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat, SetIdFrames};
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
     SpeedTarget,
@@ -301,7 +301,11 @@ fn an_id_change_does_not_go_on_behind_a_sleep() {
         vec![
             Act::Command(Command::FullScan),
             pause(8_000),
-            Act::Command(Command::SetId { from: id(1), to }),
+            Act::Command(Command::SetId {
+                from: id(1),
+                to,
+                frames: SetIdFrames::Five,
+            }),
             away(
                 Absence::Sleep,
                 172_000,

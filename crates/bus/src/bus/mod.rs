@@ -51,8 +51,8 @@ pub enum Output {
 enum LastDrive {
     /// A byte has come since: the line carries what it is given.
     Carried,
-    /// Perhaps still in the adapter.
-    InFlight,
+    /// Perhaps still in the adapter, since then.
+    InFlight(Instant),
 }
 
 /// The one owner of the wire.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, Request, Setpoint};
 
 use super::{Bus, LastDrive, commands::rests, surveying::request_of};
 use crate::{
@@ -67,9 +67,7 @@ impl Bus {
             // An adapter that stalls takes frames and carries none, and each comes out of it later, behind
             // a stop that was pressed meanwhile. So one drive frame may be in flight, and behind it a query
             // asks whether the line carries anything: it moves no wheel, however late it comes.
-            Errand::Drive(id)
-                if self.last_drive == LastDrive::InFlight && self.sets_in_motion(id) =>
-            {
+            Errand::Drive(id) if self.waits_for_proof(now, id) => {
                 Errand::Query(self.last_to_answer(id))
             }
             errand => errand,
@@ -131,13 +129,23 @@ impl Bus {
         last.map_or(otherwise, |motor| motor.id)
     }
 
-    /// Whether the next drive frame to this motor is more than a zero or the brake, which may wait behind any.
-    fn sets_in_motion(&self, id: MotorId) -> bool {
+    /// Whether the next drive frame to this motor waits until a byte proves that the line carries the last.
+    fn waits_for_proof(&self, now: Instant, id: MotorId) -> bool {
+        let LastDrive::InFlight(since) = self.last_drive else {
+            return false;
+        };
         let motor = self.motors.iter().find(|motor| motor.id == id);
-        motor.is_some_and(|motor| match motor.control {
-            Control::Driven(driven) => !rests(driven.goal),
+        match motor.map(|motor| motor.control) {
+            // The port itself waits for the proof.
+            _ if self.refused_in_a_row > 0 => true,
+            Some(Control::Driven(driven)) if rests(driven.goal) => false,
+            // Hold ends a motion: its first frame goes at once, and each other behind a query.
+            Some(Control::Driven(driven)) => match driven.hold.filter(|hold| hold.is_open(now)) {
+                Some(hold) => !self.query_was_last && hold.began() <= since,
+                None => true,
+            },
             _ => false,
-        })
+        }
     }
 
     /// The frame that was handed out last was taken: the next call of any kind says so.
@@ -231,7 +239,7 @@ impl Bus {
                     }
                 }
                 if drives {
-                    self.last_drive = LastDrive::InFlight;
+                    self.last_drive = LastDrive::InFlight(now);
                 }
                 if stops_silent {
                     self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);
@@ -252,7 +260,8 @@ impl Bus {
             purpose,
             ..
         } = handed;
-        let exchange = Exchange::begin(at, frame, expects, self.window(expects, purpose), purpose);
+        let window = self.window(at, expects, purpose);
+        let exchange = Exchange::begin(at, frame, expects, window, purpose);
         match expects {
             Expects::Reply { id, .. } => match self.motor_mut(id) {
                 Some(motor) => motor.counters.requests += 1,
@@ -265,9 +274,9 @@ impl Bus {
     }
 
     /// How long the reply may take.
-    fn window(&mut self, expects: Expects, purpose: Purpose) -> Duration {
-        let id = match expects {
-            Expects::Reply { id, .. } => id,
+    fn window(&mut self, at: Instant, expects: Expects, purpose: Purpose) -> Duration {
+        let (id, layout) = match expects {
+            Expects::Reply { id, layout } => (id, layout),
             Expects::Everyone { layout: None } => return FIRST_WINDOW,
             Expects::Everyone { .. } | Expects::Nothing => return ID_QUERY_WINDOW,
         };
@@ -281,8 +290,19 @@ impl Bus {
             .and_then(|motor| motor.round_trip.window());
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
         // While any motor answers, the adapter is as fast as it was, and one that does not answer
-        // costs the others no more than that.
-        (window * (1 << self.round_trip.doublings())).min(MAX_WINDOW)
+        // costs the others no more than that. A query for a proof and a frame that holds have no time to
+        // lose: the wheel goes on meanwhile, and a byte that comes late says as much.
+        let unproved = matches!(self.last_drive, LastDrive::InFlight(_));
+        let holds = self
+            .motors
+            .iter()
+            .any(|motor| motor.id == id && motor.is_holding(at));
+        let doublings = if holds || (unproved && layout == Layout::Query) {
+            0
+        } else {
+            self.round_trip.doublings()
+        };
+        (window * (1 << doublings)).min(MAX_WINDOW)
     }
 }
 
@@ -334,7 +354,7 @@ fn next_request(
             let mut ramped = driven.ramped;
             let setpoint = ramped.step(now, goal, tempo.ramp, period);
             let (on_schedule, mut next_frame) = kept_schedule(driven.on_schedule, now, period);
-            if driven.hold.is_some_and(|hold| hold.is_open(now)) {
+            if motor.is_holding(now) {
                 next_frame = next_frame.min(now + STOP_PERIOD);
             }
             let control = Control::Driven(Driven {
