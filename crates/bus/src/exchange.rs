@@ -2,10 +2,7 @@
 
 use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request};
 
-use crate::{
-    raw::addressee,
-    timing::{REFUSED_PAUSE, SETTLE},
-};
+use crate::{raw::addressee, timing::SETTLE};
 use motorlink_protocol::FRAME_AIRTIME;
 use std::time::Duration;
 
@@ -42,8 +39,8 @@ pub(crate) enum Purpose {
     Survey,
     /// A frame that a person wrote.
     Raw,
-    /// Nobody's: the port did not take the frame.
-    Refused,
+    /// None: the line is left alone.
+    Pause,
 }
 
 /// Which answer ends an exchange.
@@ -108,14 +105,14 @@ impl Exchange {
         }
     }
 
-    /// The port did not take this frame: the line is left alone for a moment.
-    pub(crate) fn refused(now: Instant, frame: Frame) -> Self {
+    /// The line is left alone until a moment. This frame was sent last, or was to be.
+    pub(crate) fn pause(now: Instant, frame: Frame, until: Instant) -> Self {
         Self {
             frame,
             expects: Expects::Nothing,
-            purpose: Purpose::Refused,
+            purpose: Purpose::Pause,
             sent: now,
-            window_ends: now + REFUSED_PAUSE,
+            window_ends: until,
             held_until: None,
             last_byte: None,
         }

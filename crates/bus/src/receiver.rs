@@ -203,7 +203,7 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
         let has_reason =
             |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
         // Behind a cut echo the true reply is the last one.
-        offset = rivals().filter(has_reason).last().unwrap_or(first);
+        offset = rivals().rfind(has_reason).unwrap_or(first);
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
         let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
         is_open = rivals().next().is_some() && may_be_followed && !is_settled;

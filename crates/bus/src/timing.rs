@@ -133,6 +133,9 @@ pub(crate) const AMBIGUITY_QUIET: Duration = Duration::from_millis(2);
 /// layout cannot be told from it.
 pub(crate) const LATE_REPLY_MAX: Duration = Duration::from_millis(50);
 
+/// An adapter or a machine that has handed out a reply late may do so again within this: ten queries.
+pub(crate) const LATE_FORGOTTEN: Duration = Duration::from_secs(1);
+
 /// A deadline this near is due: one step of a browser's clock. Timers wake up to 0.4 ms early, and are
 /// set once more then; what goes out early makes the gap behind it longer.
 pub(crate) const EARLY: Duration = Duration::from_micros(100);

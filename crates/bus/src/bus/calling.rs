@@ -31,7 +31,7 @@ impl Bus {
         // What only one motor may obey is answered by that one.
         let only = match exchange.purpose {
             Purpose::Raw => addressee(&exchange.frame),
-            Purpose::Control | Purpose::Survey | Purpose::Refused => None,
+            Purpose::Control | Purpose::Survey | Purpose::Pause => None,
         };
         let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;
@@ -86,7 +86,7 @@ impl Bus {
         let took = exchange.last_byte.map(|last| last.since(exchange.sent));
         match exchange.purpose {
             Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
-            Purpose::Refused => {}
+            Purpose::Pause => {}
             Purpose::Survey => self.survey_called(outcome, took),
             Purpose::Raw => self.raw_answered(match (answer, rest.is_silence()) {
                 (Some((frame, asked)), _) => RawAnswer::Reply {
@@ -127,15 +127,12 @@ impl Bus {
             Some(only) => only == *id,
             None => !self.motors.iter().any(another(*id)),
         };
-        match one.filter(is_alone) {
-            Some(id) => {
-                self.counters.replies += 1;
-                IdQueryOutcome::One(id)
-            }
-            None => {
-                self.counters.bad_crcs += 1;
-                IdQueryOutcome::Garbled
-            }
+        if let Some(id) = one.filter(is_alone) {
+            self.counters.replies += 1;
+            IdQueryOutcome::One(id)
+        } else {
+            self.counters.bad_crcs += 1;
+            IdQueryOutcome::Garbled
         }
     }
 }

@@ -12,7 +12,7 @@ use crate::{
     motor::{Control, Motor},
     receiver::{Found, Leftovers, Piece},
     scan::Look,
-    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY},
+    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, MIN_WINDOW},
 };
 
 impl Bus {
@@ -128,7 +128,7 @@ impl Bus {
         match exchange.purpose {
             // That a motor is silent that was silent before says nothing of the adapter, unless all are.
             Purpose::Control if self.tells_of_the_adapter(now, id) => self.round_trip.lost(),
-            Purpose::Control | Purpose::Refused => {}
+            Purpose::Control | Purpose::Pause => {}
             Purpose::Survey if rest.is_silence() => {
                 self.survey_looked(now, exchange.sent, id, Look::Silence);
             }
@@ -184,13 +184,21 @@ impl Bus {
         frame: &Frame,
     ) {
         let took = now.since(exchange.sent);
-        let asked = match self.motor_mut(id) {
-            Some(motor) => motor.layout_of(now, frame, layout),
-            None => Some(layout),
+        let (asked, owed) = match self.motor_mut(id) {
+            Some(motor) => {
+                let owed = motor.late.may_come(now);
+                (motor.layout_of(now, frame, layout), owed)
+            }
+            None => (Some(layout), false),
         };
         self.log_heard(now, frame, asked);
+        let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
+        if owed && own_reply > now {
+            // This may be the reply to an earlier request, and the own one still be on the wire.
+            self.line = Line::Busy(Exchange::pause(now, exchange.frame, own_reply));
+        }
         match exchange.purpose {
-            Purpose::Control | Purpose::Refused => {}
+            Purpose::Control | Purpose::Pause => {}
             Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Reply(took)),
             Purpose::Raw => self.raw_answered(RawAnswer::Reply {
                 frame: *frame,
@@ -247,6 +255,7 @@ impl Bus {
     /// stay undetermined.
     fn heard_late(&mut self, now: Instant, frame: &Frame) {
         self.log_heard(now, frame, None);
+        self.late_heard = Some(now);
         let Ok(reply) = Reply::decode(frame, None) else {
             return;
         };

@@ -75,6 +75,8 @@ pub struct Bus {
     /// Whether the last frame was a query.
     query_was_last: bool,
     last_drive: LastDrive,
+    /// When a good frame came last outside its window.
+    late_heard: Option<Instant>,
     /// Where several motors are driven, when the line may carry a query again.
     queries_from: Instant,
     /// When the last exchange ended.
@@ -124,6 +126,7 @@ impl Bus {
             line_use: LineUse::default(),
             query_was_last: false,
             last_drive: LastDrive::Carried,
+            late_heard: None,
             queries_from: now,
             freed_at: now,
             halted: false,

@@ -13,8 +13,8 @@ use crate::{
     safety::step_towards,
     schedule::Errand,
     timing::{
-        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, MAX_WINDOW,
-        REFUSED_MAX, SILENT_STOP_PERIOD, STOP_PERIOD,
+        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN,
+        MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE, SILENT_STOP_PERIOD, STOP_PERIOD,
     },
 };
 
@@ -195,7 +195,7 @@ impl Bus {
                 self.count_refused(|motor| motor == id);
             }
         }
-        self.line = Line::Busy(Exchange::refused(at, frame));
+        self.line = Line::Busy(Exchange::pause(at, frame, at + REFUSED_PAUSE));
     }
 
     /// A frame to these motors was refused.
@@ -291,13 +291,16 @@ impl Bus {
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
         // While any motor answers, the adapter is as fast as it was, and one that does not answer
         // costs the others no more than that. A query for a proof and a frame that holds have no time to
-        // lose: the wheel goes on meanwhile, and a byte that comes late says as much.
+        // lose: the wheel goes on meanwhile. But where replies come late, the next request would meet one.
+        let in_time = self
+            .late_heard
+            .is_none_or(|heard| at.since(heard) > LATE_FORGOTTEN);
         let unproved = matches!(self.last_drive, LastDrive::InFlight(_));
         let holds = self
             .motors
             .iter()
             .any(|motor| motor.id == id && motor.is_holding(at));
-        let doublings = if holds || (unproved && layout == Layout::Query) {
+        let doublings = if in_time && (holds || (unproved && layout == Layout::Query)) {
             0
         } else {
             self.round_trip.doublings()
