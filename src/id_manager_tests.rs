@@ -276,7 +276,7 @@ fn more_frames_are_offered_after_a_verified_failure_only() {
         assert_eq!(ids.offers_more(), None, "{outcome:?}");
     }
     let ends: [fn(&mut IdManager); 3] = [IdManager::scan, IdManager::disconnected, |ids| {
-        ids.wish_for(new_id(6))
+        ids.wish_for(new_id(6));
     }];
     for end in ends {
         let mut ids = setting();
