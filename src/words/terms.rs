@@ -130,6 +130,10 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
         Refusal::RawRunning => {
             tr!("A raw frame is being repeated. Stop that first.").to_owned()
         }
+        Refusal::ReversesTorque(id) => tr!(
+            "Motor {id} may still follow the opposite current. Send it 0 first.",
+            id
+        ),
         Refusal::NotAssignable(id) => tr!(
             "No motor may have ID {id}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another.",
             id = format!("0x{id:02X}")

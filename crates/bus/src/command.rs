@@ -112,7 +112,13 @@ impl Command {
     /// Whether this was asked for too long ago to be carried out.
     #[must_use]
     pub fn is_too_old(self, age: Duration) -> bool {
-        self.may_move() && age > ACT_AGE_MAX
+        (self.may_move() || self.releases()) && age > ACT_AGE_MAX
+    }
+
+    /// Whether motors may be driven again by it. One that was given before a stop does not release that.
+    #[must_use]
+    pub fn releases(self) -> bool {
+        matches!(self, Self::Release)
     }
 
     /// Whether a wheel may move by it, or a motor change.
@@ -239,6 +245,8 @@ pub enum Refusal {
     RawRunning,
     /// No motor may have this ID: see [`unassignable_id`].
     NotAssignable(u8),
+    /// A raw frame asks for the opposite of a current that the motor may still follow.
+    ReversesTorque(MotorId),
 }
 
 impl fmt::Display for Refusal {
@@ -313,6 +321,10 @@ impl fmt::Display for Refusal {
             ),
             Self::SameId(id) => write!(f, "The motor has ID {id} already."),
             Self::RawRunning => f.write_str("A raw frame is being repeated. Stop that first."),
+            Self::ReversesTorque(id) => write!(
+                f,
+                "Motor {id} may still follow the opposite current. Send it 0 first."
+            ),
             Self::NotAssignable(id) => write!(
                 f,
                 "No motor may have ID 0x{id:02X}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another."

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Request};
+use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant};
 
 /// Behind a frame that moves a wheel, and that the line has not proved to have carried, none goes for
 /// so long. A motor that cannot answer still gets what a person sends it by hand.
@@ -47,17 +47,17 @@ impl InFlight {
     }
 }
 
-/// Whether a frame may move a wheel, whatever else is wrong with it: all drive frames but those that a
-/// stop consists of.
+/// Whether a frame may move a wheel, whatever else is wrong with it: all drive frames but zeros, with or
+/// without the brake. They end a motion, and wait for nothing. In the position loop zero is an angle, for
+/// which the bus itself waits.
 fn moves(frame: &Frame) -> bool {
-    let &[_, command, high, low, _, _, _, brake, ..] = frame.bytes();
-    let stops = (high, low, brake) == (0, 0, 0xFF);
-    command == 0x64 && !stops && *frame != Request::IdQuery.frame()
+    let &[_, command, high, low, ..] = frame.bytes();
+    command == 0x64 && (high, low) != (0, 0)
 }
 
 #[cfg(test)]
 mod tests {
-    use motorlink_protocol::{MotorId, Setpoint, SpeedTarget};
+    use motorlink_protocol::{MotorId, Request, Setpoint, SpeedTarget};
 
     use super::*;
 
@@ -123,7 +123,7 @@ mod tests {
         for (text, moving) in [
             ("01 64 00 64 00 00 00 00 00 4F", true),
             ("01 64 00 64 00 00 00 FF 00 00", true),
-            ("01 64 00 00 00 00 00 00 00 00", true),
+            ("01 64 00 00 00 00 00 00 00 00", false),
             ("C8 64 00 64 00 00 00 00 00 00", true),
             ("01 64 00 00 00 00 00 FF 00 D1", false),
             ("C8 64 00 00 00 00 00 00 00 DE", false),

@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request};
+use motorlink_protocol::{CurrentTarget, Frame, Instant, Mode, MotorId, Request};
 
 use crate::{RawAnswer, RawStatus, Repeat, SetIdFrames, is_hazardous, timing::PROOF_LASTS};
 
@@ -94,6 +94,17 @@ impl Raw {
             answered: 0,
             running: true,
             last: None,
+        }
+    }
+
+    /// The current that it asks of a motor in this loop, which may be unknown; `None` where it asks for none.
+    pub(crate) fn current_in(&self, reported: Option<Mode>) -> Option<CurrentTarget> {
+        match (self.deed, reported) {
+            (Deed::Drive { value }, None | Some(Mode::Current)) => {
+                // The lowest value of all has no positive twin.
+                CurrentTarget::new(i32::from(value).max(-i32::from(i16::MAX))).ok()
+            }
+            _ => None,
         }
     }
 

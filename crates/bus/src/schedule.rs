@@ -58,6 +58,8 @@ pub(crate) struct Pace {
     pub(crate) queries_from: Instant,
     /// The round of a stop behind which a motor that does not answer gets its next frame.
     pub(crate) silent_stop_round: u32,
+    /// Whether drive frames wait until a byte proves that the line carries the last. A stop does not.
+    pub(crate) drive_waits_for_proof: bool,
 }
 
 /// The first frame of a stop before everything; then mode switches, queries that have waited too
@@ -72,6 +74,7 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
         just_freed,
         queries_from,
         silent_stop_round,
+        drive_waits_for_proof,
     } = pace;
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors, silent_stop_round);
@@ -98,7 +101,10 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     // A stop that goes on does not take the line from the motors that are driven beside it.
     let raw = raw.map(|at| (at, Errand::Raw));
     let frames = stop.into_iter().chain(drive).chain(raw);
-    let frame = frames.min_by_key(|(at, _)| *at);
+    let frame = match stop.filter(|(at, _)| drive_waits_for_proof && due(*at)) {
+        Some(stop) => Some(stop),
+        None => frames.min_by_key(|(at, _)| *at),
+    };
     let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
 
     // Right behind a reply a query makes the next frame least late.

@@ -7,7 +7,9 @@ use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
 use crate::{
     StopOutcome, StopReason, StopReport,
     safety::{StopPlan, stop_plan},
-    timing::{SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_PERIOD},
+    timing::{
+        SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD,
+    },
 };
 
 /// A motor on its way to a standstill.
@@ -27,8 +29,8 @@ pub(crate) struct Stopping {
     next_switch: Instant,
     /// Replies in a row that reported standstill in the velocity loop.
     still: u8,
-    /// Whether any reply has come since it began, and so the motor is not silent.
-    answers: bool,
+    /// Whether the last reply since it began, of whatever age, reports the position loop.
+    says_position: bool,
 }
 
 impl Stopping {
@@ -52,7 +54,7 @@ impl Stopping {
             switches: 0,
             next_switch: first_switch,
             still: 0,
-            answers: false,
+            says_position: false,
         }
     }
 
@@ -70,15 +72,24 @@ impl Stopping {
         }
     }
 
-    /// Out of the position loop the motor has to say that it has left it. One that says nothing at all gets
-    /// the brake after many switches: it heard enough of them, or hears nothing.
+    /// Out of the position loop the motor has to say that it has left it. One that does not say so, and not
+    /// the contrary either, gets the brake after many switches: it heard enough of them, or hears nothing.
     fn may_brake(&self) -> bool {
-        let silent = !self.answers && self.switches >= SILENT_SWITCHES;
-        self.plan != StopPlan::SwitchThenBrake || silent
+        let has_left = !self.says_position && self.switches >= SILENT_SWITCHES;
+        self.plan != StopPlan::SwitchThenBrake || has_left
     }
 
     /// A frame was sent; the next round begins `period` later.
-    pub(crate) fn sent(&mut self, now: Instant, request: &Request, period: Duration) {
+    ///
+    /// Between two switches a motor that answers is asked for its loop; one that does not is asked behind
+    /// every fifth, since each question costs a window.
+    pub(crate) fn sent(
+        &mut self,
+        now: Instant,
+        request: &Request,
+        period: Duration,
+        answers: bool,
+    ) {
         self.round += 1;
         self.first_frame_sent = true;
         self.next_frame = now + period;
@@ -86,13 +97,14 @@ impl Stopping {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
             // A switch is not answered; what follows it need not wait for a round.
-            self.next_frame = now;
+            let asks = answers || self.may_brake() || self.switches.is_multiple_of(SWITCH_FRAMES);
+            self.next_frame = if asks { now } else { self.next_switch };
         }
     }
 
     /// A reply to a request of this stop.
     pub(crate) fn heard(&mut self, reply: &Reply) {
-        self.answers = true;
+        self.says_position = reply.mode == Mode::Position;
         self.plan = stop_plan(Some(reply.mode), None);
         let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
         self.still = if standing {
@@ -102,10 +114,9 @@ impl Stopping {
         };
     }
 
-    /// A reply that may be older than this stop: it proves that the motor answers, and no more. Where it
-    /// reports the position loop, that counts.
+    /// A reply that may be older than this stop. Where it reports the position loop, that counts.
     pub(crate) fn heard_uncertain(&mut self, mode: Mode) {
-        self.answers = true;
+        self.says_position = mode == Mode::Position;
         if mode == Mode::Position {
             self.plan = stop_plan(Some(mode), None);
             self.still = 0;

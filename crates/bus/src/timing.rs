@@ -76,6 +76,10 @@ pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
 /// the brake at the 50 Hz that it wants, should it hear.
 pub(crate) const SILENT_STOP_PERIOD: Duration = Duration::from_millis(20);
 
+/// First frames of a stop to motors that do not answer, between two rounds of those that do: with windows
+/// of 6 ms these keep the 50 Hz that the brake wants.
+pub(crate) const SILENT_FIRSTS_MAX: u8 = 3;
+
 /// Mode switches to a motor that answers nothing before it gets the brake: it may still be in the position
 /// loop, where the brake is a move to 0 degrees. It may need five of them; with 10 % of the requests lost fewer
 /// than five of 15 arrive once in 100 million. They take 300 ms.

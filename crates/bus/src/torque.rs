@@ -14,6 +14,12 @@ impl Torque {
         }
     }
 
+    /// Whether this current would reverse the torque without a zero between.
+    pub(crate) fn is_reversed_by(self, current: CurrentTarget) -> bool {
+        let possible = self.0.map_or(0, |possible| i32::from(possible.raw()));
+        possible * i32::from(current.raw()) < 0
+    }
+
     /// The motor has answered this frame.
     pub(crate) fn answered(&mut self, frame: &Frame) {
         if let Ok(Request::Drive { drive, .. }) = Request::parse(frame)

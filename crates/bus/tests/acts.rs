@@ -103,9 +103,10 @@ fn a_command_from_a_page_that_had_stopped_answering_starts_nothing() {
         Ok(()),
         "a stop is taken"
     );
-    bench.command(Command::Release).unwrap();
+    assert_eq!(bench.command(Command::Release), Err(Refusal::PageSilent));
     bench.page_lives = true;
     bench.run(ms(300));
+    bench.command(Command::Release).unwrap();
     assert_eq!(bench.drive(rpm(100)), Ok(()));
 }
 

@@ -347,7 +347,7 @@ fn a_stop_of_16_motors_of_which_15_have_no_power_brakes_the_16th_as_if_alone() {
         assert!(brakes[0].since(asked) <= ms(10));
         let gap = longest_gap(&brakes);
         println!("motor {live} of 16: {stands:?} to rest, brake frames {gap:?} apart at most");
-        assert!(gap <= ms(15), "{gap:?}");
+        assert!(gap <= ms(25), "{gap:?}");
         assert!(stands <= ms(230), "{stands:?}");
         let others = ids.iter().filter(|other| **other != live);
         bench.run(ms(1_500));

@@ -8,9 +8,11 @@
 
 mod bench;
 
-use bench::{Bench, ID, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two};
+use bench::{
+    Bench, ID, amps, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two,
+};
 use motorlink_bus::{
-    Activity, Command, Consent, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
+    Activity, Command, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
 };
 use motorlink_protocol::{Frame, Mode, MotorId, Request};
 use motorlink_simulator::WorldConfig;
@@ -136,7 +138,7 @@ fn what_every_motor_hears_is_limited_by_each_of_them() {
 
 /// One number would be a speed to one of them and a torque to the other.
 #[test]
-fn what_every_motor_hears_needs_one_loop_and_a_high_current_asks() {
+fn what_every_motor_hears_needs_one_loop_and_stays_below_the_speed_limit_in_any() {
     for first in EVERYONE {
         let mut bench = two();
         bench.switch(Mode::Current);
@@ -153,32 +155,12 @@ fn what_every_motor_hears_needs_one_loop_and_a_high_current_asks() {
             .command(Command::SwitchMode { id: id(2), mode })
             .unwrap();
         bench.run(ms(400));
-        assert_eq!(bench.command(value(first, 1_000)), Ok(()));
-        bench.command(Command::StopRaw).unwrap();
-        bench.run(ms(3_500));
-
-        let mut bench = two();
-        bench.switch(Mode::Current);
-        bench
-            .command(Command::SwitchMode { id: id(2), mode })
-            .unwrap();
-        bench.run(ms(400));
-        let high = value(first, -32_768);
-        let refused = bench.command(high);
-        assert!(
-            matches!(refused, Err(Refusal::NeedsConsent(_))),
-            "{refused:?}"
-        );
-        let Command::SendRaw { frame, repeat, .. } = high else {
-            panic!("{high:?}");
-        };
-        let consent = Consent::HighCurrent;
-        let agreed = Command::SendRaw {
-            frame,
-            repeat,
-            consent,
-        };
-        assert_eq!(bench.command(agreed), Ok(()));
+        // A third motor that nobody watches may read it as a speed.
+        for beyond in [331, 1_000, -25_000] {
+            let refused = bench.command(value(first, beyond));
+            assert_eq!(refused, Err(Refusal::AboveSpeedLimit(330)), "{beyond}");
+        }
+        assert_eq!(bench.command(value(first, 330)), Ok(()));
     }
 }
 
@@ -281,4 +263,18 @@ fn a_frame_for_one_motor_leaves_the_others_alone() {
     bench.run(ms(700));
     assert!(status(&bench).running);
     assert_eq!(bench.status(id(2)).activity, Activity::Idle);
+}
+
+#[test]
+fn a_raw_frame_does_not_reverse_a_current_that_may_be_followed() {
+    let mut bench = Bench::one_motor();
+    bench.switch(Mode::Current);
+    let frame = |value| drive_frame(ID, amps(value));
+    bench.command(raw(frame(1.0), Repeat::Once)).unwrap();
+    bench.run(ms(50));
+    let reversed = bench.command(raw(frame(-1.0), Repeat::Once));
+    assert_eq!(reversed, Err(Refusal::ReversesTorque(ID)));
+    bench.command(raw(frame(0.0), Repeat::Once)).unwrap();
+    bench.run(ms(50));
+    bench.command(raw(frame(-1.0), Repeat::Once)).unwrap();
 }

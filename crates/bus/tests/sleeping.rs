@@ -229,3 +229,17 @@ fn a_reply_that_waited_through_a_gap_is_no_reading_of_now() {
     bench.run(ms(300));
     assert!(bench.happened(|event| matches!(event, Event::Telemetry(_))));
 }
+
+#[test]
+fn a_release_from_before_a_gap_does_not_release_the_stop_of_the_gap() {
+    let mut bench = Bench::one_motor();
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_000));
+    bench.sleep(ms(20_000));
+    let released = bench.bus.command(bench.now, Command::Release);
+    assert_eq!(released, Err(Refusal::Halted));
+    bench.run(ms(500));
+    assert!(bench.bus.is_halted());
+    bench.command(Command::Release).unwrap();
+    assert!(!bench.bus.is_halted());
+}

@@ -9,8 +9,8 @@
 
 mod bench;
 
-use bench::{Bench, ID, degrees, id, longest_gap, ms, rpm};
-use motorlink_bus::{Command, CommandRate, Consent, StopReason};
+use bench::{Bench, ID, Sent, degrees, id, longest_gap, ms, rpm};
+use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -133,4 +133,34 @@ fn a_motor_that_falls_silent_leaves_those_beside_it_driven() {
     let frames = moving(&bench, id(2), since);
     assert!(frames.len() >= 245, "{} in 5 s", frames.len());
     assert!(longest_gap(&frames) <= ms(60), "{:?}", longest_gap(&frames));
+}
+
+/// The query for a proof goes to the motor that answered last. Its silence is that of both.
+#[test]
+fn of_two_motors_that_lose_power_at_once_neither_is_driven_when_it_is_back() {
+    for last in [ID, id(2)] {
+        let mut bench = Bench::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
+        bench.drive(rpm(100)).unwrap();
+        bench.run(ms(1_000));
+        // Until the one of them has answered last.
+        bench.run_until(ms(500), |bench| {
+            let newest = bench
+                .bus
+                .motors(bench.now)
+                .max_by_key(|it| it.last.map(|it| it.at));
+            newest.unwrap().id == last
+        });
+        for motor in [ID, id(2)] {
+            bench.world.motor_mut(motor).unwrap().power(false);
+        }
+        bench.run(ms(5_000));
+        assert!(bench.happened(|event| matches!(event, Event::Withdrawn { .. })));
+        for motor in [ID, id(2)] {
+            bench.world.motor_mut(motor).unwrap().power(true);
+        }
+        bench.forget_the_past();
+        bench.run(ms(1_000));
+        let moves = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0);
+        assert!(!bench.sent.iter().any(moves), "{last} answered last");
+    }
 }

@@ -64,7 +64,8 @@ impl Bus {
             if let Ok(reply) = Reply::decode(&frame, asked)
                 && only.is_some()
             {
-                self.keep(now, reply);
+                // Not now: the window may have ended behind a sleep.
+                self.keep(exchange.last_byte.unwrap_or(exchange.sent), reply);
             }
             answer = answer.or(Some((frame, asked)));
         }

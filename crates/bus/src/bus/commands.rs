@@ -19,8 +19,13 @@ impl Bus {
     /// # Errors
     /// The [`Refusal`] says why; nothing has changed then.
     pub fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
+        let was_halted = self.halted;
         self.begin_call(now);
-        if self.watchdog.has_bitten() && command.may_move() {
+        if command.releases() && self.halted && !was_halted {
+            // It was given before the gap that has just stopped the motors.
+            return Err(Refusal::Halted);
+        }
+        if self.watchdog.has_bitten() && (command.may_move() || command.releases()) {
             // It may have been given long ago, to a page that has only now come to send it.
             return Err(Refusal::PageSilent);
         }

@@ -155,6 +155,14 @@ impl Bus {
             1..FRAME_LEN => counters.fragments += 1,
             _ => counters.bad_crcs += 1,
         }
+        if let LastDrive::InFlight(_) = self.last_drive {
+            // It stood for the drive frames that wait for a proof: their motors are as silent.
+            for motor in self.motors.iter_mut().filter(|motor| motor.id != id) {
+                if let Control::Driven(_) = motor.control {
+                    motor.unanswered_in_a_row = motor.unanswered_in_a_row.saturating_add(1);
+                }
+            }
+        }
     }
 
     /// Whether a lost reply of this motor may mean that the adapter has grown slower.
@@ -278,9 +286,16 @@ impl Bus {
     pub(super) fn keep(&mut self, now: Instant, reply: Reply) {
         // One that was forgotten meanwhile stays forgotten.
         let limits = self.limits;
+        let round = self.stop_round();
         let Some(motor) = self.motor_mut(reply.id) else {
             return;
         };
+        if motor.is_without_answer()
+            && let (Control::Stopping(stop), Some(round)) = (&mut motor.control, round)
+        {
+            // It joins those that answer: they keep their brake meanwhile.
+            stop.round = stop.round.max(round);
+        }
         if motor.heard(now, reply, limits) {
             self.events.push_back(Event::MotorBack(reply.id));
         }

@@ -104,6 +104,8 @@ pub struct Bus {
     call_due: Instant,
     /// Motors that do not answer get a frame of their stop behind this round of those that do.
     silent_stop_round: u32,
+    /// First frames of a stop to motors that do not answer, since those that do got theirs.
+    silent_firsts: u8,
     /// Drained by every poll, so it holds what one input can cause: a few a motor.
     events: VecDeque<Event>,
 }
@@ -143,6 +145,7 @@ impl Bus {
             survey_again: None,
             call_due: now,
             silent_stop_round: 0,
+            silent_firsts: 0,
             events: VecDeque::new(),
         }
     }
@@ -280,6 +283,7 @@ impl Bus {
             just_freed: now.since(self.freed_at) < JUST_FREED,
             queries_from: self.queries_from,
             silent_stop_round: self.silent_stop_round,
+            drive_waits_for_proof: matches!(self.last_drive, LastDrive::InFlight(_)),
         };
         next_turn(
             &self.motors,

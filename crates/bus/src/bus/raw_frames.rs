@@ -64,6 +64,11 @@ impl Bus {
         for motor in self.concerned(raw) {
             let (known, speed) = (motor.known(now), motor.fresh_speed(now));
             check_raw(raw.deed, motor.id, known, speed, self.limits, consent)?;
+            if let Some(current) = raw.current_in(known.reported)
+                && motor.torque.is_reversed_by(current)
+            {
+                return Err(Refusal::ReversesTorque(motor.id));
+            }
             // One number means something else in each loop.
             if let (Some(asked), Some(reported)) = (seen, known.reported)
                 && asked != reported
@@ -78,8 +83,9 @@ impl Bus {
             }
             seen = seen.or(known.reported);
         }
-        if self.concerned(raw).next().is_none() {
-            // Nothing is known of whoever obeys it.
+        let drives_all = raw.addressee.is_none() && matches!(raw.deed, Deed::Drive { .. });
+        if drives_all || self.concerned(raw).next().is_none() {
+            // A motor of which nothing is known may obey it.
             let [first, ..] = *raw.frame.bytes();
             let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
             check_raw(raw.deed, id, Known::NOTHING, None, self.limits, consent)?;
@@ -132,7 +138,13 @@ impl Bus {
             return;
         };
         raw.sent(now);
+        let raw = *raw;
         let (deed, addressee) = (raw.deed, raw.addressee);
+        for motor in self.motors.iter_mut().filter(|it| raw.may_move(it.id)) {
+            if let Some(current) = raw.current_in(motor.fresh_mode(now)) {
+                motor.torque.sent(current);
+            }
+        }
         match (deed, addressee) {
             (Deed::Ask | Deed::SetId, _) => {}
             (Deed::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(mode),

@@ -14,7 +14,7 @@ use crate::{
     schedule::Errand,
     timing::{
         CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN,
-        MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE, SILENT_STOP_PERIOD, STOP_PERIOD,
+        MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE, SILENT_FIRSTS_MAX, SILENT_STOP_PERIOD, STOP_PERIOD,
     },
 };
 
@@ -136,10 +136,10 @@ impl Bus {
         };
         let motor = self.motors.iter().find(|motor| motor.id == id);
         match motor.map(|motor| motor.control) {
-            // The port itself waits for the proof.
+            // The port has refused one: it waits for the proof as well.
             _ if self.refused_in_a_row > 0 => true,
             Some(Control::Driven(driven)) if rests(driven.goal) => false,
-            // Hold ends a motion: its first frame goes at once, and each other behind a query.
+            // Hold ends a motion: its first frame is offered at once, and each other behind a query.
             Some(Control::Driven(driven)) => match driven.hold.filter(|hold| hold.is_open(now)) {
                 Some(hold) => !self.query_was_last && hold.began() <= since,
                 None => true,
@@ -185,6 +185,7 @@ impl Bus {
             Effect::Survey(errand) if self.refused_in_a_row < REFUSED_MAX => {
                 self.survey_again = Some(errand);
             }
+            Effect::Survey(Errand::SetId(_)) => self.cancel_survey(at),
             // A port that takes nothing for so long answers nothing.
             Effect::Survey(_) => {
                 self.begin_exchange(&handed);
@@ -214,12 +215,16 @@ impl Bus {
             Effect::Raw => self.raw_goes_out(now),
             Effect::Motor { id, control, sent } => {
                 let is_query = matches!(sent, Sent::Query(_));
-                let mut stops_silent = false;
+                let mut stops_silent = None;
                 let mut drives = false;
                 let motor = self.watch(now, id);
+                let is_first =
+                    matches!(motor.control, Control::Stopping(stop) if !stop.first_frame_sent);
                 motor.control = control;
                 match sent {
-                    Sent::Stop => stops_silent = motor.is_without_answer(),
+                    Sent::Stop => {
+                        stops_silent = motor.is_without_answer().then_some(is_first);
+                    }
                     Sent::Switch { to, is_last } => {
                         if is_last {
                             // Ask whether it took.
@@ -241,8 +246,12 @@ impl Bus {
                 if drives {
                     self.last_drive = LastDrive::InFlight(now);
                 }
-                if stops_silent {
-                    self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);
+                if let Some(is_first) = stops_silent {
+                    self.silent_firsts = if is_first { self.silent_firsts + 1 } else { 0 };
+                    if !is_first || self.silent_firsts >= SILENT_FIRSTS_MAX {
+                        self.silent_firsts = 0;
+                        self.silent_stop_round = self.stop_round().map_or(0, |round| round + 1);
+                    }
                 }
                 if is_query {
                     self.query_was_last = true;
@@ -290,8 +299,8 @@ impl Bus {
             .and_then(|motor| motor.round_trip.window());
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
         // While any motor answers, the adapter is as fast as it was, and one that does not answer
-        // costs the others no more than that. A query for a proof and a frame that holds have no time to
-        // lose: the wheel goes on meanwhile. But where replies come late, the next request would meet one.
+        // costs the others no more than that. A query for a proof, a frame that holds and the stop of a
+        // silent motor have no time to lose: a wheel goes on meanwhile. But where replies come late, the next request would meet one.
         let in_time = self
             .late_heard
             .is_none_or(|heard| at.since(heard) > LATE_FORGOTTEN);
@@ -300,7 +309,12 @@ impl Bus {
             .motors
             .iter()
             .any(|motor| motor.id == id && motor.is_holding(at));
-        let doublings = if in_time && (holds || (unproved && layout == Layout::Query)) {
+        let stops_silent = self.motors.iter().any(|motor| {
+            let stops = matches!(motor.control, Control::Stopping(_));
+            motor.id == id && stops && motor.is_without_answer()
+        });
+        let hurries = holds || stops_silent || (unproved && layout == Layout::Query);
+        let doublings = if in_time && hurries {
             0
         } else {
             self.round_trip.doublings()
@@ -338,7 +352,7 @@ fn next_request(
                     STOP_PERIOD
                 };
             let request = stop.next_request(now, id);
-            stop.sent(now, &request, stop_period);
+            stop.sent(now, &request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
         (Control::Switching(mut switch), Errand::Switch(_)) => {
