@@ -239,7 +239,7 @@ impl Desk {
 
     /// The worker has failed: nothing more comes from it, and no frame leaves.
     pub(crate) fn worker_lost(self) {
-        // First of all: one that reports an error may live and drive on, and what is said here is to be true.
+        // First of all: a worker that reports an error may live and drive on, and what is said here must be true.
         self.link.with_value(|link| {
             if let Some(link) = link {
                 link.end();

@@ -66,7 +66,7 @@ impl Desk {
             was_empty
         });
         if was_empty == Some(true) {
-            // Without motors nothing else has the page shown anew.
+            // Without motors nothing else updates the page.
             self.show();
         }
     }

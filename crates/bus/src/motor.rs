@@ -45,7 +45,7 @@ pub(crate) struct Driven {
     pub(crate) next_frame: Instant,
     /// When the next frame would be due had every one gone out in time.
     pub(crate) on_schedule: Instant,
-    /// Until the first reply after Hold.
+    /// Since Hold, until a reply within 40 ms has said where the wheel was then.
     pub(crate) hold: Option<Hold>,
     /// The number of the group that it is driven in; none goes on without the others.
     pub(crate) group: Option<u32>,

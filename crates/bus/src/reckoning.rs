@@ -1,7 +1,7 @@
 //! Where a wheel is now, by its last certain angle and its speed since.
 //!
 //! Every reply reports the speed, but where replies are lost it may long be uncertain what their angle
-//! means. A wheel that is to be held cannot wait for that.
+//! means. Hold cannot wait for that.
 
 use std::time::Duration;
 

@@ -175,7 +175,7 @@ fn a_motor_that_needs_more_frames_takes_them_after_a_verified_failure() {
                 assert_eq!(
                     bench.command(more(ID, 5, SetIdFrames::MAX)),
                     Err(Refusal::NotProvedAlone),
-                    "each time it is proved anew"
+                    "each time it is proved once more"
                 );
                 bench.command(Command::FullScan).unwrap();
                 bench.run_until(ms(30_000), |bench| {

@@ -117,7 +117,7 @@ impl Journal {
     }
 
     /// Local time, in the log and in the names of files: it has to be right from [`Self::begins_ms`] on, or
-    /// from the beginning of a session that is to be restored.
+    /// from the beginning of the session to restore.
     pub const fn set_local_time(&mut self, local_time: LocalTime) {
         self.own_clock = self.own_clock.with_local_time(local_time);
         self.log

@@ -242,7 +242,7 @@ impl Bus {
             }
             (Control::Stopping(stop), _) => stop.heard_uncertain(reply.mode),
             (Control::Driven(driven), _) => {
-                // The first reply after Hold says where the wheel was then.
+                // A reply soon after Hold may say where the wheel was then.
                 if let Some(hold) = driven.hold
                     && let Some(held) = hold.refined(now, seen, reply.speed)
                 {

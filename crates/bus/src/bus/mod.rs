@@ -51,7 +51,7 @@ pub enum Output {
 enum LastDrive {
     /// A byte has come since: the line carries what it is given.
     Carried,
-    /// Perhaps still in the adapter, since then.
+    /// It was sent at this moment, and no byte has come since: the adapter may still have it.
     InFlight(Instant),
 }
 
@@ -102,7 +102,8 @@ pub struct Bus {
     survey_again: Option<Errand>,
     /// When the next call was asked for.
     call_due: Instant,
-    /// Motors that do not answer get a frame of their stop behind this round of those that do.
+    /// During a stop: a motor that does not answer gets its next frame once all that answer have had this
+    /// many.
     silent_stop_round: u32,
     /// First frames of a stop to motors that do not answer, since those that do got theirs.
     silent_firsts: u8,
