@@ -95,3 +95,28 @@ fn only_a_speed_is_refused_before_it_is_reached() {
     assert!(limits.allow(speed(100)) && limits.allow(speed(-100)) && limits.allow(Setpoint::Brake));
     assert!(!limits.allow(speed(101)) && !limits.allow(speed(-330)));
 }
+
+#[test]
+fn limits_are_what_they_were_made_of() {
+    let limits = Limits::new(123, 2_345, 67).unwrap();
+    assert_eq!(limits.speed_rpm(), 123);
+    assert_eq!(limits.current_ma(), 2_345);
+    assert_eq!(limits.temperature_c(), 67);
+}
+
+/// 11,059 raw is 2,700 mA, and 11,064 is 2,701.
+#[test]
+fn a_current_at_its_limit_is_not_above_it() {
+    let limits = Limits::new(330, 2_700, 75).unwrap();
+    let lasted = |raw: i16| {
+        let mut at_limit = sample(1, 0, 0.0);
+        at_limit.reply.current = Current::from_raw(raw);
+        let later = Sample {
+            at: Instant::from_millis(1_000),
+            ..at_limit
+        };
+        crossed(limits, &[at_limit, later], None).is_some()
+    };
+    assert!(!lasted(11_059) && !lasted(-11_059));
+    assert!(lasted(11_064) && lasted(-11_064));
+}

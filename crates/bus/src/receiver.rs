@@ -8,6 +8,10 @@ use crate::JunkBytes;
 /// more than that is a flood of junk, of which the oldest is let go.
 const CAPACITY: usize = 128;
 
+/// The place of the faults in a reply, and their bits that no motor is known to set (`motor.md`).
+const FAULT_BYTE: usize = 8;
+const RESERVED: u8 = 0b1110_0000;
+
 /// The bytes of one exchange.
 ///
 /// Every offset is tried, because an echo that was cut short shifts the reply by a length that
@@ -202,8 +206,15 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
         let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
         let has_reason =
             |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
+        // A stray byte behind a reply and a cut echo of one byte before it look alike.
+        let is_odd = |offset: usize| {
+            bytes
+                .get(offset + FAULT_BYTE)
+                .is_some_and(|b| b & RESERVED != 0)
+        };
+        let is_likely = |rival: &usize| has_reason(rival) && (is_odd(first) || !is_odd(*rival));
         // Behind a cut echo the true reply is the last one.
-        offset = rivals().rfind(has_reason).unwrap_or(first);
+        offset = rivals().rfind(is_likely).unwrap_or(first);
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
         let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
         is_open = rivals().next().is_some() && may_be_followed && !is_settled;
@@ -440,5 +451,21 @@ mod tests {
                 junk_bytes: 1
             }
         );
+    }
+
+    /// Seed 12313 of the fault simulation. The frame that begins at its second byte has a good CRC too,
+    /// with fault bits that no motor is known to set.
+    #[test]
+    fn a_stray_byte_behind_a_reply_makes_no_other_reply_of_it() {
+        let id = MotorId::new(2).unwrap();
+        let reply = frame("02 02 03 79 00 0A 74 57 00 ED");
+        let query = frame("02 74 00 00 00 00 00 00 00 F1");
+        let mut receiver = after(reply.bytes());
+        receiver.push(&[0x85]);
+        let Found::At(offset) = receiver.find(id, &query, true) else {
+            panic!("no reply");
+        };
+        let (found, _) = receiver.take(offset, &query).unwrap();
+        assert_eq!(found, reply);
     }
 }
