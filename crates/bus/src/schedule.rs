@@ -158,7 +158,9 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
     let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent);
     match (furthest_behind(false), furthest_behind(true)) {
         (Some((id, answers)), Some((silent_id, silent))) => {
-            let has_its_turn = answers.first_frame_sent && answers.round >= silent_round;
+            // A motor that has joined since may be far behind the round that was noted.
+            let is_round_over = answers.round >= silent_round || answers.round + 1 < silent_round;
+            let has_its_turn = answers.first_frame_sent && is_round_over;
             let is_next = has_its_turn && silent.next_frame <= answers.next_frame;
             Some(frame(if is_next {
                 (silent_id, silent)

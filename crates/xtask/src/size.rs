@@ -14,8 +14,8 @@ use crate::site::SiteFile;
 /// service worker keeps, the help in three languages too. The original page took 1.8 MB. It is to cost 300,000,
 /// which it does not yet: three languages take 46,000 of it, the help 19,000, a session that survives a crash
 /// 27,000, and views, which are code for each element, more than half. It was 520,000 before the outside review;
-/// what the review asked for (alerts that are withdrawn, a restored graph, more of the bus) takes 15,000.
-pub const FIRST_VISIT_GZIP_BYTES_MAX: usize = 536_000;
+/// what the review asked for (alerts that are withdrawn, a restored graph, more of the bus) takes 16,000.
+pub const FIRST_VISIT_GZIP_BYTES_MAX: usize = 537_000;
 
 /// The files of a site with their sizes.
 #[derive(Debug)]

@@ -275,6 +275,7 @@ impl Bus {
         self.add_companions(&mut ids);
         if self.stop.is_none() {
             self.silent_stop_round = 0;
+            self.silent_firsts = 0;
         }
         let round = self.stop_round().unwrap_or(0);
         for motor in self
