@@ -161,7 +161,8 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
             // A motor that has joined since may be far behind the round that was noted.
             let is_round_over = answers.round >= silent_round || answers.round + 1 < silent_round;
             let has_its_turn = answers.first_frame_sent && is_round_over;
-            let is_next = has_its_turn && silent.next_frame <= answers.next_frame;
+            let is_due = !silent.first_frame_sent || silent.next_frame <= answers.next_frame;
+            let is_next = has_its_turn && is_due;
             Some(frame(if is_next {
                 (silent_id, silent)
             } else {

@@ -88,6 +88,9 @@ pub enum Command {
         /// How long each part that reads input is fuzzed
         #[arg(long, default_value_t = 600)]
         seconds: u64,
+        /// How many worlds are played: 1,000 take 8 s on two cores
+        #[arg(long, default_value_t = 100_000)]
+        worlds: u64,
     },
     /// Change what keeps fingers whole, spot by spot, and fail where no test of the bus notices
     Mutants {

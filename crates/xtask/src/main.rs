@@ -85,9 +85,11 @@ fn obey(command: Command) -> Result<()> {
         }
         Command::Test { only, .. } => test::run(&workspace, only),
         Command::Bench { args } => bench::figures(&workspace, &args),
-        Command::Reliability { part, seconds } => {
-            reliability::show(&workspace, part.as_deref(), seconds)
-        }
+        Command::Reliability {
+            part,
+            seconds,
+            worlds,
+        } => reliability::show(&workspace, part.as_deref(), seconds, worlds),
         Command::Mutants { jobs } => mutants::show(&workspace, jobs),
         Command::Words { check } => words::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),

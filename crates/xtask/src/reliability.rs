@@ -17,9 +17,6 @@ use crate::workspace::Workspace;
 /// What can be done by itself.
 pub const PARTS: [&str; 5] = ["seeds", "sabotage", "fuzz", "browser", "hidden"];
 
-/// Worlds that are played.
-const SEEDS: &str = "100000";
-
 /// What is fuzzed: the programs in `fuzz/fuzz_targets`.
 const FUZZED: [&str; 4] = ["decode", "resynchronise", "raw_editor", "setup_file"];
 /// Bytes of the longest input; a setup file may be longer, but not deeper.
@@ -43,7 +40,7 @@ const STORIES: [&str; 10] = [
 const HIDDEN_SECONDS: u32 = 300;
 
 /// Does all of it, or one part, and puts what came of it into the table.
-pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64) -> Result<()> {
+pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64) -> Result<()> {
     let mut rows = Rows::default();
     let mut failed = Ok(());
     for part in PARTS
@@ -54,7 +51,8 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64) -> Result<(
         failed = failed.and(match part {
             "seeds" => {
                 let mut worlds = bench::worlds(workspace);
-                process::run_and_hear(worlds.args(["--seeds", SEEDS]), |line| rows.hear(line))
+                let seeds = seeds.to_string();
+                process::run_and_hear(worlds.args(["--seeds", &seeds]), |line| rows.hear(line))
             }
             "sabotage" => sabotage::show(workspace, &mut rows),
             "fuzz" => fuzz(workspace, seconds, &mut rows),

@@ -49,8 +49,8 @@ const SABOTAGES: [Sabotage; 20] = [
         rule: "NoOldActs",
         what: "an act is carried out when it is two seconds old",
         file: "crates/bus/src/command.rs",
-        from: "self.may_move() && age > ACT_AGE_MAX",
-        to: "self.may_move() && age > ACT_AGE_MAX * 4",
+        from: "self.releases()) && age > ACT_AGE_MAX",
+        to: "self.releases()) && age > ACT_AGE_MAX * 4",
     },
     Sabotage {
         rule: "NoMoreThanCommanded",
