@@ -90,7 +90,7 @@ impl Desk {
         }
     }
 
-    /// The frame, how often, and the loop by which its motor reads it. `None` where that is not known,
+    /// The frame, how often, and the loop that its motor reports. `None` where that is not known,
     /// or the frame is not for one motor: then it is asked about each time.
     fn what_is_meant(self, order: RawOrder) -> Option<(RawOrder, Mode)> {
         let id = Request::parse(&order.frame).ok()?.addressee()?;
