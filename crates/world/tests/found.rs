@@ -461,3 +461,19 @@ fn a_torque_is_not_reversed_behind_a_late_reply() {
         ],
     );
 }
+
+/// Rule `StopMovesNothing` was wrong here: the drive frame is on the wire when the page goes, and the worker is
+/// not called before the wheel has obeyed it and run down.
+#[test]
+fn a_frame_on_the_wire_when_a_stop_comes_explains_what_the_wheel_does() {
+    holds(
+        39_562,
+        3,
+        vec![
+            pause(10),
+            rpm(id(3), 28),
+            Act::PageGoes,
+            away(Absence::Delay, 25_631, vec![Turn::Bytes, Turn::Poll]),
+        ],
+    );
+}

@@ -146,7 +146,8 @@ impl Rundown {
         self.travelled_deg += (motor.turns() - self.turns).abs() * 360.0;
         self.turns = motor.turns();
         let latest = self.began + ON_ITS_WAY;
-        let is_asked = motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
+        // Until then the motor may still come to hear one.
+        let is_asked = now <= latest || motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
         let explained_deg = self.travelled_deg + motor.coasting_deg();
         self.explained_deg = if is_asked || self.was_asked {
             explained_deg
