@@ -2,12 +2,12 @@
 
 use crate::words::terms;
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker,
     bus::{Activity, Command, CommandRate, Consent, Limits, StopReason, needs_consent},
     protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
 };
-use motorlink_words::tr;
 
 use crate::{
     alerts::Until,

@@ -79,12 +79,12 @@ fn start_worker(desk: Desk) {
         if let Ok(looking) = looking {
             on_cleanup(move || looking.clear());
         }
-        desk.start_journal();
+        desk.start_recorder();
         desk.stop_if_asked_early();
         desk.connect_if_asked_early();
     } else {
         desk.worker.set(WorkerState::Dead);
-        desk.start_journal();
+        desk.start_recorder();
         desk.say(words::of_dead_worker(false));
     }
 }

@@ -1,7 +1,7 @@
 //! Everything that the components share: what is shown, what was entered, and the line to the
 //! worker.
 
-use motorlink_words::{Language, spoken, tr};
+use motorlink_i18n::{Language, spoken, tr};
 use std::{ops::Deref, sync::Mutex};
 
 use leptos::prelude::*;
@@ -22,13 +22,13 @@ use crate::{
     history::History,
     id_manager::{Change, IdManager},
     installation::Installing,
-    journal::Journal,
     mirror::to_wire,
     notice_board::{NoticeBoard, Words},
     preferences::Preferences,
     question::RawOrder,
     raw_acts::RawEntry,
     recent::Recent,
+    recorder::Recorder,
     session::Session,
     tab::Tab,
     target::Target,
@@ -153,7 +153,7 @@ pub(crate) struct Parts {
     /// The state as it is shown, as a person counts: at most once a frame, and ten times a second for readings alone.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) worker: RwSignal<WorkerState>,
-    pub(crate) journal: Journal,
+    pub(crate) recorder: Recorder,
     pub(crate) notices: RwSignal<NoticeBoard>,
     pub(crate) preferences: RwSignal<Preferences>,
     /// What the page speaks; the page is drawn anew when it changes.
@@ -207,7 +207,7 @@ impl Desk {
             virtual_wire: StoredValue::new(0),
             shown: RwSignal::new(Session::default()),
             worker: RwSignal::new(WorkerState::Starting),
-            journal: Journal::new(),
+            recorder: Recorder::new(),
             notices: RwSignal::new(NoticeBoard::default()),
             preferences: RwSignal::new(preferences),
             language: RwSignal::new(spoken()),

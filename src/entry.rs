@@ -1,10 +1,10 @@
 //! What a person types into a field, read into a value in range or into words that say why not.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits},
     protocol::{CurrentTarget, PositionTarget, SpeedTarget},
 };
-use motorlink_words::tr;
 
 use crate::format;
 

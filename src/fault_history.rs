@@ -1,7 +1,7 @@
 //! Which faults came and went, and when: kept until a person has seen them.
 
+use motorlink_i18n::{terms, tr};
 use motorlink_messages::protocol::{Fault, Faults, MotorId};
-use motorlink_words::{terms, tr};
 
 /// One time that a fault was there. Times are milliseconds of the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]

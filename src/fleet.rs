@@ -1,7 +1,7 @@
 //! Who is who among the motors: their names, their sides and which of them drive together, as this
 //! browser remembers it for each ID.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{

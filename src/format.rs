@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+pub(crate) use motorlink_i18n::terms::in_language;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Current, CurrentTarget, PositionTarget, Rpm, Setpoint};
-pub(crate) use motorlink_words::terms::in_language;
-use motorlink_words::tr;
 
 /// Shown where nothing is known. Unknown is not zero.
 pub(crate) const UNKNOWN: &str = "–";

@@ -1,7 +1,7 @@
 //! The list `Motors found`: who has answered, and what each reports.
 
 use crate::words::terms;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{

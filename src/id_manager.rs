@@ -4,12 +4,12 @@
 //! motor and nothing else, and a person has agreed. Whatever comes between (Cancel, a stop, another
 //! tab, another scan, a lost port) ends the wish: a scan that ends after that opens no dialog.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
     bus::{Command, IdChangeOutcome, ScanReport, SetIdFrames, SurveyStatus},
     protocol::{AssignableId, MotorId},
 };
-use motorlink_words::tr;
 
 use crate::{
     notice_board::{Remedy, Tone, Topic, Words},

@@ -1,6 +1,6 @@
 //! The page as a program of the browser's: kept for use without a network, installed, and advised to be.
 //!
-//! What only a browser's own promises and events know is in `crates/xtask/boot/installed.js`; it tells of it
+//! What only a browser's own promises and events know is in `boot/installed.js`; it tells of it
 //! by one event on the window, and is called by its global functions.
 
 use js_sys::{Function, Reflect};

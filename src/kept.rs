@@ -1,11 +1,11 @@
 //! What the browser keeps: the session that is offered, and everything erased.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits, Sample},
-    journal::{KeptSession, ToJournal},
+    recorder::{KeptSession, ToRecorder},
 };
-use motorlink_words::tr;
 
 use crate::{
     desk::{Desk, Dialog},
@@ -14,7 +14,7 @@ use crate::{
     log_feed::LogFeed,
     preferences::{Model, Preferences, forget_all},
     setup::Setup,
-    words::{journal::no_journal, kept as words, log_lines},
+    words::{kept as words, log_lines, recorder::no_recorder},
 };
 
 /// A session that the browser keeps, and what is done with it.
@@ -33,29 +33,29 @@ impl Desk {
     /// Has the session that is offered taken in. It starts no wheel and brings no setpoint back: it is log
     /// and recording.
     pub(crate) fn restore_session(self) {
-        if let Offer::Open(session) = self.journal.kept.get_untracked() {
-            self.journal.kept.set(Offer::Restoring(session));
-            self.tell_journal(&ToJournal::Restore);
+        if let Offer::Open(session) = self.recorder.kept.get_untracked() {
+            self.recorder.kept.set(Offer::Restoring(session));
+            self.tell_recorder(&ToRecorder::Restore);
         }
     }
 
     /// Has it removed.
     pub(crate) fn forget_session(self) {
-        if let Offer::Open(session) = self.journal.kept.get_untracked() {
-            self.journal.kept.set(Offer::None);
-            self.tell_journal(&ToJournal::Forget);
+        if let Offer::Open(session) = self.recorder.kept.get_untracked() {
+            self.recorder.kept.set(Offer::None);
+            self.tell_recorder(&ToRecorder::Forget);
             self.log_now(log_lines::calm(words::of_forgotten(&session)));
         }
     }
 
     pub(crate) fn session_restored(self) {
-        self.journal.feed.update_value(LogFeed::renumbered);
+        self.recorder.feed.update_value(LogFeed::renumbered);
         self.history.update_value(History::begin_past);
         self.look();
-        if let Offer::Restoring(session) = self.journal.kept.get_untracked() {
+        if let Offer::Restoring(session) = self.recorder.kept.get_untracked() {
             self.log_now(log_lines::calm(words::of_restored(&session)));
         }
-        self.journal.kept.set(Offer::None);
+        self.recorder.kept.set(Offer::None);
     }
 
     /// Takes a part of the restored samples into the graph.
@@ -73,16 +73,16 @@ impl Desk {
 
     /// Why nothing can be erased now, where a setup could not be taken in for this reason either.
     pub(crate) fn why_not_erase(self, in_use: Option<String>) -> Option<String> {
-        if !self.journal.alive.get() {
-            return Some(no_journal().to_owned());
+        if !self.recorder.alive.get() {
+            return Some(no_recorder().to_owned());
         }
-        let records = self.journal.recording.with(|status| status.recording);
+        let records = self.recorder.recording.with(|status| status.recording);
         let records = records.then(|| tr!("End the recording first.").to_owned());
         records.or(in_use)
     }
 
     pub(crate) fn ask_to_erase(self) {
-        self.journal.erased.set("");
+        self.recorder.erased.set("");
         self.dialog.set(Some(Dialog::EraseKept));
     }
 
@@ -95,7 +95,7 @@ impl Desk {
             self.refuse(tr!("Nothing was erased").to_owned(), reason);
             return;
         }
-        self.journal.kept.set(Offer::None);
+        self.recorder.kept.set(Offer::None);
         let limits = Limits::default();
         self.take_setup(Setup {
             model: Some(Model::default()),
@@ -112,14 +112,14 @@ impl Desk {
         self.refilter(|filter| filter.collapse = first.collapse_polls);
         // Last of all: what was done before has been remembered.
         forget_all();
-        self.journal.feed.update_value(LogFeed::renumbered);
-        self.tell_journal(&ToJournal::Erase);
+        self.recorder.feed.update_value(LogFeed::renumbered);
+        self.tell_recorder(&ToRecorder::Erase);
         self.look();
     }
 
     pub(crate) fn kept_data_erased(self, all: bool) {
         let words = words::of_erased(all);
-        self.journal.erased.set(words);
+        self.recorder.erased.set(words);
         self.log_now(log_lines::calm(words));
     }
 }

@@ -2,7 +2,7 @@
 //! own.
 
 use leptos::prelude::*;
-use motorlink_words::{Language, speak};
+use motorlink_i18n::{Language, speak};
 
 use crate::{desk::Desk, preferences::remember};
 
@@ -34,14 +34,14 @@ impl Desk {
         self.language.set(language);
     }
 
-    /// The log's entries are put into words by the journal.
+    /// The log's entries are put into words by the recorder.
     pub(crate) fn tell_language(self, language: Language) {
         let speak = self
-            .journal
+            .recorder
             .feed
             .try_update_value(|feed| feed.speak(language));
         if let Some(speak) = speak {
-            self.tell_journal(&speak);
+            self.tell_recorder(&speak);
             self.look();
         }
     }

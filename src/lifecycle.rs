@@ -1,8 +1,8 @@
 //! The page is hidden, frozen, closed; its tab says what turns.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
-use motorlink_words::tr;
 use web_sys::VisibilityState;
 
 use crate::{

@@ -1,13 +1,13 @@
 //! The frames of the protocol card: the last of each kind that passed on the line between the page and
 //! the chosen motor.
 
+use motorlink_i18n::terms;
 use motorlink_messages::{
     bus::Activity,
     protocol::{
         Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, explain_heard, explain_sent,
     },
 };
-use motorlink_words::terms;
 
 use crate::session::Session;
 

@@ -3,8 +3,8 @@
 
 use std::rc::Rc;
 
-use motorlink_messages::journal::{Filter, LogPage, Row, ToJournal, Window};
-use motorlink_words::Language;
+use motorlink_i18n::Language;
+use motorlink_messages::recorder::{Filter, LogPage, Row, ToRecorder, Window};
 
 use crate::log_view::LogView;
 
@@ -45,14 +45,14 @@ pub(crate) struct LogFeed {
     wake_in_step: Option<Rc<dyn Fn()>>,
 }
 
-/// So many answers in a row from before the last change, which is a second of them, and the journal
+/// So many answers in a row from before the last change, which is a second of them, and the recorder
 /// has not heard of it.
 const STALE_MAX: u8 = 30;
 
 impl LogFeed {
     /// Takes in rows and counts. An answer from before the last change of the filter is none; where
-    /// nothing else comes, the journal is told of the filter once more, by what is given back.
-    pub(crate) fn take(&mut self, page: LogPage) -> Option<ToJournal> {
+    /// nothing else comes, the recorder is told of the filter once more, by what is given back.
+    pub(crate) fn take(&mut self, page: LogPage) -> Option<ToRecorder> {
         let ahead = page.generation.wrapping_sub(self.generation);
         if ahead > u32::MAX / 2 {
             self.stale += 1;
@@ -61,7 +61,7 @@ impl LogFeed {
             }
             self.stale = 0;
             self.asked = None;
-            return Some(ToJournal::Filter(self.filter.clone()));
+            return Some(ToRecorder::Filter(self.filter.clone()));
         }
         self.stale = 0;
         self.generation = page.generation;
@@ -74,14 +74,14 @@ impl LogFeed {
     }
 
     /// The rows to ask for now, where they are not those that were asked for last.
-    pub(crate) fn look(&mut self) -> Option<ToJournal> {
+    pub(crate) fn look(&mut self) -> Option<ToRecorder> {
         let window = self.view.look(self.asked)?;
         self.asked = Some(window);
-        Some(ToJournal::Look(window))
+        Some(ToRecorder::Look(window))
     }
 
-    /// Changes which entries are shown; what to tell the journal of it.
-    pub(crate) fn refilter(&mut self, change: impl FnOnce(&mut Filter)) -> Option<ToJournal> {
+    /// Changes which entries are shown; what to tell the recorder of it.
+    pub(crate) fn refilter(&mut self, change: impl FnOnce(&mut Filter)) -> Option<ToRecorder> {
         let mut filter = self.filter.clone();
         change(&mut filter);
         if filter == self.filter {
@@ -89,14 +89,14 @@ impl LogFeed {
         }
         self.filter = filter.clone();
         self.begin_anew();
-        Some(ToJournal::Filter(filter))
+        Some(ToRecorder::Filter(filter))
     }
 
     /// Puts entries into words in another language, and counts them anew: what is searched for may be in
     /// others now.
-    pub(crate) fn speak(&mut self, language: Language) -> ToJournal {
+    pub(crate) fn speak(&mut self, language: Language) -> ToRecorder {
         self.begin_anew();
-        ToJournal::Speak(language.key().to_owned())
+        ToRecorder::Speak(language.key().to_owned())
     }
 
     /// Which entries are shown.
@@ -105,12 +105,12 @@ impl LogFeed {
     }
 
     /// Forgets every entry.
-    pub(crate) fn clear(&mut self) -> ToJournal {
+    pub(crate) fn clear(&mut self) -> ToRecorder {
         self.begin_anew();
-        ToJournal::Clear
+        ToRecorder::Clear
     }
 
-    /// The journal has numbered the rows anew by itself.
+    /// The recorder has numbered the rows anew by itself.
     pub(crate) fn renumbered(&mut self) {
         self.begin_anew();
     }
@@ -123,7 +123,7 @@ impl LogFeed {
         self.wake();
     }
 
-    /// The journal is gone, and the log with it.
+    /// The recorder is gone, and the log with it.
     pub(crate) fn lose(&mut self) {
         self.page = LogPage::default();
         self.view.set_rows(0, 0);
@@ -168,7 +168,7 @@ impl LogFeed {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::journal::Kind;
+    use motorlink_messages::recorder::Kind;
 
     use super::*;
 
@@ -210,7 +210,7 @@ mod tests {
         let mut feed = LogFeed::default();
         assert_eq!(feed.take(page(0, 0..5)), None);
         let filter = feed.refilter(|filter| filter.collapse = true);
-        assert!(matches!(filter, Some(ToJournal::Filter(_))));
+        assert!(matches!(filter, Some(ToRecorder::Filter(_))));
         feed.clear();
         feed.take(page(0, 0..7));
         feed.take(page(1, 0..7));
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_journal_that_did_not_hear_of_the_filter_is_told_again() {
+    fn a_recorder_that_did_not_hear_of_the_filter_is_told_again() {
         let mut feed = LogFeed::default();
         let filter = feed.refilter(|filter| filter.collapse = true);
         for _ in 1..STALE_MAX {
@@ -253,7 +253,7 @@ mod tests {
             first: None,
             rows: 24,
         };
-        assert_eq!(feed.look(), Some(ToJournal::Look(newest)));
+        assert_eq!(feed.look(), Some(ToRecorder::Look(newest)));
         assert!(feed.state().following);
     }
 }

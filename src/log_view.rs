@@ -6,7 +6,7 @@
 //! rows. The scroll bar tells only by how much it was moved, and may be behind the log for as long as
 //! a person has it in hand.
 
-use motorlink_messages::journal::Window;
+use motorlink_messages::recorder::Window;
 
 /// Height of a row in pixels: what the style sheet gives `.packet`.
 pub(crate) const ROW_PX: u32 = 22;
@@ -204,7 +204,7 @@ impl LogView {
         bottom_px.div_ceil(u64::from(self.row_px)).min(self.end)
     }
 
-    /// Which rows to ask the journal for, where those asked for before do not do any more: what is
+    /// Which rows to ask the recorder for, where those asked for before do not do any more: what is
     /// seen, and as much again above and below, so that a short way is there at once.
     pub(crate) fn look(&self, asked: Option<Window>) -> Option<Window> {
         let seen = (u64::from(self.height_px / self.row_px) + 2).max(ROWS_MIN);

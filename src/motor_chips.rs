@@ -1,6 +1,6 @@
 //! The chips of the strip: who has answered, and what each reports.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::protocol::{Faults, MotorId};

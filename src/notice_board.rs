@@ -1,8 +1,8 @@
 //! The notices that stand: one a topic, so that the board is bounded and a fault that repeats does
 //! not push out the others.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 
 use crate::{
     alerts::{Fate, Until},
@@ -35,7 +35,7 @@ pub(crate) enum Topic {
     /// The worker behind the page.
     Worker,
     /// The worker that keeps the log.
-    Journal,
+    Recorder,
     /// A file that was asked for.
     Export,
     /// Another version of the page.

@@ -4,12 +4,12 @@
 //! person can know them beforehand, so that a button says why before it is pressed.
 
 use crate::words::terms;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection,
     bus::{Activity, NotTogether, Refusal, Together, check_position_switch},
     protocol::{Mode, MotorId},
 };
-use motorlink_words::tr;
 
 use crate::{
     fleet::{Crew, Side},

@@ -1,7 +1,7 @@
 //! What the page asks before it does what cannot be taken back by a stop, or what needs care.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{bus::Repeat, protocol::Frame};
-use motorlink_words::tr;
 
 use crate::{desk::Dialog, format, id_manager::Change, words};
 
@@ -87,7 +87,7 @@ fn change_id(Change { from, to, frames }: Change) -> Question {
 }
 
 fn clear_log(entries: u64) -> Question {
-    let yes = words::journal::of_clearing(entries);
+    let yes = words::recorder::of_clearing(entries);
     Question {
         name: tr!("Clear the packet log"),
         title: format!("{yes}?"),

@@ -2,12 +2,12 @@
 
 use crate::words::terms;
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
     bus::{Command, Consent, Refusal, Repeat, is_hazardous},
     protocol::{Frame, Layout, Mode, MotorId, Request},
 };
-use motorlink_words::tr;
 
 use crate::{
     desk::{Desk, Dialog},

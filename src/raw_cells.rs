@@ -1,6 +1,6 @@
 //! The bytes of a frame that a person writes, each with what it means.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::protocol::{FRAME_LEN, Frame, Request, RequestError};

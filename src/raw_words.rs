@@ -1,11 +1,11 @@
 //! A frame that a person writes, in words: what it asks, or what is wrong, and what came of it.
 
 use crate::words::terms;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{RawAnswer, RawStatus, unassignable_id},
     protocol::{Frame, Mode, MotorId, Request, explain_heard, explain_sent},
 };
-use motorlink_words::tr;
 
 use crate::{
     format,

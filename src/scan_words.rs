@@ -1,11 +1,11 @@
 //! What scans and ID changes say when they end: what was found, and what to do.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
     bus::{Command, IdChangeOutcome, IdQueryOutcome, ScanReport, SurveyStatus},
     protocol::{AssignableId, MotorId},
 };
-use motorlink_words::tr;
 
 use crate::{
     format::in_language,

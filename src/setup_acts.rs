@@ -2,7 +2,7 @@
 
 use js_sys::{Array, Uint8Array};
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 

@@ -1,7 +1,7 @@
 //! The tabs of the control panel.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
-use motorlink_words::tr;
 
 /// A tab: a loop to drive in, or a tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! A value that is entered: the last good one, and what is being typed over it.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use crate::entry::{Entry, Typed};
 

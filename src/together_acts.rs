@@ -1,12 +1,12 @@
 //! What an operator does in the panel `Drive together`, and what the page does about it.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice,
     bus::{Activity, Command, Consent, Ramp},
     protocol::MotorId,
 };
-use motorlink_words::tr;
 use web_sys::VisibilityState;
 
 use crate::{

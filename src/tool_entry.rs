@@ -1,11 +1,11 @@
 //! The fields of the tools: the new ID of a motor, how often a frame is repeated, and the ramp.
 
 use crate::words::terms;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{Ramp, RawInterval},
     protocol::{AssignableId, MotorId, MotorIdError},
 };
-use motorlink_words::tr;
 
 use crate::entry::{Entry, Typed, plain, whole};
 

@@ -1,11 +1,11 @@
 //! What the page says when something happened: what it was, and what to do.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     ConnectError, Connection, Notice,
     bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
     protocol::{Mode, MotorId},
 };
-use motorlink_words::tr;
 
 use crate::{
     alerts,
@@ -17,11 +17,11 @@ use crate::{
 
 pub(crate) mod help;
 pub(crate) mod installation;
-pub(crate) mod journal;
 pub(crate) mod kept;
 pub(crate) mod link;
 pub(crate) mod log_lines;
 pub(crate) mod new_version;
+pub(crate) mod recorder;
 pub(crate) mod setup;
 pub(crate) mod terms;
 pub(crate) mod tour;

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink_hostile::decode(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| motorlink_fuzz_checks::decode(bytes));

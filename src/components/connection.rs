@@ -1,8 +1,8 @@
 //! The state of the port, and the buttons that change it.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection};
-use motorlink_words::tr;
 
 use crate::components::live::live;
 

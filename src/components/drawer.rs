@@ -2,7 +2,7 @@
 //! the rest of the page stay in reach.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::{button::PressButton, live::live};
 use crate::{desk::use_desk, drawer::Drawer};

@@ -5,7 +5,7 @@
 //! then, and as a view it would weigh many times as much.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{
     Element, Event, FocusOptions, HtmlElement, HtmlInputElement, KeyboardEvent, PointerEvent,

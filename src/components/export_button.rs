@@ -1,11 +1,11 @@
 //! A button that has a file made, and while it is being written shows how far it is and ends it.
 
 use leptos::prelude::*;
-use motorlink_messages::journal::Export;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::Export;
 
 use super::{button::PressButton, live::live};
-use crate::{desk::use_desk, words::journal::no_journal};
+use crate::{desk::use_desk, words::recorder::no_recorder};
 
 /// A button of this name; while the file is being written `Cancel export`, and a progress bar in it.
 #[component]
@@ -21,11 +21,11 @@ pub(super) fn ExportButton(
     why_empty: Signal<Option<String>>,
 ) -> impl IntoView {
     let desk = use_desk();
-    let exporting = desk.journal.exporting;
+    let exporting = desk.recorder.exporting;
     let is_mine = move || exporting.with(|one| one.is_some_and(|one| one.what == what));
     let why_not = move || {
-        if !desk.journal.alive.get() {
-            return Some(no_journal().to_owned());
+        if !desk.recorder.alive.get() {
+            return Some(no_recorder().to_owned());
         }
         match exporting.get() {
             Some(one) if one.what == what => None,

@@ -1,7 +1,7 @@
 //! What is always visible: the line to the motor, and STOP.
 
 use leptos::prelude::*;
-use motorlink_words::{Language, tr};
+use motorlink_i18n::{Language, tr};
 use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 

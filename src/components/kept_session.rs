@@ -2,7 +2,7 @@
 //! `Forget session`. As HTML, it weighs a tenth of a view.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event};
 
@@ -47,7 +47,7 @@ pub(super) fn markup() -> String {
 pub(super) fn keep_working(desk: Desk) {
     on_window("click", move |event| hear(desk, &event));
     follow(move || {
-        let offer = desk.journal.kept.get();
+        let offer = desk.recorder.kept.get();
         if let Some(said) = document().get_element_by_id(SAID) {
             let now_ms = page_origin_ms() + page_now_ms();
             said.set_text_content(Some(&words::of_offer(&offer, now_ms)));
@@ -67,7 +67,7 @@ fn hear(desk: Desk, event: &Event) {
     let act: fn(Desk) = match id.as_str() {
         RESTORE => Desk::restore_session,
         FORGET => Desk::forget_session,
-        LEAVE => |desk| desk.journal.kept.set(Offer::None),
+        LEAVE => |desk| desk.recorder.kept.set(Offer::None),
         _ => return,
     };
     // Afterwards: what hides a button must not do so while it is being pressed.

@@ -6,8 +6,8 @@ mod figures;
 mod markup;
 
 use leptos::{html, prelude::*};
+use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
-use motorlink_words::tr;
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use super::{

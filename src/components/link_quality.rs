@@ -1,7 +1,7 @@
 //! How well the line works.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use crate::components::live::live;
 

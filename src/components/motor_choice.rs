@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 
 use crate::{
     components::live::memo,

@@ -1,8 +1,8 @@
 //! Region `Motors`: every motor that was found, at a glance, and the way to what concerns them all.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 

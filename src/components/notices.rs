@@ -1,12 +1,12 @@
 //! What happened that a person should know of, and what to do next.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection,
     bus::Activity,
     protocol::{Mode, MotorId},
 };
-use motorlink_words::tr;
 
 use crate::{
     components::{
@@ -34,7 +34,7 @@ pub(crate) fn Notices() -> impl IntoView {
     let slots: Vec<_> = (0..NoticeBoard::SLOTS)
         .map(|place| view! { <Slot place /> })
         .collect();
-    let nothing_kept = move || desk.journal.kept.with(|offer| *offer == Offer::None);
+    let nothing_kept = move || desk.recorder.kept.with(|offer| *offer == Offer::None);
     let tour = move || desk.tour.with(|tour| tour.wanted);
     kept_session::keep_working(desk);
     tour::keep_working(desk);

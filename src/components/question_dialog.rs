@@ -1,7 +1,7 @@
 //! One dialog for every question: only one is asked at a time.
 
 use leptos::{html::Div, prelude::*};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::{button::PressButton, focus::focus_when, live::live};
 use crate::{

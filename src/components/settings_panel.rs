@@ -3,7 +3,7 @@
 //! The buttons are HTML and two listeners on the window: as a view they would weigh many times as much.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlInputElement};
 
@@ -138,7 +138,7 @@ fn keep_working(desk: Desk) {
         say_why(ERASE, desk.why_not_erase(reason).as_deref(), erases);
     });
     follow(move || say_why(INSTALL, desk.why_not_install(), installation::hint()));
-    follow(move || say(desk.journal.erased.get()));
+    follow(move || say(desk.recorder.erased.get()));
 }
 
 /// A button that cannot be pressed for this reason, or that does this.

@@ -1,8 +1,8 @@
 //! STOP: on every screen, over every dialog, never disabled.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::bus::StopReason;
-use motorlink_words::tr;
 
 use crate::components::live::heard;
 

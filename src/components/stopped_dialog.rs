@@ -1,8 +1,8 @@
 //! After Stop all motors: every wheel on its way to a standstill, until a person releases it.
 
 use leptos::{html::Div, prelude::*};
+use motorlink_i18n::tr;
 use motorlink_messages::{bus::Activity, protocol::MotorId};
-use motorlink_words::tr;
 
 use crate::components::live::live;
 

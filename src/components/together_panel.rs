@@ -1,8 +1,8 @@
 //! Panel `Drive together`: several motors with one setpoint.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 

@@ -1,8 +1,8 @@
 //! What the motor does: its twin.
 
 use leptos::prelude::*;
+use motorlink_i18n::{terms, tr};
 use motorlink_messages::{bus::Activity, protocol::Mode};
-use motorlink_words::{terms, tr};
 
 use crate::components::live::live;
 

@@ -1,7 +1,7 @@
 //! What is drawn: the traces of the chosen motor, or one trace of several motors.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Instant, MotorId};
-use motorlink_words::tr;
 
 use super::trace::{Trace, Traces};
 use crate::{

@@ -1,7 +1,7 @@
 //! What was reported at one moment: the nearest reply of each trace.
 
+use motorlink_i18n::terms::in_language;
 use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
-use motorlink_words::terms::in_language;
 
 use super::{comparison::Comparison, trace::Trace};
 use crate::{

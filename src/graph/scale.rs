@@ -1,7 +1,7 @@
 //! How high the axes reach: steps that read well, the same above zero as below, and no jumping about.
 
 use super::trace::Trace;
-use motorlink_words::terms::in_language;
+use motorlink_i18n::terms::in_language;
 
 use crate::format;
 

@@ -1,6 +1,6 @@
 //! The marks of the time axis: how long ago while the view is live, the time of day while it is held.
 
-use motorlink_words::{terms::in_language, tr};
+use motorlink_i18n::{terms::in_language, tr};
 
 /// Distances of marks that read well, in milliseconds.
 const STEPS_MS: [u64; 18] = [

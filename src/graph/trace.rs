@@ -1,7 +1,7 @@
 //! What can be drawn: four quantities that a motor reports, and the goal.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::Setpoint;
-use motorlink_words::tr;
 
 use crate::{history::Point, mirror::Mirror};
 

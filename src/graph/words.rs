@@ -1,6 +1,6 @@
 //! The graph's name, and what it shows in words, for those who do not see it.
 
-use motorlink_words::{terms::in_language, tr};
+use motorlink_i18n::{terms::in_language, tr};
 
 use super::{
     comparison::Comparison,

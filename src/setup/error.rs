@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::SETUP_BYTES_MAX;
 

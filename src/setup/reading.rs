@@ -1,10 +1,10 @@
 //! Reads a file, and where it does not fit finds the place by which a refusal names it.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits, Ramp},
     protocol::MotorId,
 };
-use motorlink_words::tr;
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
 
 use super::{Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION};

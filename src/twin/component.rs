@@ -5,7 +5,7 @@ use std::{cell::Cell, rc::Rc};
 use leptos::prelude::*;
 use leptos::svg::Svg;
 use leptos::web_sys::Element;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::course::LOOK_EVERY_MS;
 use super::feed::{TwinFeed, View};

@@ -1,6 +1,6 @@
 //! The ring round the wheel: speed as an arc, the scale beside it, and the pointers of the goal.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::geometry::{arc, circle, polar, spokes};
 use super::markup::Markup;

@@ -1,8 +1,8 @@
 //! What the twin says in words and figures.
 
+use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
-use motorlink_words::{terms::in_language, tr};
 
 /// What the wheel does, as the page says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

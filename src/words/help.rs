@@ -1,12 +1,12 @@
 //! The help in words, as far as they stand outside its files.
 
 use crate::{doctor::Diagnosis, help_topic::HelpTopic};
+use motorlink_i18n::tr;
 use motorlink_messages::bus::{Refusal, WithdrawReason};
-use motorlink_words::tr;
 
 /// The language of the help, by the name of its file in `public/help/`.
 pub(crate) fn help_language() -> &'static str {
-    motorlink_words::spoken().key()
+    motorlink_i18n::spoken().key()
 }
 
 pub(crate) fn loading() -> &'static str {

@@ -1,6 +1,6 @@
 //! The page as an installed program, in words.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::words;
 use crate::notice_board::{Remedy, Tone, Topic, Words};

@@ -1,7 +1,7 @@
 //! What the browser keeps, in words.
 
-use motorlink_messages::journal::{KeptSession, NotKept};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{KeptSession, NotKept};
 
 use super::log_lines::Line;
 use crate::{

@@ -1,7 +1,7 @@
 //! What the link doctor says: the likely cause, and what to do about it.
 
+use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
-use motorlink_words::tr;
 
 use super::wiring;
 use crate::doctor::Diagnosis;

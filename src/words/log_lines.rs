@@ -1,11 +1,11 @@
 //! The lines of the packet log that are the page's own: what happened between the frames.
 
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice, Update,
     bus::{Activity, IdQueryOutcome, StopReason, StopReport},
     protocol::{MotorId, Setpoint},
 };
-use motorlink_words::tr;
 
 use super::{of_stop_reason, terms};
 use crate::{

@@ -1,6 +1,6 @@
 //! A new version of the page, in words.
 
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use super::words;
 use crate::notice_board::{Remedy, Tone, Topic, Words};

@@ -1,7 +1,7 @@
 //! What became of a file that was to be the setup.
 
 use crate::setup::{Setup, SetupError};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 /// What was taken from a file.
 pub(crate) fn of_taken(setup: &Setup) -> String {

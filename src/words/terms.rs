@@ -1,12 +1,12 @@
 //! The terms of the bus in the language that is spoken. Its own crate says them in English, for other
 //! programs.
 
+pub(crate) use motorlink_i18n::terms::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     Adapter,
     bus::{Crossed, NotTogether, Refusal, Together},
 };
-pub(crate) use motorlink_words::terms::*;
-use motorlink_words::tr;
 
 use crate::format;
 
@@ -83,7 +83,7 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
         Refusal::FaultActive { id, faults } => tr!(
             "Motor {id} reports {faults} and ignores commands until that clears. Press again then.",
             id,
-            faults = motorlink_words::terms::faults(faults)
+            faults = motorlink_i18n::terms::faults(faults)
         ),
         Refusal::NeedsConsent(current) => tr!(
             "{current} is above 6.1 A: confirm that it is meant.",

@@ -1,7 +1,7 @@
 //! The tour in words.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 
 use crate::{help_topic::HelpTopic, tour::Step};
 

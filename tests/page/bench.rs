@@ -21,7 +21,7 @@ use web_sys::{
 };
 
 /// Passes on what it is told, and says what it is bidden: as the worker that owns the port, or as the
-/// journal.
+/// recorder.
 const WORKER: &str = r"
     const bench = new BroadcastChannel('CHANNEL' + (self.name ? '-' + self.name : ''));
     self.onmessage = (event) => {

@@ -2,12 +2,12 @@
 
 use motorlink::{Preferences, Theme};
 use motorlink_messages::{
-    journal::{FromJournal, KeptSession, NotKept, RecordingStatus, ToJournal},
     protocol::Mode,
+    recorder::{FromRecorder, KeptSession, NotKept, RecordingStatus, ToRecorder},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use crate::{bench::Bench, fake_journal::FakeJournal};
+use crate::{bench::Bench, fake_recorder::FakeRecorder};
 
 const SESSION: KeptSession = KeptSession {
     from_ms: 1_795_266_900_000.0,
@@ -17,18 +17,18 @@ const SESSION: KeptSession = KeptSession {
     recorded_ms: 200_000,
 };
 
-async fn offered(name: &str) -> (FakeJournal, Bench) {
-    let journal = FakeJournal::new(name);
+async fn offered(name: &str) -> (FakeRecorder, Bench) {
+    let recorder = FakeRecorder::new(name);
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    journal.told().await;
+    recorder.told().await;
     assert!(bench.find_all("button", "Restore session").is_empty());
-    journal.say(&FromJournal::Kept(SESSION));
+    recorder.say(&FromRecorder::Kept(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
         })
         .await;
-    (journal, bench)
+    (recorder, bench)
 }
 
 async fn until_nothing_is_offered(bench: &Bench) {
@@ -41,29 +41,29 @@ async fn until_nothing_is_offered(bench: &Bench) {
 
 #[wasm_bindgen_test]
 async fn a_kept_session_is_offered_in_words_and_restored_once() {
-    let (journal, bench) = offered("kept-restored").await;
+    let (recorder, bench) = offered("kept-restored").await;
     let words = bench.text("status", "Kept session");
     assert!(words.contains("is kept in this browser"), "{words}");
     assert!(words.contains("packets, 3 min recorded"), "{words}");
     bench.click("Restore session");
     bench.click("Restore session");
-    let told = journal.told().await;
-    assert_eq!(told, [ToJournal::Restore]);
+    let told = recorder.told().await;
+    assert_eq!(told, [ToRecorder::Restore]);
     let words = bench.text("status", "Kept session");
     assert!(words.contains("being restored"), "{words}");
     assert!(bench.commands().await.is_empty(), "nothing is driven");
-    journal.say(&FromJournal::Restored);
+    recorder.say(&FromRecorder::Restored);
     until_nothing_is_offered(&bench).await;
 }
 
 #[wasm_bindgen_test]
 async fn a_kept_session_is_forgotten_or_left() {
-    let (journal, bench) = offered("kept-forgotten").await;
+    let (recorder, bench) = offered("kept-forgotten").await;
     bench.click("Forget session");
     until_nothing_is_offered(&bench).await;
-    let told = journal.told().await;
-    assert!(told.contains(&ToJournal::Forget), "{told:?}");
-    journal.say(&FromJournal::Kept(SESSION));
+    let told = recorder.told().await;
+    assert!(told.contains(&ToRecorder::Forget), "{told:?}");
+    recorder.say(&FromRecorder::Kept(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
@@ -71,23 +71,23 @@ async fn a_kept_session_is_forgotten_or_left() {
         .await;
     bench.click("Dismiss kept session");
     until_nothing_is_offered(&bench).await;
-    assert!(journal.told().await.is_empty());
+    assert!(recorder.told().await.is_empty());
 }
 
 #[wasm_bindgen_test]
 async fn a_browser_without_room_is_a_line_of_the_log() {
-    let journal = FakeJournal::new("kept-no-room");
+    let recorder = FakeRecorder::new("kept-no-room");
     let _bench = Bench::with_motor("kept-no-room", Mode::Velocity).await;
-    journal.told().await;
-    journal.say(&FromJournal::NotKept(NotKept::NoRoom));
-    let told = journal.told().await;
-    let is_line = |told: &ToJournal| matches!(told, ToJournal::Say { error: true, text, .. } if text.contains("no room"));
+    recorder.told().await;
+    recorder.say(&FromRecorder::NotKept(NotKept::NoRoom));
+    let told = recorder.told().await;
+    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::Say { error: true, text, .. } if text.contains("no room"));
     assert!(told.iter().any(is_line), "{told:?}");
 }
 
 #[wasm_bindgen_test]
 async fn everything_is_erased_after_a_question_and_not_while_recording() {
-    let journal = FakeJournal::new("kept-erased");
+    let recorder = FakeRecorder::new("kept-erased");
     let bench = Bench::with_motor("kept-erased", Mode::Velocity).await;
     let chosen = Preferences {
         theme: Theme::Dark,
@@ -98,7 +98,7 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
         recording: true,
         ..RecordingStatus::default()
     };
-    journal.say(&FromJournal::Recording(status));
+    recorder.say(&FromRecorder::Recording(status));
     bench.open("Settings").await;
     let button = bench.find("button", "Erase kept data");
     bench
@@ -106,7 +106,7 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
         .await;
     let title = button.get_attribute("title").unwrap();
     assert!(title.contains("End the recording"), "{title}");
-    journal.say(&FromJournal::Recording(RecordingStatus::default()));
+    recorder.say(&FromRecorder::Recording(RecordingStatus::default()));
     bench
         .until("the button", || !button.has_attribute("disabled"))
         .await;
@@ -116,15 +116,15 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
             !bench.find_all("button", "Erase").is_empty()
         })
         .await;
-    journal.told().await;
+    recorder.told().await;
     bench.click("Erase");
-    let told = journal.told().await;
-    assert!(told.contains(&ToJournal::Erase), "{told:?}");
+    let told = recorder.told().await;
+    assert!(told.contains(&ToRecorder::Erase), "{told:?}");
     let storage = web_sys::window().unwrap().local_storage().unwrap().unwrap();
     let kept = |name: &str| storage.get_item(name).unwrap();
     assert_eq!(kept("motorlink.theme"), None);
     assert_eq!(kept("motorlink.fleet"), None);
-    journal.say(&FromJournal::Erased { all: true });
+    recorder.say(&FromRecorder::Erased { all: true });
     bench
         .until("words", || bench.text("status", "Setup").contains("Erased"))
         .await;

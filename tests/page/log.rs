@@ -1,4 +1,4 @@
-//! What the page tells the journal, and what it does with what it hears.
+//! What the page tells the recorder, and what it does with what it hears.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -6,8 +6,8 @@ use js_sys::Array;
 use motorlink_messages::{
     ToPage,
     bus::{Activity, Command},
-    journal::{Export, Filter, FromJournal, Kind, RecordingStatus, ToJournal},
     protocol::Mode,
+    recorder::{Export, Filter, FromRecorder, Kind, RecordingStatus, ToRecorder},
 };
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
@@ -16,85 +16,85 @@ use web_sys::{AddEventListenerOptions, Blob, Element, Event, Response};
 
 use crate::{
     bench::{Bench, document, motor, performance, press},
-    fake_journal::FakeJournal,
+    fake_recorder::FakeRecorder,
     log_bench::{page, rows},
 };
 
 /// It is not lost because the page can be used before its workers are there.
 #[wasm_bindgen_test]
-async fn what_is_said_before_there_is_a_journal_is_logged_once_there_is() {
-    let journal = FakeJournal::new("log-early");
+async fn what_is_said_before_there_is_a_recorder_is_logged_once_there_is() {
+    let recorder = FakeRecorder::new("log-early");
     let bench = Bench::after("log-early", || press("1")).await;
     let said = bench.text("region", "Notices");
     assert!(said.contains("was not driven"), "{said}");
     let time_origin_ms = performance().time_origin();
     bench.say(&ToPage::Hello { time_origin_ms });
-    let told = journal.told().await;
-    let place = |is: fn(&ToJournal) -> bool| told.iter().position(is);
-    let epoch = place(|told| matches!(told, ToJournal::Epoch { .. })).unwrap();
+    let told = recorder.told().await;
+    let place = |is: fn(&ToRecorder) -> bool| told.iter().position(is);
+    let epoch = place(|told| matches!(told, ToRecorder::Epoch { .. })).unwrap();
     let line = place(
-        |told| matches!(told, ToJournal::Say { text, .. } if text.contains("was not driven")),
+        |told| matches!(told, ToRecorder::Say { text, .. } if text.contains("was not driven")),
     );
     assert!(line.unwrap() > epoch, "{told:?}");
 }
 
 #[wasm_bindgen_test]
 async fn both_workers_get_an_end_of_one_line() {
-    let (journal, _bench, _style) = page("line", 0).await;
-    assert!(journal.is_connected());
+    let (recorder, _bench, _style) = page("line", 0).await;
+    assert!(recorder.is_connected());
 }
 
 #[wasm_bindgen_test]
 async fn a_filter_is_sent_when_one_has_typed() {
-    let (journal, bench, _style) = page("filter", 10).await;
+    let (recorder, bench, _style) = page("filter", 10).await;
     bench.enter_into("searchbox", "Filter", "0x");
     bench.enter_into("searchbox", "Filter", "0x05");
     let filter = |text: &str, kind| {
-        ToJournal::Filter(Filter {
+        ToRecorder::Filter(Filter {
             text: text.to_owned(),
             id: None,
             kind,
             collapse: true,
         })
     };
-    assert_eq!(journal.told().await, [filter("0x05", None)]);
+    assert_eq!(recorder.told().await, [filter("0x05", None)]);
 
     let list: web_sys::HtmlSelectElement = bench.find("combobox", "Log direction").unchecked_into();
     list.set_value("2");
     list.dispatch_event(&Event::new("change").unwrap()).unwrap();
-    assert_eq!(journal.told().await, [filter("0x05", Some(Kind::Rx))]);
+    assert_eq!(recorder.told().await, [filter("0x05", Some(Kind::Rx))]);
 }
 
 #[wasm_bindgen_test]
 async fn collapsing_is_on_at_first_and_remembered() {
-    let journal = FakeJournal::new("collapse");
+    let recorder = FakeRecorder::new("collapse");
     let bench = Bench::new("collapse").await;
-    let collapse = |told: &[ToJournal]| match told {
-        [.., ToJournal::Filter(filter)] => Some(filter.collapse),
+    let collapse = |told: &[ToRecorder]| match told {
+        [.., ToRecorder::Filter(filter)] => Some(filter.collapse),
         _ => None,
     };
-    assert_eq!(collapse(&journal.told().await), Some(true));
+    assert_eq!(collapse(&recorder.told().await), Some(true));
     bench.find("checkbox", "Collapse status polls").click();
-    assert_eq!(collapse(&journal.told().await), Some(false));
+    assert_eq!(collapse(&recorder.told().await), Some(false));
     assert!(!motorlink::Preferences::load().collapse_polls);
     motorlink::Preferences::default().save();
 }
 
 #[wasm_bindgen_test]
 async fn what_happens_on_the_page_is_logged() {
-    let journal = FakeJournal::new("lines");
+    let recorder = FakeRecorder::new("lines");
     let bench = Bench::with_motor("lines", Mode::Velocity).await;
-    let said = |told: Vec<ToJournal>| -> Vec<(bool, String)> {
+    let said = |told: Vec<ToRecorder>| -> Vec<(bool, String)> {
         let said = told.into_iter().filter_map(|message| match message {
-            ToJournal::Say { error, text, .. } => Some((error, text)),
+            ToRecorder::Say { error, text, .. } => Some((error, text)),
             _ => None,
         });
         said.collect()
     };
-    let told = journal.told().await;
+    let told = recorder.told().await;
     assert!(
         told.iter()
-            .any(|message| matches!(message, ToJournal::Epoch { unix_ms } if *unix_ms > 1e12))
+            .any(|message| matches!(message, ToRecorder::Epoch { unix_ms } if *unix_ms > 1e12))
     );
     assert_eq!(
         said(told),
@@ -108,7 +108,7 @@ async fn what_happens_on_the_page_is_logged() {
         })
         .await;
     press("2");
-    let said = said(journal.told().await);
+    let said = said(recorder.told().await);
     let [(false, text)] = said.as_slice() else {
         panic!("{said:?}");
     };
@@ -117,12 +117,12 @@ async fn what_happens_on_the_page_is_logged() {
 
 #[wasm_bindgen_test]
 async fn a_long_log_is_cleared_after_a_question_only() {
-    let (journal, bench, _style) = page("clear", 1_001).await;
+    let (recorder, bench, _style) = page("clear", 1_001).await;
     bench.click("Clear");
-    assert_eq!(journal.told().await, []);
+    assert_eq!(recorder.told().await, []);
     bench.find("alertdialog", "Clear the packet log");
     bench.click("Clear 1\u{202F}001 entries");
-    assert_eq!(journal.told().await, [ToJournal::Clear]);
+    assert_eq!(recorder.told().await, [ToRecorder::Clear]);
     assert!(
         bench
             .find_all("alertdialog", "Clear the packet log")
@@ -134,10 +134,10 @@ async fn a_long_log_is_cleared_after_a_question_only() {
         .until("an empty log", || entries() == "0 entries")
         .await;
 
-    journal.log(5);
+    recorder.log(5);
     bench.until("rows", || rows(&bench).len() == 5).await;
     bench.click("Clear");
-    assert_eq!(journal.told().await, [ToJournal::Clear]);
+    assert_eq!(recorder.told().await, [ToRecorder::Clear]);
 }
 
 /// The next file that the page saves: its name, and what is in it.
@@ -193,15 +193,15 @@ impl Drop for Saved {
 
 #[wasm_bindgen_test]
 async fn an_export_shows_how_far_it_is_and_saves_a_file() {
-    let (journal, bench, _style) = page("export", 10).await;
+    let (recorder, bench, _style) = page("export", 10).await;
     let saved = Saved::watch();
     bench.click("Export CSV");
-    assert_eq!(journal.told().await, [ToJournal::ExportLog]);
+    assert_eq!(recorder.told().await, [ToRecorder::ExportLog]);
     bench.find("button", "Cancel export");
     let other = bench.find("button", "Export telemetry CSV");
     assert!(other.has_attribute("disabled"));
     let what = Export::Log;
-    journal.say(&FromJournal::Exporting {
+    recorder.say(&FromRecorder::Exporting {
         what,
         done: 5,
         of: 10,
@@ -214,8 +214,8 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     let parts = Array::of1(&JsValue::from_str("time,elapsed_s\r\n"));
     let file = Blob::new_with_str_sequence(&parts).unwrap();
     let name = "motorlink-log.csv".to_owned();
-    journal.say_with(
-        &FromJournal::Exported {
+    recorder.say_with(
+        &FromRecorder::Exported {
             what,
             name,
             rows: 10,
@@ -232,9 +232,9 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
         (name.as_str(), text.as_str()),
         ("motorlink-log.csv", "time,elapsed_s\r\n")
     );
-    let told = journal.told().await;
+    let told = recorder.told().await;
     assert!(
-        matches!(&told[..], [ToJournal::Say { text, .. }] if text.contains("10 rows")),
+        matches!(&told[..], [ToRecorder::Say { text, .. }] if text.contains("10 rows")),
         "{told:?}"
     );
 
@@ -246,10 +246,10 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
         .await;
     bench.click("Cancel export");
     assert_eq!(
-        journal.told().await,
-        [ToJournal::ExportLog, ToJournal::CancelExport]
+        recorder.told().await,
+        [ToRecorder::ExportLog, ToRecorder::CancelExport]
     );
-    journal.say(&FromJournal::NotExported {
+    recorder.say(&FromRecorder::NotExported {
         what,
         cancelled: true,
     });
@@ -263,22 +263,22 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
 
 #[wasm_bindgen_test]
 async fn the_recording_says_what_it_holds() {
-    let (journal, bench, _style) = page("recording", 0).await;
+    let (recorder, bench, _style) = page("recording", 0).await;
     let mut status = RecordingStatus {
         rolling: 6_012,
         ..RecordingStatus::default()
     };
-    journal.say(&FromJournal::Recording(status));
+    recorder.say(&FromRecorder::Recording(status));
     let words = || bench.text("status", "Recorded").replace('\u{202F}', " ");
     bench
         .until("the samples", || words() == "Last 10 min: 6 012 samples")
         .await;
     bench.click("Record telemetry");
-    assert_eq!(journal.told().await, [ToJournal::Record(true)]);
+    assert_eq!(recorder.told().await, [ToRecorder::Record(true)]);
     status.recording = true;
     status.recorded = 6_650;
     status.recorded_ms = 133_000;
-    journal.say(&FromJournal::Recording(status));
+    recorder.say(&FromRecorder::Recording(status));
     bench
         .until("the time", || {
             words() == "Recording: 00:02:13, 6 650 samples"
@@ -291,15 +291,15 @@ async fn the_recording_says_what_it_holds() {
     bench.click("Record telemetry");
     bench.click("Export telemetry CSV");
     assert_eq!(
-        journal.told().await,
-        [ToJournal::Record(false), ToJournal::ExportTelemetry]
+        recorder.told().await,
+        [ToRecorder::Record(false), ToRecorder::ExportTelemetry]
     );
 }
 
 #[wasm_bindgen_test]
-async fn a_dead_journal_is_told_and_driving_goes_on() {
-    let (journal, bench, _style) = page("dead", 10).await;
-    journal.say(&FromJournal::Died);
+async fn a_dead_recorder_is_told_and_driving_goes_on() {
+    let (recorder, bench, _style) = page("dead", 10).await;
+    recorder.say(&FromRecorder::Died);
     bench
         .until("the words", || {
             bench.text("region", "Notices").contains("packet log")

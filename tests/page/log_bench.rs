@@ -1,4 +1,4 @@
-//! A page whose journal keeps rows, and the rows that it shows.
+//! A page whose recorder keeps rows, and the rows that it shows.
 
 use motorlink_messages::protocol::Mode;
 use wasm_bindgen::JsCast;
@@ -6,15 +6,15 @@ use web_sys::Element;
 
 use crate::{
     bench::{Bench, document},
-    fake_journal::FakeJournal,
+    fake_recorder::FakeRecorder,
 };
 
-/// A page with a journal that keeps so many entries, and a list of ten rows.
-pub async fn page(name: &str, entries: usize) -> (FakeJournal, Bench, Style) {
+/// A page with a recorder that keeps so many entries, and a list of ten rows.
+pub async fn page(name: &str, entries: usize) -> (FakeRecorder, Bench, Style) {
     let style = Style::new();
-    let journal = FakeJournal::new(name);
+    let recorder = FakeRecorder::new(name);
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    journal.log(entries);
+    recorder.log(entries);
     bench
         .until("the newest row", || {
             entries == 0
@@ -23,8 +23,8 @@ pub async fn page(name: &str, entries: usize) -> (FakeJournal, Bench, Style) {
                     .is_some_and(|row| row.number() + 1 == entries)
         })
         .await;
-    journal.told().await;
-    (journal, bench, style)
+    recorder.told().await;
+    (recorder, bench, style)
 }
 
 /// The looks of the list, without which nothing scrolls.

@@ -1,6 +1,6 @@
 //! The list `Packets`: rows, and what becomes of them while one scrolls.
 
-use motorlink_messages::journal::Kind;
+use motorlink_messages::recorder::Kind;
 use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::HtmlElement;
@@ -25,7 +25,7 @@ async fn scroll_by(bench: &Bench, px: f64) {
     let scroller = scroller(bench);
     scroller.set_scroll_top(scroller.scroll_top() + px);
     pause(100).await;
-    // A row that the journal has not yet brought is number 0, as the first is.
+    // A row that the recorder has not yet brought is number 0, as the first is.
     bench
         .until("the rows to be brought", || {
             numbers(bench).iter().skip(1).all(|number| *number > 0)
@@ -35,13 +35,13 @@ async fn scroll_by(bench: &Bench, px: f64) {
 
 #[wasm_bindgen_test]
 async fn rows_appear_in_words_and_are_told_apart() {
-    let (journal, bench, _style) = page("rows", 2).await;
-    journal.log_row(|row| {
+    let (recorder, bench, _style) = page("rows", 2).await;
+    recorder.log_row(|row| {
         row.kind = Kind::Error;
         row.meaning = String::from("<b>CRC</b> is 5B");
         row.collapsed_before = 48;
     });
-    journal.log_row(|row| {
+    recorder.log_row(|row| {
         row.kind = Kind::System;
         row.hex.clear();
         row.id.clear();
@@ -63,9 +63,9 @@ async fn rows_appear_in_words_and_are_told_apart() {
 
 #[wasm_bindgen_test]
 async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
-    let (journal, bench, _style) = page("virtual", 5_000).await;
+    let (recorder, bench, _style) = page("virtual", 5_000).await;
     assert_eq!(numbers(&bench), (4_990..5_000).collect::<Vec<_>>());
-    journal.log(3);
+    recorder.log(3);
     bench
         .until("the newest", || numbers(&bench).last() == Some(&5_002))
         .await;
@@ -79,7 +79,7 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
 
 #[wasm_bindgen_test]
 async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back() {
-    let (journal, bench, _style) = page("auto-scroll", 500).await;
+    let (recorder, bench, _style) = page("auto-scroll", 500).await;
     assert!(auto_scrolls(&bench));
     assert!(bench.find_all("button", "Back to the newest").is_empty());
 
@@ -87,7 +87,7 @@ async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back(
     assert!(!auto_scrolls(&bench));
     assert_eq!(numbers(&bench), (487..497).collect::<Vec<_>>());
     let top = rows(&bench)[0].top();
-    journal.log(12);
+    recorder.log(12);
     let back = || {
         let button = bench.find_all("button", "Back to the newest");
         button.first().map(text_of).unwrap_or_default()
@@ -110,7 +110,7 @@ async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back(
 
     // By the checkbox.
     bench.find("checkbox", "Auto-scroll").click();
-    journal.log(1);
+    recorder.log(1);
     bench.until("one new", || back().contains("1 new")).await;
     assert_eq!(numbers(&bench).last(), Some(&511));
     bench.find("checkbox", "Auto-scroll").click();
@@ -121,11 +121,11 @@ async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back(
 
 #[wasm_bindgen_test]
 async fn what_is_read_does_not_move_when_old_rows_give_way() {
-    let (journal, bench, _style) = page("give-way", 1_000).await;
+    let (recorder, bench, _style) = page("give-way", 1_000).await;
     scroll_by(&bench, -5_000.0).await;
     let (before, top) = (numbers(&bench), rows(&bench)[0].top());
     for _ in 0..3 {
-        journal.give_way(100);
+        recorder.give_way(100);
         pause(400).await;
         assert_eq!(numbers(&bench), before);
         assert!((rows(&bench)[0].top() - top).abs() < 0.5);

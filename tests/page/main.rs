@@ -9,7 +9,7 @@
 
 mod bench;
 mod contract;
-mod fake_journal;
+mod fake_recorder;
 mod graph;
 mod help;
 mod instruments;

@@ -1,7 +1,7 @@
 //! What crosses between the page and its workers: two enums each, and nothing else.
 //!
 //! The page sends [`ToWorker`], the worker that owns the port [`ToPage`]; for the worker that keeps the
-//! packet log see [`journal`]. Both cross as one buffer of bytes
+//! packet log see [`recorder`]. Both cross as one buffer of bytes
 //! (`postcard`), so that nothing is shared and the page can build on nothing inside the worker. The
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
 mod awake_clock;
-pub mod journal;
+pub mod recorder;
 mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};

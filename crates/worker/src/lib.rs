@@ -1,7 +1,7 @@
-//! The web workers: the one that owns the port and the bus, and the journal.
+//! The web workers: the one that owns the port and the bus, and the recorder.
 //!
 //! Everything that touches the motors happens in the first, away from the page: a hidden page's timers
-//! crawl and a busy page is late, but a worker's loop goes on. The journal keeps the packet log and the
+//! crawl and a busy page is late, but a worker's loop goes on. The recorder keeps the packet log and the
 //! recording, away from both: what takes long there delays no frame and no screen. Both are one program
 //! with the page, so that a visit loads it once; the name that the page gives a worker says which it is. What crosses
 //! to the page and back is in `motorlink-messages`.
@@ -16,17 +16,17 @@
 //! | `line` | a serial port or the virtual bus: bytes out, bytes in |
 //! | `serial` | Web Serial: open, read, write, close, and its errors |
 //! | `outbox` | what goes to the page, at most once a frame |
-//! | `traffic` | what passed on the line, on its way to the journal |
+//! | `traffic` | what passed on the line, on its way to the recorder |
 //! | `alarm` | one wake-up at a precise moment |
 //! | `scope` | the worker's global object: clock, messages |
-//! | `journal` | the other worker: `motorlink-journal` in the browser |
+//! | `recorder` | the other worker: `motorlink-recorder` in the browser |
 
 mod alarm;
 mod claim;
 mod connecting;
-mod journal;
 mod line;
 mod outbox;
+mod recorder;
 mod scope;
 mod serial;
 mod session;
@@ -36,14 +36,14 @@ mod traffic;
 
 use motorlink_messages::ToPage;
 
-/// The name by which the page starts the journal.
-const JOURNAL: &str = "journal";
+/// The name by which the page starts the recorder.
+const RECORDER: &str = "recorder";
 
 /// Starts as the worker that its name says. Called in the scope of a dedicated worker.
 pub fn start() {
-    if scope::global().name() == JOURNAL {
-        on_panic(journal::died);
-        journal::start();
+    if scope::global().name() == RECORDER {
+        on_panic(recorder::died);
+        recorder::start();
     } else {
         // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
         on_panic(|| scope::post(&ToPage::Died));

@@ -75,7 +75,7 @@ pub(crate) fn post_bytes(bytes: &[u8]) {
 pub(crate) enum Arrived {
     /// A message of ours.
     Message(Vec<u8>),
-    /// An end of the line between the two workers, on which the traffic goes to the journal.
+    /// An end of the line between the two workers, on which the traffic goes to the recorder.
     Line(MessagePort),
 }
 

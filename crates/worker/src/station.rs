@@ -287,7 +287,7 @@ impl Station {
             self.halted |= open.bus.is_halted();
             wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
         }
-        // Before the page hears that a port is closed, the journal is sent all that passed on it.
+        // Before the page hears that a port is closed, the recorder is sent all that passed on it.
         if self.tape.due().is_some_and(|due| due <= now) {
             self.tape.send(now);
         }
@@ -297,7 +297,7 @@ impl Station {
         }
         let outbox_due = self.outbox.due(now);
         let tape_due = self.tape.due();
-        // The journal can wait for the next frame of the screen: one wake-up for both.
+        // The recorder can wait for the next frame of the screen: one wake-up for both.
         let tape_due = tape_due.map(|due| outbox_due.map_or(due, |frame| frame.max(due)));
         if let Some(at) = wake.into_iter().chain(outbox_due).chain(tape_due).min() {
             self.alarm.arm(now, at);

@@ -17,7 +17,7 @@ pub(crate) fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
     }
     let notice = match event {
         Event::Telemetry(sample) => return outbox.sample(sample),
-        // Traffic went to the journal.
+        // Traffic went to the recorder.
         Event::PingPage | Event::Traffic(_) => return,
         Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
         Event::ScanEnded(report) => Notice::ScanEnded(report),

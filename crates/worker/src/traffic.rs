@@ -1,4 +1,4 @@
-//! What passed on the line, on its way to the journal.
+//! What passed on the line, on its way to the recorder.
 //!
 //! It does not go through the page, which has enough to do: the two workers share a line.
 
@@ -6,7 +6,7 @@ use std::{collections::VecDeque, time::Duration};
 
 use js_sys::{Array, Uint8Array};
 use motorlink_bus::Traffic;
-use motorlink_messages::journal::push_traffic;
+use motorlink_messages::recorder::push_traffic;
 use motorlink_protocol::Instant;
 use web_sys::MessagePort;
 
@@ -15,7 +15,7 @@ use crate::scope::report;
 /// A log that is 50 ms old looks like one of now, and 20 messages a second cost nothing.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Entries that wait for a journal that has not begun yet: 20 s of a full line, in half a megabyte. The
+/// Entries that wait for a recorder that has not begun yet: 20 s of a full line, in half a megabyte. The
 /// oldest give way.
 const WAITING_MAX: usize = 20_000;
 
@@ -27,7 +27,7 @@ pub(crate) struct TrafficTape {
 }
 
 impl TrafficTape {
-    /// Takes the line to the journal. What has waited goes at once.
+    /// Takes the line to the recorder. What has waited goes at once.
     pub(crate) fn connect(&mut self, port: MessagePort) {
         self.port = Some(port);
         self.hurry();
@@ -61,7 +61,7 @@ impl TrafficTape {
         let array = Uint8Array::from(buffer.as_slice());
         let transfer = Array::of1(&array.buffer());
         if let Err(error) = port.post_message_with_transferable(&array, &transfer) {
-            report("traffic could not be posted to the journal", &error);
+            report("traffic could not be posted to the recorder", &error);
         }
         self.last_sent = now;
     }
@@ -73,7 +73,7 @@ mod tests {
 
     use gloo_timers::future::sleep;
     use motorlink_bus::{JunkBytes, Passed};
-    use motorlink_messages::journal;
+    use motorlink_messages::recorder;
     use motorlink_protocol::{Mode, MotorId, Request};
     use wasm_bindgen::{JsCast, prelude::Closure};
     use wasm_bindgen_test::wasm_bindgen_test;
@@ -107,7 +107,7 @@ mod tests {
         let hear = Rc::clone(&heard);
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
             let bytes = event.data().unchecked_into::<Uint8Array>().to_vec();
-            hear.borrow_mut().push(journal::traffic(&bytes).collect());
+            hear.borrow_mut().push(recorder::traffic(&bytes).collect());
         });
         channel
             .port2()

@@ -128,7 +128,7 @@ pub fn worlds(workspace: &Workspace) -> Command {
 /// Lets cargo run the program that plays worlds; its flags come next.
 pub fn name_worlds(cargo: &mut Command) {
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
-    cargo.args(["--package", "motorlink-world", "--"]);
+    cargo.args(["--package", "motorlink-fault-simulation", "--"]);
 }
 
 /// Makes the README's moving picture and the screenshots.

@@ -13,9 +13,9 @@ use crate::template::fill;
 /// Its place gives it the right over the whole site, and its name stays, so that a browser finds the next.
 pub const NAME: &str = "sw.js";
 
-const KEEPS: &str = include_str!("../boot/service_worker.js");
-const ENDS: &str = include_str!("../boot/no_service_worker.js");
-const INSTALLED: &str = include_str!("../boot/installed.js");
+const KEEPS: &str = include_str!("../../../boot/service_worker.js");
+const ENDS: &str = include_str!("../../../boot/no_service_worker.js");
+const INSTALLED: &str = include_str!("../../../boot/installed.js");
 
 /// The page's part of it.
 pub fn page_part(profile: Profile) -> Result<String> {

@@ -74,7 +74,7 @@ struct Parts {
 /// Builds the site, prints how large it is, and gives its directory.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
     let program = bindgen::build(workspace, profile)?;
-    let boot = workspace.root().join("crates/xtask/boot");
+    let boot = workspace.root().join("boot");
     let parts = Parts {
         program,
         page_boot: read(&boot.join("page.js"))?,
@@ -299,8 +299,8 @@ mod tests {
     #[test]
     fn the_boot_scripts_have_a_place_for_each_name() {
         let mut real = parts();
-        real.page_boot = include_str!("../boot/page.js").to_owned();
-        real.worker_boot = include_str!("../boot/worker.js").to_owned();
+        real.page_boot = include_str!("../../../boot/page.js").to_owned();
+        real.worker_boot = include_str!("../../../boot/worker.js").to_owned();
         assemble(&real).unwrap();
     }
 }

@@ -1,11 +1,11 @@
 //! Tab `Current`.
 
 use leptos::prelude::*;
+use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::{
     bus::HIGH_CURRENT_RAW,
     protocol::{CurrentTarget, Mode},
 };
-use motorlink_words::{terms::in_language, tr};
 
 use crate::components::live::live;
 

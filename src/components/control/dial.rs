@@ -1,8 +1,8 @@
 //! A dial to drag to an angle: straight up is 0°, and angles grow clockwise as the wheel's do.
 
 use leptos::{prelude::*, svg::Svg};
+use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::protocol::PositionTarget;
-use motorlink_words::{terms::in_language, tr};
 use web_sys::{KeyboardEvent, PointerEvent};
 
 use crate::components::live::{heard, live};

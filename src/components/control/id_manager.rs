@@ -1,8 +1,8 @@
 //! Tab `ID Manager`.
 
 use leptos::{html::Ul, prelude::*};
+use motorlink_i18n::tr;
 use motorlink_messages::bus::SurveyStatus;
-use motorlink_words::tr;
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{

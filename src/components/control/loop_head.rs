@@ -1,8 +1,8 @@
 //! The head of a tab: its loop, what the motor reports, and the switch.
 
 use leptos::prelude::*;
+use motorlink_i18n::{terms, tr};
 use motorlink_messages::protocol::Mode;
-use motorlink_words::{terms, tr};
 
 use crate::components::live::live;
 

@@ -13,7 +13,7 @@ mod slider;
 mod velocity;
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 

@@ -1,8 +1,8 @@
 //! Tab `Position`.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Mode, PositionTarget};
-use motorlink_words::tr;
 
 use super::{
     dial::Dial,

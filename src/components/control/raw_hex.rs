@@ -1,11 +1,11 @@
 //! Tab `Raw Hex`.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{Refusal, is_hazardous, unassignable_id},
     protocol::Layout,
 };
-use motorlink_words::tr;
 
 use super::{number_field::NumberField, panel::tab_panel};
 use crate::{

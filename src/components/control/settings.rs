@@ -1,7 +1,7 @@
 //! How motors are driven, whichever the loop.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use crate::components::live::{heard, live};
 

@@ -1,8 +1,8 @@
 //! Tab `Velocity`.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Mode, Setpoint};
-use motorlink_words::tr;
 
 use super::{
     number_field::NumberField,

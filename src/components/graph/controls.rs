@@ -1,7 +1,7 @@
 //! The row above the graph: which traces, how long, pause, now, and the picture.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 

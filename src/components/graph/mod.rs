@@ -31,7 +31,7 @@ mod traces;
 mod watchers;
 
 use leptos::{html::Div, prelude::*};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use self::{controls::Controls, state::Chart};
 use crate::{

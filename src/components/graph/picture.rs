@@ -1,7 +1,7 @@
 //! The picture: what the graph shows, with a legend above it, on the background of the page.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement};
 

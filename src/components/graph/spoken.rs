@@ -1,7 +1,7 @@
 //! The values in words, for those who do not see the lines.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::Instant;
-use motorlink_words::tr;
 use web_sys::Element;
 
 use super::{overlay::Text, state::Chart};

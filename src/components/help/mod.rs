@@ -3,7 +3,7 @@
 mod page;
 
 use leptos::{html::Div, prelude::*, task::spawn_local};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, MouseEvent};
 

@@ -1,8 +1,8 @@
 //! The line in figures, as HTML. Their places have their widths in the style sheet, so that no figure
 //! moves another.
 
+use motorlink_i18n::tr;
 use motorlink_messages::bus::{Counters, LineStatus, ROUND_TRIP_CLASSES_US, RoundTripStatus};
-use motorlink_words::tr;
 
 use super::markup::push;
 use crate::{

@@ -1,7 +1,7 @@
 //! The panel as HTML.
 
+use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
-use motorlink_words::tr;
 
 use crate::{
     doctor::Verdict,

@@ -3,15 +3,15 @@
 use std::{fmt::Write, time::Duration};
 
 use leptos::prelude::*;
-use motorlink_messages::{journal::Kind, protocol::MotorId};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::{protocol::MotorId, recorder::Kind};
 
 use crate::{
     components::live::memo,
     components::live::{heard, live},
     desk::{Desk, use_desk},
     session::Session,
-    words::journal::no_journal,
+    words::recorder::no_recorder,
 };
 
 /// A filter is sent when nothing has been typed for so long: each one has a million entries looked
@@ -44,13 +44,13 @@ pub(super) fn Filters() -> impl IntoView {
     let desk = use_desk();
     let found = memo(move || desk.shown.with(Session::found));
     // What was chosen before stands in the controls when they are made anew.
-    let filter = desk.journal.feed.with_value(|feed| feed.filter().clone());
+    let filter = desk.recorder.feed.with_value(|feed| feed.filter().clone());
     let id = RwSignal::new(filter.id);
     let typed = StoredValue::new(0_u32);
     let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
-    let following = memo(move || desk.journal.log.with(|log| log.following));
-    let stopped = move || !desk.journal.alive.get();
-    let title = |hint: &'static str| live(move || if stopped() { no_journal() } else { hint });
+    let following = memo(move || desk.recorder.log.with(|log| log.following));
+    let stopped = move || !desk.recorder.alive.get();
+    let title = |hint: &'static str| live(move || if stopped() { no_recorder() } else { hint });
     view! {
         <div class="packet-filters">
             <input

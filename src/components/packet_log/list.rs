@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use leptos::{html::Div, prelude::*};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{HtmlElement, ResizeObserver};
 
@@ -19,7 +19,7 @@ use crate::{
     format::grouped,
     frames::{Frames, Next},
     log_feed::LogFeed,
-    words::journal as words,
+    words::recorder as words,
 };
 
 /// A person who has not moved the scroll bar for so long, in milliseconds, has it in hand no more.
@@ -29,7 +29,7 @@ const IN_HAND_MS: f64 = 250.0;
 #[component]
 pub(super) fn PacketList() -> impl IntoView {
     let desk = use_desk();
-    let journal = desk.journal;
+    let recorder = desk.recorder;
     let scroller = NodeRef::<Div>::new();
     let extent = NodeRef::<Div>::new();
     let rows = NodeRef::<Div>::new();
@@ -45,13 +45,13 @@ pub(super) fn PacketList() -> impl IntoView {
         };
         let scroller: HtmlElement = scroller.into();
         // The view may be that of a list that was here before.
-        journal.feed.update_value(|feed| feed.view.mounted());
+        recorder.feed.update_value(|feed| feed.view.mounted());
         size.set_value(SizeWatch::of(&scroller, desk));
         let mut painter = Painter::new(scroller, extent.into(), rows.into());
         let running = Frames::new(move |_| {
             let idle_ms = page_now_ms() - touched_ms.try_get_value().unwrap_or_default();
             let paint = |feed: &mut LogFeed| painter.paint(feed, idle_ms < IN_HAND_MS);
-            let Some(behind) = journal.feed.try_update_value(paint) else {
+            let Some(behind) = recorder.feed.try_update_value(paint) else {
                 return Next::Woken;
             };
             desk.show_log();
@@ -63,7 +63,7 @@ pub(super) fn PacketList() -> impl IntoView {
             }
         });
         let (waker, in_step) = (running.waker(), running.waker_in_step());
-        journal
+        recorder
             .feed
             .update_value(|feed| feed.on_news(Rc::new(waker), Rc::new(in_step)));
         frames.set_value(Some(running));
@@ -78,10 +78,10 @@ pub(super) fn PacketList() -> impl IntoView {
         }
     };
     let nothing = move || {
-        let alive = journal.alive.get();
-        journal.log.with(|log| words::of_no_rows(log, alive))
+        let alive = recorder.alive.get();
+        recorder.log.with(|log| words::of_no_rows(log, alive))
     };
-    let back = memo(move || journal.log.with(|log| (log.following, log.new_rows)));
+    let back = memo(move || recorder.log.with(|log| (log.following, log.new_rows)));
     let back_reads = move || match back.get() {
         (_, 0) => tr!("Back to the newest").to_owned(),
         (_, new) => tr!("Back to the newest · {count} new", count = grouped(new)),
@@ -125,7 +125,7 @@ pub(super) fn PacketList() -> impl IntoView {
 impl Desk {
     /// Stays with the newest rows, or where it is.
     pub(super) fn follow_log(self, follow: bool) {
-        self.journal.feed.update_value(|feed| {
+        self.recorder.feed.update_value(|feed| {
             if follow {
                 feed.view.follow();
             } else {
@@ -149,14 +149,14 @@ impl Desk {
             feed.wake();
             by_person
         };
-        self.journal.feed.try_update_value(hear).unwrap_or(false)
+        self.recorder.feed.try_update_value(hear).unwrap_or(false)
     }
 
     /// Says of the log what it is now.
     fn show_log(self) {
-        let state = self.journal.feed.with_value(LogFeed::state);
-        if self.journal.log.get_untracked() != state {
-            self.journal.log.set(state);
+        let state = self.recorder.feed.with_value(LogFeed::state);
+        if self.recorder.log.get_untracked() != state {
+            self.recorder.log.set(state);
         }
     }
 }

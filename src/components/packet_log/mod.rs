@@ -6,22 +6,22 @@ mod painter;
 mod slot;
 
 use leptos::prelude::*;
-use motorlink_messages::journal::Export;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::Export;
 
 use self::{filters::Filters, list::PacketList};
 use super::{button::PressButton, export_button::ExportButton, live::live};
 use crate::{
     components::live::memo,
     desk::use_desk,
-    words::journal::{self as words, no_journal},
+    words::recorder::{self as words, no_recorder},
 };
 
 /// Region `Packet log`.
 #[component]
 pub(crate) fn PacketLog() -> impl IntoView {
     let desk = use_desk();
-    let log = desk.journal.log;
+    let log = desk.recorder.log;
     let lines = memo(move || log.with(words::of_entries));
     let title = memo(move || log.with(words::of_entries_at_length));
     let empty = memo(move || log.with(|log| log.kept == 0));
@@ -32,10 +32,10 @@ pub(crate) fn PacketLog() -> impl IntoView {
             .then(|| tr!("There are no entries yet.").to_owned())
     };
     let why_not_clear = move || {
-        if desk.journal.alive.get() {
+        if desk.recorder.alive.get() {
             why_empty()
         } else {
-            Some(no_journal().to_owned())
+            Some(no_recorder().to_owned())
         }
     };
     view! {

@@ -1,7 +1,7 @@
 //! One row of the list: an element whose texts are set.
 
-use motorlink_messages::journal::{Kind, Row};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{Kind, Row};
 use web_sys::Element;
 
 use crate::format::grouped;

@@ -1,8 +1,8 @@
 //! What is kept of the telemetry, and the file that is made of it.
 
 use leptos::prelude::*;
-use motorlink_messages::journal::{Export, RecordingStatus};
-use motorlink_words::tr;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{Export, RecordingStatus};
 
 use super::{
     export_button::ExportButton,
@@ -11,28 +11,28 @@ use super::{
 use crate::{
     components::live::memo,
     desk::use_desk,
-    words::journal::{self as words, no_journal},
+    words::recorder::{self as words, no_recorder},
 };
 
 /// Region `Recording`: one line.
 #[component]
 pub(crate) fn Recording() -> impl IntoView {
     let desk = use_desk();
-    let alive = desk.journal.alive;
-    let status = desk.journal.recording;
+    let alive = desk.recorder.alive;
+    let status = desk.recorder.recording;
     let records = memo(move || status.with(|status| status.recording));
     let says = memo(move || {
         if alive.get() {
             status.with(words::of_recording)
         } else {
-            ("", no_journal().to_owned())
+            ("", no_recorder().to_owned())
         }
     });
     let why_not_record = move || {
         if alive.get() {
             status.with(why_no_recording)
         } else {
-            Some(no_journal())
+            Some(no_recorder())
         }
     };
     let hint = move || {

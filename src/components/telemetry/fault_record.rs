@@ -1,8 +1,8 @@
 //! What faults there were, and when, until a person has seen them.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
-use motorlink_words::tr;
 
 use crate::{
     clock::local_time,

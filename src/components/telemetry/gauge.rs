@@ -1,7 +1,7 @@
 //! The arc of the temperature card, 0 to 100 degrees Celsius.
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::Celsius;
-use motorlink_words::tr;
 
 /// From here on the winding is warm.
 const WARM_FROM: u8 = 70;

@@ -1,8 +1,8 @@
 //! What moves in the cards: two sparklines, the dial and the gauge. Here they reach the browser.
 
 use leptos::{html, prelude::*};
+use motorlink_i18n::terms::in_language;
 use motorlink_messages::protocol::Celsius;
-use motorlink_words::terms::in_language;
 use web_sys::Element;
 
 use super::{

@@ -9,11 +9,11 @@ mod scale;
 mod sparkline;
 
 use leptos::{html, prelude::*};
-use motorlink_messages::protocol::{Faults, MotorId};
-use motorlink_words::{
+use motorlink_i18n::{
     terms::{self, in_language},
     tr,
 };
+use motorlink_messages::protocol::{Faults, MotorId};
 
 use self::{
     fault_record::FaultRecord,

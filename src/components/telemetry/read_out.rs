@@ -1,7 +1,7 @@
 //! One read-out with its age.
 
 use leptos::prelude::*;
-use motorlink_words::tr;
+use motorlink_i18n::tr;
 
 use crate::components::live::live;
 

@@ -15,7 +15,7 @@ use std::fs;
 
 use anyhow::{Context, Result};
 use end_to_end::{Bench, Page, Scheme, View, artefacts};
-use motorlink_words::{Language, said, speak};
+use motorlink_i18n::{Language, said, speak};
 use story::{open_panel, wait_until_enabled};
 
 /// What is read or said on a Chinese page and is English: words in small letters that follow each other.

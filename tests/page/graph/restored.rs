@@ -1,25 +1,25 @@
 //! The graph of a session that was restored.
 
-use motorlink_messages::{ToPage, journal::FromJournal};
+use motorlink_messages::{ToPage, recorder::FromRecorder};
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use super::{bench, canvas, colour_of, performance, rows_of, sample};
-use crate::fake_journal::FakeJournal;
+use crate::fake_recorder::FakeRecorder;
 
 /// Before the worker was, which has just begun here.
 #[wasm_bindgen_test]
 async fn restored_samples_are_drawn_at_their_times() {
-    let journal = FakeJournal::new("graph-restored");
+    let recorder = FakeRecorder::new("graph-restored");
     let bench = bench("graph-restored").await;
     let canvas = canvas(&bench);
     let speed = colour_of(&bench, "border-right-color");
     let time_origin_ms = performance().time_origin() + performance().now();
     bench.say(&ToPage::Hello { time_origin_ms });
-    journal.say(&FromJournal::Restored);
-    journal.told().await;
+    recorder.say(&FromRecorder::Restored);
+    recorder.told().await;
     assert!(rows_of(&canvas, speed, 1).is_empty());
     let samples = (0..4_000).step_by(20).map(|at_ms| sample(at_ms, 100));
-    journal.say(&FromJournal::Past {
+    recorder.say(&FromRecorder::Past {
         zero_us: -20_000_000,
         samples: samples.collect(),
     });

@@ -14,7 +14,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use end_to_end::{Bench, Line, PATIENCE, Page, Scheme, Usb, View, wait_until};
-use motorlink_words::{Language, said, speak};
+use motorlink_i18n::{Language, said, speak};
 
 fn main() -> ExitCode {
     let dir = env::args()

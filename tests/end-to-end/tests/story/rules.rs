@@ -106,7 +106,7 @@ pub fn the_motor_coasts(story: &mut Story) -> Result<()> {
 /// the adapter was pulled out so many times a little more.
 pub fn the_log_has_it_all(story: &Story, pulls: usize) -> Result<Table> {
     let wire = story.adapter.wire()?;
-    // What is on the wire now is in the journal soon.
+    // What is on the wire now is in the recorder soon.
     thread::sleep(Duration::from_millis(500));
     let passed_us = now_us();
     let table = Table::read(&story.page.download("Export CSV")?)?;

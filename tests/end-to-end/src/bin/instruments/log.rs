@@ -72,7 +72,7 @@ pub fn measure(seconds: u64) -> Result<()> {
     );
     let grown = after.bytes().saturating_sub(before.bytes());
     row(
-        &of_log("heap of page and journal once it is full"),
+        &of_log("heap of page and recorder once it is full"),
         "flat",
         format!("{before} before, {after} after"),
         grown <= GROWTH_MAX,
@@ -107,7 +107,7 @@ fn fill(tapped: &TappedPage) -> Result<()> {
         let until = FILLED.min(from + 50_000);
         let last_us = last_us - u64::from(FILLED - until);
         tapped.give(
-            Taker::Journal,
+            Taker::Recorder,
             &at_once(from, until, FILL_BUFFER, 1, last_us),
         )?;
     }
@@ -133,7 +133,7 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
         // Half a second ahead. The page is not asked for the time: that, too, stays in its memory.
         let ahead = Duration::from_micros(at_us - from_us) + Duration::from_millis(500);
         thread::sleep(ahead.saturating_sub(began.elapsed()));
-        tapped.give(Taker::Journal, &in_time(from, behind, SPACING_US, at_us))?;
+        tapped.give(Taker::Recorder, &in_time(from, behind, SPACING_US, at_us))?;
     }
     wait_until("everything to be given", PATIENCE, || {
         let waiting = tapped.waiting()?;
@@ -167,33 +167,33 @@ fn entries(page: &Page) -> Result<Vec<u64>> {
     Ok(numbers.filter_map(|digits| digits.parse().ok()).collect())
 }
 
-/// What page and journal hold.
+/// What page and recorder hold.
 struct Held {
     page: Memory,
-    journal: Memory,
+    recorder: Memory,
 }
 
 impl Held {
     fn by(page: &Page) -> Result<Self> {
         Ok(Self {
             page: page.memory()?,
-            journal: page.memory_of_worker("journal")?,
+            recorder: page.memory_of_worker("recorder")?,
         })
     }
 
     const fn bytes(&self) -> u64 {
-        let Self { page, journal } = self;
-        page.script + page.wasm + journal.script + journal.wasm
+        let Self { page, recorder } = self;
+        page.script + page.wasm + recorder.script + recorder.wasm
     }
 }
 
 impl fmt::Display for Held {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { page, journal } = self;
-        let parts = [page.script, page.wasm, journal.script, journal.wasm].map(megabytes);
+        let Self { page, recorder } = self;
+        let parts = [page.script, page.wasm, recorder.script, recorder.wasm].map(megabytes);
         write!(
             f,
-            "{} (page {} + {}, journal {} + {})",
+            "{} (page {} + {}, recorder {} + {})",
             megabytes(self.bytes()),
             parts[0],
             parts[1],

@@ -14,18 +14,18 @@
   };
   globalThis.benchTap = tap;
 
-  // By whom a message is taken: the page, as from its worker, or the journal, as from that worker.
+  // By whom a message is taken: the page, as from its worker, or the recorder, as from that worker.
   const takers = {
     page: (bytes) => tap.worker.dispatchEvent(new MessageEvent('message', { data: bytes })),
-    journal: (bytes) => tap.line.postMessage(bytes, [bytes.buffer]),
+    recorder: (bytes) => tap.line.postMessage(bytes, [bytes.buffer]),
   };
 
   const RealWorker = Worker;
   globalThis.Worker = class extends RealWorker {
     constructor(url, options) {
       super(url, options);
-      this.isJournal = options?.name === 'journal';
-      if (this.isJournal) return;
+      this.isRecorder = options?.name === 'recorder';
+      if (this.isRecorder) return;
       tap.worker = this;
       this.addEventListener('message', (event) => {
         if (!event.isTrusted) return;
@@ -34,9 +34,9 @@
       });
     }
 
-    // The journal gets a line of ours instead of that to the other worker, which leads into ours.
+    // The recorder gets a line of ours instead of that to the other worker, which leads into ours.
     postMessage(message, transfer) {
-      if (!this.isJournal || !(message instanceof MessagePort)) {
+      if (!this.isRecorder || !(message instanceof MessagePort)) {
         super.postMessage(message, transfer);
         return;
       }
@@ -48,7 +48,7 @@
     }
   };
 
-  const queues = { page: [], journal: [] };
+  const queues = { page: [], recorder: [] };
   const play = (taker) => {
     const queue = queues[taker];
     const [due, text] = queue[0];

@@ -15,8 +15,8 @@ const TAP: &str = include_str!("tap.js");
 pub enum Taker {
     /// The page, as by the worker that owns the port.
     Page,
-    /// The journal, as by that worker.
-    Journal,
+    /// The recorder, as by that worker.
+    Recorder,
 }
 
 /// A message and when it is to be taken, in microseconds of the worker's clock.
@@ -83,7 +83,7 @@ impl TappedPage {
             .collect();
         let taker = match taker {
             Taker::Page => "page",
-            Taker::Journal => "journal",
+            Taker::Recorder => "recorder",
         };
         let give = "function (taker, messages) { benchTap.give(taker, messages); }";
         let given = [Value::from(taker), Value::from(messages)];

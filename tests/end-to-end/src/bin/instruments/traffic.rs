@@ -3,8 +3,8 @@
 use anyhow::{Result, ensure};
 use motorlink_messages::{
     bus::{Passed, Traffic},
-    journal::push_traffic,
     protocol::{Frame, Instant, Layout, Mode},
+    recorder::push_traffic,
 };
 
 use crate::tap::Message;

@@ -126,7 +126,7 @@ fn heap(page: &Page) -> Result<u64> {
     for memory in [
         page.memory()?,
         page.memory_of_worker("")?,
-        page.memory_of_worker("journal")?,
+        page.memory_of_worker("recorder")?,
     ] {
         bytes += memory.script + memory.wasm;
     }

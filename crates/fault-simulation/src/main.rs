@@ -1,0 +1,194 @@
+//! Plays as many stories as there is time for, or one by its seed, and prints what was found.
+//!
+//! `cargo xtask soak` runs it, and prints a table of what was found. `--seconds N` is how long it plays, 60 at
+//! first, and `--seeds N` how many worlds instead; `--from N` is the first seed; `--seed N` plays that one alone
+//! and prints its acts, and what passed before a rule was broken. Of the seeds that break the same rule only
+//! the first is shrunk.
+
+use std::{
+    collections::BTreeMap,
+    env,
+    ops::Range,
+    panic::resume_unwind,
+    process::ExitCode,
+    sync::atomic::{AtomicU64, Ordering},
+    thread,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result, bail};
+use motorlink_fault_simulation::{Coverage, Failure, Rule, Story, play, shrink, what_passed};
+
+/// Lines of what passed before a rule was broken.
+const PASSED_SHOWN: usize = 40;
+
+fn main() -> ExitCode {
+    match soak() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("soak: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether every rule held.
+fn soak() -> Result<bool> {
+    let (mut seconds, mut seeds, mut from, mut only) = (60, u64::MAX, 1, None);
+    let mut arguments = env::args().skip(1);
+    while let Some(flag) = arguments.next() {
+        let number = arguments
+            .next()
+            .context("a number belongs behind each flag")?;
+        let number: u64 = number.parse().with_context(|| format!("{flag} {number}"))?;
+        match flag.as_str() {
+            "--seconds" => seconds = number,
+            "--seeds" => (seeds, seconds) = (number, u64::from(u32::MAX)),
+            "--from" => from = number,
+            "--seed" => only = Some(number),
+            _ => bail!("usage: soak [--seconds N | --seeds N] [--from N] [--seed N]"),
+        }
+    }
+    if let Some(seed) = only {
+        let story = Story::of(seed);
+        println!("seed {seed}, with {:?}", story.motors);
+        for (step, act) in story.acts.iter().enumerate() {
+            println!("{step:4}  {act:?}");
+        }
+        return Ok(holds(&story, &mut Coverage::default()));
+    }
+    let began = Instant::now();
+    let until = began + Duration::from_secs(seconds);
+    let next = AtomicU64::new(from);
+    let end = from.saturating_add(seeds);
+    let mut played = Played::default();
+    thread::scope(|scope| {
+        let cores = thread::available_parallelism().map_or(1, Into::into);
+        let start = |_| scope.spawn(|| play_some(&next, end, until));
+        // All are started before the first is waited for.
+        let threads: Vec<_> = (0..cores).map(start).collect();
+        for thread in threads {
+            played.add(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        }
+    });
+    played.failures.sort_by_key(|(seed, _)| *seed);
+    let mut broken = BTreeMap::new();
+    for (seed, failure) in &played.failures {
+        let times = broken.entry(failure.violation.rule).or_insert(0_u64);
+        if *times == 0 {
+            explain(&Story::of(*seed), failure);
+        }
+        *times += 1;
+    }
+    print_table(from..from + played.seeds, &broken, &played.coverage);
+    println!("in {:.0} s", began.elapsed().as_secs_f32());
+    Ok(broken.is_empty())
+}
+
+/// What came of some seeds.
+#[derive(Default)]
+struct Played {
+    seeds: u64,
+    coverage: Coverage,
+    failures: Vec<(u64, Failure)>,
+}
+
+impl Played {
+    fn add(&mut self, other: Self) {
+        self.seeds += other.seeds;
+        self.coverage += other.coverage;
+        self.failures.extend(other.failures);
+    }
+}
+
+/// Plays the seeds that no other thread has taken, to the end or as long as there is time.
+fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
+    let mut played = Played::default();
+    while Instant::now() < until {
+        let seed = next.fetch_add(1, Ordering::Relaxed);
+        if seed >= end {
+            break;
+        }
+        played.seeds += 1;
+        if let Err(failure) = play(&Story::of(seed), &mut played.coverage) {
+            println!("seed {seed}, step {}: {}", failure.step, failure.violation);
+            played.failures.push((seed, failure));
+        }
+    }
+    played
+}
+
+/// In the form of the tables of the documents.
+fn print_table(seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Coverage) {
+    let yes = |is| if is { "yes" } else { "NO" };
+    println!("| figure | must | measured | reached |");
+    println!("|---|---|---|---|");
+    let with_broken: u64 = broken.values().sum();
+    println!(
+        "| worlds that fail | none of {} rules broken after any step | {with_broken} of {} seeds from {} with a broken rule | {} |",
+        Rule::ALL.len(),
+        grouped(seeds.end - seeds.start),
+        seeds.start,
+        yes(with_broken == 0)
+    );
+    for rule in Rule::ALL {
+        let times = coverage.judged.get(&rule).copied().unwrap_or(0);
+        let seeds = broken.get(&rule).copied().unwrap_or(0);
+        let by = match seeds {
+            0 => String::new(),
+            seeds => format!(", broken by {seeds} seeds"),
+        };
+        println!(
+            "| rule `{rule:?}` | had something to judge 100 times or more | {times} times{by} | {} |",
+            yes(times >= 100 && seeds == 0)
+        );
+    }
+    for (fault, times) in &coverage.faults {
+        println!(
+            "| fault `{fault:?}` | 100 times or more | {times} times | {} |",
+            yes(*times >= 100)
+        );
+    }
+}
+
+/// As `100,000`.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.char_indices() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn holds(story: &Story, coverage: &mut Coverage) -> bool {
+    let Err(failure) = play(story, coverage) else {
+        return true;
+    };
+    explain(story, &failure);
+    false
+}
+
+/// The shortest story that breaks the same rule, and what passed in it.
+fn explain(story: &Story, failure: &Failure) {
+    let (short, last) = shrink(story, failure);
+    println!(
+        "seed {} shrunk, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
+        short.seed,
+        short.motors,
+        short.need_five_switches,
+        if short.obey_all { "" } else { "not " },
+        last.violation
+    );
+    for act in &short.acts {
+        println!("  {act:?}");
+    }
+    println!("the last that passed in it:");
+    for line in what_passed(&short, PASSED_SHOWN) {
+        println!("  {line}");
+    }
+}

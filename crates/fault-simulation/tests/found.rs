@@ -1,0 +1,481 @@
+//! Worlds in which a rule was once broken, with nothing left in them that the fault does not need.
+//!
+//! A seed means another world as soon as anything new is drawn, so what it had found is kept here.
+#![allow(clippy::panic, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, reason = "the numbers are good ones")]
+
+use std::time::Duration;
+
+use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat, SetIdFrames};
+use motorlink_fault_simulation::{
+    Absence, Act, Coverage, LineFault, Story, Turn, play, what_passed,
+};
+use motorlink_protocol::{
+    AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
+    SpeedTarget,
+};
+
+fn id(address: u8) -> MotorId {
+    MotorId::new(address).unwrap()
+}
+
+fn pause(ms: u64) -> Act {
+    Act::Pause(Duration::from_millis(ms))
+}
+
+fn amps(id: MotorId, amps: f32) -> Act {
+    drive(id, Setpoint::Current(CurrentTarget::from_amps(amps)))
+}
+
+fn degrees(id: MotorId, degrees: f32) -> Act {
+    drive(
+        id,
+        Setpoint::Position(PositionTarget::from_degrees(degrees)),
+    )
+}
+
+fn raw(frame: Frame) -> Act {
+    Act::Command(Command::SendRaw {
+        frame,
+        repeat: Repeat::Once,
+        consent: Consent::None,
+    })
+}
+
+fn away(because: Absence, lasts_ms: u64, then: Vec<Turn>) -> Act {
+    Act::Away {
+        because,
+        lasts: Duration::from_millis(lasts_ms),
+        then,
+    }
+}
+
+fn fresh(act: &Act) -> Turn {
+    let Act::Command(command) = act else {
+        panic!("{act:?}");
+    };
+    Turn::Command {
+        command: *command,
+        age: Duration::ZERO,
+    }
+}
+
+fn rpm(id: MotorId, rpm: i32) -> Act {
+    drive(id, Setpoint::velocity(SpeedTarget::clamped(rpm)))
+}
+
+fn drive(id: MotorId, setpoint: Setpoint) -> Act {
+    Act::Command(Command::Drive {
+        id,
+        setpoint,
+        consent: Consent::None,
+    })
+}
+
+fn switch(id: MotorId, mode: Mode) -> Act {
+    Act::Command(Command::SwitchMode { id, mode })
+}
+
+/// The seed is that of the noise on the line, and the one that found it.
+fn holds(seed: u64, motors: u8, acts: Vec<Act>) {
+    let story = Story {
+        seed,
+        motors: (1..=motors).map(id).collect(),
+        need_five_switches: Vec::new(),
+        obey_all: false,
+        acts,
+    };
+    if let Err(failure) = play(&story, &mut Coverage::default()) {
+        let passed = what_passed(&story, 20).join("\n  ");
+        panic!("step {}: {}\n  {passed}", failure.step, failure.violation);
+    }
+}
+
+/// Rule `SilentIsWithdrawn`: a setpoint that was given during the switch was given 200 ms of its own.
+#[test]
+fn a_motor_that_loses_power_before_its_switch_is_driven_by_its_old_silence() {
+    holds(
+        20_482,
+        3,
+        vec![
+            pause(300),
+            Act::Command(Command::SetRate(CommandRate::new(149).unwrap())),
+            pause(150),
+            switch(id(1), Mode::Position),
+            pause(60),
+            Act::Power {
+                id: id(1),
+                on: false,
+            },
+            drive(
+                id(1),
+                Setpoint::Position(PositionTarget::new(23_327).unwrap()),
+            ),
+            pause(700),
+        ],
+    );
+}
+
+/// The same for a motor that was driven before its switch.
+#[test]
+fn a_driven_motor_that_loses_power_in_its_switch_is_withdrawn_by_its_old_silence() {
+    let current = CurrentTarget::new(1_695).unwrap();
+    holds(
+        33_226,
+        3,
+        vec![
+            pause(2_500),
+            rpm(id(1), 48),
+            switch(id(1), Mode::Current),
+            drive(id(1), Setpoint::Current(current)),
+            pause(30),
+            Act::Power {
+                id: id(1),
+                on: false,
+            },
+            pause(180),
+        ],
+    );
+}
+
+/// Rule `TelemetryIsTrue`: of two good frames in one chunk and a third that is made of their halves, the
+/// third was read.
+#[test]
+fn a_frame_made_of_the_halves_of_two_others_is_not_read() {
+    let to_current = Request::SwitchMode {
+        id: id(1),
+        mode: Mode::Current,
+    };
+    holds(
+        4_636,
+        2,
+        vec![
+            pause(3_200),
+            rpm(id(1), 0),
+            pause(2_650),
+            Act::Heat {
+                id: id(1),
+                celsius: 90,
+            },
+            switch(id(2), Mode::Position),
+            pause(700),
+            raw(to_current.frame()),
+            pause(700),
+            switch(id(1), Mode::Current),
+            pause(700),
+            Act::Heat {
+                id: id(1),
+                celsius: 90,
+            },
+            drive(
+                id(2),
+                Setpoint::Position(PositionTarget::new(17_181).unwrap()),
+            ),
+            pause(30),
+            Act::Command(Command::FullScan),
+            pause(5_000),
+            Act::Command(Command::Stop(id(2))),
+            pause(700),
+            rpm(id(2), 0),
+            pause(30),
+            Act::Line(LineFault::Stalls),
+            pause(2_500),
+        ],
+    );
+}
+
+/// Rule `TelemetryIsTrue`: the answers of four motors at once were read as one of another that nobody gave.
+#[test]
+fn answers_that_collide_into_a_good_frame_are_not_read() {
+    holds(
+        28_115,
+        4,
+        vec![
+            pause(150),
+            rpm(id(1), -134),
+            Act::Heat {
+                id: id(3),
+                celsius: 90,
+            },
+            pause(2_650),
+            Act::Command(Command::IdQuery),
+            pause(700),
+        ],
+    );
+}
+
+/// Rule `TelemetryIsTrue`: the same where the CRC holds whatever the seed.
+#[test]
+fn mixed_answers_with_a_good_crc_are_not_read() {
+    holds(
+        5,
+        3,
+        vec![
+            pause(600),
+            Act::Line(LineFault::Mixes),
+            Act::Command(Command::IdQuery),
+            pause(200),
+        ],
+    );
+}
+
+/// Rule `GapWithdraws`: after ten minutes of sleep a wheel at rest was driven at its old speed.
+#[test]
+fn a_wheel_that_was_driven_before_the_machine_slept_is_not_driven_after() {
+    let turns = [Turn::Pong, Turn::Bytes, Turn::Poll];
+    for (first, second, third) in [
+        (0, 1, 2),
+        (0, 2, 1),
+        (1, 0, 2),
+        (1, 2, 0),
+        (2, 0, 1),
+        (2, 1, 0),
+    ] {
+        let then = [first, second, third].map(|place: usize| turns.get(place).unwrap().clone());
+        holds(
+            1,
+            2,
+            vec![
+                pause(600),
+                rpm(id(1), 100),
+                pause(1_000),
+                away(Absence::Sleep, 600_000, then.to_vec()),
+                pause(700),
+            ],
+        );
+    }
+}
+
+/// The same for a worker that was delayed, whose page answers before the timer.
+#[test]
+fn a_wheel_that_was_driven_before_a_delay_is_not_driven_after() {
+    for lasts_ms in [1_000, 2_000, 30_000] {
+        holds(
+            1,
+            1,
+            vec![
+                pause(600),
+                rpm(id(1), 100),
+                pause(1_000),
+                away(
+                    Absence::Delay,
+                    lasts_ms,
+                    vec![Turn::Pong, Turn::Poll, Turn::Bytes],
+                ),
+                pause(700),
+            ],
+        );
+    }
+}
+
+/// Rule `TelemetryIsTrue`: a reply that had waited through the sleep was taken as of now.
+#[test]
+fn a_reply_from_before_a_sleep_is_no_reading_of_now() {
+    // One of these falls between a query and its reply.
+    for phase_ms in 0..100 {
+        holds(
+            714,
+            1,
+            vec![
+                Act::Heat {
+                    id: id(1),
+                    celsius: 90,
+                },
+                pause(600 + phase_ms),
+                away(
+                    Absence::Sleep,
+                    120_000,
+                    vec![Turn::Bytes, Turn::Pong, Turn::Poll],
+                ),
+                pause(100),
+            ],
+        );
+    }
+}
+
+/// Rule `IdChangeIsProved`: an ID change went on behind minutes of sleep, by a scan that was too old.
+#[test]
+fn an_id_change_does_not_go_on_behind_a_sleep() {
+    let to = AssignableId::new(id(9)).unwrap();
+    holds(
+        1,
+        1,
+        vec![
+            Act::Command(Command::FullScan),
+            pause(8_000),
+            Act::Command(Command::SetId {
+                from: id(1),
+                to,
+                frames: SetIdFrames::Five,
+            }),
+            away(
+                Absence::Sleep,
+                172_000,
+                vec![Turn::Pong, Turn::Bytes, Turn::Poll],
+            ),
+            pause(700),
+        ],
+    );
+}
+
+/// Rule `StopIsNext`: a stop that the port did not take was counted, and ended while nobody looked.
+#[test]
+fn a_refused_stop_is_not_over_because_time_has_passed() {
+    holds(
+        1,
+        2,
+        vec![
+            pause(600),
+            rpm(id(1), 80),
+            Act::Refuses { frames: 24 },
+            Act::Command(Command::Stop(id(1))),
+            pause(150),
+            away(
+                Absence::Delay,
+                8_000,
+                vec![Turn::Pong, Turn::Bytes, Turn::Poll, fresh(&rpm(id(1), 0))],
+            ),
+            pause(300),
+        ],
+    );
+}
+
+/// Rule `StopMovesNothing`: refused mode switches counted towards the five, and the brake went into the
+/// position loop, where it means 0 degrees.
+#[test]
+fn a_stop_whose_switches_are_refused_turns_no_wheel_at_an_angle() {
+    for frames in 1..=30 {
+        holds(
+            1,
+            1,
+            vec![
+                pause(600),
+                switch(id(1), Mode::Position),
+                pause(450),
+                degrees(id(1), 175.0),
+                pause(291),
+                Act::Refuses { frames },
+                Act::Command(Command::Stop(id(1))),
+                pause(900),
+            ],
+        );
+    }
+}
+
+/// Rule `HoldHolds`: a hold waited for the next reply, and drove on until it came.
+#[test]
+fn a_hold_without_replies_does_not_go_on() {
+    for seed in 0..60 {
+        holds(
+            seed,
+            1,
+            vec![
+                pause(600),
+                switch(id(1), Mode::Position),
+                pause(450),
+                degrees(id(1), 170.0),
+                pause(100 + seed * 5),
+                Act::Line(LineFault::LosesMuch),
+                Act::Command(Command::Hold(id(1))),
+                pause(1_000),
+            ],
+        );
+    }
+}
+
+/// Rule `NothingAboveALimit`: a frame to all with a value was taken for a question.
+#[test]
+fn a_raw_frame_to_all_is_under_the_speed_limit() {
+    let frame = Frame::with_crc([0xC8, 0x64, 0x01, 0x92, 0, 0, 0, 0, 0]);
+    holds(1, 2, vec![pause(600), raw(frame), pause(100)]);
+}
+
+/// The same for a value that was taken for no speed.
+#[test]
+fn a_raw_frame_beyond_every_speed_is_under_the_speed_limit() {
+    for value in [331_i16, 2_000, i16::MAX, i16::MIN] {
+        let [high, low] = value.to_be_bytes();
+        let frame = Frame::with_crc([1, 0x64, high, low, 0, 0, 0, 0, 0]);
+        let limits = Limits::new(20, 2_700, 75).unwrap();
+        let limits = Act::Command(Command::SetLimits(limits));
+        holds(1, 1, vec![pause(600), limits, raw(frame), pause(100)]);
+    }
+}
+
+/// The same for a limit that is lowered under what is driven.
+#[test]
+fn a_lowered_speed_limit_holds_for_what_is_driven() {
+    let limits = Limits::new(20, 2_700, 75).unwrap();
+    holds(
+        1,
+        1,
+        vec![
+            pause(600),
+            rpm(id(1), 100),
+            pause(30),
+            Act::Command(Command::SetLimits(limits)),
+            pause(300),
+        ],
+    );
+}
+
+/// Rule `ReversalPassesZero`: a zero that was refused, cut or lost counted as passed.
+#[test]
+fn a_torque_is_not_reversed_behind_a_zero_that_did_not_arrive() {
+    let cut = |told| Act::Cuts {
+        frames: 1,
+        bytes: 5,
+        told,
+    };
+    for trouble in [Act::Refuses { frames: 1 }, cut(true), cut(false)] {
+        holds(
+            1,
+            1,
+            vec![
+                pause(600),
+                switch(id(1), Mode::Current),
+                pause(450),
+                amps(id(1), 0.5),
+                pause(100),
+                trouble,
+                amps(id(1), -0.5),
+                pause(100),
+            ],
+        );
+    }
+}
+
+/// The same where an older reply comes in place of the answer.
+#[test]
+fn a_torque_is_not_reversed_behind_a_late_reply() {
+    holds(
+        1,
+        1,
+        vec![
+            switch(id(1), Mode::Current),
+            pause(133),
+            Act::Line(LineFault::Gathers(59)),
+            amps(id(1), -0.16),
+            pause(147),
+            Act::Refuses { frames: 2 },
+            amps(id(1), 0.16),
+            pause(30),
+        ],
+    );
+}
+
+/// Rule `StopMovesNothing` was wrong here: the drive frame is on the wire when the page goes, and the worker is
+/// not called before the wheel has obeyed it and run down.
+#[test]
+fn a_frame_on_the_wire_when_a_stop_comes_explains_what_the_wheel_does() {
+    holds(
+        39_562,
+        3,
+        vec![
+            pause(10),
+            rpm(id(3), 28),
+            Act::PageGoes,
+            away(Absence::Delay, 25_631, vec![Turn::Bytes, Turn::Poll]),
+        ],
+    );
+}

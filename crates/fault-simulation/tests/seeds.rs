@@ -1,0 +1,62 @@
+//! Two thousand worlds that fail, and rules that hold in each.
+#![allow(clippy::panic, reason = "a test fails by panicking")]
+
+use std::fmt::Write;
+use std::panic::resume_unwind;
+use std::thread;
+
+use motorlink_fault_simulation::{Coverage, Rule, Story, play, shrink};
+
+const SEEDS: u64 = 2_000;
+/// So many kinds of fault there are.
+const KINDS: usize = 28;
+/// Each fault happens, and each rule has something to judge, at least so often.
+const EACH: u64 = 100;
+
+/// Worlds know nothing of each other: one thread has the odd seeds, the other the even.
+const FIRST: [u64; 2] = [1, 2];
+
+#[test]
+fn the_rules_hold_in_every_world() {
+    let mut coverage = Coverage::default();
+    thread::scope(|scope| {
+        let start = |first| scope.spawn(move || play_every(FIRST.len(), first));
+        // All are started before the first is waited for.
+        let threads = FIRST.map(start);
+        for thread in threads {
+            coverage += thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        }
+    });
+    let Coverage { faults, judged } = coverage;
+    assert_eq!(faults.len(), KINDS, "{faults:?}");
+    for (fault, times) in &faults {
+        println!("{fault:?}: {times}");
+        assert!(*times >= EACH, "{fault:?} only {times} times");
+    }
+    // A rule that has nothing to judge holds whatever happens.
+    for rule in Rule::ALL {
+        let times = judged.get(&rule).copied().unwrap_or(0);
+        println!("{rule:?}: {times}");
+        assert!(times >= EACH, "{rule:?} judged only {times} times");
+    }
+}
+
+/// Plays the first world, and every `step`th behind it.
+fn play_every(step: usize, first: u64) -> Coverage {
+    let mut coverage = Coverage::default();
+    for seed in (first..=SEEDS).step_by(step) {
+        let story = Story::of(seed);
+        if let Err(failure) = play(&story, &mut coverage) {
+            let (short, last) = shrink(&story, &failure);
+            let mut acts = String::new();
+            for act in &short.acts {
+                let _ = writeln!(acts, "  {act:?}");
+            }
+            panic!(
+                "seed {seed}, step {}: {}\nshrunk, with {:?}: {}\n{acts}",
+                failure.step, failure.violation, short.motors, last.violation
+            );
+        }
+    }
+    coverage
+}

@@ -1,0 +1,96 @@
+//! What is in a block.
+
+use motorlink_bus::Traffic;
+use motorlink_messages::recorder::traffic;
+use motorlink_protocol::Instant;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+
+use super::block::push_block;
+
+const HEAD: u8 = 1;
+const TRAFFIC: u8 = 2;
+const NOTE: u8 = 3;
+
+/// The content of one block.
+#[derive(Debug)]
+pub(super) enum Content<'a> {
+    /// From here on every [`Instant`] counts from this moment, in microseconds since 1970. At the start of
+    /// each file, so that it can be read when those before it are gone, and where a page was loaded anew.
+    Epoch(i64),
+    /// What passed on the line.
+    Traffic(Batch<'a>),
+    /// Anything else.
+    Note(Note),
+}
+
+/// Traffic, one behind the other, with what a summary wants to know of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Batch<'a> {
+    pub(super) count: u32,
+    /// When the last of it passed.
+    pub(super) last: Instant,
+    bytes: &'a [u8],
+}
+
+/// What happens between frames.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Note {
+    /// A line of the page's own.
+    Say {
+        at: Instant,
+        error: bool,
+        text: String,
+    },
+    /// Every entry of the log was forgotten.
+    Clear,
+    /// The recording began or ended.
+    Record(bool),
+    /// A file was made of all that was recorded.
+    Exported,
+}
+
+impl<'a> Batch<'a> {
+    pub(super) fn traffic(self) -> impl Iterator<Item = Traffic> + use<'a> {
+        traffic(self.bytes)
+    }
+}
+
+impl<'a> Content<'a> {
+    /// Reads a block; `None` where it is of a kind that a later version writes.
+    pub(super) fn read((kind, bytes): (u8, &'a [u8])) -> Option<Self> {
+        Some(match kind {
+            HEAD => Self::Epoch(whole(bytes)?),
+            TRAFFIC => {
+                let ((count, last), bytes) = postcard::take_from_bytes(bytes).ok()?;
+                Self::Traffic(Batch { count, last, bytes })
+            }
+            NOTE => Self::Note(whole(bytes)?),
+            _ => return None,
+        })
+    }
+}
+
+fn whole<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
+}
+
+pub(super) fn push_epoch(out: &mut Vec<u8>, epoch_us: i64) {
+    push(out, HEAD, &epoch_us, &[]);
+}
+
+pub(super) fn push_note(out: &mut Vec<u8>, note: &Note) {
+    push(out, NOTE, note, &[]);
+}
+
+/// Adds so much traffic, of which these are the bytes.
+pub(super) fn push_batch(out: &mut Vec<u8>, count: u32, last: Instant, traffic: &[u8]) {
+    push(out, TRAFFIC, &(count, last), traffic);
+}
+
+fn push<T: Serialize>(out: &mut Vec<u8>, kind: u8, head: &T, behind: &[u8]) {
+    // It always encodes.
+    if let Ok(mut content) = postcard::to_allocvec(head) {
+        content.extend(behind);
+        push_block(out, kind, &content);
+    }
+}

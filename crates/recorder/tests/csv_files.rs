@@ -1,0 +1,254 @@
+//! Files, read back.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod line;
+
+use motorlink_bus::Traffic;
+use motorlink_messages::recorder::{Filter, Kind, Row, Window};
+use motorlink_protocol::{Fault, Faults, Frame, Instant, Layout};
+use motorlink_recorder::{CsvFile, Log, Recording};
+use proptest::prelude::*;
+
+use line::{at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
+
+/// All of a file, made in slices of so many lines.
+fn whole(mut file: CsvFile, log: &Log, recording: &Recording, slice: u64) -> (String, u64) {
+    let mut bytes = Vec::new();
+    while !file.advance(log, recording, slice) {
+        if file.written() > 4_000 {
+            bytes.append(&mut file.take());
+        }
+    }
+    bytes.append(&mut file.take());
+    (String::from_utf8(bytes).unwrap(), file.rows())
+}
+
+fn log_file(log: &mut Log, slice: u64) -> (String, u64) {
+    let file = CsvFile::of_log(log);
+    whole(file, log, &Recording::default(), slice)
+}
+
+fn telemetry_file(traffic: &[Traffic]) -> String {
+    let mut recording = Recording::default();
+    for passed in traffic {
+        recording.passed(passed);
+    }
+    let file = CsvFile::of_telemetry(&recording);
+    whole(file, &log(10), &recording, 3).0
+}
+
+fn read(file: &str) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(file.as_bytes());
+    let records = reader.records().map(Result::unwrap);
+    records
+        .map(|record| record.iter().map(str::to_owned).collect())
+        .collect()
+}
+
+#[test]
+fn a_log_is_written_line_by_line() {
+    let mut log = log(100);
+    log.passed(&at(0, drive(1, -100)));
+    log.passed(&at(
+        2,
+        heard(
+            "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(),
+            Some(Layout::Drive),
+        ),
+    ));
+    log.passed(&at(10, silence(1)));
+    log.passed(&at(1_000, junk(&[1, 2, 3])));
+    log.say(
+        Instant::from_micros(61_001_999),
+        false,
+        "said \"so\", twice\nor more",
+    );
+    log.say(Instant::from_millis(61_002), true, "=1+1");
+    let (file, rows) = log_file(&mut log, 1_000);
+    let expected = "\
+time,elapsed_s,direction,id,hex,meaning\r
+2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 64 FF 9C 00 00 00 00 00 9A,drive −100 rpm\r
+2026-11-21T13:15:36.964Z,0.002,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"'+100 rpm, +0.175 A, 66.96°\"\r
+2026-11-21T13:15:36.972Z,0.010,ERR,0x01,,no answer within 8.0 ms\r
+2026-11-21T13:15:37.962Z,1.000,ERR,,01 02 03,3 bytes that are no frame\r
+2026-11-21T13:16:37.963Z,61.001,SYS,,,\"said \"\"so\"\", twice\nor more\"\r
+2026-11-21T13:16:37.964Z,61.002,ERR,,,'=1+1\r
+";
+    assert_eq!(file, expected);
+    assert_eq!(rows, 6);
+}
+
+#[test]
+fn a_file_has_what_is_collapsed_or_filtered_out() {
+    let mut log = log(5_000);
+    for n in 0..3_000 {
+        log.passed(&driven(n));
+    }
+    log.filter(&collapsed());
+    let (file, rows) = log_file(&mut log, 100);
+    assert_eq!(rows, 3_000);
+    assert_eq!(read(&file).len(), 3_000);
+}
+
+#[test]
+fn seconds_are_counted_from_the_first_entry_that_is_kept() {
+    let mut log = log(10);
+    for n in 0..25 {
+        log.passed(&at(n * 500, query(1)));
+    }
+    let records = read(&log_file(&mut log, 3).0);
+    assert_eq!(records[0][..2], ["2026-11-21T13:15:44.462Z", "0.000"]);
+    assert_eq!(records[9][1], "4.500");
+}
+
+#[test]
+fn entries_that_go_or_come_while_a_file_is_made_leave_it_true() {
+    let mut log = log(100);
+    let recording = Recording::default();
+    for n in 0..100 {
+        log.passed(&at(n, query(1)));
+    }
+    let mut file = CsvFile::of_log(&mut log);
+    assert_eq!(file.rows_in_all(), 100);
+    assert!(!file.advance(&log, &recording, 20));
+    for n in 100..150 {
+        log.passed(&at(n, query(2)));
+    }
+    log.say(Instant::from_millis(90), false, "late");
+    assert!(file.advance(&log, &recording, 1_000));
+    assert_eq!((file.rows(), file.rows_in_all()), (69, 69));
+    let records = read(&String::from_utf8(file.take()).unwrap());
+    assert_eq!(records.len(), 69);
+    assert!(
+        records.iter().all(|record| record[3] == "0x01"),
+        "none that came later"
+    );
+    let seconds: Vec<_> = records.iter().map(|record| record[1].as_str()).collect();
+    assert_eq!(
+        (seconds[19], seconds[20], seconds[68]),
+        ("0.019", "0.051", "0.099")
+    );
+}
+
+#[test]
+fn a_file_of_a_log_that_was_cleared_ends() {
+    let mut log = log(5_000);
+    let recording = Recording::default();
+    for n in 0..3_000 {
+        log.passed(&driven(n));
+    }
+    let mut file = CsvFile::of_log(&mut log);
+    assert!(!file.advance(&log, &recording, 1_000));
+    log.clear();
+    log.passed(&driven(5_000));
+    assert!(file.advance(&log, &recording, 1));
+    assert_eq!((file.rows(), file.rows_in_all()), (1_000, 1_000));
+}
+
+/// By hand from the tables of the protocol: current = raw x 8 / 32767, angle = raw x 360 / 32767 or
+/// raw x 360 / 255.
+#[test]
+fn telemetry_has_the_columns_of_the_article() {
+    let asked = Frame::with_crc([1, 2, 0x00, 0x0A, 0x00, 0x64, 0x21, 0x59, 0x00]);
+    let faulty = Frame::with_crc([7, 1, 0xFC, 0x00, 0xFF, 0x9C, 0x21, 0x59, 0x12]);
+    let odd = Frame::with_crc([254, 3, 0, 0, 0, 0, 0x7F, 0xFF, 0x20]);
+    let file = telemetry_file(&[
+        at(0, query(1)),
+        at(2, heard(asked, Some(Layout::Query))),
+        at(4, drive(1, 100)),
+        at(
+            6,
+            heard(
+                "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(),
+                Some(Layout::Drive),
+            ),
+        ),
+        at(8, silence(1)),
+        at(9, junk(&[1; 10])),
+        at(10, heard(faulty, None)),
+        at(12, heard(odd, Some(Layout::Drive))),
+    ]);
+    let expected = format!(
+        "timestamp,motor_id,mode,speed_rpm,current_a,temp_c,position_deg,error_code,error_str,raw_hex\r
+2026-11-21T13:15:36.964Z,1,Velocity,100,0.002,33,125.6,0x00,OK,{asked}\r
+2026-11-21T13:15:36.968Z,1,Velocity,100,0.175,,66.96,0x00,OK,01 02 02 CD 00 64 17 CF 00 8F\r
+2026-11-21T13:15:36.972Z,7,Current,-100,-0.250,,,0x12,bus overcurrent | over-temperature,{faulty}\r
+2026-11-21T13:15:36.974Z,254,Position,0,0.000,,360.00,0x20,unknown bits 0x20,{odd}\r
+"
+    );
+    assert_eq!(file, expected);
+}
+
+#[test]
+fn every_fault_has_its_name() {
+    let all = Fault::ALL.into_iter().fold(Faults::NONE, Faults::with);
+    let frame = Frame::with_crc([1, 2, 0, 0, 0, 0, 0, 0, all.byte()]);
+    let records = read(&telemetry_file(&[at(0, heard(frame, None))]));
+    let names = "sensor | bus overcurrent | phase overcurrent | stall | over-temperature";
+    assert_eq!(records[0][7..9], ["0x1F", names]);
+}
+
+#[test]
+fn a_recording_is_written_instead_of_the_last_ten_minutes() {
+    let mut recording = Recording::default();
+    recording.passed(&at(0, reply(1, 0)));
+    recording.record(true);
+    recording.passed(&at(10, reply(2, 0)));
+    recording.record(false);
+    recording.passed(&at(20, reply(3, 0)));
+    let file = CsvFile::of_telemetry(&recording);
+    let records = read(&whole(file, &log(10), &recording, 10).0);
+    assert_eq!(records.len(), 1);
+    assert_eq!(records[0][1], "2");
+}
+
+/// The direction of a kind, as the issue has it.
+fn direction(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Tx => "TX",
+        Kind::Rx => "RX",
+        Kind::System => "SYS",
+        Kind::Error => "ERR",
+    }
+}
+
+/// A text as a cell that no spreadsheet runs.
+fn harmless(text: &str) -> String {
+    let runs = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    format!("{}{text}", if runs { "'" } else { "" })
+}
+
+proptest! {
+    /// What is read back is what the log shows, whatever the page has said and in whatever slices the
+    /// file was made.
+    #[test]
+    fn a_file_read_back_is_the_log(
+        said in prop::collection::vec((any::<bool>(), "[-=+@,\"'\t\r\n a-c°−]{0,12}"), 0..20),
+        frames in prop::collection::vec(any::<[u8; 10]>(), 0..20),
+        slice in 1..10_u64,
+    ) {
+        let mut log = log(1_000);
+        log.filter(&Filter::default());
+        for (n, frame) in (0..).zip(&frames) {
+            log.passed(&at(n, heard(Frame::new(*frame), Some(Layout::Drive))));
+            log.passed(&at(n, junk(&frame[..(usize::from(frame[0]) % 10)])));
+        }
+        for (n, (error, text)) in (100..).zip(&said) {
+            log.say(Instant::from_millis(n), *error, text);
+        }
+        let (file, rows) = log_file(&mut log, slice);
+        let shown = log.page(Window { first: None, rows: 400 }).rows;
+        let records = read(&file);
+        prop_assert_eq!(rows, shown.len() as u64);
+        prop_assert_eq!(records.len(), shown.len());
+        for (record, Row { kind, time, id, hex, meaning, .. }) in records.iter().zip(&shown) {
+            prop_assert_eq!(&record[0], &format!("2026-11-21T{time}Z"));
+            prop_assert_eq!(&record[2..5], [direction(*kind), id, hex]);
+            prop_assert_eq!(&record[5], &harmless(meaning));
+        }
+    }
+}

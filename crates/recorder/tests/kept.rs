@@ -1,0 +1,603 @@
+//! A session that is kept, and read back into another recorder.
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod line;
+
+use std::{collections::BTreeMap, time::Duration};
+
+use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToRecorder};
+use motorlink_protocol::Instant;
+use motorlink_recorder::{
+    LocalTime, Log, Output, Recorder, Recording, WallClock,
+    kept::{Act, PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream, Summary},
+};
+use proptest::prelude::*;
+
+use line::{at, driven, reply};
+
+/// 2026-11-21 13:15:00 UTC.
+const EPOCH_MS: f64 = 1_795_266_900_000.0;
+
+/// The files of a session.
+type Disk = BTreeMap<Segment, Vec<u8>>;
+
+/// A page with a recorder that keeps its session.
+struct Page {
+    recorder: Recorder,
+    now: Instant,
+    disk: Disk,
+    /// What is restored.
+    kept: Vec<(Segment, Vec<u8>)>,
+    told: Vec<FromRecorder>,
+    parts: Vec<u8>,
+    file: Option<String>,
+    flushes: u32,
+}
+
+impl Page {
+    fn opened(epoch_ms: f64) -> Self {
+        let clock = WallClock::new(epoch_ms, 0);
+        let log = Log::with_capacity(1_100_000);
+        let mut page = Self {
+            recorder: Recorder::with(clock, log, Recording::default()).keeping(),
+            now: Instant::ZERO,
+            disk: Disk::new(),
+            kept: Vec::new(),
+            told: Vec::new(),
+            parts: Vec::new(),
+            file: None,
+            flushes: 0,
+        };
+        page.handle(ToRecorder::Epoch { unix_ms: epoch_ms });
+        page
+    }
+
+    fn handle(&mut self, message: ToRecorder) {
+        self.recorder.handle(message);
+        self.run();
+    }
+
+    fn say(&mut self, millis: u64, text: &str) {
+        self.handle(ToRecorder::Say {
+            at: Instant::from_millis(millis),
+            error: false,
+            text: text.to_owned(),
+        });
+    }
+
+    fn drive(&mut self, numbers: std::ops::Range<u64>) {
+        for n in numbers {
+            self.recorder.passed(&driven(n));
+        }
+        self.run();
+    }
+
+    fn pass(&mut self, millis: u64) {
+        self.now = self.now + Duration::from_millis(millis);
+        self.run();
+    }
+
+    fn run(&mut self) -> Option<Instant> {
+        loop {
+            match self.recorder.poll(self.now) {
+                Output::Tell(message) | Output::NoFile(message) => self.told.push(message),
+                Output::Part(mut bytes) => self.parts.append(&mut bytes),
+                Output::File(message) => {
+                    self.told.push(message);
+                    self.file = Some(String::from_utf8(std::mem::take(&mut self.parts)).unwrap());
+                }
+                Output::Keep(act) => self.act(act),
+                Output::NextKept => {
+                    let next = (!self.kept.is_empty()).then(|| self.kept.remove(0));
+                    let next = next.map(|(segment, bytes)| (segment.stream, bytes));
+                    self.recorder.next_kept(next);
+                }
+                Output::Work => self.recorder.work(self.now, 500),
+                Output::Wait(until) => return until,
+            }
+        }
+    }
+
+    fn act(&mut self, act: Act) {
+        match act {
+            Act::Append(segment, bytes) => self.disk.entry(segment).or_default().extend(bytes),
+            Act::Remove(segment) => _ = self.disk.remove(&segment),
+            Act::Flush => self.flushes += 1,
+            Act::Adopt { packets, recorded } => {
+                for (mut segment, bytes) in std::mem::take(&mut self.disk) {
+                    segment.number += match segment.stream {
+                        Stream::Packets => packets,
+                        Stream::Recorded => recorded,
+                    };
+                    self.disk.insert(segment, bytes);
+                }
+                self.disk.extend(self.kept.iter().cloned());
+            }
+            Act::Erase => {
+                self.disk.clear();
+                self.told.push(FromRecorder::Erased { all: true });
+            }
+        }
+    }
+
+    /// The page crashes: what was written in time is there.
+    fn crash(mut self) -> Disk {
+        self.pass(300);
+        self.disk
+    }
+
+    fn restore(&mut self, disk: &Disk) {
+        self.kept = disk.clone().into_iter().collect();
+        let sizes = self.kept.iter();
+        let files: Vec<_> = sizes.map(|(file, bytes)| (*file, bytes.len())).collect();
+        self.recorder.restore(&summary(disk), &files);
+        self.run();
+    }
+
+    fn export(&mut self, what: Export) -> String {
+        self.file = None;
+        self.handle(match what {
+            Export::Log => ToRecorder::ExportLog,
+            Export::Telemetry => ToRecorder::ExportTelemetry,
+        });
+        self.file.take().unwrap_or_default()
+    }
+
+    fn recording(&mut self) -> RecordingStatus {
+        self.pass(300);
+        let mut told = self.told.iter().rev();
+        told.find_map(|message| match message {
+            FromRecorder::Recording(status) => Some(*status),
+            _ => None,
+        })
+        .unwrap_or_default()
+    }
+}
+
+fn summary(disk: &Disk) -> Summary {
+    let mut summary = Summary::default();
+    for (segment, bytes) in disk {
+        summary.add(segment.stream, bytes.clone());
+    }
+    summary
+}
+
+fn restored(disk: &Disk, epoch_ms: f64) -> Page {
+    let mut page = Page::opened(epoch_ms);
+    page.restore(disk);
+    page
+}
+
+/// Half an hour later.
+const LATER_MS: f64 = EPOCH_MS + 1_800_000.0;
+
+#[test]
+fn a_session_comes_back_as_it_was() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.say(0, "Connected");
+    page.drive(0..3_000);
+    page.handle(ToRecorder::Record(true));
+    page.pass(100);
+    page.drive(3_000..9_000);
+    page.handle(ToRecorder::Record(false));
+    page.drive(9_000..10_000);
+    let (log, telemetry) = (page.export(Export::Log), page.export(Export::Telemetry));
+    let status = page.recording();
+    let disk = page.crash();
+
+    let session = summary(&disk).session().unwrap();
+    assert_eq!(session.packets, 10_000);
+    assert_eq!(session.recorded, status.recorded);
+    assert_eq!(session.recorded_ms, status.recorded_ms);
+    assert!((session.from_ms - EPOCH_MS).abs() < 1.0);
+    assert!((session.to_ms - EPOCH_MS - 9_999.0).abs() < 1.0);
+
+    let mut page = restored(&disk, LATER_MS);
+    assert!(page.told.contains(&FromRecorder::Restored));
+    assert_eq!(page.export(Export::Log), log);
+    assert_eq!(page.export(Export::Telemetry), telemetry);
+    let again = page.recording();
+    assert!(!again.recording && again.exported);
+    assert_eq!(again.rolling, status.rolling);
+}
+
+#[test]
+fn this_session_goes_on_behind_the_restored_one_and_both_survive_the_next_crash() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.handle(ToRecorder::Record(true));
+    page.drive(0..2_000);
+    let disk = page.crash();
+
+    let mut page = Page::opened(LATER_MS);
+    page.drive(0..500);
+    page.pass(1_000);
+    page.say(500, "before");
+    page.restore(&disk);
+    page.say(600, "behind");
+    page.handle(ToRecorder::Record(true));
+    page.drive(700..900);
+    let log = page.export(Export::Log);
+    let (before, behind) = (log.find("before").unwrap(), log.find("behind").unwrap());
+    assert!(before < behind);
+    assert_eq!(log.lines().count(), 1 + 2_000 + 500 + 1 + 1 + 200);
+    assert!(
+        log.contains("2026-11-21T13:45:00.499Z"),
+        "by the wall clock"
+    );
+    let recorded = page.recording().recorded;
+    let telemetry = page.export(Export::Telemetry);
+    let disk = page.crash();
+
+    let mut page = restored(&disk, LATER_MS + 600_000.0);
+    assert_eq!(page.export(Export::Log), log);
+    assert_eq!(page.recording().recorded, recorded);
+    assert_eq!(page.export(Export::Telemetry), telemetry);
+}
+
+/// The samples that the page is given, at their times on the clock of this session, in milliseconds.
+fn past(page: &Page) -> Vec<Vec<i64>> {
+    let parts = page.told.iter().filter_map(|told| match told {
+        FromRecorder::Past { zero_us, samples } => {
+            let at_us = |at: Instant| i64::try_from(at.as_micros()).unwrap() + zero_us;
+            Some(
+                samples
+                    .iter()
+                    .map(|sample| at_us(sample.at) / 1_000)
+                    .collect(),
+            )
+        }
+        _ => None,
+    });
+    parts.collect()
+}
+
+#[test]
+fn the_page_is_given_the_restored_samples_at_their_times_in_bounded_parts() {
+    let mut first = Page::opened(EPOCH_MS);
+    for n in 0..4_500 {
+        first.recorder.passed(&at(n, reply(1, 7)));
+    }
+    first.run();
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 60_000.0);
+    page.recorder.passed(&at(3, reply(1, 7)));
+    page.restore(&disk);
+    page.pass(300);
+    let restored = page
+        .told
+        .iter()
+        .position(|told| *told == FromRecorder::Restored);
+    let given = page
+        .told
+        .iter()
+        .position(|told| matches!(told, FromRecorder::Past { .. }));
+    assert!(restored < given, "{restored:?} {given:?}");
+    let parts = past(&page);
+    let sizes: Vec<usize> = parts.iter().map(Vec::len).collect();
+    assert_eq!(sizes, [2_000, 2_000, 500], "the newest first");
+    let all: Vec<i64> = parts.into_iter().rev().flatten().collect();
+    let expected: Vec<i64> = (0..4_500).map(|n| n - 60_000).collect();
+    assert_eq!(all, expected, "before this session, each once");
+}
+
+#[test]
+fn of_the_restored_samples_those_older_than_ten_minutes_stay_away() {
+    let mut first = Page::opened(EPOCH_MS);
+    first.drive(0..100);
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 3_600_000.0);
+    page.recorder.passed(&at(0, reply(1, 7)));
+    page.restore(&disk);
+    page.pass(300);
+    assert!(past(&page).is_empty());
+    let mut page = Page::opened(EPOCH_MS + 3_600_000.0);
+    page.restore(&disk);
+    page.pass(300);
+    assert!(!past(&page).is_empty(), "nothing newer is there");
+}
+
+/// Clocks go back by an hour two seconds after the session of before began.
+#[test]
+fn restored_rows_have_the_local_time_of_their_moment() {
+    const CHANGED_MS: i64 = 1_795_266_902_000;
+    let local_time = |from_ms, until_ms| {
+        let minutes_at = |unix_ms| if unix_ms < CHANGED_MS { 120 } else { 60 };
+        LocalTime::between(from_ms, until_ms, minutes_at)
+    };
+    let begun_ms = CHANGED_MS - 2_000;
+    let mut first = Page::opened(EPOCH_MS);
+    first.say(1_000, "in summer");
+    first.recorder.passed(&at(1_001, reply(1, 7)));
+    first.say(3_000, "in winter");
+    let disk = first.crash();
+    let mut page = Page::opened(EPOCH_MS + 60_000.0);
+    page.say(0, "now");
+    page.recorder
+        .set_local_time(local_time(begun_ms, begun_ms + 60_000));
+    page.restore(&disk);
+    // As the worker does once a minute.
+    let begins_ms = page.recorder.begins_ms().unwrap();
+    assert_eq!(begins_ms, begun_ms);
+    page.recorder
+        .set_local_time(local_time(begins_ms, begun_ms + 120_000));
+    page.pass(300);
+    page.told.clear();
+    page.handle(ToRecorder::Look(line::ALL));
+    let rows = page.told.iter().find_map(|told| match told {
+        FromRecorder::Log(page) => Some(&page.rows),
+        _ => None,
+    });
+    let times: Vec<&str> = rows.unwrap().iter().map(|row| row.time.as_str()).collect();
+    assert_eq!(
+        times,
+        [
+            "15:15:01.000",
+            "15:15:01.001",
+            "14:15:03.000",
+            "14:16:00.000"
+        ]
+    );
+}
+
+#[test]
+fn a_wall_clock_that_was_set_back_puts_nothing_before_what_was_restored() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.drive(0..2_000);
+    let disk = page.crash();
+    let mut page = restored(&disk, EPOCH_MS - 60_000.0);
+    page.say(5, "now");
+    page.drive(10..20);
+    let log = page.export(Export::Log);
+    let lines: Vec<&str> = log.lines().collect();
+    assert!(lines[2_001].contains("now"), "{}", lines[2_001]);
+    assert!(lines[2_001].starts_with("2026-11-21T13:15:01.999Z"));
+    assert!(lines[2_002].starts_with("2026-11-21T13:15:02.004Z"));
+}
+
+#[test]
+fn what_was_cleared_stays_cleared_and_samples_stay() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.drive(0..1_000);
+    page.handle(ToRecorder::Clear);
+    page.drive(1_000..1_100);
+    let rolling = page.recording().rolling;
+    let disk = page.crash();
+    assert_eq!(summary(&disk).session().unwrap().packets, 100);
+    let mut page = restored(&disk, LATER_MS);
+    assert_eq!(page.export(Export::Log).lines().count(), 101);
+    assert_eq!(page.recording().rolling, rolling);
+}
+
+#[test]
+fn a_recording_that_begins_anew_takes_its_files_along() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.handle(ToRecorder::Record(true));
+    page.drive(0..1_000);
+    page.handle(ToRecorder::Record(false));
+    page.export(Export::Telemetry);
+    page.pass(300);
+    let recorded = |disk: &Disk| {
+        let files = disk.keys().filter(|file| file.stream == Stream::Recorded);
+        files.copied().collect::<Vec<_>>()
+    };
+    let before = recorded(&page.disk);
+    page.handle(ToRecorder::Record(true));
+    page.drive(1_000..1_100);
+    page.pass(300);
+    let after = recorded(&page.disk);
+    assert_eq!((before.len(), after.len()), (1, 1));
+    assert_ne!(before, after);
+    let status = page.recording();
+    let disk = page.crash();
+    assert_eq!(
+        restored(&disk, LATER_MS).recording().recorded,
+        status.recorded
+    );
+}
+
+#[test]
+fn written_within_a_quarter_of_a_second_and_at_rest_not_at_all() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.pass(10_000);
+    assert!(page.disk.is_empty());
+    assert_eq!(page.run(), None, "no timer");
+    page.drive(0..10);
+    assert!(page.disk.is_empty(), "not a write an entry");
+    let due = page.run().unwrap();
+    assert!(due.since(page.now) <= Duration::from_millis(250));
+    page.now = due;
+    page.run();
+    assert_eq!(page.disk.len(), 1);
+    page.pass(200);
+    page.pass(6_000);
+    assert_eq!(page.flushes, 1);
+    assert_eq!(page.run(), None, "no timer");
+}
+
+#[test]
+fn times_are_kept_from_the_epoch_on_though_something_came_before_it() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.recorder = Recorder::new(WallClock::new(EPOCH_MS, 0)).keeping();
+    page.say(3, "early");
+    page.pass(5_000);
+    assert!(page.disk.is_empty());
+    page.handle(ToRecorder::Epoch { unix_ms: EPOCH_MS });
+    page.drive(5..6);
+    let disk = page.crash();
+    let log = restored(&disk, LATER_MS).export(Export::Log);
+    assert!(log.contains("2026-11-21T13:15:00.003Z"), "{log}");
+}
+
+#[test]
+fn a_long_session_is_bounded_and_keeps_a_million_entries() {
+    let mut page = Page::opened(EPOCH_MS);
+    for second in 0..1_300 {
+        // From the tenth hour on, when times take most bytes.
+        let start = 34_000_000 + second * 1_000;
+        page.drive(start..start + 1_000);
+        page.pass(260);
+    }
+    let sizes: Vec<usize> = page.disk.values().map(Vec::len).collect();
+    assert!(sizes.iter().all(|size| *size <= SEGMENT_BYTES_MAX + 40));
+    let bytes: usize = sizes.iter().sum();
+    assert!(
+        bytes <= PACKETS_BYTES_MAX + 2 * SEGMENT_BYTES_MAX,
+        "{bytes}"
+    );
+    let disk = page.crash();
+    let packets = summary(&disk).session().unwrap().packets;
+    assert_eq!(packets, 1_000_000);
+    let mut page = restored(&disk, LATER_MS);
+    let lines = page.export(Export::Log).lines().count();
+    assert!((1_000_001..1_100_000).contains(&lines), "{lines}");
+}
+
+#[test]
+fn erased_is_erased_and_the_session_begins_anew() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.handle(ToRecorder::Record(true));
+    page.drive(0..1_000);
+    page.handle(ToRecorder::Record(false));
+    page.pass(300);
+    page.handle(ToRecorder::Erase);
+    assert!(page.told.contains(&FromRecorder::Erased { all: true }));
+    assert!(page.disk.is_empty());
+    assert_eq!(page.recording(), RecordingStatus::default());
+    page.drive(1_000..1_010);
+    let disk = page.crash();
+    let mut page = restored(&disk, LATER_MS);
+    assert_eq!(page.export(Export::Log).lines().count(), 11);
+}
+
+#[test]
+fn a_file_that_is_missing_or_foreign_costs_only_itself() {
+    let mut page = Page::opened(EPOCH_MS);
+    for second in 0..300 {
+        page.drive(second * 1_000..(second + 1) * 1_000);
+        page.pass(260);
+    }
+    let mut disk = page.crash();
+    let files: Vec<Segment> = disk.keys().copied().collect();
+    assert!(files.len() >= 3);
+    let lost = disk.insert(files[1], b"MLnothing of ours ML\xB1\x02".to_vec());
+    let lost = summary(&Disk::from([(files[1], lost.unwrap())]));
+    let lost = lost.session().unwrap().packets;
+    let mut page = restored(&disk, LATER_MS);
+    let lines = page.export(Export::Log).lines().count() as u64;
+    assert_eq!(lines, 1 + 300_000 - lost);
+}
+
+#[test]
+fn what_comes_while_a_session_is_restored_is_in_it_and_in_the_file_that_waits() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.drive(0..5_000);
+    let disk = page.crash();
+    let mut page = Page::opened(LATER_MS);
+    page.kept = disk.clone().into_iter().collect();
+    page.recorder.restore(&summary(&disk), &[]);
+    let mut n = 0;
+    let mut asked = false;
+    while !page.told.contains(&FromRecorder::Restored) {
+        page.recorder.passed(&at(n, reply(1, 7)));
+        n += 1;
+        if n == 5 {
+            page.recorder.handle(ToRecorder::ExportLog);
+            asked = true;
+        }
+        match page.recorder.poll(page.now) {
+            Output::NextKept => {
+                let next = page.kept.pop();
+                let next = next.map(|(segment, bytes)| (segment.stream, bytes));
+                page.recorder.next_kept(next);
+            }
+            Output::Work => page.recorder.work(page.now, 100),
+            Output::Tell(message) => page.told.push(message),
+            _ => page.now = page.now + Duration::from_millis(1),
+        }
+    }
+    assert!(asked);
+    page.run();
+    let log = page.file.take().unwrap();
+    // The file was begun with the change of places, and the page heard of it an entry later.
+    assert_eq!(log.lines().count() as u64, 1 + 5_000 + n - 1);
+}
+
+/// What may happen.
+#[derive(Clone, Debug)]
+enum Step {
+    Drive(u64),
+    Say,
+    Clear,
+    Record(bool),
+    Pass(u64),
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let step = prop_oneof![
+        6 => (1..400_u64).prop_map(Step::Drive),
+        2 => Just(Step::Say),
+        1 => Just(Step::Clear),
+        2 => any::<bool>().prop_map(Step::Record),
+        3 => (1..600_u64).prop_map(Step::Pass),
+    ];
+    proptest::collection::vec(step, 1..30)
+}
+
+fn play(page: &mut Page, steps: &[Step]) {
+    let mut n = 0;
+    for step in steps {
+        match step {
+            Step::Drive(count) => {
+                page.drive(n..n + count);
+                n += count;
+            }
+            Step::Say => page.say(n, "said"),
+            Step::Clear => page.handle(ToRecorder::Clear),
+            Step::Record(on) => page.handle(ToRecorder::Record(*on)),
+            Step::Pass(millis) => page.pass(*millis),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn whatever_happened_comes_back(first in steps(), second in steps()) {
+        let mut page = Page::opened(EPOCH_MS);
+        play(&mut page, &first);
+        let disk = page.crash();
+        let mut page = restored(&disk, LATER_MS);
+        play(&mut page, &second);
+        let log = page.export(Export::Log);
+        let recorded = page.recording().recorded;
+        let telemetry = page.export(Export::Telemetry);
+        let disk = page.crash();
+        let mut again = restored(&disk, LATER_MS + LATER_MS);
+        prop_assert_eq!(again.export(Export::Log), log);
+        prop_assert_eq!(again.recording().recorded, recorded);
+        prop_assert_eq!(again.export(Export::Telemetry), telemetry);
+    }
+
+    #[test]
+    fn a_torn_tail_costs_the_end_and_nothing_else(
+        entries in 1_000..6_000_u64, cut in any::<prop::sample::Index>()
+    ) {
+        let mut page = Page::opened(EPOCH_MS);
+        for start in (0..entries).step_by(100) {
+            page.drive(start..start + 100);
+            page.pass(260);
+        }
+        let whole = page.export(Export::Log);
+        let mut disk = page.crash();
+        let last = disk.last_entry().unwrap().into_mut();
+        last.truncate(cut.index(last.len()));
+        let log = restored(&disk, LATER_MS).export(Export::Log);
+        prop_assert!(whole.starts_with(&log));
+    }
+}

@@ -1,0 +1,137 @@
+//! What passes on a line, for the stories of the recorder.
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    clippy::missing_panics_doc,
+    reason = "not every story needs all of it, and a test fails by panicking"
+)]
+
+use motorlink_bus::{JunkBytes, Passed, Traffic};
+use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
+use motorlink_protocol::{
+    Current, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Position, Reply, Request, Rpm,
+    Setpoint, SpeedTarget,
+};
+use motorlink_recorder::{Log, WallClock};
+
+/// 2026-11-21 13:15:36.962 UTC at [`Instant::ZERO`].
+pub const CLOCK: WallClock = WallClock::new(1_795_266_936_962.0, 0);
+
+/// Every row that a page may ask for.
+pub const ALL: Window = Window {
+    first: None,
+    rows: Window::ROWS_MAX,
+};
+
+pub fn id(address: u8) -> MotorId {
+    MotorId::new(address).unwrap()
+}
+
+/// Something that passed so many milliseconds after zero.
+pub fn at(millis: u64, passed: Passed) -> Traffic {
+    Traffic {
+        at: Instant::from_millis(millis),
+        passed,
+    }
+}
+
+pub fn sent(request: Request) -> Passed {
+    Passed::Sent {
+        frame: request.frame(),
+        mode: Some(Mode::Velocity),
+    }
+}
+
+pub fn query(address: u8) -> Passed {
+    sent(Request::Query { id: id(address) })
+}
+
+pub fn drive(address: u8, rpm: i32) -> Passed {
+    let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
+    sent(Request::drive(id(address), setpoint))
+}
+
+/// A reply at 50 rpm to a drive frame.
+pub fn reply(address: u8, position: u16) -> Passed {
+    let reply = Reply {
+        id: id(address),
+        mode: Mode::Velocity,
+        current: Current::from_raw(717),
+        speed: Rpm::new(50),
+        detail: Detail::Drive {
+            position: Position::from_raw(position),
+        },
+        faults: Faults::NONE,
+    };
+    heard(reply.frame(), Some(Layout::Drive))
+}
+
+pub fn heard(frame: Frame, asked: Option<Layout>) -> Passed {
+    Passed::Heard { frame, asked }
+}
+
+pub fn junk(bytes: &[u8]) -> Passed {
+    Passed::Junk(JunkBytes::new(bytes))
+}
+
+pub fn silence(address: u8) -> Passed {
+    Passed::Silence {
+        id: id(address),
+        waited_us: 8_000,
+    }
+}
+
+/// The n-th frame of a line on which motor 1 is driven and asked, a frame a millisecond.
+pub fn driven(n: u64) -> Traffic {
+    let position = u16::try_from(n * 91 % 32_768).unwrap();
+    at(
+        n,
+        match n % 100 {
+            0 => query(1),
+            n if n % 2 == 0 => drive(1, 50),
+            _ => reply(1, position),
+        },
+    )
+}
+
+/// A log of so many entries at most, by [`CLOCK`].
+pub fn log(capacity: u64) -> Log {
+    let mut log = Log::with_capacity(capacity);
+    log.set_clock(CLOCK);
+    log
+}
+
+/// The newest rows, at most [`Window::ROWS_MAX`].
+pub fn newest(log: &Log) -> LogPage {
+    log.page(ALL)
+}
+
+pub fn meanings(rows: &[Row]) -> Vec<&str> {
+    rows.iter().map(|row| row.meaning.as_str()).collect()
+}
+
+pub fn text(text: &str) -> Filter {
+    Filter {
+        text: text.into(),
+        ..Filter::default()
+    }
+}
+
+pub fn of_kind(kind: Kind) -> Filter {
+    Filter {
+        kind: Some(kind),
+        ..Filter::default()
+    }
+}
+
+pub fn collapsed() -> Filter {
+    Filter {
+        collapse: true,
+        ..Filter::default()
+    }
+}
+
+/// Lets a filter look at everything.
+pub fn finish(log: &mut Log) {
+    while !log.advance(997) {}
+}

@@ -1,0 +1,167 @@
+//! A view that grew with the log shows what one shows that is made anew.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+mod line;
+
+use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
+use motorlink_protocol::Instant;
+use motorlink_recorder::Log;
+use proptest::prelude::*;
+
+use line::{ALL, at, collapsed, drive, finish, id, log, of_kind, query, reply, silence, text};
+
+fn millis(at: u64) -> Instant {
+    Instant::from_millis(at)
+}
+
+/// Something that happens to a log.
+#[derive(Clone, Debug)]
+enum Step {
+    Pass(u8),
+    Say { late_ms: u64, text: &'static str },
+    Filter(u8),
+    Advance(u64),
+    Clear,
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    prop_oneof![
+        6_000 => any::<u8>().prop_map(Step::Pass),
+        300 => (0..20_u64, prop::sample::select(vec!["drive on", "other"]))
+            .prop_map(|(late_ms, text)| Step::Say { late_ms, text }),
+        10 => (0..5_u8).prop_map(Step::Filter),
+        20 => (1..2_000_u64).prop_map(Step::Advance),
+        1 => Just(Step::Clear),
+    ]
+}
+
+fn filter(which: u8) -> Filter {
+    match which {
+        0 => Filter::default(),
+        1 => text("drive"),
+        2 => collapsed(),
+        3 => of_kind(Kind::System),
+        _ => Filter {
+            collapse: true,
+            id: Some(id(1)),
+            ..Filter::default()
+        },
+    }
+}
+
+fn play(log: &mut Log, now: u64, step: &Step) {
+    match step {
+        Step::Pass(which) => {
+            let address = which % 2 + 1;
+            log.passed(&at(
+                now,
+                match which % 8 {
+                    0 | 1 => drive(address, 50),
+                    2 => drive(address, (which / 8).into()),
+                    3 => query(address),
+                    4..=6 => reply(address, 5),
+                    _ => silence(address),
+                },
+            ));
+        }
+        Step::Say { late_ms, text } => log.say(millis(now - late_ms), false, text),
+        Step::Filter(which) => log.filter(&filter(*which)),
+        Step::Advance(budget) => _ = log.advance(*budget),
+        Step::Clear => log.clear(),
+    }
+}
+
+/// All rows, a window at a time.
+fn rows(log: &Log) -> Vec<Row> {
+    let LogPage { oldest, end, .. } = log.page(Window {
+        first: None,
+        rows: 0,
+    });
+    let windows = (oldest..end).step_by(400);
+    windows
+        .flat_map(|first| {
+            log.page(Window {
+                first: Some(first),
+                rows: 400,
+            })
+            .rows
+        })
+        .collect()
+}
+
+/// Asserts that the log shows by this filter, which it has, what it shows when the filter begins anew.
+fn assert_agrees_with_anew(log: &mut Log, which: u8) {
+    finish(log);
+    let grown = log.page(ALL);
+    let grown_rows = rows(log);
+    log.filter(&filter(which));
+    finish(log);
+    let anew = log.page(ALL);
+    let anew_rows = rows(log);
+    assert_eq!(grown.looked_at_per_mille, 1000);
+    assert_eq!(grown.end - grown.oldest, anew.end - anew.oldest);
+    assert_eq!(
+        (grown.collapsed, grown.kept, grown.gone),
+        (anew.collapsed, anew.kept, anew.gone)
+    );
+    assert_eq!(grown_rows.len() as u64, grown.end - grown.oldest);
+    for (number, (grown_row, anew_row)) in (grown.oldest..).zip(grown_rows.iter().zip(&anew_rows)) {
+        let renumbered = Row {
+            number,
+            ..anew_row.clone()
+        };
+        assert_eq!(grown_row, &renumbered);
+    }
+    if which == 1 || which == 3 {
+        log.filter(&Filter::default());
+        finish(log);
+        let all = rows(log);
+        let asked_for = |row: &&Row| match which {
+            1 => row.meaning.contains("drive"),
+            _ => row.kind == Kind::System,
+        };
+        let expected = all.iter().filter(asked_for).map(|row| &row.meaning);
+        assert!(anew_rows.iter().map(|row| &row.meaning).eq(expected));
+    }
+    let collapsed = grown_rows.iter().map(|row| u64::from(row.collapsed_before));
+    assert!(collapsed.sum::<u64>() <= grown.collapsed);
+}
+
+#[test]
+fn late_lines_at_every_place_leave_rows_and_counts_true() {
+    for which in 0..5 {
+        let mut log = log(2_500);
+        log.filter(&filter(which));
+        for now in 100..4_000 {
+            play(&mut log, now, &Step::Pass(u8::try_from(now % 251).unwrap()));
+            if now % 3 == 0 {
+                let text = "drive on";
+                let late_ms = now % 17;
+                play(&mut log, now, &Step::Say { late_ms, text });
+            }
+        }
+        assert_agrees_with_anew(&mut log, which);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// However a view came about, it shows what one shows that is made of the same entries at once,
+    /// and its rows follow each other.
+    #[test]
+    fn a_view_that_grew_equals_one_made_anew(steps in prop::collection::vec(step(), 1..6_000)) {
+        let mut log = log(2_500);
+        let mut which = 0;
+        for (now, step) in (100..).zip(&steps) {
+            play(&mut log, now, step);
+            if let Step::Filter(filter) = step {
+                which = *filter;
+            }
+        }
+        assert_agrees_with_anew(&mut log, which);
+    }
+}

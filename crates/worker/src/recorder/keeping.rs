@@ -1,0 +1,176 @@
+//! The session kept in the browser: begun, found again, and what the page wants of it.
+
+use std::{collections::VecDeque, rc::Rc};
+
+use motorlink_messages::recorder::{FromRecorder, NotKept, ToRecorder};
+use motorlink_recorder::kept::{Act, Segment};
+use wasm_bindgen_futures::spawn_local;
+
+use super::{
+    Desk, Shared,
+    disk::{Dir, why},
+    found::{self, Found},
+    local_time,
+    store::{Done, Job, Jobs, Store},
+    tell, turn,
+};
+
+/// What stands between the recorder and its files.
+#[derive(Debug, Default)]
+pub(super) struct Keeping {
+    jobs: Jobs,
+    /// Not there until the browser has given its files, and while a job is being done.
+    store: Option<Store>,
+    /// The browser keeps no files.
+    is_in_memory_only: bool,
+    /// The session that is offered.
+    found: Option<Found>,
+    /// How often everything was erased: what was looked for before is not offered.
+    erased: u32,
+    /// The files of the session that is restored that have not been read yet.
+    to_read: Option<(Dir, VecDeque<Segment>)>,
+}
+
+impl Keeping {
+    /// Has this done behind all that is to be done.
+    pub(super) fn add(&mut self, shared: &Shared, job: Job) {
+        self.jobs.push(job);
+        let shared = Rc::clone(shared);
+        spawn_local(async move { work(&shared).await });
+    }
+
+    /// Reads the next file of the session that is restored.
+    pub(super) fn read_next(&mut self, shared: &Shared) {
+        let next = self.to_read.as_mut();
+        let next = next.and_then(|(dir, files)| Some((dir.clone(), files.pop_front()?)));
+        let shared = Rc::clone(shared);
+        spawn_local(async move {
+            let file = match next {
+                // One that does not read costs only itself.
+                Some((dir, segment)) => {
+                    let bytes = dir.read(&segment.name()).await.unwrap_or_default();
+                    Some((segment.stream, bytes))
+                }
+                None => None,
+            };
+            shared.borrow_mut().recorder.next_kept(file);
+            turn(&shared);
+        });
+    }
+}
+
+/// Opens the browser's files, and looks for a session that ended.
+pub(super) fn begin(shared: &Shared) {
+    let shared = Rc::clone(shared);
+    spawn_local(async move {
+        let Some(sessions) = Dir::of_sessions().await else {
+            // A browser that keeps no files: the recorder is in memory alone.
+            let desk = &mut *shared.borrow_mut();
+            desk.recorder.keep_no_more();
+            desk.keeping.jobs = Jobs::default();
+            desk.keeping.is_in_memory_only = true;
+            return;
+        };
+        let now_ms = js_sys::Date::now();
+        let name = found::new_name(now_ms);
+        let store = Store::new(sessions.clone(), name.clone());
+        shared.borrow_mut().keeping.store = Some(store);
+        work(&shared).await;
+        let erased = shared.borrow().keeping.erased;
+        if let Ok(Some(found)) = found::newest(&sessions, &name, now_ms).await {
+            let keeping = &mut shared.borrow_mut().keeping;
+            if keeping.erased != erased {
+                keeping.add(&shared, Job::Forget(found));
+                return;
+            }
+            tell(&FromRecorder::Kept(found.session));
+            keeping.found = Some(found);
+        }
+    });
+}
+
+/// What the page wants of the files; the recorder handles the rest.
+pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
+    let mut desk = shared.borrow_mut();
+    let Desk {
+        recorder, keeping, ..
+    } = &mut *desk;
+    match message {
+        ToRecorder::Restore => {
+            if let Some(found) = keeping.found.take() {
+                let files = found.files.iter().map(|(segment, _)| *segment).collect();
+                keeping.to_read = Some((found.dir.clone(), files));
+                // Clocks may have been changed since.
+                recorder.set_local_time(local_time(found.summary.first_epoch_us() / 1_000));
+                recorder.restore(&found.summary, &found.files);
+                keeping.add(shared, Job::Restore(found));
+            }
+        }
+        ToRecorder::Forget => {
+            if let Some(found) = keeping.found.take() {
+                keeping.add(shared, Job::Forget(found));
+            }
+        }
+        ToRecorder::Erase => {
+            keeping.erased += 1;
+            keeping.found = None;
+            keeping.to_read = None;
+            if keeping.is_in_memory_only {
+                tell(&FromRecorder::Erased { all: true });
+            } else if !recorder.is_keeping() {
+                keeping.add(shared, Job::Act(Act::Erase));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Does what is to be done, until nothing is.
+async fn work(shared: &Shared) {
+    loop {
+        let (mut store, job) = {
+            let keeping = &mut shared.borrow_mut().keeping;
+            if keeping.jobs.are_too_many() {
+                keeping.jobs = Jobs::default();
+                break;
+            }
+            // Somebody else is at it, or nobody can be.
+            let Some(store) = keeping.store.take() else {
+                return;
+            };
+            let Some(job) = keeping.jobs.pop() else {
+                keeping.store = Some(store);
+                return;
+            };
+            (store, job)
+        };
+        let erases = matches!(job, Job::Act(Act::Erase));
+        // What is not removed or flushed is still there; what is not written is not kept.
+        let writes = matches!(job, Job::Act(Act::Append(..) | Act::Adopt { .. }));
+        let done = store.work(job).await;
+        if erases {
+            let all = matches!(done, Ok(Done::All));
+            tell(&FromRecorder::Erased { all });
+        }
+        if let Err(error) = &done
+            && writes
+        {
+            store.let_go();
+            give_up(shared, why(error));
+        }
+        shared.borrow_mut().keeping.store = Some(store);
+    }
+    give_up(shared, NotKept::Failed);
+}
+
+/// From now on the recorder is in memory alone. What was kept stays.
+fn give_up(shared: &Shared, why: NotKept) {
+    let Desk {
+        recorder, keeping, ..
+    } = &mut *shared.borrow_mut();
+    keeping.jobs = Jobs::default();
+    if recorder.is_keeping() {
+        recorder.keep_no_more();
+        tell(&FromRecorder::NotKept(why));
+    }
+}

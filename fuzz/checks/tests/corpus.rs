@@ -1,0 +1,38 @@
+//! Plays what is kept in `fuzz/corpus`: frames of real motors and what fuzzing found worth keeping.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::{fs, path::Path};
+
+/// Gives every file of a corpus to what reads it. One that is empty would show nothing.
+fn play(corpus: &str, read: fn(&[u8])) {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../corpus");
+    let files = fs::read_dir(dir.join(corpus)).unwrap();
+    let played = files
+        .map(|file| read(&fs::read(file.unwrap().path()).unwrap()))
+        .count();
+    assert!(played >= 10, "{corpus} has only {played} files");
+}
+
+#[test]
+fn frames_are_read_and_written_as_they_were() {
+    play("decode", motorlink_fuzz_checks::decode);
+}
+
+#[test]
+fn behind_any_junk_the_next_good_reply_but_one_is_read() {
+    play("resynchronise", motorlink_fuzz_checks::resynchronise);
+}
+
+#[test]
+fn what_is_typed_is_a_frame_or_wrong_at_its_byte() {
+    play("raw_editor", motorlink_fuzz_checks::raw_editor);
+}
+
+#[test]
+fn a_file_is_a_setup_or_refused_in_words() {
+    play("setup_file", motorlink_fuzz_checks::setup_file);
+}
