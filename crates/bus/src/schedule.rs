@@ -109,8 +109,8 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
 
     // Right behind a reply a query makes the next frame least late.
     let squeezes = next_appointment.is_some_and(|at| at < now + usual);
-    let drive_waits = drive.is_some_and(|(at, _)| due(at));
-    let its_turn = (just_freed || !squeezes) && !(query_was_last && drive_waits);
+    let waits = |frame: Option<(Instant, Errand)>| frame.is_some_and(|(at, _)| due(at));
+    let its_turn = (just_freed || !squeezes) && !(query_was_last && (waits(drive) || waits(stop)));
     let has_waited = |at: Instant| now >= (at + QUERY_PATIENCE).max(queries_from);
     if let Some((_, id)) = query.filter(|(at, _)| its_turn && has_waited(*at)) {
         return Turn::Now(Errand::Query(id));

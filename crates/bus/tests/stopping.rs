@@ -291,6 +291,34 @@ fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
     assert!(bench.world.motor(id(2)).unwrap().speed_rpm().abs() < 1.0);
 }
 
+/// Seed 47149: each of the two others was asked while the brake was due, with a window of 40 ms each.
+#[test]
+fn a_brake_that_is_due_waits_for_one_query_at_most() {
+    let ids = [id(1), id(2), id(3)];
+    let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
+    let mut bench = Bench::watching(
+        WorldConfig {
+            motors,
+            ..WorldConfig::default()
+        },
+        &ids,
+    );
+    bench.drive(rpm(100)).unwrap();
+    bench.run(ms(1_500));
+    for motor in bench.world.motors_mut() {
+        motor.mute(true);
+    }
+    bench.run_until(ms(1_000), |b| {
+        b.happened(|e| matches!(e, Event::StopBegan(_)))
+    });
+    bench.forget_the_past();
+    bench.run(ms(2_000));
+    let of_the_stop = bench.sent.split(|sent| sent.drive_of(ID).is_some());
+    let queries: Vec<usize> = of_the_stop.map(<[Sent]>::len).collect();
+    assert!(queries.len() > 20, "{queries:?}");
+    assert!(queries.iter().all(|queries| *queries <= 1), "{queries:?}");
+}
+
 #[test]
 fn a_page_that_does_not_answer_for_a_second_stops_its_motors() {
     let mut bench = spinning(100);
