@@ -258,7 +258,10 @@ impl Rules {
                 self.judge(Rule::StopIsNext);
                 continue;
             }
-            let until = now + STOP_REACHES_WITHIN + WINDOW_MAX * others;
+            // Those whose stop began a moment ago come first, each with its window.
+            let waiting = u32::try_from(self.stops.len()).unwrap_or(u32::MAX);
+            let before = others.saturating_add(waiting);
+            let until = now + STOP_REACHES_WITHIN + WINDOW_MAX * before;
             self.stops.entry(id).or_insert(until);
         }
     }

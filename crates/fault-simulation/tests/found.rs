@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat, SetIdFrames};
+use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat, SetIdFrames, Together};
 use motorlink_fault_simulation::{
     Absence, Act, Coverage, LineFault, Story, Turn, play, what_passed,
 };
@@ -476,6 +476,38 @@ fn a_frame_on_the_wire_when_a_stop_comes_explains_what_the_wheel_does() {
             rpm(id(3), 28),
             Act::PageGoes,
             away(Absence::Delay, 25_631, vec![Turn::Bytes, Turn::Poll]),
+        ],
+    );
+}
+
+/// Rule `StopIsNext` was wrong here: three motors are withdrawn at one moment, one event each, and the last
+/// comes behind the windows of the other two.
+#[test]
+fn the_last_of_three_withdrawn_motors_waits_for_the_windows_of_two() {
+    let velocity = |rpm| Setpoint::velocity(SpeedTarget::clamped(rpm));
+    let parts = [
+        (id(1), velocity(56)),
+        (id(2), velocity(-56)),
+        (id(3), velocity(56)),
+    ];
+    holds(
+        54_626,
+        3,
+        vec![
+            pause(2_474),
+            rpm(id(1), 0),
+            Act::Line(LineFault::Stalls),
+            pause(2_500),
+            Act::Command(Command::DriveTogether {
+                parts: Together::new(&parts).unwrap(),
+                consent: Consent::HighCurrent,
+            }),
+            Act::Cuts {
+                frames: 4,
+                bytes: 4,
+                told: false,
+            },
+            pause(700),
         ],
     );
 }
