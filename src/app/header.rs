@@ -1,0 +1,161 @@
+//! What is always visible: the line to the motor, and STOP.
+
+use leptos::prelude::*;
+use motorlink_i18n::{Language, tr};
+use wasm_bindgen::JsCast;
+use web_sys::HtmlElement;
+
+use crate::{
+    features::{
+        connect::view::{ConnectButtons, ConnectionState},
+        link_doctor::quality::LinkQuality,
+        motors::choice::{ModelChoice, MotorChoice},
+        stop::button::StopButton,
+    },
+    model::{
+        desk::{Dialog, use_desk},
+        preferences::Theme,
+    },
+    ui::reactive::{heard, live},
+};
+
+/// The combobox by which the language is chosen.
+const LANGUAGE: &str = "language";
+
+#[component]
+pub(crate) fn Header(
+    /// Whether a dialog is open: then only STOP can be reached.
+    behind_dialog: Signal<bool>,
+) -> impl IntoView {
+    view! {
+        <header class="header">
+            <div class="header-rest" inert=behind_dialog>
+                <div class="brand" inner_html=BRAND></div>
+                <ConnectionState />
+                <ConnectButtons />
+                <div class="header-facts">
+                    <MotorChoice />
+                    <ModelChoice />
+                    <LinkQuality />
+                </div>
+                <div class="header-end">
+                    <LanguageChoice />
+                    <ThemeButton />
+                    <HelpButton />
+                </div>
+            </div>
+            <StopButton />
+        </header>
+    }
+}
+
+/// A hub wheel with three bolts, and the name.
+const BRAND: &str = r#"<svg class="logo" viewBox="0 0 24 24" width="26" height="26" aria-hidden="true"><circle cx="12" cy="12" r="10" fill="none" stroke="currentColor" stroke-width="2.6"/><circle cx="12" cy="12" r="2.4" fill="currentColor"/><circle cx="12" cy="6.6" r="1.5" fill="currentColor"/><circle cx="16.7" cy="14.7" r="1.5" fill="currentColor"/><circle cx="7.3" cy="14.7" r="1.5" fill="currentColor"/></svg><h1>MotorLink</h1>"#;
+
+const GLOBE: &str = "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3.5 9h17M3.5 15h17M12 3c5 5 5 13 0 18M12 3c-5 5-5 13 0 18";
+
+/// A drawing on a button, of this path.
+fn glyph(path: &str) -> String {
+    format!(
+        r#"<svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true"><path d="{path}" fill="none" stroke="currentColor" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round"/></svg>"#
+    )
+}
+
+/// Combobox `Language`: it lies, unseen, over a globe.
+#[component]
+fn LanguageChoice() -> impl IntoView {
+    let desk = use_desk();
+    let spoken = desk.language.get_untracked();
+    let options: String = Language::ALL
+        .map(|language| option(language, spoken))
+        .concat();
+    view! {
+        <span class="button icon-button language">
+            <span class="glyph" inner_html=glyph(GLOBE)></span>
+            <select
+                aria-label=tr!("Language")
+                title=tr!("Language")
+                id=LANGUAGE
+                on:change=heard(move |event| {
+                    if let Some(language) = Language::from_tag(&event_target_value(&event)) {
+                        desk.choose_language(language);
+                        // By then the page is another, and the focus is to be where it was; but not while
+                        // something turns: S and K would pick from the list instead of stopping it.
+                        let turns = desk.latest.with_value(|session| session.in_hand().next().is_some());
+                        if !turns {
+                            request_animation_frame(|| focus(LANGUAGE));
+                        }
+                    }
+                })
+                inner_html=options
+            ></select>
+        </span>
+    }
+}
+
+fn option(language: Language, spoken: Language) -> String {
+    let selected = if language == spoken { " selected" } else { "" };
+    format!(
+        r#"<option value="{}" lang="{}"{selected}>{}</option>"#,
+        language.key(),
+        language.tag(),
+        language.name()
+    )
+}
+
+fn focus(id: &str) {
+    let element = document().get_element_by_id(id);
+    if let Some(element) = element.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+        let _ = element.focus();
+    }
+}
+
+#[component]
+fn ThemeButton() -> impl IntoView {
+    let desk = use_desk();
+    let theme = move || desk.preferences.with(|chosen| chosen.theme);
+    let title = move || match theme() {
+        Theme::Light => tr!("Light now; press for dark"),
+        Theme::Dark => tr!("Dark now; press for high contrast"),
+        Theme::Contrast => tr!("High contrast now; press for the system's choice"),
+        Theme::System => tr!("As the system now; press for light"),
+    };
+    // A sun, a moon, a half of each.
+    let shape = move || match theme() {
+        Theme::Light => {
+            "M12 7a5 5 0 1 0 0 10 5 5 0 0 0 0-10zM12 1v3M12 20v3M1 12h3M20 12h3M4.2 4.2l2.1 2.1M17.7 17.7l2.1 2.1M4.2 19.8l2.1-2.1M17.7 6.3l2.1-2.1"
+        }
+        Theme::Dark => "M20 14.5A8.5 8.5 0 1 1 9.5 4a7 7 0 0 0 10.5 10.5z",
+        Theme::Contrast => "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM12 3v18a9 9 0 0 0 0-18z",
+        Theme::System => {
+            "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM12 3v18M12 6.5h4.8M12 10h6.8M12 14h6.8M12 17.5h4.8"
+        }
+    };
+    view! {
+        <button
+            type="button"
+            class="button icon-button"
+            aria-label=tr!("Theme")
+            title=live(title)
+            on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
+            inner_html=live(move || glyph(shape()))
+        ></button>
+    }
+}
+
+#[component]
+fn HelpButton() -> impl IntoView {
+    let desk = use_desk();
+    view! {
+        <button
+            type="button"
+            class="button icon-button"
+            aria-label=tr!("Help")
+            aria-haspopup="dialog"
+            title=tr!("Wiring, first spin, protocol, troubleshooting (?)")
+            on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help(None))))
+        >
+            <span aria-hidden="true">"?"</span>
+        </button>
+    }
+}

@@ -1,0 +1,117 @@
+//! The page is hidden, frozen, closed; its tab says what turns.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
+use web_sys::VisibilityState;
+
+use crate::{
+    link::clock::page_now_ms,
+    model::{desk::Desk, snapshot::Session},
+    ui::{
+        format,
+        listener::on_window,
+        reactive::{follow, memo},
+    },
+};
+
+/// How long a page that goes holds its last handler while a wheel turns. The worker lives no longer
+/// than that handler, and a wheel braked from 100 rpm needs about 200 ms of frames; nothing
+/// asynchronous survives the handler, so this is a busy wait, and bounded.
+const LAST_FRAMES_MS: f64 = 250.0;
+
+const TITLE: &str = "MotorLink";
+
+/// Stops what is driven when the page goes, and where the operator wants it, when it is hidden.
+pub(crate) fn watch(desk: Desk) {
+    on_window("pagehide", move |_| leave(desk));
+    on_window("freeze", move |_| leave(desk));
+    on_window("visibilitychange", move |_| visibility_changed(desk));
+
+    let title = memo(move || desk.shown.with(title));
+    follow(move || document().set_title(&title.get()));
+}
+
+fn leave(desk: Desk) {
+    let in_hand = desk
+        .latest
+        .with_value(|session| session.in_hand().next().is_some());
+    desk.stop_all(StopReason::PageGone);
+    if in_hand {
+        let begun_ms = page_now_ms();
+        while page_now_ms() - begun_ms < LAST_FRAMES_MS {
+            std::hint::spin_loop();
+        }
+    }
+}
+
+fn visibility_changed(desk: Desk) {
+    if document().visibility_state() != VisibilityState::Hidden {
+        desk.show();
+        return;
+    }
+    let keep_driving = desk
+        .preferences
+        .with_untracked(|chosen| chosen.keep_driving);
+    if !keep_driving {
+        desk.stop_all(StopReason::PageHidden);
+    }
+}
+
+/// `● +100 rpm - MotorLink` while a motor is driven: what turns is seen though the page is not.
+fn title(session: &Session) -> String {
+    let said = |motor: &MotorStatus| match motor.activity {
+        Activity::Driven { setpoint } => Some(format::goal(setpoint)),
+        Activity::DrivenRaw => Some(tr!("raw frames").to_owned()),
+        Activity::Stopping { confirmed: false } => Some(tr!("stopping").to_owned()),
+        Activity::Stopping { confirmed: true } | Activity::Switching { .. } | Activity::Idle => {
+            None
+        }
+    };
+    let driven: Vec<String> = session.motors.iter().filter_map(said).collect();
+    match driven.as_slice() {
+        [] => TITLE.to_owned(),
+        [one] => format!("● {one} - {TITLE}"),
+        several => format!(
+            "● {} - {TITLE}",
+            tr!("{motors} motors", motors = several.len())
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{CurrentTarget, Mode, Setpoint, SpeedTarget};
+
+    use super::*;
+    use crate::model::snapshot::tests::{session, status};
+
+    fn title_with(activities: &[Activity]) -> String {
+        let mut session = session(0, status(0, Mode::Velocity, 0));
+        session.motors = activities
+            .iter()
+            .map(|activity| MotorStatus {
+                activity: *activity,
+                ..status(0, Mode::Velocity, 0)
+            })
+            .collect();
+        title(&session)
+    }
+
+    #[test]
+    fn the_title_says_what_turns() {
+        let driven = |setpoint| Activity::Driven { setpoint };
+        let fast = driven(Setpoint::velocity(SpeedTarget::clamped(100)));
+        let amps = driven(Setpoint::Current(CurrentTarget::from_amps(-0.5)));
+        assert_eq!(title_with(&[Activity::Idle]), "MotorLink");
+        assert_eq!(title_with(&[fast]), "● +100 rpm - MotorLink");
+        assert_eq!(title_with(&[amps]), "● \u{2212}0.50 A - MotorLink");
+        assert_eq!(title_with(&[fast, amps]), "● 2 motors - MotorLink");
+        assert_eq!(
+            title_with(&[Activity::DrivenRaw]),
+            "● raw frames - MotorLink"
+        );
+        let stopping = Activity::Stopping { confirmed: false };
+        assert_eq!(title_with(&[stopping]), "● stopping - MotorLink");
+    }
+}

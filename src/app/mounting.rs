@@ -1,0 +1,230 @@
+//! The page put together, part by part.
+//!
+//! A browser compiles the code of a part when it first runs, and on a phone all of them at once would hold
+//! it up for a second in which nothing is heard and nothing painted. So each part is mounted by itself, and
+//! the browser gets its turn in between. The header comes first and can be used at once. The frame in index.html
+//! lies over the rest until all of it is there: what comes into view comes once, and nothing shifts.
+
+use std::{any::Any, time::Duration};
+
+use leptos::{
+    html::{Div, Main},
+    prelude::*,
+    tachys::view::Mountable,
+};
+use wasm_bindgen::JsCast;
+use web_sys::HtmlElement;
+
+use crate::{
+    app::{header::Header, question_dialog::QuestionDialog},
+    features::{
+        drive::{ControlPanel, current::CurrentTab, position::PositionTab, velocity::VelocityTab},
+        graph::Graph,
+        groups::panel::TogetherPanel,
+        help::HelpDialog,
+        ids::view::IdManagerTab,
+        link_doctor::panel::LinkPanel,
+        motors::strip::MotorStrip,
+        notices::Notices,
+        packet_log::PacketLog,
+        raw::view::RawHexTab,
+        recording::Recording,
+        settings::panel::SettingsPanel,
+        stop::dialog::StoppedDialog,
+        telemetry::Telemetry,
+        twin::panel::WheelPanel,
+    },
+    model::desk::{Desk, use_desk},
+    ui::reactive::{follow, live},
+};
+
+/// Where parts are mounted, in the order in which they stand on the page.
+#[derive(Clone, Copy)]
+enum Place {
+    Top,
+    AboveDesk,
+    Desk,
+    TabPanels,
+    Dialogs,
+}
+
+/// A part, and where it is mounted: behind those that are there already.
+type Part = (Place, fn(HtmlElement) -> Mounted);
+
+/// Keeps a part alive.
+type Mounted = (Owner, Box<dyn Any>);
+
+/// In the order in which they come: what is looked at first comes first.
+const PARTS: [Part; 20] = [
+    (Place::Top, |place| {
+        mount(place, || {
+            let desk = use_desk();
+            view! { <Header behind_dialog=Signal::derive(move || is_behind_dialog(desk)) /> }
+        })
+    }),
+    (Place::Desk, |place| mount(place, ControlPanel)),
+    (Place::TabPanels, |place| mount(place, VelocityTab)),
+    (Place::TabPanels, |place| mount(place, CurrentTab)),
+    (Place::TabPanels, |place| mount(place, PositionTab)),
+    (Place::TabPanels, |place| mount(place, IdManagerTab)),
+    (Place::TabPanels, |place| mount(place, RawHexTab)),
+    (Place::Desk, |place| mount(place, WheelPanel)),
+    (Place::Desk, |place| mount(place, Telemetry)),
+    (Place::Desk, |place| mount(place, Notices)),
+    (Place::Desk, |place| mount(place, PacketLog)),
+    (Place::Desk, |place| mount(place, Graph)),
+    (Place::Desk, |place| mount(place, Recording)),
+    (Place::Desk, |place| mount(place, StoppedDialog)),
+    (Place::AboveDesk, |place| mount(place, MotorStrip)),
+    (Place::AboveDesk, |place| mount(place, LinkPanel)),
+    (Place::AboveDesk, |place| mount(place, TogetherPanel)),
+    (Place::AboveDesk, |place| mount(place, SettingsPanel)),
+    (Place::Dialogs, |place| mount(place, HelpDialog)),
+    (Place::Dialogs, |place| mount(place, QuestionDialog)),
+];
+
+fn mount<V: IntoView + 'static>(place: HtmlElement, part: impl FnOnce() -> V + 'static) -> Mounted {
+    let build = move || -> Box<dyn Any> {
+        let mut view = part().into_view().build();
+        view.mount(&place, None);
+        Box::new(view)
+    };
+    mount_boxed(Box::new(build))
+}
+
+/// All parts share the code of this.
+fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
+    let owner = Owner::new();
+    let view = owner.with(build);
+    (owner, view)
+}
+
+fn is_behind_dialog(desk: Desk) -> bool {
+    desk.dialog.with(Option::is_some)
+}
+
+/// Where the parts are mounted.
+#[derive(Clone, Copy, Default)]
+struct Places {
+    top: NodeRef<Div>,
+    above_desk: NodeRef<Div>,
+    desk: NodeRef<Main>,
+    dialogs: NodeRef<Div>,
+}
+
+impl Places {
+    fn clear(self) {
+        for place in [Place::Top, Place::AboveDesk, Place::Desk, Place::Dialogs] {
+            if let Some(element) = self.element(place) {
+                element.set_text_content(None);
+            }
+        }
+    }
+
+    /// `None` once the page is gone, or before the part that has the place.
+    fn element(self, place: Place) -> Option<HtmlElement> {
+        Some(match place {
+            Place::Top => self.top.get_untracked()?.into(),
+            Place::AboveDesk => self.above_desk.get_untracked()?.into(),
+            Place::Desk => self.desk.get_untracked()?,
+            Place::TabPanels => {
+                let panels = self.desk.get_untracked()?.query_selector(".tab-panels");
+                panels.ok()??.dyn_into().ok()?
+            }
+            Place::Dialogs => self.dialogs.get_untracked()?.into(),
+        })
+    }
+}
+
+/// What the page is put together with.
+#[derive(Clone, Copy)]
+struct Assembly {
+    places: Places,
+    parts: StoredValue<Vec<Mounted>, LocalStorage>,
+    /// Which language this is, counted: what was begun in another is not gone on with.
+    round: StoredValue<u32>,
+    complete: RwSignal<bool>,
+}
+
+impl Assembly {
+    /// Adds the part that is next. `None` when the page is gone or in another language, and when all are there.
+    fn add_next(self, round: u32) -> Option<()> {
+        if self.round.try_get_value() != Some(round) {
+            return None;
+        }
+        let (place, mount) = PARTS.get(self.parts.with_value(Vec::len))?;
+        let part = mount(self.places.element(*place)?);
+        self.parts.update_value(|parts| parts.push(part));
+        Some(())
+    }
+
+    /// Adds the others, each in a turn of its own, and then shows the page.
+    fn add_others(self, round: u32) {
+        if self.add_next(round).is_some() {
+            in_the_next_turn(move || self.add_others(round));
+        } else if self.parts.try_with_value(Vec::len) == Some(PARTS.len()) {
+            if let Some(frame) = document().get_element_by_id("starting") {
+                frame.remove();
+            }
+            self.complete.set(true);
+        }
+    }
+}
+
+/// The page without its parts, which come one by one until it is `complete`, and anew in another language. As
+/// a view that changes they would bring along, for every element, the code that changes it: a fifth of the
+/// whole program.
+pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
+    let places = Places::default();
+    let assembly = Assembly {
+        places,
+        parts: StoredValue::new_local(Vec::new()),
+        round: StoredValue::new(0),
+        complete,
+    };
+    let begin = move || {
+        let round = assembly.round.get_value() + 1;
+        assembly.round.set_value(round);
+        // First the old ones, with all that listens for them.
+        assembly.parts.set_value(Vec::new());
+        places.clear();
+        if assembly.complete.get_untracked() {
+            // STOP is out of reach until it stands again.
+            while assembly.add_next(round).is_some() {}
+        } else {
+            if round > 1 {
+                // The header, which the language was chosen in, is back before anybody misses its STOP.
+                let _ = assembly.add_next(round);
+            }
+            in_the_next_turn(move || assembly.add_others(round));
+        }
+    };
+    follow(move || {
+        desk.language.track();
+        untrack(begin);
+    });
+    let behind_dialog = move || is_behind_dialog(desk);
+    view! {
+        <div class="page" class:incomplete=live(move || !assembly.complete.get())>
+            <div class="top" node_ref=places.top></div>
+            <div class="above-desk" inert=behind_dialog node_ref=places.above_desk></div>
+            <main class="desk" inert=behind_dialog node_ref=places.desk></main>
+            <div class="dialogs" node_ref=places.dialogs></div>
+        </div>
+    }
+}
+
+/// Does this in the next turn of the page's own, for the same owner if there is one; at once where nobody sees
+/// the page, since timers come once a second then.
+pub(crate) fn in_the_next_turn(act: impl FnOnce() + 'static) {
+    if document().hidden() {
+        act();
+        return;
+    }
+    let owner = Owner::current();
+    let turn = move || match owner {
+        Some(owner) => owner.with(act),
+        None => act(),
+    };
+    set_timeout(turn, Duration::ZERO);
+}

@@ -1,0 +1,197 @@
+//! What the page asks before it does what cannot be taken back by a stop, or what needs care.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{bus::Repeat, protocol::Frame};
+
+use crate::{features::ids::state::Change, model::desk::Dialog, ui::format};
+
+/// A frame that a person wants to be sent, and how often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RawOrder {
+    pub(crate) frame: Frame,
+    pub(crate) repeat: Repeat,
+}
+
+/// A question in words.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Question {
+    /// The dialog's accessible name.
+    pub(crate) name: &'static str,
+    pub(crate) title: String,
+    /// What will happen, a paragraph a line.
+    pub(crate) words: String,
+    /// What the button of consent reads.
+    pub(crate) yes: String,
+}
+
+impl Dialog {
+    /// Whether it asks about a motor, or about what is sent to motors.
+    pub(crate) const fn is_about_motors(self) -> bool {
+        match self {
+            Self::HighCurrent { .. }
+            | Self::ChangeId { .. }
+            | Self::Hazard(_)
+            | Self::HighRawCurrent { .. } => true,
+            Self::Help(_) | Self::ClearLog(_) | Self::EraseKept => false,
+        }
+    }
+
+    /// What this dialog asks; `None` where it asks nothing.
+    pub(crate) fn question(self) -> Option<Question> {
+        Some(match self {
+            Self::Help(_) => return None,
+            Self::HighCurrent { target, .. } => {
+                high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
+            }
+            Self::ChangeId(change) => change_id(change),
+            Self::Hazard(order) => hazard(order),
+            Self::ClearLog(entries) => clear_log(entries),
+            Self::EraseKept => erase_kept(),
+            Self::HighRawCurrent { current, .. } => {
+                high_current(tr!("Send {amps}", amps = format::amps_of(current)))
+            }
+        })
+    }
+}
+
+fn high_current(yes: String) -> Question {
+    Question {
+        name: tr!("High current"),
+        title: format!("{yes}?"),
+        words: tr!(
+            "This is above 6.1 A. The motor stalls at 2.7 A, and its protection trips at 4.6 A in \
+             a phase. Fasten the motor and keep fingers clear."
+        )
+        .to_owned(),
+        yes,
+    }
+}
+
+fn change_id(Change { from, to, frames }: Change) -> Question {
+    let to = to.id();
+    Question {
+        name: tr!("Change the ID?"),
+        title: tr!("Change the ID?").to_owned(),
+        words: tr!(
+            "Motor {from} will answer as {to} ({number}) from now on. It keeps that in its flash, through \
+             power-off.\nIt takes one new ID between two power-ups: to change it again, switch its power \
+             off and on first.\nOnly one motor may be connected. The scan has found one; others that \
+             are without power now would not be changed.\n{count} frames are sent in a row.",
+            from,
+            to,
+            number = to.get(),
+            count = frames.count()
+        ),
+        yes: tr!("Set ID {to}", to),
+    }
+}
+
+fn clear_log(entries: u64) -> Question {
+    let yes = crate::features::recording::texts::of_clearing(entries);
+    Question {
+        name: tr!("Clear the packet log"),
+        title: format!("{yes}?"),
+        words: tr!(
+            "They cannot be brought back, and no CSV file that is made later will have them. The \
+             recording stays."
+        )
+        .to_owned(),
+        yes,
+    }
+}
+
+fn erase_kept() -> Question {
+    Question {
+        name: tr!("Erase kept data"),
+        title: tr!("Erase kept data?").to_owned(),
+        words: tr!(
+            "Every session that this browser keeps goes, with its packets and its recording, this \
+             one too: the packet log begins anew.\nSo do names, sides and groups of motors, ramp, rate, \
+             model, theme and the other choices. None of it can be brought back. Motors are not \
+             touched."
+        )
+        .to_owned(),
+        yes: tr!("Erase").to_owned(),
+    }
+}
+
+fn hazard(order: RawOrder) -> Question {
+    let often = match order.repeat {
+        Repeat::Times { count: 0, .. } => tr!(" It is repeated until you stop it."),
+        Repeat::Times { .. } | Repeat::Once => "",
+    };
+    Question {
+        name: tr!("Send this frame?"),
+        title: tr!("Send this frame?").to_owned(),
+        words: tr!(
+            "{frame}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
+             keep fingers clear.\nSTOP, Space and Escape stop it. Any other frame, and this one in \
+             another loop, is asked about again.",
+            frame = order.frame,
+            often
+        ),
+        yes: tr!("Send it").to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        bus::SetIdFrames,
+        protocol::{AssignableId, CurrentTarget, MotorId},
+    };
+
+    use super::*;
+
+    fn order(repeat: Repeat) -> RawOrder {
+        RawOrder {
+            frame: "01 64 00 64 00 00 00 00 00 4F".parse().unwrap(),
+            repeat,
+        }
+    }
+
+    #[test]
+    fn an_id_change_says_what_the_motor_keeps_and_what_must_be_connected() {
+        let to = AssignableId::new(MotorId::new(10).unwrap()).unwrap();
+        let from = MotorId::FIRST;
+        let frames = SetIdFrames::Ten;
+        let change = Change { from, to, frames };
+        let question = Dialog::ChangeId(change).question().unwrap();
+        assert_eq!(question.yes, "Set ID 0x0A");
+        for words in [
+            "Motor 0x01 will answer as 0x0A (10)",
+            "flash",
+            "power-off",
+            "Only one motor may be connected",
+            "10 frames",
+        ] {
+            assert!(question.words.contains(words), "{}", question.words);
+        }
+    }
+
+    #[test]
+    fn a_frame_that_can_move_a_wheel_names_what_stops_it() {
+        let words = |repeat| Dialog::Hazard(order(repeat)).question().unwrap().words;
+        for stop in ["STOP", "Space", "Escape"] {
+            assert!(words(Repeat::Once).contains(stop));
+        }
+        assert!(!words(Repeat::Once).contains("until you stop it"));
+        let interval = motorlink_messages::bus::RawInterval::new(20).unwrap();
+        let endless = Repeat::Times { count: 0, interval };
+        assert!(words(endless).contains("until you stop it"));
+    }
+
+    #[test]
+    fn a_high_current_is_named_in_amps() {
+        let current = CurrentTarget::new(26_000).unwrap();
+        let yes = |dialog: Dialog| dialog.question().unwrap().yes;
+        let drive = Dialog::HighCurrent {
+            id: MotorId::FIRST,
+            target: current,
+        };
+        assert_eq!(yes(drive), "Drive at +6.35 A");
+        let order = order(Repeat::Once);
+        let raw = Dialog::HighRawCurrent { order, current };
+        assert_eq!(yes(raw), "Send +6.35 A");
+    }
+}

@@ -1,0 +1,4 @@
+//! From a press of Connect to an open port.
+
+pub(crate) mod actions;
+pub(crate) mod view;

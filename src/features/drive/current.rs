@@ -1,0 +1,110 @@
+//! Tab `Current`.
+
+use leptos::prelude::*;
+use motorlink_i18n::{terms::in_language, tr};
+use motorlink_messages::{
+    bus::HIGH_CURRENT_RAW,
+    protocol::{CurrentTarget, Mode},
+};
+
+use crate::{
+    features::drive::panel::{loop_panel, why_not_in, why_not_with},
+    model::{desk::use_desk, guards::why_not_stop, tab::Tab},
+    ui::{
+        button::PressButton,
+        entry, format,
+        number_field::NumberField,
+        reactive::live,
+        slider::{Slider, marks},
+    },
+};
+
+const MODE: Mode = Mode::Current;
+
+/// Amps of the preset buttons, what they read and what they are called.
+const PRESETS: [(f32, &str, &str); 7] = [
+    (-2.0, "−2 A", "-2 A"),
+    (-1.0, "−1 A", "-1 A"),
+    (-0.5, "−0.5 A", "-0.5 A"),
+    (0.0, "0 A", "0 A"),
+    (0.5, "+0.5 A", "+0.5 A"),
+    (1.0, "+1 A", "+1 A"),
+    (2.0, "+2 A", "+2 A"),
+];
+
+#[component]
+pub(crate) fn CurrentTab() -> impl IntoView {
+    let desk = use_desk();
+    let current = desk.targets.current;
+    let why_not = why_not_in(desk, MODE);
+    let why_not_start = why_not_with(desk, MODE, [current]);
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
+    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
+    let hint = Signal::derive(move || {
+        if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
+            tr!("Above 6.1 A: Start asks first").to_owned()
+        } else if mirrored.get() {
+            tr!("±32,767 is ±8 A; mirrored").to_owned()
+        } else {
+            tr!("±32,767 is ±8 A").to_owned()
+        }
+    });
+    let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
+        view! {
+            <PressButton
+                label=in_language(label.to_owned())
+                name=name
+                class="button preset"
+                why_not=why_not
+                on_press=move || {
+                    current.set(CurrentTarget::from_amps(amps).into());
+                    desk.start(MODE);
+                }
+            />
+        }
+    };
+    let body = view! {
+        <NumberField
+            id="target-current"
+            name=tr!("Target current")
+            unit=tr!("raw")
+            hint=hint
+            target=current
+            entry=entry::CURRENT
+            on_edit=move || desk.adjust(MODE)
+        />
+        <Slider
+            name=tr!("Target current")
+            unit=tr!("raw")
+            target=current
+            entry=entry::CURRENT
+            marks=marks(["−8 A", "0", "+8 A"])
+            on_edit=move || desk.adjust(MODE)
+        />
+        <p class="equals">
+            "= "
+            <output aria-label=tr!("Target current in amps") aria-live="off">
+                {live(in_amps)}
+            </output>
+        </p>
+        <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
+        <div class="button-row two">
+            <PressButton
+                label=tr!("Stop")
+                class="button halt"
+                hint=tr!("Sets 0 A: the wheel coasts")
+                why_not=why_not_halt
+                on_press=move || desk.stop_motor(Tab::Loop(MODE))
+            />
+            <PressButton
+                label=tr!("Start")
+                class="button primary"
+                why_not=why_not_start
+                on_press=move || desk.start(MODE)
+            />
+        </div>
+    };
+    let hint = tr!("Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.");
+    loop_panel(MODE, why_not_start, hint.to_owned(), body)
+}

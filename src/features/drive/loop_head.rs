@@ -1,0 +1,48 @@
+//! The head of a tab: its loop, what the motor reports, and the switch.
+
+use leptos::prelude::*;
+use motorlink_i18n::{terms, tr};
+use motorlink_messages::protocol::Mode;
+
+use crate::{
+    features::twin::panel::loop_name,
+    model::{desk::use_desk, guards::why_not_switch, snapshot::Reading},
+    ui::{button::PressButton, reactive::live},
+};
+
+#[component]
+pub(crate) fn LoopHead(mode: Mode) -> impl IntoView {
+    let desk = use_desk();
+    let reported = desk.of_motor(|session, id| {
+        let reported = session.mode(id).filter(Reading::is_fresh);
+        reported.map(|reading| reading.value)
+    });
+    let active = move || reported.get() == Some(mode);
+    let words = move || {
+        reported.get().map_or_else(
+            || tr!("No motor reports its loop.").to_owned(),
+            |reported| {
+                tr!(
+                    "The motor reports the {mode}.",
+                    mode = terms::mode(reported)
+                )
+            },
+        )
+    };
+    let why_not = desk.of_motor(move |session, id| why_not_switch(session, id, mode));
+    view! {
+        <div class="loop-head">
+            <h2>{loop_name(mode)}</h2>
+            <span class="chip good" class:absent=live(move || !active())>
+                {tr!("active")}
+            </span>
+            <PressButton
+                label=tr!("Switch to {mode}", mode = terms::mode(mode))
+                class="button small"
+                why_not=why_not
+                on_press=move || desk.switch(mode)
+            />
+            <p class="quiet">{live(words)}</p>
+        </div>
+    }
+}

@@ -1,0 +1,92 @@
+//! What an operator asks of the motor: a tab for each loop, and one for each tool.
+
+pub(crate) mod actions;
+pub(crate) mod current;
+pub(crate) mod loop_head;
+pub(crate) mod one_stop;
+pub(crate) mod panel;
+pub(crate) mod position;
+pub(crate) mod rate;
+pub(crate) mod velocity;
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use wasm_bindgen::JsCast;
+use web_sys::{HtmlElement, KeyboardEvent};
+
+use crate::{
+    features::drive::{
+        panel::{panel_id, tab_id},
+        rate::Settings,
+    },
+    model::{
+        desk::{Desk, use_desk},
+        tab::Tab,
+    },
+    ui::reactive::{heard, live},
+};
+
+/// Tablist `Control`, with the place for its panels.
+#[component]
+pub(crate) fn ControlPanel() -> impl IntoView {
+    view! {
+        <section class="panel control-panel" aria-label=tr!("Control")>
+            <div class="tabs" role="tablist" aria-label=tr!("Control")>
+                {Tab::ALL.map(|tab| view! { <TabButton tab /> }).collect_view()}
+            </div>
+            <div class="tab-panels"></div>
+            <Settings />
+        </section>
+    }
+}
+
+#[component]
+fn TabButton(tab: Tab) -> impl IntoView {
+    let desk = use_desk();
+    let selected = move || desk.tab.get() == tab;
+    // It goes on when another tab is opened, so its own tells of it.
+    let working = desk.of_motor(move |session, _| match tab {
+        Tab::Loop(_) => false,
+        Tab::IdManager => session.survey.is_some(),
+        Tab::RawHex => session.raw.is_some_and(|raw| raw.running),
+    });
+    view! {
+        <button
+            type="button"
+            role="tab"
+            class="tab"
+            class:working=working
+            id=tab_id(tab)
+            aria-controls=panel_id(tab)
+            aria-selected=live(move || if selected() { "true" } else { "false" })
+            tabindex=live(move || if selected() { "0" } else { "-1" })
+            on:click=heard(move |_| desk.open_tab(tab))
+            on:keydown=heard(move |event| move_between_tabs(desk, tab, &event))
+        >
+            {tab.name()}
+        </button>
+    }
+}
+
+/// Arrow keys, Home and End choose a tab and take the focus with them.
+fn move_between_tabs(desk: Desk, from: Tab, event: &KeyboardEvent) {
+    let last = Tab::ALL.len() - 1;
+    let place = Tab::ALL.iter().position(|tab| *tab == from).unwrap_or(0);
+    let place = match event.key().as_str() {
+        "ArrowRight" if place == last => 0,
+        "ArrowRight" => place + 1,
+        "ArrowLeft" => place.checked_sub(1).unwrap_or(last),
+        "Home" => 0,
+        "End" => last,
+        _ => return,
+    };
+    event.prevent_default();
+    if let Some(tab) = Tab::ALL.get(place) {
+        desk.open_tab(*tab);
+        let tab = document().get_element_by_id(&tab_id(*tab));
+        if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
+            // A tab that cannot be focused is chosen all the same.
+            let _ = tab.focus();
+        }
+    }
+}

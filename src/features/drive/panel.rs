@@ -1,0 +1,97 @@
+//! The frame of a tab's panel.
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::Mode;
+
+use crate::{
+    features::drive::loop_head::LoopHead,
+    model::{
+        desk::{Desk, use_desk},
+        guards::why_not_drive,
+        tab::Tab,
+        target::Target,
+    },
+    ui::reactive::live,
+};
+
+pub(crate) fn tab_id(tab: Tab) -> String {
+    format!("tab-{}", tab.key())
+}
+
+pub(crate) fn panel_id(tab: Tab) -> String {
+    format!("panel-{}", tab.key())
+}
+
+/// A tab's panel. While another tab is chosen it is out of sight and out of reach; it keeps its
+/// place, so that nothing moves when the tab changes.
+pub(crate) fn tab_panel(tab: Tab, body: impl IntoView) -> impl IntoView {
+    let desk = use_desk();
+    view! {
+        <div
+            class="tab-panel"
+            role="tabpanel"
+            id=panel_id(tab)
+            aria-labelledby=tab_id(tab)
+            class:closed=live(move || desk.tab.get() != tab)
+        >
+            {body}
+        </div>
+    }
+}
+
+/// The panel of a loop: what the motor reports and the switch, what the loop has of its own, and
+/// why it cannot drive now or else a hint, as HTML.
+pub(crate) fn loop_panel(
+    mode: Mode,
+    why_not: Signal<Option<String>>,
+    hint: String,
+    body: impl IntoView,
+) -> impl IntoView {
+    tab_panel(
+        Tab::Loop(mode),
+        view! {
+            <LoopHead mode />
+            {body}
+            <Foot why_not hint />
+        },
+    )
+}
+
+/// Why the chosen motor cannot be driven in this loop now.
+pub(crate) fn why_not_in(desk: Desk, mode: Mode) -> Signal<Option<String>> {
+    desk.of_motor(move |session, id| why_not_drive(session, id, mode))
+        .into()
+}
+
+/// The same, or what is wrong with what is entered.
+pub(crate) fn why_not_with(
+    desk: Desk,
+    mode: Mode,
+    targets: impl IntoIterator<Item = Target>,
+) -> Signal<Option<String>> {
+    let why_not = why_not_in(desk, mode);
+    let targets: Vec<Target> = targets.into_iter().collect();
+    Signal::derive(move || {
+        let trouble = || targets.iter().find_map(|target| target.trouble());
+        why_not.get().or_else(trouble)
+    })
+}
+
+/// The last lines of a tab: the reason why it cannot drive, for those who cannot point at a button
+/// to read its title, else what is good to know. One place for both, so that nothing moves.
+#[component]
+fn Foot(
+    why_not: Signal<Option<String>>,
+    /// What is good to know, as HTML.
+    hint: String,
+) -> impl IntoView {
+    let blocked = move || why_not.with(Option::is_some);
+    view! {
+        <div class="tab-foot">
+            <p class="reason" class:absent=live(move || !blocked())>
+                {live(move || why_not.get().unwrap_or_default())}
+            </p>
+            <p class="quiet" class:absent=live(blocked) inner_html=hint></p>
+        </div>
+    }
+}

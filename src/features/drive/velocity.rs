@@ -1,0 +1,125 @@
+//! Tab `Velocity`.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::{Mode, Setpoint};
+
+use crate::{
+    features::drive::panel::{loop_panel, why_not_in, why_not_with},
+    model::{desk::use_desk, guards::why_not_stop, tab::Tab},
+    ui::{
+        button::PressButton,
+        entry, format,
+        number_field::NumberField,
+        slider::{Slider, marks},
+    },
+};
+
+const MODE: Mode = Mode::Velocity;
+
+/// The keys of this tab, as HTML.
+fn hint() -> String {
+    let key = |cap| format!("<kbd>{cap}</kbd>");
+    let keys = tr!(
+        "{F}{B} forward, back {S} stop {K} brake {one}–{five} 50–250 rpm",
+        F = key('F'),
+        B = key('B'),
+        S = key('S'),
+        K = key('K'),
+        one = key('1'),
+        five = key('5')
+    );
+    format!("<span class=\"keys\">{keys}</span>")
+}
+
+#[component]
+pub(crate) fn VelocityTab() -> impl IntoView {
+    let desk = use_desk();
+    let targets = desk.targets;
+    let why_not = why_not_in(desk, MODE);
+    let why_not_start = why_not_with(desk, MODE, [targets.speed, targets.acceleration]);
+    let why_not_preset = why_not_with(desk, MODE, [targets.acceleration]);
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
+    let direction = Signal::derive(move || {
+        let words = if mirrored.get() {
+            tr!("mirrored: + turns clockwise, seen from the face")
+        } else {
+            tr!("+ turns counter-clockwise, seen from the face")
+        };
+        words.to_owned()
+    });
+    let ends = Signal::derive(move || {
+        let (back, forward) = if mirrored.get() {
+            (tr!("CCW"), tr!("CW"))
+        } else {
+            (tr!("CW"), tr!("CCW"))
+        };
+        marks([&format!("−330 {back}"), "0", &format!("+330 {forward}")])
+    });
+    let preset = move |rpm: i32, name| {
+        view! {
+            <PressButton
+                label=format::signed(rpm)
+                name=name
+                class="button preset"
+                why_not=why_not_preset
+                on_press=move || desk.drive_at(rpm)
+            />
+        }
+    };
+    let body = view! {
+        <NumberField
+            id="target-speed"
+            name=tr!("Target speed")
+            unit="rpm"
+            hint=direction
+            target=targets.speed
+            entry=entry::SPEED
+            on_edit=move || desk.adjust(MODE)
+        />
+        <Slider
+            name=tr!("Target speed")
+            unit="rpm"
+            target=targets.speed
+            entry=entry::SPEED
+            marks=ends
+            on_edit=move || desk.adjust(MODE)
+        />
+        <NumberField
+            id="acceleration"
+            name=tr!("Acceleration")
+            hint=tr!("Larger is gentler: about 3.6 ms per rpm for each unit")
+            target=targets.acceleration
+            entry=entry::ACCELERATION
+            on_edit=move || desk.adjust(MODE)
+        />
+        <div class="button-row seven">
+            {preset(-100, "-100")}
+            {preset(-50, "-50")}
+            <PressButton
+                label=tr!("Stop")
+                class="button halt"
+                hint=tr!("Brakes to a standstill, then lets go")
+                why_not=why_not_halt
+                on_press=move || desk.stop_motor(Tab::Loop(MODE))
+            />
+            <PressButton
+                label=tr!("Start")
+                class="button primary"
+                why_not=why_not_start
+                on_press=move || desk.start(MODE)
+            />
+            <PressButton
+                label=tr!("Brake")
+                class="button brake"
+                hint=tr!("Brakes and holds the brake")
+                why_not=why_not
+                on_press=move || desk.drive(Setpoint::Brake)
+            />
+            {preset(50, "+50")}
+            {preset(100, "+100")}
+        </div>
+    };
+    loop_panel(MODE, why_not_start, hint(), body)
+}

@@ -1,0 +1,249 @@
+//! The axes and their lines, on a canvas under the traces: drawn when they change, which is seldom.
+
+use plotters::{
+    coord::Shift,
+    drawing::{DrawingArea, IntoDrawingArea},
+    element::Rectangle,
+    style::{Color, RGBAColor, RGBColor},
+};
+use plotters_canvas::CanvasBackend;
+use wasm_bindgen::JsCast;
+use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
+
+use crate::features::graph::plot::{
+    ink::{Ink, Inks, css},
+    layout::Layout,
+    scale::{self, Scale},
+    ticks::Tick,
+    trace::{Trace, Traces},
+};
+
+/// Height of the labels, in pixels of the style sheet.
+const TEXT: f64 = 11.0;
+/// From a line to its label.
+const AIR: f64 = 6.0;
+/// From a label to the unit below it.
+const BELOW: f64 = 13.0;
+/// Room for `100 °C` beside the labels of the angle.
+const INNER: f64 = 46.0;
+
+/// The canvas with the axes.
+pub(crate) struct Axes {
+    pub(crate) canvas: HtmlCanvasElement,
+    context: CanvasRenderingContext2d,
+    /// `None` before the canvas has a size.
+    area: Option<DrawingArea<CanvasBackend, Shift>>,
+    font: String,
+    drawn: Option<Picture>,
+}
+
+/// Everything that the axes depend on. What is equal needs no drawing.
+#[derive(Clone, Debug, PartialEq)]
+struct Picture {
+    layout: Layout,
+    inks: Inks,
+    traces: Traces,
+    scales: [Scale; 2],
+    temperature_end: u16,
+    marks: Vec<Tick>,
+}
+
+/// Gives a canvas the size of the graph: as many pixels as the screen has there, no more and no fewer.
+pub(crate) fn resize(canvas: &HtmlCanvasElement, layout: Layout) {
+    canvas.set_width(layout.width);
+    canvas.set_height(layout.height);
+    let size = |pixels: u32| format!("{}px", f64::from(pixels) / layout.ratio);
+    let style = canvas.style();
+    // It fails for names and values that are none, and these are ours.
+    let _ = style.set_property("width", &size(layout.width));
+    let _ = style.set_property("height", &size(layout.height));
+}
+
+impl Axes {
+    /// `None` where the browser draws no canvas.
+    pub(crate) fn of(canvas: HtmlCanvasElement) -> Option<Self> {
+        let context = canvas.get_context("2d").ok()??.dyn_into().ok()?;
+        Some(Self {
+            canvas,
+            context,
+            area: None,
+            font: String::new(),
+            drawn: None,
+        })
+    }
+
+    pub(crate) fn set_font(&mut self, family: &str) {
+        family.clone_into(&mut self.font);
+        self.drawn = None;
+    }
+
+    /// The font of the labels at this many pixels of the screen to one of the style sheet.
+    pub(crate) fn font(&self, ratio: f64) -> String {
+        format!("{}px {}", TEXT * ratio, self.font)
+    }
+
+    pub(crate) fn resize(&mut self, layout: Layout) {
+        resize(&self.canvas, layout);
+        let backend = CanvasBackend::with_canvas_object(self.canvas.clone());
+        self.area = backend.map(IntoDrawingArea::into_drawing_area);
+        self.drawn = None;
+    }
+
+    pub(crate) fn draw(
+        &mut self,
+        layout: Layout,
+        inks: Inks,
+        traces: Traces,
+        scales: [Scale; 2],
+        temperature_end: u16,
+        marks: Vec<Tick>,
+    ) {
+        let picture = Picture {
+            layout,
+            inks,
+            traces,
+            scales,
+            temperature_end,
+            marks,
+        };
+        if self.drawn.as_ref() != Some(&picture) {
+            self.context
+                .clear_rect(0.0, 0.0, layout.width.into(), layout.height.into());
+            self.context.set_font(&self.font(layout.ratio));
+            self.context.set_text_baseline("middle");
+            self.mesh(&picture);
+            self.labels(&picture);
+            self.drawn = Some(picture);
+        }
+    }
+
+    /// One pixel wide, on pixels.
+    fn mesh(&self, picture: &Picture) {
+        let Some(area) = &self.area else {
+            return;
+        };
+        let (plot, inks) = (picture.layout.plot, picture.inks);
+        let line = |from: (i32, i32), size: (i32, i32), style: RGBAColor| {
+            let to = (from.0 + size.0, from.1 + size.1);
+            // A canvas has no way to fail at a line.
+            let _ = area.draw(&Rectangle::new([from, to], style.filled()));
+        };
+        let thin = rgb(inks.line).to_rgba();
+        let width = pixels(picture.layout.ratio).max(1);
+        for mark in &picture.marks {
+            let x = plot.left + at(mark.place, plot.width);
+            line((x, plot.top), (width, plot.height), thin);
+        }
+        let from_zero = picture.traces.compared.is_some_and(Trace::is_from_zero);
+        for row in 0..5 {
+            // Zero stands out.
+            let style = if row == 2 && !from_zero {
+                rgb(inks.text).mix(0.45)
+            } else {
+                thin
+            };
+            let y = plot.top + plot.height * row / 4;
+            line((plot.left, y), (plot.width, width), style);
+        }
+    }
+
+    fn labels(&self, picture: &Picture) {
+        let Picture {
+            layout,
+            inks,
+            traces,
+            ..
+        } = *picture;
+        // Compared, a trace has the only axis.
+        let shows = |trace| traces.compared.is_none() && traces.has(trace);
+        let [speed, current] = picture.scales;
+        let plot = layout.plot;
+        let (left, right) = (f64::from(plot.left), f64::from(plot.left + plot.width));
+        let (top, height) = (f64::from(plot.top), f64::from(plot.height));
+        let air = AIR * layout.ratio;
+        let rows = |row: usize| top + height * [0.0, 0.25, 0.5, 0.75, 1.0].get(row).unwrap_or(&0.0);
+        let below = BELOW * layout.ratio;
+        for (trace, scale, x, align, ink) in [
+            (Trace::Speed, speed, left - air, "right", inks.speed),
+            (Trace::Current, current, right + air, "left", inks.current),
+        ] {
+            if shows(trace) {
+                self.write_in(ink, align);
+                for (row, label) in scale.labels().iter().enumerate() {
+                    if row % 2 == 0 || layout.has_quarters() {
+                        self.write(label, x, rows(row));
+                    }
+                }
+                self.write(trace.unit(), x, top + below);
+            }
+        }
+        if let Some(trace) = traces.compared {
+            self.write_in(inks.text, "right");
+            for (row, label) in compared_labels(trace, picture).iter().enumerate() {
+                if row % 2 == 0 || layout.has_quarters() {
+                    self.write(label, left - air, rows(row));
+                }
+            }
+            self.write(trace.unit(), left - air, top + below);
+        }
+        let mut x = right - air;
+        for (trace, ink, end) in [
+            (
+                Trace::Temperature,
+                inks.temperature,
+                picture.temperature_end,
+            ),
+            (Trace::Position, inks.position, 360),
+        ] {
+            if shows(trace) {
+                self.write_in(ink, "right");
+                let space = if trace == Trace::Temperature { " " } else { "" };
+                let upper = format!("{end}{space}{}", trace.unit());
+                self.write(&upper, x, top + below * 0.75);
+                self.write(&(end / 2).to_string(), x, rows(2) - below * 0.75);
+                self.write("0", x, rows(4) - below * 0.75);
+                x -= INNER * layout.ratio;
+            }
+        }
+        self.write_in(inks.text, "center");
+        for mark in &picture.marks {
+            let x = left + mark.place * f64::from(plot.width);
+            self.write(&mark.label, x, rows(4) + below);
+        }
+    }
+
+    fn write_in(&self, ink: Ink, align: &str) {
+        self.context.set_fill_style_str(&css(ink));
+        self.context.set_text_align(align);
+    }
+
+    fn write(&self, text: &str, x: f64, y: f64) {
+        // It fails for places that are none.
+        let _ = self.context.fill_text(text, x, y);
+    }
+}
+
+/// What stands at the five lines of the only axis, from the top.
+fn compared_labels(trace: Trace, picture: &Picture) -> [String; 5] {
+    let [speed, current] = picture.scales;
+    match trace {
+        Trace::Speed | Trace::Goal => speed.labels(),
+        Trace::Current => current.labels(),
+        Trace::Temperature => scale::labels_from_zero(picture.temperature_end),
+        Trace::Position => scale::labels_from_zero(360),
+    }
+}
+
+fn rgb((red, green, blue): Ink) -> RGBColor {
+    RGBColor(red, green, blue)
+}
+
+/// A place from 0 to 1 in this many pixels; the last pixel is the end.
+fn at(place: f64, length: i32) -> i32 {
+    pixels(place * f64::from(length)).min(length - 1)
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "no more than a canvas has")]
+fn pixels(length: f64) -> i32 {
+    length.round() as i32
+}

@@ -1,0 +1,161 @@
+//! The row above the graph: which traces, how long, pause, now, and the picture.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use wasm_bindgen::JsCast;
+use web_sys::{HtmlElement, KeyboardEvent};
+
+use crate::{
+    features::graph::{
+        legend, picture,
+        plot::{trace::Trace, view::WINDOWS},
+        state::Chart,
+    },
+    ui::{
+        button::PressButton,
+        reactive::{heard, live},
+    },
+};
+
+#[component]
+pub(crate) fn Controls(chart: Chart) -> impl IntoView {
+    let view = chart.view;
+    let paused = move || view.with(|view| view.is_paused());
+    let label = Signal::derive(move || {
+        if paused() {
+            tr!("Resume")
+        } else {
+            tr!("Pause")
+        }
+        .to_owned()
+    });
+    let live_already = Signal::derive(move || {
+        let live = view.with(|view| view.is_live());
+        live.then(|| tr!("The graph shows now already.").to_owned())
+    });
+    let [ten, minute, five] = WINDOWS;
+    view! {
+        <div class="graph-head">
+            <h2>{tr!("Speed and current")}</h2>
+            <div class="graph-traces" role="group" aria-label=tr!("Traces")>
+                <Switch chart trace=Trace::Speed />
+                <Switch chart trace=Trace::Current />
+                <Switch chart trace=Trace::Goal />
+                <Switch chart trace=Trace::Temperature />
+                <Switch chart trace=Trace::Position />
+            </div>
+            <div
+                class="graph-comparing"
+                inner_html=legend::markup(chart.traces.get_untracked().compared)
+                on:change=heard(move |event| {
+                    let compared = Trace::from_class(&event_target_value(&event));
+                    chart.traces.update(|traces| traces.compared = compared);
+                    chart.wake();
+                })
+            ></div>
+            <div class="graph-windows" role="radiogroup" aria-label=tr!("Window" as "of time")>
+                <Window chart window=ten />
+                <Window chart window=minute />
+                <Window chart window=five />
+            </div>
+            <div class="graph-buttons">
+                <PressButton
+                    class="button small graph-pause"
+                    label
+                    hint=tr!("New values go on being kept.")
+                    on_press=move || chart.pause_or_resume()
+                />
+                <PressButton
+                    class="button small"
+                    label=tr!("Now")
+                    why_not=live_already
+                    on_press=move || chart.follow()
+                />
+                <PressButton
+                    class="button small"
+                    label="PNG"
+                    hint=tr!("Saves a picture of the chart.")
+                    on_press=move || picture::save(chart)
+                />
+            </div>
+        </div>
+    }
+}
+
+/// A trace in the legend, to switch on and off.
+#[component]
+fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
+    let traces = chart.traces;
+    let (name, rest) = trace.name_in_parts();
+    view! {
+        <label class=format!("graph-trace {}", trace.class())>
+            <input
+                type="checkbox"
+                aria-label=trace.switch_name()
+                prop:checked=live(move || traces.get().has(trace))
+                on:change=heard(move |event| {
+                    let on = event_target_checked(&event);
+                    traces.update(|traces| *traces = traces.with(trace, on));
+                    chart.wake();
+                })
+            />
+            <span>{name}<span class="graph-rest">{rest}</span></span>
+        </label>
+    }
+}
+
+/// One of the windows. After a zoom none of them may be the one.
+#[component]
+fn Window(chart: Chart, window: (u64, &'static str)) -> impl IntoView {
+    let (span_us, name) = window;
+    let view = chart.view;
+    let chosen = move || view.with(|view| view.span_us == span_us);
+    let first_of_none = move || {
+        let [(first_us, _), ..] = WINDOWS;
+        let known = |shown| WINDOWS.iter().any(|(span_us, _)| *span_us == shown);
+        span_us == first_us && view.with(|view| !known(view.span_us))
+    };
+    view! {
+        <button
+            type="button"
+            role="radio"
+            class="graph-window"
+            aria-checked=live(move || if chosen() { "true" } else { "false" })
+            tabindex=live(move || if chosen() || first_of_none() { "0" } else { "-1" })
+            on:click=heard(move |_| choose(chart, span_us))
+            on:keydown=heard(move |event: KeyboardEvent| move_between(chart, span_us, &event))
+        >
+            {name}
+        </button>
+    }
+}
+
+fn choose(chart: Chart, span_us: u64) {
+    chart.show(chart.view.get_untracked().with_span(span_us));
+}
+
+/// Arrow keys choose a window and take the focus with them.
+fn move_between(chart: Chart, from_us: u64, event: &KeyboardEvent) {
+    let last = WINDOWS.len() - 1;
+    let place = WINDOWS.iter().position(|(span_us, _)| *span_us == from_us);
+    let place = place.unwrap_or(0);
+    let place = match event.key().as_str() {
+        "ArrowRight" | "ArrowDown" if place == last => 0,
+        "ArrowRight" | "ArrowDown" => place + 1,
+        "ArrowLeft" | "ArrowUp" => place.checked_sub(1).unwrap_or(last),
+        _ => return,
+    };
+    event.prevent_default();
+    let Some((span_us, _)) = WINDOWS.get(place) else {
+        return;
+    };
+    choose(chart, *span_us);
+    let chosen = document()
+        .query_selector(".graph-window[aria-checked=true]")
+        .ok()
+        .flatten();
+    if let Some(chosen) = chosen.and_then(|chosen| chosen.dyn_into::<HtmlElement>().ok()) {
+        // A window that cannot be focused is chosen all the same.
+        let _ = chosen.focus();
+    }
+}

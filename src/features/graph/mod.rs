@@ -1,0 +1,113 @@
+//! Region `Speed and current`: what was reported over the last minutes, and what was asked for.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `state` | what is shown, and what a person can do to it |
+//! | `controls` | traces, windows, pause and picture |
+//! | `pointer` | pointer, wheel and keys on the graph itself |
+//! | `stage` | the canvases, and when they are drawn |
+//! | `traces`, `compared`, `axes` | drawing one motor's lines, those of several, and the axes |
+//! | `legend` | what is compared, and which colour is whose |
+//! | `reading` | what the crosshair reads |
+//! | `overlay` | the crosshair and its values |
+//! | `spoken` | the values in words |
+//! | `watchers` | size, sight and theme |
+//! | `picture` | the PNG |
+//!
+//! What can be decided without a browser is in [`crate::features::graph::plot`].
+
+pub(crate) mod axes;
+pub(crate) mod compared;
+pub(crate) mod controls;
+pub(crate) mod legend;
+pub(crate) mod overlay;
+pub(crate) mod picture;
+pub mod plot;
+pub(crate) mod pointer;
+pub(crate) mod reading;
+pub(crate) mod spoken;
+pub(crate) mod stage;
+pub(crate) mod state;
+pub(crate) mod traces;
+pub(crate) mod watchers;
+
+use leptos::{html::Div, prelude::*};
+use motorlink_i18n::tr;
+
+use self::{controls::Controls, state::Chart};
+use crate::{
+    features::graph::plot::texts as words,
+    model::desk::Desk,
+    ui::reactive::{heard, live, memo},
+};
+
+/// Makes the graph of this page, for every [`Graph`] that another language brings.
+pub(crate) fn provide_graph(desk: Desk) {
+    provide_context(Chart::new(desk));
+}
+
+/// The section `Speed and current` with its graph, the img of the same name.
+#[component]
+pub(crate) fn Graph() -> impl IntoView {
+    let chart: Chart = expect_context();
+    chart.begin_anew();
+    let place = NodeRef::<Div>::new();
+    let (view, traces) = (chart.view, chart.traces);
+    // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
+    Effect::new(move |_| {
+        if let Some(place) = place.get() {
+            stage::raise(chart, &place);
+        }
+    });
+    let name = move || {
+        words::name(traces.get().compared, view.get(), &|at_us| {
+            chart.day_us(at_us) / 1_000
+        })
+    };
+    let empty = memo(move || {
+        chart.desk.shown.track();
+        let history = chart.desk.history;
+        history.with_value(|history| history.reported().is_empty())
+    });
+    view! {
+        <section class="panel graph-panel" aria-label=tr!("Speed and current")>
+            <Controls chart />
+            <div class="graph-box" node_ref=place>
+                <div
+                    class="graph-plot"
+                    role="img"
+                    aria-label=live(name)
+                    aria-describedby="graph-words graph-keys"
+                    tabindex="0"
+                    on:pointerdown=heard(move |event| pointer::down(chart, &event))
+                    on:pointermove=heard(move |event| pointer::moved(chart, &event))
+                    on:pointerup=heard(move |_| pointer::up(chart))
+                    on:pointercancel=heard(move |_| pointer::left(chart))
+                    on:pointerleave=heard(move |_| pointer::left(chart))
+                    on:wheel=heard(move |event| pointer::wheel(chart, &event))
+                    on:dblclick=heard(move |_| chart.follow())
+                    on:keydown=heard(move |event| pointer::key(chart, &event))
+                    inner_html=overlay::PLOT
+                ></div>
+                <p class="graph-none quiet" hidden=live(move || !empty.get())>
+                    {words::no_graph()}
+                </p>
+                // Not in the img, of which nobody reads the inside aloud.
+                <output
+                    class="graph-values absent"
+                    aria-label=tr!("Crosshair")
+                    aria-live="off"
+                    aria-atomic="true"
+                    inner_html=overlay::rows()
+                ></output>
+                <p hidden id="graph-words"></p>
+                <p hidden id="graph-keys">
+                    // Read aloud after the values.
+                    {tr!(
+                        "Plus and minus zoom, the arrow keys move, Home shows the oldest and End the newest. While paused the arrow keys move a crosshair that reads values."
+                    )}
+                </p>
+            </div>
+        </section>
+    }
+}

@@ -1,0 +1,194 @@
+//! The crosshair: a line over the graph, and a box of one size with the values at it.
+
+use std::fmt::Write;
+
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement};
+
+use crate::{
+    features::graph::{
+        legend,
+        plot::{comparison::MOTORS_MAX, trace::Trace},
+    },
+    ui::attribute::Attribute,
+};
+
+/// Between the line and the box, in pixels of the style sheet.
+const BESIDE: f64 = 12.0;
+
+/// What stands in the img: the canvases, the lower one with axes, and the crosshair's line.
+pub(crate) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
+                               <canvas class=\"graph-lines\"></canvas>\
+                               <div class=\"graph-cross absent\"></div>";
+
+/// The rows of the box with the values: the time, one for each trace, and one for each motor that is
+/// compared.
+pub(crate) fn rows() -> String {
+    let mut rows = "<p class=\"graph-when\"></p>".to_owned();
+    let mut row = |class: &str, name: &str| {
+        // Writing to a string cannot fail.
+        let _ = write!(rows, "<p class=\"{class}\"><span>{name} </span><b></b></p>");
+    };
+    for trace in Trace::ALL {
+        row(trace.class(), trace.name());
+    }
+    for place in 0..MOTORS_MAX {
+        row(&legend::class(place), "");
+    }
+    rows
+}
+
+/// What a row says, which is one of a trace or of the motor in a place.
+pub(crate) enum Said {
+    Trace(Trace, String),
+    Motor(usize, String),
+}
+
+/// One text of the page, written only when it changes.
+pub(crate) struct Text {
+    element: Element,
+    written: String,
+}
+
+impl Text {
+    pub(crate) fn of(element: Element) -> Self {
+        Self {
+            element,
+            written: String::new(),
+        }
+    }
+
+    pub(crate) fn set(&mut self, text: String) {
+        if self.written != text {
+            self.element.set_text_content(Some(&text));
+            self.written = text;
+        }
+    }
+}
+
+/// The crosshair of a mounted graph.
+pub(crate) struct Overlay {
+    line: HtmlElement,
+    values: HtmlElement,
+    /// How wide the box is, in pixels of the style sheet. It changes with the style sheet only.
+    values_width: f64,
+    aloud: Attribute,
+    when: Text,
+    rows: Vec<Row>,
+    /// Which rows are.
+    shown: Option<Vec<bool>>,
+}
+
+/// The value of one trace, or of one motor.
+struct Row {
+    element: HtmlElement,
+    name: Text,
+    value: Text,
+}
+
+impl Overlay {
+    /// Finds the parts; `None` where the element does not hold them.
+    pub(crate) fn of(graph: &Element) -> Option<Self> {
+        let find = |selector: &str| graph.query_selector(selector).ok().flatten();
+        let html = |selector: &str| find(selector)?.dyn_into::<HtmlElement>().ok();
+        let traces = Trace::ALL.map(|trace| trace.class().to_owned());
+        let motors = (0..MOTORS_MAX).map(legend::class);
+        let mut rows = Vec::new();
+        for class in traces.into_iter().chain(motors) {
+            let element = html(&format!(".graph-values .{class}"))?;
+            let part = |name| element.query_selector(name).ok().flatten().map(Text::of);
+            rows.push(Row {
+                name: part("span")?,
+                value: part("b")?,
+                element,
+            });
+        }
+        Some(Self {
+            line: html(".graph-cross")?,
+            values: html(".graph-values")?,
+            values_width: 0.0,
+            aloud: Attribute::find(graph, ".graph-values", "aria-live")?,
+            when: Text::of(find(".graph-when")?),
+            rows,
+            shown: None,
+        })
+    }
+
+    /// The graph has another size, and its box perhaps too.
+    pub(crate) fn measure(&mut self) {
+        self.values_width = f64::from(self.values.offset_width());
+    }
+
+    /// The motor in a place has this name.
+    pub(crate) fn name(&mut self, place: usize, name: &str) {
+        if let Some(row) = self.rows.get_mut(Trace::ALL.len() + place) {
+            row.name.set(format!("{name} "));
+        }
+    }
+
+    /// Shows the values at a place, in pixels of the style sheet from the left of a graph of this
+    /// width. Values that keys have brought here are read aloud.
+    pub(crate) fn show(
+        &mut self,
+        (x, width): (f64, f64),
+        when: String,
+        values: Vec<Said>,
+        by_keys: bool,
+    ) {
+        self.aloud
+            .set(if by_keys { "polite" } else { "off" }.to_owned());
+        self.when.set(when);
+        let mut shown = vec![false; self.rows.len()];
+        for said in values {
+            let (place, text) = match said {
+                Said::Trace(trace, text) => (trace.place(), text),
+                Said::Motor(place, text) => (Trace::ALL.len() + place, text),
+            };
+            if let (Some(row), Some(shown)) = (self.rows.get_mut(place), shown.get_mut(place)) {
+                row.value.set(text);
+                *shown = true;
+            }
+        }
+        // On the side with more room, and never out of the graph.
+        let left = if x > width / 2.0 {
+            x - BESIDE - self.values_width
+        } else {
+            x + BESIDE
+        };
+        place(&self.line, x);
+        place(
+            &self.values,
+            left.clamp(0.0, (width - self.values_width).max(0.0)),
+        );
+        self.set_shown(Some(shown));
+    }
+
+    pub(crate) fn hide(&mut self) {
+        self.set_shown(None);
+    }
+
+    fn set_shown(&mut self, shown: Option<Vec<bool>>) {
+        if self.shown == shown {
+            return;
+        }
+        for element in [&self.line, &self.values] {
+            // It fails for names with spaces.
+            let _ = element
+                .class_list()
+                .toggle_with_force("absent", shown.is_none());
+        }
+        let places = shown.iter().flatten();
+        for (row, shown) in self.rows.iter().zip(places) {
+            row.element.set_hidden(!shown);
+        }
+        self.shown = shown;
+    }
+}
+
+fn place(element: &HtmlElement, x: f64) {
+    let whole = x.round();
+    // It fails for names and values that are none, and these are ours.
+    let _ = element
+        .style()
+        .set_property("transform", &format!("translateX({whole}px)"));
+}

@@ -1,0 +1,64 @@
+//! Colours of the style sheet as numbers: a canvas knows no custom properties.
+
+use crate::features::graph::plot::comparison::MOTORS_MAX;
+
+/// A colour: red, green, blue.
+pub(crate) type Ink = (u8, u8, u8);
+
+/// The colours of one theme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub(crate) struct Inks {
+    pub(crate) surface: Ink,
+    pub(crate) line: Ink,
+    pub(crate) text: Ink,
+    pub(crate) speed: Ink,
+    pub(crate) current: Ink,
+    pub(crate) temperature: Ink,
+    pub(crate) position: Ink,
+    /// Of motors that are compared, by their place.
+    pub(crate) motors: [Ink; MOTORS_MAX],
+}
+
+/// Reads a computed colour, which browsers write as `rgb(11, 100, 189)`, or as `rgba(11, 100, 189, 0.5)`
+/// where it is transparent. Anything else is a grey that is seen on light and dark.
+pub(crate) fn ink(computed: &str) -> Ink {
+    let numbers = computed
+        .strip_prefix("rgb")
+        .and_then(|rest| rest.trim_start_matches('a').strip_prefix('('));
+    let mut parts = numbers.unwrap_or_default().split(',');
+    let mut part = || parts.next().and_then(|part| byte(part.trim_ascii()));
+    match (part(), part(), part()) {
+        (Some(red), Some(green), Some(blue)) => (red, green, blue),
+        _ => (128, 128, 128),
+    }
+}
+
+fn byte(text: &str) -> Option<u8> {
+    text.trim_end_matches(')').parse().ok()
+}
+
+/// As a canvas takes it: `rgb(11,100,189)`.
+pub(crate) fn css((red, green, blue): Ink) -> String {
+    format!("rgb({red},{green},{blue})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_computed_colour_is_read() {
+        assert_eq!(ink("rgb(11, 100, 189)"), (11, 100, 189));
+        assert_eq!(ink("rgba(11, 100, 189, 0.5)"), (11, 100, 189));
+        assert_eq!(ink(&css((1, 2, 255))), (1, 2, 255));
+        for odd in [
+            "",
+            "red",
+            "color(srgb 1 0 0)",
+            "rgb(1, 2)",
+            "rgb(1, 2, 999)",
+        ] {
+            assert_eq!(ink(odd), (128, 128, 128), "{odd}");
+        }
+    }
+}

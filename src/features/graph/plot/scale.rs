@@ -1,0 +1,171 @@
+//! How high the axes reach: steps that read well, the same above zero as below, and no jumping about.
+
+use crate::{features::graph::plot::trace::Trace, ui::format};
+use motorlink_i18n::terms::in_language;
+
+/// In rpm. A motor runs up to 330; what is pushed by hand or garbled may be anything.
+const SPEED_LIMITS: [u16; 10] = [
+    50, 100, 200, 400, 1_000, 2_000, 5_000, 10_000, 20_000, 40_000,
+];
+
+/// In hundredths of an amp, to the full scale of what a reply can carry. The least is ten times the
+/// noise of a motor that stands.
+const CURRENT_LIMITS: [u16; 5] = [50, 100, 200, 400, 800];
+
+/// A larger scale is taken when the values reach beyond this part of it, so that a line does not run
+/// along the edge.
+const GROW: f64 = 0.95;
+/// A smaller scale is taken when the values fit into this part of it: those that come and go about its
+/// end do not have it change each time.
+const SHRINK: f64 = 0.75;
+
+/// An axis with zero in its middle, which reaches as far as what is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Scale {
+    limits: &'static [u16],
+    /// What one step of the limits is, in hundredths of the unit.
+    hundredths: u16,
+    chosen: usize,
+}
+
+impl Scale {
+    pub(crate) const fn of_speed() -> Self {
+        Self {
+            limits: &SPEED_LIMITS,
+            hundredths: 100,
+            chosen: 2,
+        }
+    }
+
+    pub(crate) const fn of_current() -> Self {
+        Self {
+            limits: &CURRENT_LIMITS,
+            hundredths: 1,
+            chosen: 1,
+        }
+    }
+
+    /// The value at the upper end, in hundredths of the unit.
+    fn limit_hundredths(self) -> u32 {
+        let limit = self.limits.get(self.chosen).copied().unwrap_or(u16::MAX);
+        u32::from(limit) * u32::from(self.hundredths)
+    }
+
+    /// The value at the upper end. The lower is its negative.
+    pub(crate) fn limit(self) -> f64 {
+        f64::from(self.limit_hundredths()) / 100.0
+    }
+
+    /// The scale for values this far from zero: larger at once, smaller not before there is room.
+    #[must_use]
+    pub(crate) fn fitted(self, extent: f64) -> Self {
+        let at = |chosen| Self { chosen, ..self };
+        let last = self.limits.len().saturating_sub(1);
+        let mut scale = self;
+        while scale.chosen < last && extent > scale.limit() * GROW {
+            scale = at(scale.chosen + 1);
+        }
+        while scale.chosen > 0 && extent <= at(scale.chosen - 1).limit() * SHRINK {
+            scale = at(scale.chosen - 1);
+        }
+        scale
+    }
+
+    /// What stands at the five lines, from the top: `+200`, `+100`, `0`, `−100`, `−200`.
+    pub(crate) fn labels(self) -> [String; 5] {
+        let limit = i32::try_from(self.limit_hundredths()).unwrap_or(i32::MAX);
+        [limit, limit / 2, 0, -limit / 2, -limit].map(|value| {
+            let size = value.unsigned_abs();
+            let (whole, part) = (size / 100, size % 100);
+            let digits = match self.hundredths {
+                100 => return format::signed(value / 100),
+                _ if limit < 100 => format!("{whole}.{part:02}"),
+                _ => format!("{whole}.{}", part / 10),
+            };
+            match value {
+                0 => "0".to_owned(),
+                1.. => in_language(format!("+{digits}")),
+                _ => in_language(format!("\u{2212}{digits}")),
+            }
+        })
+    }
+}
+
+/// The ends of the scale of a trace that has no axis of its own: lower and upper end.
+pub(crate) fn ends(trace: Trace, extent: f64) -> (u16, u16) {
+    match trace {
+        // A motor switches off at 80; a byte carries up to 255.
+        Trace::Temperature if extent > 100.0 => (0, 260),
+        Trace::Temperature => (0, 100),
+        _ => (0, 360),
+    }
+}
+
+/// What stands at the five lines of a scale from zero to this, from the top.
+pub(crate) fn labels_from_zero(end: u16) -> [String; 5] {
+    [4, 3, 2, 1, 0].map(|quarters| (u32::from(end) * quarters / 4).to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_holds_what_is_shown() {
+        for (extent, limit) in [
+            (0.0, 50.0),
+            (37.0, 50.0),
+            (100.0, 200.0),
+            (150.0, 200.0),
+            (330.0, 400.0),
+            (401.0, 1_000.0),
+            (32_768.0, 40_000.0),
+        ] {
+            let fitted = Scale::of_speed().fitted(extent).limit();
+            assert!((fitted - limit).abs() < 1e-9, "{extent}: {fitted}");
+        }
+        // Full scale of a reply, and a little more: there is nothing above.
+        assert!((Scale::of_current().fitted(8.0003).limit() - 8.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn values_about_the_end_of_a_scale_do_not_make_it_jump() {
+        let mut scale = Scale::of_speed().fitted(99.0);
+        assert!((scale.limit() - 200.0).abs() < 1e-9, "as it was");
+        scale = scale.fitted(74.0);
+        assert!((scale.limit() - 100.0).abs() < 1e-9);
+        scale = scale.fitted(96.0);
+        let mut changes = 0;
+        for extent in [94.0, 101.0, 96.0, 93.0, 76.0, 102.0] {
+            let next = scale.fitted(extent);
+            changes += u32::from(next != scale);
+            scale = next;
+        }
+        assert_eq!(changes, 0);
+        assert!((scale.fitted(10.0).limit() - 50.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_labels_are_round_numbers_with_their_sign() {
+        let speed = Scale::of_speed().fitted(150.0).labels();
+        assert_eq!(speed, ["+200", "+100", "0", "\u{2212}100", "\u{2212}200"]);
+        let current = |extent| Scale::of_current().fitted(extent).labels();
+        assert_eq!(
+            current(0.1),
+            ["+0.50", "+0.25", "0", "\u{2212}0.25", "\u{2212}0.50"]
+        );
+        assert_eq!(
+            current(0.7),
+            ["+1.0", "+0.5", "0", "\u{2212}0.5", "\u{2212}1.0"]
+        );
+        assert_eq!(current(8.0)[0], "+8.0");
+    }
+
+    #[test]
+    fn an_overheated_motor_is_not_drawn_above_its_scale() {
+        assert_eq!(ends(Trace::Temperature, 85.0), (0, 100));
+        assert_eq!(ends(Trace::Temperature, 255.0), (0, 260));
+        assert_eq!(ends(Trace::Position, 360.0), (0, 360));
+        assert_eq!(labels_from_zero(260), ["260", "195", "130", "65", "0"]);
+    }
+}

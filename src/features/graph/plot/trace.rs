@@ -1,0 +1,261 @@
+//! What can be drawn: four quantities that a motor reports, and the goal.
+
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::Setpoint;
+
+use crate::model::{history::Point, mirror::Mirror};
+
+/// A line of the graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Trace {
+    Speed,
+    Current,
+    /// What was asked for, in the quantity that it was asked for in.
+    Goal,
+    Temperature,
+    Position,
+}
+
+impl Trace {
+    /// In the order of the legend.
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Speed,
+        Self::Current,
+        Self::Goal,
+        Self::Temperature,
+        Self::Position,
+    ];
+
+    /// Its place among all.
+    pub(crate) fn place(self) -> usize {
+        Self::ALL.iter().position(|it| *it == self).unwrap_or(0)
+    }
+
+    /// As the legend has it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Speed => tr!("Speed"),
+            Self::Current => tr!("Current" as "electric"),
+            Self::Goal => tr!("Goal"),
+            Self::Temperature => tr!("Temperature"),
+            Self::Position => tr!("Position"),
+        }
+    }
+
+    /// Before its value within a sentence.
+    pub(crate) fn spoken_name(self) -> &'static str {
+        match self {
+            Self::Speed => tr!("speed"),
+            Self::Current => tr!("current" as "electric"),
+            Self::Goal => tr!("goal"),
+            Self::Temperature => tr!("temperature"),
+            Self::Position => tr!("position"),
+        }
+    }
+
+    /// The same, in the part that says enough where there is little room, and the rest.
+    pub(crate) fn name_in_parts(self) -> (&'static str, &'static str) {
+        let name = self.name();
+        let short = match self {
+            Self::Temperature => tr!("Temp" as "what Temperature begins with"),
+            _ => name,
+        };
+        // Where it begins otherwise there is no part that says enough.
+        name.strip_prefix(short)
+            .map_or((name, ""), |rest| (short, rest))
+    }
+
+    /// The accessible name of the box that switches it on.
+    pub(crate) fn switch_name(self) -> &'static str {
+        match self {
+            Self::Speed => tr!("Show speed"),
+            Self::Current => tr!("Show current"),
+            Self::Goal => tr!("Show goal"),
+            Self::Temperature => tr!("Show temperature"),
+            Self::Position => tr!("Show position"),
+        }
+    }
+
+    /// The class that gives it its colour.
+    pub(crate) const fn class(self) -> &'static str {
+        match self {
+            Self::Speed => "speed",
+            Self::Current => "current",
+            Self::Goal => "goal",
+            Self::Temperature => "temperature",
+            Self::Position => "position",
+        }
+    }
+
+    /// Nothing for the goal, whose unit is that of what it asks for.
+    pub(crate) const fn unit(self) -> &'static str {
+        match self {
+            Self::Speed => "rpm",
+            Self::Current => "A",
+            Self::Goal => "",
+            Self::Temperature => "°C",
+            Self::Position => "°",
+        }
+    }
+
+    /// What this reply says of it, in its unit, as a person counts; nothing where it says nothing.
+    pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
+        match self {
+            Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
+            Self::Current => Some(mirror.current(point.current).amps()),
+            Self::Goal => None,
+            Self::Temperature => point.temperature().map(|it| f32::from(it.degrees())),
+            Self::Position => point.degrees(),
+        }
+    }
+
+    /// Whether the way from one value to the next leads over the end of the scale: an angle that
+    /// passes 360 goes on at 0.
+    pub(crate) fn wraps(self, from: f32, to: f32) -> bool {
+        self == Self::Position && (from - to).abs() > 180.0
+    }
+
+    /// The trace of a class.
+    pub(crate) fn from_class(class: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|trace| trace.class() == class)
+    }
+
+    /// Whether its scale begins at zero, and has not zero in its middle.
+    pub(crate) fn is_from_zero(self) -> bool {
+        matches!(self, Self::Temperature | Self::Position)
+    }
+
+    const fn bit(self) -> u8 {
+        match self {
+            Self::Speed => 1,
+            Self::Current => 2,
+            Self::Goal => 4,
+            Self::Temperature => 8,
+            Self::Position => 16,
+        }
+    }
+}
+
+/// The quantity in which something was asked for, and how much of it. The brake asks for 0 rpm.
+pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => (Trace::Speed, f32::from(speed.rpm())),
+        Setpoint::Brake => (Trace::Speed, 0.0),
+        Setpoint::Current(target) => (Trace::Current, target.amps()),
+        Setpoint::Position(target) => (Trace::Position, target.degrees()),
+    }
+}
+
+/// Which traces are on, and which one is compared across motors instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Traces {
+    on: u8,
+    /// `None` while the graph is one motor's.
+    pub(crate) compared: Option<Trace>,
+}
+
+impl Default for Traces {
+    /// Speed and current with their goal.
+    fn default() -> Self {
+        Self {
+            on: Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit(),
+            compared: None,
+        }
+    }
+}
+
+impl Traces {
+    pub(crate) const fn has(self, trace: Trace) -> bool {
+        self.on & trace.bit() != 0
+    }
+
+    /// The same with one of them switched on or off.
+    pub(crate) const fn with(self, trace: Trace, on: bool) -> Self {
+        let on = if on {
+            self.on | trace.bit()
+        } else {
+            self.on & !trace.bit()
+        };
+        Self { on, ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{
+        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Instant, PositionTarget, Rpm,
+        SpeedTarget,
+    };
+
+    use super::*;
+
+    #[test]
+    fn a_reply_gives_each_trace_its_value_or_none() {
+        let point = Point {
+            at: Instant::ZERO,
+            speed: Rpm::new(-60),
+            current: Current::from_amps(-0.5),
+            detail: Detail::Query {
+                temperature: Celsius::new(33),
+                position: CoarsePosition::from_raw(51),
+            },
+        };
+        let values = Trace::ALL.map(|trace| trace.value(&point, Mirror::Straight));
+        let rounded = values.map(|value| value.map(|value| (value * 10.0).round()));
+        let wanted = [Some(-600.0), Some(-5.0), None, Some(330.0), Some(720.0)];
+        assert_eq!(rounded, wanted);
+        let mirrored = Trace::ALL.map(|trace| trace.value(&point, Mirror::Mirrored));
+        let turned = [0, 1].map(|place| values[place].map(|value| -value));
+        assert_eq!(mirrored[..2], turned, "speed and current");
+        assert_eq!(mirrored[2..], values[2..], "and nothing else");
+        let undetermined = Point {
+            detail: Detail::Undetermined([1, 2]),
+            ..point
+        };
+        assert_eq!(
+            Trace::Temperature.value(&undetermined, Mirror::Straight),
+            None
+        );
+        assert_eq!(Trace::Position.value(&undetermined, Mirror::Straight), None);
+    }
+
+    #[test]
+    fn a_long_name_has_a_short_beginning() {
+        assert_eq!(Trace::Temperature.name_in_parts(), ("Temp", "erature"));
+        assert_eq!(Trace::Position.name_in_parts(), ("Position", ""));
+    }
+
+    #[test]
+    fn only_an_angle_wraps() {
+        assert!(Trace::Position.wraps(359.0, 2.0) && Trace::Position.wraps(1.0, 300.0));
+        assert!(!Trace::Position.wraps(10.0, 170.0));
+        assert!(!Trace::Speed.wraps(330.0, -330.0));
+    }
+
+    #[test]
+    fn a_goal_belongs_to_the_quantity_it_asks_for() {
+        let speed = Setpoint::velocity(SpeedTarget::new(-60).unwrap());
+        assert_eq!(of_setpoint(speed), (Trace::Speed, -60.0));
+        assert_eq!(of_setpoint(Setpoint::Brake), (Trace::Speed, 0.0));
+        let current = Setpoint::Current(CurrentTarget::new(-32_767).unwrap());
+        assert_eq!(of_setpoint(current), (Trace::Current, -8.0));
+        let position = Setpoint::Position(PositionTarget::new(32_767).unwrap());
+        assert_eq!(of_setpoint(position), (Trace::Position, 360.0));
+    }
+
+    #[test]
+    fn traces_are_switched_one_by_one() {
+        let mut traces = Traces::default();
+        let on = |traces: Traces| Trace::ALL.map(|trace| traces.has(trace));
+        assert_eq!(on(traces), [true, true, true, false, false]);
+        traces = traces.with(Trace::Position, true).with(Trace::Speed, false);
+        assert_eq!(on(traces), [false, true, true, false, true]);
+        assert_eq!(traces.with(Trace::Position, true), traces);
+        traces.compared = Some(Trace::Speed);
+        assert_eq!(
+            on(traces),
+            [false, true, true, false, true],
+            "they come back"
+        );
+    }
+}

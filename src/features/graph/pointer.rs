@@ -1,0 +1,138 @@
+//! The pointer, the wheel and the keys on the graph.
+
+use leptos::prelude::*;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, KeyboardEvent, PointerEvent, WheelEvent};
+
+use crate::features::graph::{
+    plot::{keys, view::Watch},
+    state::{Chart, Crosshair, Drag},
+};
+
+/// A pointer that moves less than this between down and up has clicked, in pixels of the style sheet.
+const CLICK_PX: f64 = 3.0;
+
+/// Of one event of the wheel no more than this counts, in pixels: a notch of a mouse is 100 or more,
+/// an event of a trackpad a few.
+const WHEEL_MAX: f64 = 50.0;
+/// The zoom of such an event, in percent.
+const WHEEL_ZOOM: f64 = 20.0;
+/// A line of a wheel that counts in lines, in pixels.
+const LINE_PX: f64 = 16.0;
+
+/// How far from the left of the graph an event happened, in pixels of the style sheet.
+fn x(event: &web_sys::MouseEvent) -> f64 {
+    let graph = event
+        .current_target()
+        .and_then(|target| target.dyn_into::<Element>().ok());
+    let left = graph.map_or(0.0, |graph| graph.get_bounding_client_rect().left());
+    number(event.client_x()) - left
+}
+
+/// A pointer's place is in whole pixels or finer, by the version of the browser's interface.
+fn number(pixels: impl Into<f64>) -> f64 {
+    pixels.into()
+}
+
+pub(crate) fn down(chart: Chart, event: &PointerEvent) {
+    if event.button() != 0 {
+        return;
+    }
+    let x = x(event);
+    let mut view = chart.view.get_untracked();
+    if view.is_live() {
+        // What is dragged is the stretch under the pointer, and not one that goes on with the time.
+        view.watch = Watch::Panned(chart.now_us());
+    }
+    chart.drag.set(Some(Drag {
+        from_x: x,
+        view,
+        begun: false,
+    }));
+    chart.crosshair.set(Crosshair::Pointer(x));
+    chart.wake();
+}
+
+pub(crate) fn moved(chart: Chart, event: &PointerEvent) {
+    let x = x(event);
+    chart.crosshair.set(Crosshair::Pointer(x));
+    if let Some(mut drag) = chart.drag.get() {
+        let by_px = x - drag.from_x;
+        if !drag.begun && by_px.abs() >= CLICK_PX {
+            drag.begun = true;
+            if let Some(target) = event.current_target()
+                && let Ok(element) = target.dyn_into::<Element>()
+            {
+                // Without capture the drag ends at the graph's edge, which is harmless.
+                let _ = element.set_pointer_capture(event.pointer_id());
+            }
+        }
+        chart.drag.set(Some(drag));
+        if drag.begun {
+            let columns = by_px * chart.layout.get().ratio;
+            let width = f64::from(chart.layout.get().columns().max(1));
+            let by_us = drag.view.part_us(-columns / width);
+            chart.show(drag.view.panned(by_us, chart.reach()));
+        }
+    }
+    chart.wake();
+}
+
+pub(crate) fn up(chart: Chart) {
+    chart.drag.set(None);
+}
+
+/// The pointer has left the graph, or the browser has taken it for a gesture of its own.
+pub(crate) fn left(chart: Chart) {
+    chart.drag.set(None);
+    if let Crosshair::Pointer(_) = chart.crosshair.get() {
+        chart.crosshair.set(Crosshair::None);
+        chart.wake();
+    }
+}
+
+/// Up and down zoom round the pointer, sideways pans.
+pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
+    // Ctrl and wheel is the browser's own zoom.
+    if event.ctrl_key() {
+        return;
+    }
+    event.prevent_default();
+    let unit = match event.delta_mode() {
+        WheelEvent::DOM_DELTA_PIXEL => 1.0,
+        _ => LINE_PX,
+    };
+    let (across, down) = (event.delta_x() * unit, event.delta_y() * unit);
+    if across.abs() > down.abs() {
+        let view = chart.view.get_untracked();
+        let width = f64::from(chart.layout.get().columns().max(1));
+        let by_us = view.part_us(across * chart.layout.get().ratio / width);
+        chart.show(view.panned(by_us, chart.reach()));
+    } else {
+        let zoom = down.clamp(-WHEEL_MAX, WHEEL_MAX) / WHEEL_MAX * WHEEL_ZOOM;
+        chart.zoom(percent(zoom), chart.layout.get().part(x(event)));
+    }
+}
+
+/// At least one percent either way, so that slow fingers get somewhere.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "between 80 and 120"
+)]
+fn percent(zoom: f64) -> u64 {
+    if zoom < 0.0 {
+        (100.0 + zoom).floor() as u64
+    } else {
+        (100.0 + zoom).ceil() as u64
+    }
+}
+
+pub(crate) fn key(chart: Chart, event: &KeyboardEvent) {
+    let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
+    let paused = chart.view.get_untracked().is_paused();
+    if let Some(act) = keys::act(&event.key(), modified, event.shift_key(), paused) {
+        event.prevent_default();
+        chart.act(act);
+    }
+}

@@ -1,0 +1,81 @@
+//! What the crosshair reads, where it stands.
+
+use motorlink_messages::protocol::Instant;
+
+use crate::{
+    features::graph::{
+        overlay::Said,
+        plot::{
+            columns::Grid,
+            comparison::{Subject, marked},
+            crosshair, texts as words, ticks,
+            trace::Trace,
+            view::View,
+        },
+        stage::Stage,
+        state::{Chart, Crosshair},
+    },
+    model::history::History,
+};
+
+impl Stage {
+    pub(crate) fn show_crosshair(
+        &mut self,
+        chart: Chart,
+        view: View,
+        grid: Grid,
+        history: &History,
+        subject: &Subject,
+        now_us: u64,
+    ) {
+        let width = f64::from(self.layout.columns());
+        let column = match chart.crosshair.get() {
+            Crosshair::None => None,
+            Crosshair::Pointer(x) => Some(self.layout.column(x)),
+            Crosshair::Moment(at_us) => Some(grid.place(at_us)),
+        };
+        let column = column.filter(|column| (0.0..=width).contains(column));
+        let (Some(column), Some(_)) = (column, subject.newest(history)) else {
+            self.overlay.hide();
+            return;
+        };
+        let at_us = match chart.crosshair.get() {
+            Crosshair::Moment(at_us) => at_us,
+            _ => grid.moment_us(column),
+        };
+        let when = if view.is_live() {
+            words::ago(now_us.saturating_sub(at_us))
+        } else {
+            ticks::time_of_day(chart.day_us(at_us) / 1_000, 1)
+        };
+        let when = match subject {
+            Subject::Motor { mirror, .. } => marked(when, *mirror),
+            Subject::Compared(_) => when,
+        };
+        let said = said(history, subject, Instant::from_micros(at_us));
+        let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
+        let place = (
+            self.layout.x(column),
+            f64::from(self.layout.width) / self.layout.ratio,
+        );
+        self.overlay.show(place, when, said, by_keys);
+    }
+}
+
+/// What the crosshair reads at a moment.
+fn said(history: &History, subject: &Subject, at: Instant) -> Vec<Said> {
+    match subject {
+        Subject::Motor { id, mirror, traces } => {
+            let values = |track| crosshair::values(track, *mirror, at);
+            let values = history.track(*id).map(values);
+            let values = values.unwrap_or_default();
+            let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
+            on.map(|trace| Said::Trace(trace, values.text(trace)))
+                .collect()
+        }
+        Subject::Compared(comparison) => crosshair::compared(history, comparison, at)
+            .into_iter()
+            .map(|(place, _, value)| Said::Motor(place, value))
+            .collect(),
+    }
+}

@@ -1,0 +1,78 @@
+//! The values in words, for those who do not see the lines.
+
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::Instant;
+use web_sys::Element;
+
+use crate::{
+    features::graph::{
+        overlay::Text,
+        plot::{
+            comparison::{Subject, marked},
+            crosshair, texts as words, ticks,
+            view::View,
+        },
+        state::Chart,
+    },
+    model::history::History,
+    ui::animation::Next,
+};
+
+/// They change this often at most: faster, they would be read aloud over one another.
+const SAID_EVERY_MS: f64 = 3_000.0;
+
+/// The text that describes the graph.
+pub(crate) struct Spoken {
+    text: Text,
+    said_ms: f64,
+}
+
+impl Spoken {
+    pub(crate) fn of(element: Element) -> Self {
+        Self {
+            text: Text::of(element),
+            said_ms: f64::NEG_INFINITY,
+        }
+    }
+
+    /// Says the newest values in view, unless it has said some just now. When it has to be asked again.
+    pub(crate) fn say(
+        &mut self,
+        chart: Chart,
+        view: View,
+        history: &History,
+        subject: &Subject,
+        now_us: u64,
+        frame_ms: f64,
+    ) -> Next {
+        let due_ms = self.said_ms + SAID_EVERY_MS - frame_ms;
+        if due_ms > 0.0 {
+            return Next::After(due_ms);
+        }
+        self.said_ms = frame_ms;
+        let at = Instant::from_micros(view.right_us(now_us));
+        let when = if view.is_live() {
+            tr!("Now").to_owned()
+        } else {
+            let day_us = chart.day_us(at.as_micros());
+            let time = ticks::time_of_day(day_us / 1_000, 1_000);
+            tr!("At {time}", time)
+        };
+        self.text.set(match subject {
+            Subject::Motor { id, mirror, traces } => {
+                let values = |track| crosshair::values(track, *mirror, at);
+                let values = history.track(*id).map(values);
+                let when = marked(when, *mirror);
+                words::sentence(&when, values.as_ref(), *traces)
+            }
+            Subject::Compared(comparison) => {
+                let motors = crosshair::compared(history, comparison, at);
+                let named = motors
+                    .into_iter()
+                    .map(|(_, id, value)| (chart.motor_name(id), value));
+                words::compared_sentence(&when, comparison, &named.collect::<Vec<_>>())
+            }
+        });
+        Next::Woken
+    }
+}

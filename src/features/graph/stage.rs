@@ -1,0 +1,325 @@
+//! The canvases, and when they are drawn: with the screen, at most 60 times a second, and only when
+//! something to be seen has changed.
+
+use std::rc::Rc;
+
+use leptos::prelude::*;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlCanvasElement, HtmlElement};
+
+use crate::{
+    features::graph::{
+        axes::Axes,
+        legend::Legend,
+        overlay::Overlay,
+        plot::{
+            columns::Grid,
+            comparison::{Comparison, Subject},
+            ink::{Inks, ink},
+            layout::Layout,
+            scale::Scale,
+            ticks,
+            view::View,
+        },
+        spoken::Spoken,
+        state::Chart,
+        traces::TraceCanvas,
+        watchers::{self, Watchers},
+    },
+    link::clock::page_now_ms,
+    model::history::History,
+    ui::animation::{Frames, Next},
+};
+
+/// Two drawings are at least this far apart: a little less than a frame at 60 Hz, whose clock is not
+/// quite even.
+const DRAWN_EVERY_MS: f64 = 15.0;
+
+/// A column that lasts less is waited for by frames, a longer one by a timer.
+const FRAMES_BELOW_US: u64 = 25_000;
+
+/// What was reported reaches the page this late at most, unless it is busy: a slow adapter holds it for
+/// 16 ms, the worker for a frame. A view that was paused is drawn once more then.
+const SETTLED_AFTER_US: u64 = 200_000;
+
+/// Everything that the lines depend on but the colours. What is equal needs no drawing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scene {
+    /// `None` while there is nothing in the view.
+    grid: Option<Grid>,
+    subject: Subject,
+    view: View,
+    /// Whether every reply of these columns has come.
+    settled: bool,
+    /// What was taken in of before.
+    recalled: u32,
+}
+
+/// The mounted graph.
+pub(crate) struct Stage {
+    plot: HtmlElement,
+    pub(crate) axes: Axes,
+    pub(crate) lines: TraceCanvas,
+    pub(crate) overlay: Overlay,
+    legend: Legend,
+    spoken: Spoken,
+    pub(crate) inks: Inks,
+    pub(crate) layout: Layout,
+    scene: Option<Scene>,
+    /// Who is in the legend.
+    named: Option<Comparison>,
+    drawn_ms: f64,
+    stopwatch: watchers::Stopwatch,
+    _watchers: Watchers,
+}
+
+/// Brings the graph in this element to life, for as long as its owner lives.
+pub(crate) fn raise(chart: Chart, place: &HtmlElement) {
+    let Some(stage) = Stage::of(chart, place) else {
+        return;
+    };
+    *chart.stage.borrow_mut() = Some(stage);
+    let frames = Frames::new(move |frame_ms| step(chart, frame_ms));
+    let waker = Rc::new(frames.waker());
+    chart.on_change({
+        let waker = Rc::clone(&waker);
+        move || waker()
+    });
+    chart.desk.history.update_value(|history| {
+        history.on_news(Rc::new(move || {
+            if chart.asleep.get() {
+                waker();
+            }
+        }));
+    });
+    // Another motor, another theme, another name.
+    Effect::new(move |_| {
+        let _ = (chart.desk.selected.get(), chart.desk.preferences.get());
+        chart.desk.together.fleet.track();
+        chart.looks_stale.set(true);
+        chart.wake();
+    });
+    let frames = StoredValue::new_local(Some(frames));
+    on_cleanup(move || {
+        let _ = frames.try_update_value(Option::take);
+        // It would ask a graph that is not there any more whether it sleeps.
+        let forget = |history: &mut History| history.on_news(Rc::new(|| ()));
+        let _ = chart.desk.history.try_update_value(forget);
+        // With it the observers.
+        let _ = chart.stage.take();
+    });
+}
+
+fn step(chart: Chart, frame_ms: f64) -> Next {
+    chart.asleep.set(false);
+    if !chart.in_sight.get() || document().hidden() {
+        return Next::Woken;
+    }
+    let Ok(mut stage) = chart.stage.try_borrow_mut() else {
+        return Next::Woken;
+    };
+    let next = stage.as_mut().map(|stage| stage.step(chart, frame_ms));
+    next.unwrap_or(Next::Woken)
+}
+
+impl Stage {
+    /// `None` where the element does not hold what the view has put there.
+    fn of(chart: Chart, place: &HtmlElement) -> Option<Self> {
+        let find = |selector: &str| place.query_selector(selector).ok().flatten();
+        let canvas = |selector: &str| find(selector)?.dyn_into::<HtmlCanvasElement>().ok();
+        let plot: HtmlElement = find(".graph-plot")?.dyn_into().ok()?;
+        Some(Self {
+            axes: Axes::of(canvas(".graph-axes")?)?,
+            lines: TraceCanvas::of(canvas(".graph-lines")?)?,
+            overlay: Overlay::of(place)?,
+            legend: Legend::of(&place.parent_element()?)?,
+            spoken: Spoken::of(find("#graph-words")?),
+            inks: Inks::default(),
+            layout: Layout::default(),
+            scene: None,
+            named: None,
+            drawn_ms: f64::NEG_INFINITY,
+            stopwatch: watchers::Stopwatch::new(),
+            _watchers: Watchers::of(chart, &plot),
+            plot,
+        })
+    }
+
+    /// Draws what was never in sight.
+    pub(crate) fn draw_first(&mut self, chart: Chart) {
+        if self.layout.is_empty() {
+            let _ = self.step(chart, page_now_ms());
+        }
+    }
+
+    fn step(&mut self, chart: Chart, frame_ms: f64) -> Next {
+        let early_ms = self.drawn_ms + DRAWN_EVERY_MS - frame_ms;
+        if early_ms > 0.0 {
+            return Next::Frame;
+        }
+        if chart.size_stale.take() && self.resize(chart) {
+            self.scene = None;
+        }
+        let looks_stale = chart.looks_stale.take();
+        if looks_stale && self.dip() {
+            self.scene = None;
+        }
+        if self.layout.is_empty() {
+            return Next::Woken;
+        }
+        let now_us = chart.at_us(frame_ms);
+        let view = chart.view.get_untracked();
+        let grid = Grid::new(view.span_us, view.right_us(now_us), self.layout.columns());
+        chart.grid.set(grid);
+        chart.desk.history.with_value(|history| {
+            let subject = chart.subject(history);
+            self.name(chart, &subject, looks_stale);
+            let scene = Scene {
+                grid: Some(grid).filter(|_| shows_anything(history, &subject, grid)),
+                subject,
+                view,
+                settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
+                recalled: history.recalled(),
+            };
+            if self.scene != Some(scene) {
+                self.scene = Some(scene);
+                self.drawn_ms = frame_ms;
+                self.stopwatch.start();
+                self.draw_lines(history, &subject, grid, now_us);
+                self.draw_axes(chart, view, grid);
+                self.stopwatch.stop();
+            }
+            self.show_crosshair(chart, view, grid, history, &subject, now_us);
+            let said = self
+                .spoken
+                .say(chart, view, history, &subject, now_us, frame_ms);
+            chart.asleep.set(view.is_live() && scene.grid.is_none());
+            match scene.grid {
+                Some(grid) if view.is_live() => next_column(grid, now_us),
+                Some(grid) if !scene.settled => after(grid.right_us() + SETTLED_AFTER_US, now_us),
+                _ => said,
+            }
+        })
+    }
+
+    /// Takes the size of its place. Whether it has changed.
+    fn resize(&mut self, chart: Chart) -> bool {
+        let place = self.plot.get_bounding_client_rect();
+        let layout = Layout::new(place.width(), place.height(), window().device_pixel_ratio());
+        if layout == self.layout {
+            return false;
+        }
+        self.layout = layout;
+        chart.layout.set(layout);
+        self.axes.resize(layout);
+        self.lines.resize(layout);
+        self.overlay.measure();
+        true
+    }
+
+    /// Takes the colours of the style sheet, which the graph's own element has as its colours. Whether
+    /// they have changed.
+    fn dip(&mut self) -> bool {
+        let Some(style) = computed_style(&self.plot) else {
+            return false;
+        };
+        let of = |property: &str| ink(&style.get_property_value(property).unwrap_or_default());
+        let inks = Inks {
+            surface: of("background-color"),
+            line: of("border-top-color"),
+            text: of("color"),
+            speed: of("border-right-color"),
+            current: of("border-bottom-color"),
+            temperature: of("border-left-color"),
+            position: of("column-rule-color"),
+            motors: self.legend.inks(),
+        };
+        self.axes
+            .set_font(&style.get_property_value("font-family").unwrap_or_default());
+        let changed = inks != self.inks;
+        self.inks = inks;
+        changed
+    }
+
+    /// Names those that are compared, where they or their names have changed.
+    fn name(&mut self, chart: Chart, subject: &Subject, renamed: bool) {
+        let comparison = subject.comparison();
+        if !renamed && self.named.as_ref() == comparison {
+            return;
+        }
+        self.named = comparison.copied();
+        let motors = comparison.into_iter().flat_map(Comparison::motors);
+        let names: Vec<(usize, String)> = motors
+            .map(|(place, id, _)| (place, chart.motor_name(id)))
+            .collect();
+        for (place, name) in &names {
+            self.overlay.name(*place, name);
+        }
+        self.legend.show(comparison, &names);
+        self.overlay.measure();
+    }
+
+    fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
+        self.lines.clear();
+        match subject {
+            Subject::Motor { id, mirror, traces } => {
+                if let Some(track) = history.track(*id) {
+                    self.lines.draw_motor(
+                        history,
+                        track,
+                        (*mirror, *traces),
+                        grid,
+                        now_us,
+                        self.inks,
+                    );
+                }
+            }
+            Subject::Compared(comparison) => {
+                let font = self.axes.font(self.layout.ratio);
+                self.lines
+                    .draw_compared(history, comparison, grid, self.inks, &font);
+            }
+        }
+    }
+
+    fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid) {
+        let marks = self.layout.marks(view.is_live());
+        let marks = if view.is_live() {
+            ticks::ago(view.span_us, marks)
+        } else {
+            let right_us = chart.day_us(grid.right_us());
+            ticks::of_day(right_us, grid.span_us(), marks)
+        };
+        let scales: [Scale; 2] = self.lines.scales();
+        let hot = self.lines.temperature_end();
+        let traces = chart.traces.get_untracked();
+        self.axes
+            .draw(self.layout, self.inks, traces, scales, hot, marks);
+    }
+}
+
+/// When the right edge will be in another column.
+fn next_column(grid: Grid, now_us: u64) -> Next {
+    if grid.column_us < FRAMES_BELOW_US {
+        return Next::Frame;
+    }
+    after(grid.right_us(), now_us).put_off_to_step(page_now_ms())
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "no more microseconds than a window is long"
+)]
+fn after(at_us: u64, now_us: u64) -> Next {
+    Next::After(at_us.saturating_sub(now_us) as f64 / 1_000.0)
+}
+
+/// Whether any of the motors has said anything in these columns.
+fn shows_anything(history: &History, subject: &Subject, grid: Grid) -> bool {
+    let newest = subject.newest(history);
+    newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())
+}
+
+fn computed_style(element: &Element) -> Option<web_sys::CssStyleDeclaration> {
+    window().get_computed_style(element).ok().flatten()
+}

@@ -1,0 +1,258 @@
+//! What the graph shows, and what a person can do to it.
+
+use std::{
+    cell::{Cell, RefCell},
+    ops::Deref,
+    time::Duration,
+};
+
+use leptos::prelude::*;
+use motorlink_messages::protocol::{Instant, MotorId};
+
+use crate::{
+    features::graph::{
+        plot::{
+            columns::Grid,
+            comparison::{Subject, motor_name},
+            keys::Act,
+            layout::Layout,
+            trace::Traces,
+            view::{Reach, View},
+        },
+        stage::Stage,
+    },
+    link::clock::page_now_ms,
+    model::{
+        desk::Desk,
+        history::{History, ZERO_US},
+    },
+};
+
+/// Where the crosshair is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Crosshair {
+    None,
+    /// Under the pointer, so many pixels of the style sheet from the left of the graph.
+    Pointer(f64),
+    /// Moved by keys, at this moment of the history's clock.
+    Moment(u64),
+}
+
+/// A drag: where it began, in pixels of the style sheet, and with which view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drag {
+    pub(crate) from_x: f64,
+    pub(crate) view: View,
+    /// Whether the pointer has moved far enough for it to be no click.
+    pub(crate) begun: bool,
+}
+
+/// The graph: a pointer, as the desk is one. A page has one, for as long as it lives, whichever language it is
+/// drawn in. It stays on the thread of the page, which is what the store is for.
+#[derive(Clone, Copy)]
+pub(crate) struct Chart(StoredValue<&'static Parts, LocalStorage>);
+
+impl Deref for Chart {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        self.0.get_value()
+    }
+}
+
+/// What makes up the graph. What changes with the pointer or with the time is no signal.
+pub(crate) struct Parts {
+    pub(crate) desk: Desk,
+    pub(crate) view: RwSignal<View>,
+    pub(crate) traces: RwSignal<Traces>,
+    pub(crate) crosshair: Cell<Crosshair>,
+    pub(crate) drag: Cell<Option<Drag>>,
+    /// As it was drawn last.
+    pub(crate) layout: Cell<Layout>,
+    /// The columns that were drawn last.
+    pub(crate) grid: Cell<Grid>,
+    /// Whether any of it is on the screen.
+    pub(crate) in_sight: Cell<bool>,
+    /// Whether its size may have changed.
+    pub(crate) size_stale: Cell<bool>,
+    /// Whether its colours or the names of motors may have changed.
+    pub(crate) looks_stale: Cell<bool>,
+    /// Whether nothing but news can change it.
+    pub(crate) asleep: Cell<bool>,
+    pub(crate) stage: RefCell<Option<Stage>>,
+    wake: RefCell<Option<Box<dyn Fn()>>>,
+}
+
+impl Chart {
+    pub(crate) fn new(desk: Desk) -> Self {
+        let parts: &'static Parts = Box::leak(Box::new(Parts {
+            desk,
+            view: desk.graph_view,
+            traces: desk.graph_traces,
+            crosshair: Cell::new(Crosshair::None),
+            drag: Cell::new(None),
+            layout: Cell::new(Layout::default()),
+            grid: Cell::new(Grid::default()),
+            in_sight: Cell::new(false),
+            size_stale: Cell::new(true),
+            looks_stale: Cell::new(true),
+            asleep: Cell::new(false),
+            stage: RefCell::new(None),
+            wake: RefCell::new(None),
+        }));
+        Self(StoredValue::new_local(parts))
+    }
+
+    /// It is drawn on other canvases from now on, of which nothing is known yet.
+    pub(crate) fn begin_anew(self) {
+        self.drag.set(None);
+        if let Crosshair::Pointer(_) = self.crosshair.get() {
+            self.crosshair.set(Crosshair::None);
+        }
+        self.in_sight.set(false);
+        self.size_stale.set(true);
+        self.looks_stale.set(true);
+        self.asleep.set(false);
+    }
+
+    /// From now on, `wake` has the next frame drawn.
+    pub(crate) fn on_change(self, wake: impl Fn() + 'static) {
+        *self.wake.borrow_mut() = Some(Box::new(wake));
+    }
+
+    /// Something to be seen may have changed.
+    pub(crate) fn wake(self) {
+        if let Some(wake) = self.wake.borrow().as_ref() {
+            wake();
+        }
+    }
+
+    /// Now on the clock of the history, in microseconds.
+    pub(crate) fn now_us(self) -> u64 {
+        self.at_us(page_now_ms())
+    }
+
+    /// A moment of the page's `performance.now()` on the clock of the history, in microseconds.
+    pub(crate) fn at_us(self, page_ms: f64) -> u64 {
+        let clock = self.desk.clock.get_value();
+        ZERO_US + clock.instant(page_ms).as_micros()
+    }
+
+    /// The local time of day of a moment of the history, in microseconds since midnight.
+    pub(crate) fn day_us(self, at_us: u64) -> u64 {
+        let clock = self.desk.clock.get_value();
+        match at_us.checked_sub(ZERO_US) {
+            Some(at_us) => clock.day_us(Instant::from_micros(at_us)),
+            None => clock.day_us_before(Duration::from_micros(ZERO_US - at_us)),
+        }
+    }
+
+    /// What is drawn.
+    pub(crate) fn subject(self, history: &History) -> Subject {
+        let (id, traces) = (
+            self.desk.selected.get_untracked(),
+            self.traces.get_untracked(),
+        );
+        let fleet = self.desk.together.fleet;
+        fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
+    }
+
+    /// What a motor is called.
+    pub(crate) fn motor_name(self, id: MotorId) -> String {
+        let fleet = self.desk.together.fleet;
+        fleet.with_untracked(|fleet| motor_name(id, fleet))
+    }
+
+    /// What there is to see of what is drawn.
+    pub(crate) fn reach(self) -> Reach {
+        let now_us = self.now_us();
+        let oldest_us = self.desk.history.with_value(|history| {
+            let oldest = self.subject(history).oldest(history);
+            oldest.map_or(now_us, Instant::as_micros)
+        });
+        Reach { oldest_us, now_us }
+    }
+
+    pub(crate) fn show(self, view: View) {
+        if self.view.get_untracked() != view {
+            self.view.set(view);
+            self.wake();
+        }
+    }
+
+    /// Pauses, or follows the time again.
+    pub(crate) fn pause_or_resume(self) {
+        let view = self.view.get_untracked();
+        if view.is_paused() {
+            self.follow();
+        } else {
+            self.show(view.paused(self.now_us()));
+        }
+    }
+
+    /// Follows the time again.
+    pub(crate) fn follow(self) {
+        if let Crosshair::Moment(_) = self.crosshair.get() {
+            self.crosshair.set(Crosshair::None);
+        }
+        self.show(self.view.get_untracked().live());
+    }
+
+    pub(crate) fn act(self, act: Act) {
+        let view = self.view.get_untracked();
+        let reach = self.reach();
+        match act {
+            Act::ZoomIn => self.zoom(80, self.zoom_place()),
+            Act::ZoomOut => self.zoom(125, self.zoom_place()),
+            Act::Pan(percent) => {
+                let by_us = view.part_us(f64::from(percent) / 100.0);
+                self.show(view.panned(by_us, reach));
+            }
+            Act::Cross(columns) => self.move_crosshair(columns),
+            Act::Oldest => self.show(view.at_oldest(reach)),
+            Act::Newest => self.show(view.at_now(reach)),
+        }
+    }
+
+    /// To so many percent of its length; `place` stays where it is, 0 at the left edge, 1 at the right.
+    pub(crate) fn zoom(self, percent: u64, place: f64) {
+        let view = self.view.get_untracked();
+        self.show(view.zoomed(percent, place, self.reach()));
+    }
+
+    /// Keys zoom round the crosshair; without one, round the newest.
+    fn zoom_place(self) -> f64 {
+        match self.crosshair.get() {
+            Crosshair::Moment(at_us) => {
+                let layout = self.layout.get();
+                layout.part(layout.x(self.grid.get().place(at_us)))
+            }
+            Crosshair::None | Crosshair::Pointer(_) => 1.0,
+        }
+    }
+
+    /// The crosshair begins in the middle, and takes the view along at its edges.
+    fn move_crosshair(self, columns: i8) {
+        let (grid, layout) = (self.grid.get(), self.layout.get());
+        let width = f64::from(layout.columns());
+        let place = match self.crosshair.get() {
+            Crosshair::None => width / 2.0,
+            Crosshair::Pointer(x) => layout.column(x),
+            Crosshair::Moment(at_us) => grid.place(at_us),
+        };
+        let reach = self.reach();
+        let place = place.clamp(0.0, width) + f64::from(columns);
+        let at_us = grid.moment_us(place);
+        let at_us = at_us.clamp(reach.oldest_us.min(reach.now_us), reach.now_us);
+        self.crosshair.set(Crosshair::Moment(at_us));
+        let beyond = if place < 0.0 {
+            place
+        } else {
+            (place - width).max(0.0)
+        };
+        let view = self.view.get_untracked();
+        let by_us = view.part_us(beyond / width.max(1.0));
+        self.show(view.panned(by_us, reach));
+        self.wake();
+    }
+}

@@ -1,0 +1,133 @@
+//! What the browser tells of the graph: its size, whether it is in sight, and the theme; and a
+//! stopwatch that the browser reads.
+
+use js_sys::Function;
+use leptos::prelude::*;
+use wasm_bindgen::{JsCast, prelude::Closure};
+use web_sys::{
+    Element, EventTarget, IntersectionObserver, IntersectionObserverEntry, MediaQueryList,
+    Performance, ResizeObserver, ResizeObserverBoxOptions, ResizeObserverOptions,
+};
+
+use crate::{features::graph::state::Chart, ui::listener::on_window};
+
+/// Observers that live as long as this.
+pub(crate) struct Watchers {
+    resize: Option<ResizeObserver>,
+    sight: Option<IntersectionObserver>,
+    dark: Option<MediaQueryList>,
+    _on_resize: Closure<dyn FnMut()>,
+    _on_sight: Closure<dyn FnMut(js_sys::Array)>,
+    on_dark: Closure<dyn FnMut()>,
+}
+
+impl Watchers {
+    /// Watches from now on.
+    pub(crate) fn of(chart: Chart, plot: &Element) -> Self {
+        let resized = move || {
+            chart.size_stale.set(true);
+            chart.wake();
+        };
+        // The density changes with the browser's zoom and from one screen to another.
+        on_window("resize", move |_| resized());
+        on_window("visibilitychange", move |_| chart.wake());
+        let on_resize = Closure::<dyn FnMut()>::new(resized);
+        let resize = ResizeObserver::new(on_resize.as_ref().unchecked_ref()).ok();
+        if let Some(resize) = &resize {
+            let options = ResizeObserverOptions::new();
+            // It changes with the density too. A browser without it has thrown nothing but itself out.
+            options.set_box(ResizeObserverBoxOptions::DevicePixelContentBox);
+            resize.observe_with_options(plot, &options);
+        }
+        let on_sight = Closure::<dyn FnMut(js_sys::Array)>::new(move |entries: js_sys::Array| {
+            let last = entries.pop().dyn_into::<IntersectionObserverEntry>();
+            if let Ok(last) = last {
+                chart.in_sight.set(last.is_intersecting());
+                chart.wake();
+            }
+        });
+        let sight = IntersectionObserver::new(on_sight.as_ref().unchecked_ref()).ok();
+        // Nothing is drawn before it has told for the first time, which it does at once: on a phone the graph
+        // is below what is seen, and its first drawing is the longest task of the page's start.
+        match &sight {
+            Some(sight) => sight.observe(plot),
+            None => chart.in_sight.set(true),
+        }
+        let on_dark = Closure::<dyn FnMut()>::new(move || {
+            chart.looks_stale.set(true);
+            chart.wake();
+        });
+        let dark = window()
+            .match_media("(prefers-color-scheme: dark)")
+            .ok()
+            .flatten();
+        if let Some(dark) = &dark {
+            let target: &EventTarget = dark;
+            // Without it the graph keeps its colours until it is drawn anew for another reason.
+            let _ =
+                target.add_event_listener_with_callback("change", on_dark.as_ref().unchecked_ref());
+        }
+        Self {
+            resize,
+            sight,
+            dark,
+            _on_resize: on_resize,
+            _on_sight: on_sight,
+            on_dark,
+        }
+    }
+}
+
+impl Drop for Watchers {
+    fn drop(&mut self) {
+        if let Some(resize) = &self.resize {
+            resize.disconnect();
+        }
+        if let Some(sight) = &self.sight {
+            sight.disconnect();
+        }
+        if let Some(dark) = &self.dark {
+            let target: &EventTarget = dark;
+            let callback = self.on_dark.as_ref().unchecked_ref();
+            // One that cannot be removed was never added.
+            let _ = target.remove_event_listener_with_callback("change", callback);
+        }
+    }
+}
+
+/// The name of a drawing among the browser's measurements.
+const MEASURE: &str = "graph-draw";
+/// Its beginning.
+const MARK: &str = "graph-draw-begin";
+
+/// With `?measure` in the address, the browser keeps how long every drawing took. Without it, it would
+/// keep that for nobody, and for ever.
+pub(crate) struct Stopwatch(Option<Performance>);
+
+impl Stopwatch {
+    pub(crate) fn new() -> Self {
+        let wanted = window().location().search().is_ok_and(|query| {
+            web_sys::UrlSearchParams::new_with_str(&query)
+                .is_ok_and(|parameters| parameters.has("measure"))
+        });
+        Self(window().performance().filter(|_| wanted))
+    }
+
+    pub(crate) fn start(&self) {
+        if let Some(performance) = &self.0 {
+            // It fails for names that are reserved.
+            let _ = performance.mark(MARK);
+        }
+    }
+
+    pub(crate) fn stop(&self) {
+        if let Some(performance) = &self.0 {
+            // Under this name web-sys has it for browsers only.
+            let measure = js_sys::Reflect::get(performance, &"measure".into());
+            if let Ok(measure) = measure.and_then(JsCast::dyn_into::<Function>) {
+                let _ = measure.call2(performance, &MEASURE.into(), &MARK.into());
+            }
+            performance.clear_marks_with_mark_name(MARK);
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The gamepads of this browser, as far as a vehicle is driven by them.
+
+use leptos::prelude::window;
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::{Gamepad, GamepadButton};
+
+use crate::features::groups::pad::{GAMEPADS_MAX, Stick};
+
+/// The button that has to be held: the lowest one on the right of a standard gamepad.
+const DEAD_MAN: u32 = 0;
+
+/// Of each place whether the button is down, and the left stick; `None` where there is no gamepad.
+pub(crate) fn look() -> [Option<(bool, Stick)>; GAMEPADS_MAX as usize] {
+    let mut seen = [None; GAMEPADS_MAX as usize];
+    // A page that may not look at gamepads has none.
+    let Ok(gamepads) = window().navigator().get_gamepads() else {
+        return seen;
+    };
+    for (place, seen) in (0..).zip(&mut seen) {
+        let gamepad = gamepads.get(place).dyn_into::<Gamepad>().ok();
+        *seen = gamepad
+            .filter(Gamepad::connected)
+            .map(|gamepad| of(&gamepad));
+    }
+    seen
+}
+
+fn of(gamepad: &Gamepad) -> (bool, Stick) {
+    let button = gamepad.buttons().get(DEAD_MAN);
+    let is_down = button
+        .dyn_into::<GamepadButton>()
+        .is_ok_and(|button| button.pressed());
+    let axes = gamepad.axes();
+    let part = |place| JsValue::as_f64(&axes.get(place)).unwrap_or(0.0);
+    // The second axis grows downwards.
+    (is_down, Stick::new(part(0), -part(1)))
+}

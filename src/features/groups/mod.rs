@@ -1,0 +1,7 @@
+//! Motors that drive together, and the drive pad.
+
+pub(crate) mod actions;
+pub(crate) mod gamepads;
+pub(crate) mod pad;
+pub(crate) mod pad_view;
+pub(crate) mod panel;

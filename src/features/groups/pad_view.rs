@@ -1,0 +1,211 @@
+//! The drive pad in the browser: a pointer, the arrow keys and gamepads, each for as long as it is
+//! held and seen.
+//!
+//! It is HTML and one listener on the window: whatever ends a hold happens wherever the pointer is by
+//! then, and as a view it would weigh many times as much.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use wasm_bindgen::JsCast;
+use web_sys::{
+    Element, Event, FocusOptions, HtmlElement, HtmlInputElement, KeyboardEvent, PointerEvent,
+    VisibilityState,
+};
+
+use crate::{
+    features::groups::pad::{By, Stick},
+    model::{desk::Desk, drawer::Drawer, fleet::Fleet, guards::why_not_steer},
+    ui::{
+        animation::Frames,
+        format::signed,
+        listener::on_window,
+        reactive::{follow, memo},
+    },
+};
+
+const PAD: &str = "drive-pad";
+const WORDS: &str = "pad-words";
+const GAMEPAD: &str = "use-gamepad";
+
+/// Application `Drive pad` and checkbox `Use gamepad`.
+pub(crate) fn markup() -> String {
+    [
+        r#"<div class="drive-pad" id="drive-pad" role="application" aria-label=""#,
+        tr!("Drive pad"),
+        r#"" aria-describedby="pad-words" aria-disabled="true" tabindex="0">"#,
+        r#"<span class="pad-knob"></span></div><p class="pad-words" id="pad-words"></p>"#,
+        r#"<label class="check"><input type="checkbox" id="use-gamepad">"#,
+        tr!("Use gamepad"),
+        r#"</label><p class="quiet pad-hint">"#,
+        tr!("The left stick drives while the lowest right button is held."),
+        "</p>",
+    ]
+    .concat()
+}
+
+/// What is listened to, on its way down from the window.
+const HEARD: [&str; 12] = [
+    "pointerdown",
+    "pointermove",
+    "pointerup",
+    "pointercancel",
+    "lostpointercapture",
+    "contextmenu",
+    "keydown",
+    "keyup",
+    "blur",
+    "visibilitychange",
+    "gamepaddisconnected",
+    "change",
+];
+
+/// The bit of the first button among those of a pointer that are down; a finger has it too.
+const FIRST_BUTTON: u16 = 1;
+
+/// Has the pad work from now on.
+pub(crate) fn keep_working(desk: Desk) {
+    let frames = Frames::new(move |now_ms| desk.pad_frame(now_ms));
+    desk.together
+        .waker
+        .set_value(Some(Box::new(frames.waker())));
+    StoredValue::new_local(frames);
+    for name in HEARD {
+        on_window(name, move |event| hear(desk, &event));
+    }
+    let why_not = memo(move || {
+        let crew = desk.together.fleet.with(Fleet::crew);
+        desk.shown.with(|session| why_not_steer(session, &crew))
+    });
+    follow(move || show(desk, why_not.get()));
+    follow(move || {
+        let open = desk.drawer.get() == Some(Drawer::Together);
+        if !open || desk.dialog.with(Option::is_some) {
+            desk.leave_pad();
+        }
+        desk.wake_pad();
+    });
+    // Without the pad nobody holds it, and its box stands empty when it is back.
+    on_cleanup(move || {
+        desk.leave_pad();
+        desk.look_at_gamepads(false);
+    });
+}
+
+/// Shows where the stick is, and why it does not drive or what it is sent; one place for both.
+fn show(desk: Desk, why_not: Option<String>) {
+    let driving = desk.together.driving.get();
+    let page = document();
+    let (Some(pad), Some(words)) = (page.get_element_by_id(PAD), page.get_element_by_id(WORDS))
+    else {
+        return;
+    };
+    // They fail for names that are none, and these are ours.
+    let mark = |name, value: &str| drop(pad.set_attribute(name, value));
+    mark(
+        "aria-disabled",
+        if why_not.is_some() { "true" } else { "false" },
+    );
+    mark("title", why_not.as_deref().unwrap_or_default());
+    mark("data-held", if driving.is_some() { "yes" } else { "no" });
+    let stick = driving.map(|(stick, _)| stick).unwrap_or_default();
+    let knob = pad.first_element_child().map(Element::dyn_into);
+    if let Some(Ok(knob)) = knob {
+        let knob: HtmlElement = knob;
+        let place = |name, part| drop(knob.style().set_property(name, &percent(part)));
+        place("left", stick.turn);
+        place("top", -stick.forward);
+    }
+    let sent = driving.map(|(_, wheels)| {
+        let (left, right) = (signed(wheels.left), signed(wheels.right));
+        tr!("Left {left} rpm, right {right} rpm", left, right)
+    });
+    let said = sent.or(why_not);
+    let said = said.as_deref();
+    words.set_text_content(Some(
+        said.unwrap_or(tr!("Hold to run: drag, or use the arrow keys.")),
+    ));
+}
+
+fn hear(desk: Desk, event: &Event) {
+    let element = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let id = element.as_ref().map(Element::id).unwrap_or_default();
+    let on_pad = id == PAD;
+    match event.type_().as_str() {
+        "contextmenu" if on_pad => event.prevent_default(),
+        // The browser's menu keeps the keys to itself.
+        "contextmenu" => desk.leave_pad(),
+        // Elements that lose the focus are heard too: the pad itself counts, and the whole page.
+        "blur" if on_pad || element.is_none() => desk.leave_pad(),
+        "visibilitychange" if document().visibility_state() == VisibilityState::Hidden => {
+            desk.leave_pad();
+        }
+        "gamepaddisconnected" => desk.gamepad_unplugged(),
+        "change" if id == GAMEPAD => {
+            let input = element.as_ref().and_then(|element| element.dyn_ref());
+            desk.look_at_gamepads(input.is_some_and(HtmlInputElement::checked));
+        }
+        _ => {}
+    }
+    if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
+        hear_key(desk, event, on_pad);
+    } else if let Some(event) = event.dyn_ref::<PointerEvent>() {
+        let pad = element.filter(|_| on_pad);
+        hear_pointer(desk, event, pad.and_then(|pad| pad.dyn_into().ok()));
+    }
+}
+
+fn hear_pointer(desk: Desk, event: &PointerEvent, pad: Option<HtmlElement>) {
+    let by = By::Pointer(event.pointer_id());
+    match (event.type_().as_str(), pad) {
+        ("pointerup" | "pointercancel" | "lostpointercapture", _) => desk.pad_let_go(by),
+        ("pointerdown", Some(pad)) if event.button() == 0 => {
+            // Without capture the window hears the end all the same.
+            let _ = pad.set_pointer_capture(event.pointer_id());
+            // A page that scrolled by it would move the pad under the pointer, and with it the stick.
+            let options = FocusOptions::new();
+            options.set_prevent_scroll(true);
+            let _ = pad.focus_with_options(&options);
+            desk.pad_pressed(by, stick(&pad, event));
+        }
+        // It came up where nobody heard of it.
+        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => desk.pad_let_go(by),
+        ("pointermove", Some(pad)) => desk.pad_steered(by, stick(&pad, event)),
+        _ => {}
+    }
+}
+
+fn hear_key(desk: Desk, event: &KeyboardEvent, on_pad: bool) {
+    let key = event.key();
+    let modified = event.ctrl_key() || event.alt_key();
+    // While Meta is down, macOS tells of no other key that comes up.
+    if event.meta_key() || key == "Meta" {
+        desk.leave_pad();
+    } else if event.type_() == "keyup" {
+        desk.pad_arrow(&key, false);
+    } else if on_pad && key.starts_with("Arrow") && !modified {
+        event.prevent_default();
+        // A key that repeats was pressed before, perhaps elsewhere.
+        if !event.repeat() {
+            desk.pad_arrow(&key, true);
+        }
+    }
+}
+
+/// Where the pointer is, from the middle of the pad to its edges.
+fn stick(pad: &HtmlElement, event: &PointerEvent) -> Stick {
+    let place = pad.get_bounding_client_rect();
+    let part = |at: f64, from: f64, size: f64| (at - from) / size * 2.0 - 1.0;
+    let turn = part(number(event.client_x()), place.x(), place.width());
+    let back = part(number(event.client_y()), place.y(), place.height());
+    Stick::new(turn, -back)
+}
+
+/// A pointer's place is in whole pixels or finer, by the version of the browser's interface.
+fn number(pixels: impl Into<f64>) -> f64 {
+    pixels.into()
+}
+
+/// Of the way from the middle to the edge.
+fn percent(part: f64) -> String {
+    format!("{:.0}%", 50.0 + part * 50.0)
+}

@@ -1,0 +1,168 @@
+//! Panel `Drive together`: several motors with one setpoint.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
+
+use crate::{
+    features::groups::pad_view as drive_pad,
+    model::{
+        desk::{Desk, use_desk},
+        drawer::Drawer,
+        fleet::{Fleet, Side, listed, rows_html},
+        guards::{why_not_side, why_not_stop, why_not_together},
+        snapshot::Session,
+    },
+    ui::{
+        button::PressButton,
+        drawer::panel_of_drawer,
+        entry,
+        list::replace_keeping_focus,
+        listener::on_window,
+        number_field::NumberField,
+        reactive::{follow, memo},
+        tool_entry,
+    },
+};
+
+const ROWS: &str = "fleet";
+
+/// A list of a row a motor.
+fn rows_markup() -> String {
+    let name = tr!("Motors that drive together");
+    format!(r#"<ul class="fleet" id="fleet" role="list" aria-label="{name}"></ul>"#)
+}
+
+/// Panel `Drive together`.
+#[component]
+pub(crate) fn TogetherPanel() -> impl IntoView {
+    let desk = use_desk();
+    let together = desk.together;
+    let blocked = memo(move || {
+        let crew = together.fleet.with(Fleet::crew);
+        desk.shown.with(|session| why_not_together(session, &crew))
+    });
+    let why_not_start = Signal::derive(move || blocked.get().or_else(|| together.speed.trouble()));
+    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+    keep_rows(desk);
+    drive_pad::keep_working(desk);
+    panel_of_drawer(
+        Drawer::Together,
+        tr!("Drive together"),
+        view! {
+            <div class="together-panel">
+                <div inner_html=rows_markup()></div>
+                <NumberField
+                    id="group-speed"
+                    name=tr!("Group speed")
+                    unit="rpm"
+                    hint=tr!("Right wheels turn the other way. At most this by the pad.")
+                    target=together.speed
+                    entry=entry::SPEED
+                    on_edit=move || desk.adjust_together()
+                />
+                <NumberField
+                    id="ramp"
+                    name=tr!("Ramp")
+                    unit="rpm/s"
+                    hint=tr!("0 is none. It never bounds a stop.")
+                    target=together.ramp
+                    entry=tool_entry::RAMP
+                    on_edit=move || desk.set_ramp()
+                />
+                <div class="button-row two">
+                    <PressButton
+                        label=tr!("Stop together")
+                        class="button halt"
+                        hint=tr!("Brakes all of them to a standstill, then lets go")
+                        why_not=why_not_halt
+                        on_press=move || desk.stop_together()
+                    />
+                    <PressButton
+                        label=tr!("Start together")
+                        class="button primary"
+                        why_not=why_not_start
+                        on_press=move || desk.start_together()
+                    />
+                </div>
+                <div inner_html=drive_pad::markup()></div>
+            </div>
+        },
+    )
+}
+
+/// Keeps a row a motor, and hears what is changed there.
+fn keep_rows(desk: Desk) {
+    let fleet = desk.together.fleet;
+    let ids = memo(move || {
+        let found = desk.shown.with(Session::found);
+        fleet.with(|fleet| listed(&found, fleet))
+    });
+    // Who is driven stays on its side.
+    let held = memo::<Vec<MotorId>>(move || {
+        let held = |session: &Session| session.in_hand().map(|motor| motor.id).collect();
+        desk.shown.with(held)
+    });
+    let mut made = None;
+    follow(move || {
+        held.track();
+        let wanted = (ids.get(), desk.together.replaced.get());
+        let list = document().get_element_by_id(ROWS);
+        if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
+            // What is in a row changes by the row itself, and somebody is typing there.
+            if made.as_ref() != Some(&wanted) {
+                let html = fleet.with_untracked(|fleet| rows_html(&wanted.0, fleet));
+                replace_keeping_focus(&list, &html, "id");
+            }
+            hold_sides(desk, &wanted.0);
+            made = Some(wanted);
+        }
+    });
+    on_window("input", move |event: Event| {
+        let control = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+        let ours = control.filter(|control| matches!(control.closest(".fleet-row"), Ok(Some(_))));
+        if let Some(control) = ours {
+            take_in(desk, &control);
+        }
+    });
+}
+
+/// Says at each list of sides whether it can be used, and why not.
+fn hold_sides(desk: Desk, ids: &[MotorId]) {
+    for id in ids {
+        let list = document().get_element_by_id(&format!("side-{}", id.get()));
+        let Some(list) = list.and_then(|list| list.dyn_into::<HtmlSelectElement>().ok()) else {
+            continue;
+        };
+        let shown = |session: &Session| why_not_side(session, *id);
+        let reason = desk.shown.with_untracked(shown).unwrap_or_default();
+        list.set_disabled(!reason.is_empty());
+        list.set_title(&reason);
+    }
+}
+
+/// A control of a row has changed: `drive-1`, `name-1` or `side-1`.
+fn take_in(desk: Desk, control: &Element) {
+    let name = control.id();
+    let Some((what, id)) = name.split_once('-') else {
+        return;
+    };
+    let Ok(id) = id.parse::<MotorId>() else {
+        return;
+    };
+    if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
+        desk.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
+        let side = desk.together.fleet.with_untracked(|fleet| fleet.side(id));
+        list.set_value(side.key());
+    } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {
+        desk.change_member(id, |member| {
+            if what == "drive" {
+                member.drives = input.checked();
+            } else {
+                member.set_name(&input.value());
+            }
+        });
+    }
+}

@@ -1,0 +1,150 @@
+//! The frames of the protocol card: the last of each kind that passed on the line between the page and
+//! the chosen motor.
+
+use motorlink_i18n::terms;
+use motorlink_messages::{
+    bus::Activity,
+    protocol::{
+        Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, explain_heard, explain_sent,
+    },
+};
+
+use crate::model::snapshot::Session;
+
+/// By which name each kind of frame stands in the help's files, in the order of [`LineCard::frames`].
+pub(crate) const KINDS: [&str; 5] = ["drive", "query", "mode", "drive-reply", "query-reply"];
+
+/// What was seen of the chosen motor. Replies are kept as the motor counts, so their frames are what it
+/// sent, to the byte; requests are made again from what the bus says that it does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct LineCard {
+    id: Option<MotorId>,
+    /// What it is driven to. While a ramp bounds its growth, the frames on the line have less.
+    setpoint: Option<Setpoint>,
+    switched_to: Option<Mode>,
+    drive_reply: Option<Reply>,
+    query_reply: Option<Reply>,
+}
+
+impl LineCard {
+    /// Takes in what the worker has told last, not as mirrored motors are shown.
+    pub(crate) fn look(&mut self, session: &Session, id: MotorId) {
+        if self.id != Some(id) {
+            *self = Self {
+                id: Some(id),
+                ..Self::default()
+            };
+        }
+        let Some(motor) = session.motor(id) else {
+            return;
+        };
+        match motor.activity {
+            Activity::Driven { setpoint } => self.setpoint = Some(setpoint),
+            Activity::Switching { to } => self.switched_to = Some(to),
+            _ => {}
+        }
+        if let Some(sample) = motor.last {
+            match sample.reply.detail {
+                Detail::Drive { .. } => self.drive_reply = Some(sample.reply),
+                Detail::Query { .. } => self.query_reply = Some(sample.reply),
+                Detail::Undetermined(_) => {}
+            }
+        }
+    }
+
+    /// Each kind's frame and what it says, where there was one.
+    pub(crate) fn frames(&self) -> [Option<(String, String)>; 5] {
+        let sent = |request: Request, mode| {
+            let frame = request.frame();
+            (frame, terms::explained(explain_sent(&frame, mode)))
+        };
+        let heard = |reply: Reply, layout| {
+            let frame = reply.frame();
+            (frame, terms::explained(explain_heard(&frame, Some(layout))))
+        };
+        let of = |id: MotorId| {
+            [
+                self.setpoint
+                    .map(|setpoint| sent(Request::drive(id, setpoint), Some(setpoint.mode()))),
+                // It has been asked if it has answered that.
+                self.query_reply.map(|_| sent(Request::Query { id }, None)),
+                self.switched_to
+                    .map(|mode| sent(Request::SwitchMode { id, mode }, None)),
+                self.drive_reply.map(|reply| heard(reply, Layout::Drive)),
+                self.query_reply.map(|reply| heard(reply, Layout::Query)),
+            ]
+        };
+        let text =
+            |seen: Option<(Frame, String)>| seen.map(|(frame, words)| (frame.to_string(), words));
+        self.id.map(of).unwrap_or_default().map(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{bus::Sample, protocol::Instant};
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    /// A frame that a real motor spoke, as the session has it.
+    fn told(frame: &str, layout: Layout) -> Session {
+        let frame: Frame = frame.parse().unwrap();
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        session.motors[0].last = Some(Sample {
+            at: Instant::from_millis(1_000),
+            reply: Reply::decode(&frame, Some(layout)).unwrap(),
+        });
+        session
+    }
+
+    #[test]
+    fn what_was_not_seen_has_no_frame() {
+        assert!(LineCard::default().frames().iter().all(Option::is_none));
+        let mut card = LineCard::default();
+        card.look(&Session::default(), ID);
+        assert!(card.frames().iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn replies_of_real_motors_come_back_to_the_byte() {
+        let mut card = LineCard::default();
+        let drive = "01 02 02 CD 00 64 17 CF 00 8F";
+        card.look(&told(drive, Layout::Drive), ID);
+        let query = "01 02 00 0A 00 00 20 F6 00 4A";
+        card.look(&told(query, Layout::Query), ID);
+        let [driven, asked, _, drive_reply, query_reply] = card.frames();
+        assert_eq!(driven, None, "nobody drove it");
+        let (frame, words) = asked.unwrap();
+        assert_eq!(frame, "01 74 00 00 00 00 00 00 00 04");
+        assert_eq!(words, "feedback query");
+        assert_eq!(drive_reply.map(|(frame, _)| frame).as_deref(), Some(drive));
+        let (frame, words) = query_reply.unwrap();
+        assert_eq!(frame, query);
+        assert!(words.contains("32"), "{words}");
+    }
+
+    #[test]
+    fn what_is_driven_or_switched_is_what_was_sent_and_another_motor_begins_anew() {
+        let mut card = LineCard::default();
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        let speed = motorlink_messages::protocol::SpeedTarget::clamped(50);
+        session.motors[0].activity = Activity::Driven {
+            setpoint: Setpoint::velocity(speed),
+        };
+        card.look(&session, ID);
+        session.motors[0].activity = Activity::Switching { to: Mode::Current };
+        card.look(&session, ID);
+        let [driven, _, switched, ..] = card.frames();
+        assert_eq!(
+            driven.unwrap().0,
+            "01 64 00 32 00 00 00 00 00 D3".to_owned()
+        );
+        assert_eq!(
+            switched.unwrap().0,
+            "01 A0 00 00 00 00 00 00 00 01".to_owned()
+        );
+        card.look(&session, MotorId::new(9).unwrap());
+        assert!(card.frames().iter().all(Option::is_none));
+    }
+}

@@ -1,0 +1,110 @@
+//! The help's page: fetched when it is wanted, because few visits need it and all would carry it.
+
+use leptos::task::spawn_local;
+use wasm_bindgen::JsCast;
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{Element, HtmlElement, Response};
+
+use crate::{features::help::line_card, model::help_topic::HelpTopic};
+
+/// Where a file has the drawing that is the same in every language.
+const DRAWING: &str = "<!-- wiring.svg -->";
+
+/// By which the style sheet knows a frame that is no example.
+const LIVE: &str = "frame live";
+
+/// The help in this language. Nothing where a file is missing or the network is.
+pub(crate) async fn load(language: &str) -> Option<String> {
+    // Beside the page, wherever that lies.
+    let page = text_of(&format!("help/{language}.html")).await?;
+    // Some hosts send a page of their own where a file is missing.
+    if !page.contains(DRAWING) {
+        return None;
+    }
+    let drawing = text_of("help/wiring.svg").await?;
+    Some(page.replace(DRAWING, &drawing))
+}
+
+async fn text_of(address: &str) -> Option<String> {
+    let response = web_sys::window()?.fetch_with_str(address);
+    let response: Response = JsFuture::from(response).await.ok()?.dyn_into().ok()?;
+    if !response.ok() {
+        return None;
+    }
+    JsFuture::from(response.text().ok()?)
+        .await
+        .ok()?
+        .as_string()
+}
+
+/// Shows this place and moves the focus there, so that reading goes on from it.
+pub(crate) fn show(page: &Element, topic: HelpTopic) {
+    let place = page.query_selector(&format!("#{}", topic.id()));
+    if let Some(place) = place.ok().flatten()
+        && let Some(place) = place.dyn_ref::<HtmlElement>()
+    {
+        place.scroll_into_view();
+        let _ = place.focus();
+    }
+}
+
+/// Does what was pressed on the page: goes to a place, or copies a command.
+pub(crate) fn press(page: &Element, event: &web_sys::Event) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let Some(target) = target else { return };
+    let closest = |selector| target.closest(selector).ok().flatten();
+    if let Some(link) = closest("a") {
+        // The address of the page stays what it is.
+        event.prevent_default();
+        let id = link.get_attribute("href").unwrap_or_default();
+        if let Some(topic) = HelpTopic::from_id(id.trim_start_matches('#')) {
+            show(page, topic);
+        }
+    } else if let Some(button) = closest("[data-copy]") {
+        copy(button);
+    }
+}
+
+/// Copies the command before this button, which then says so in the words that its file has for it.
+fn copy(button: Element) {
+    let Some(window) = web_sys::window() else {
+        return;
+    };
+    let Some(command) = button.previous_element_sibling() else {
+        return;
+    };
+    if window.is_secure_context() {
+        let text = command.text_content().unwrap_or_default();
+        let copied = JsFuture::from(window.navigator().clipboard().write_text(&text));
+        spawn_local(async move {
+            // A browser that refuses leaves the words to be copied by hand.
+            if copied.await.is_ok() {
+                let said = button.get_attribute("data-copy");
+                button.set_text_content(said.as_deref());
+            }
+        });
+    } else if let Ok(Some(selection)) = window.get_selection() {
+        let _ = selection.select_all_children(&command);
+    }
+}
+
+/// Puts the frames that were seen where the examples stand.
+pub(crate) fn fill(page: &Element, frames: &[Option<(String, String)>]) {
+    for (kind, seen) in line_card::KINDS.iter().zip(frames) {
+        let find = |what: &str| page.query_selector(&format!("[data-{what}={kind}]"));
+        let (Some((frame, words)), Ok(Some(code)), Ok(Some(says))) =
+            (seen, find("live"), find("says"))
+        else {
+            continue;
+        };
+        let Some(example) = code.parent_element() else {
+            continue;
+        };
+        // The motor's own may be the same as the example.
+        if code.text_content().as_ref() != Some(frame) || example.class_name() != LIVE {
+            code.set_text_content(Some(frame));
+            says.set_text_content(Some(words));
+            example.set_class_name(LIVE);
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The help in words, as far as they stand outside its files.
+
+use motorlink_i18n::tr;
+
+/// The language of the help, by the name of its file in `public/help/`.
+pub(crate) fn help_language() -> &'static str {
+    motorlink_i18n::spoken().key()
+}
+
+pub(crate) fn loading() -> &'static str {
+    tr!("The help is being loaded.")
+}
+pub(crate) fn not_loaded() -> &'static str {
+    tr!("The help could not be loaded. Check that you are online, then try again.")
+}

@@ -1,0 +1,202 @@
+//! The tour of the first minutes: which step of it is next, from what the session says. It drives nothing.
+
+use motorlink_messages::{Connection, bus::Activity, protocol::MotorId};
+
+use crate::model::snapshot::{Reading, Session};
+
+/// The speed that the tour offers: slow enough to follow with the eye.
+pub(crate) const SPEED_RPM: i32 = 20;
+
+/// A wheel that is driven and turns at least so fast has spun.
+const SPINS_RPM: u16 = 10;
+
+/// A step of the tour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Step {
+    /// Wire the motor and plug the adapter in.
+    PlugIn,
+    /// Pick the adapter's port. No page can tell what is plugged in until a person has picked it, so
+    /// this is open together with the one before.
+    PickPort,
+    /// See the motor answer.
+    Answer,
+    /// Make sure that the wheel turns freely; the person confirms it.
+    Free,
+    /// Spin it slowly.
+    Spin,
+    /// Stop it.
+    Stop,
+    /// That was all.
+    Done,
+}
+
+impl Step {
+    /// Those that there is something to do in.
+    pub(crate) const ALL: [Self; 6] = [
+        Self::PlugIn,
+        Self::PickPort,
+        Self::Answer,
+        Self::Free,
+        Self::Spin,
+        Self::Stop,
+    ];
+}
+
+/// Who wants the tour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// Nobody: it was skipped, or has ended.
+    No,
+    /// Nobody has seen it yet: it is offered where it takes no room from anything else.
+    #[default]
+    Offered,
+    /// A person has asked for it.
+    Asked,
+}
+
+/// How far a person has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tour {
+    pub(crate) wanted: Wanted,
+    motor: Option<MotorId>,
+    /// The person says that the wheel turns freely.
+    pub(crate) free: bool,
+    spun: bool,
+    stopped: bool,
+}
+
+impl Tour {
+    /// At its beginning.
+    pub(crate) fn new(wanted: Wanted) -> Self {
+        Self {
+            wanted,
+            ..Self::default()
+        }
+    }
+
+    /// Takes in what is. Another motor, or none, is another wheel: what was confirmed and seen says
+    /// nothing of it.
+    pub(crate) fn look(&mut self, session: &Session, id: MotorId) {
+        let connected = matches!(session.connection, Connection::Connected(_));
+        let motor = connected.then_some(id);
+        if self.motor != motor {
+            *self = Self {
+                motor,
+                ..Self::new(self.wanted)
+            };
+        }
+        let Some(speed) = session.speed(id).filter(Reading::is_fresh) else {
+            return;
+        };
+        match session.motor(id).map(|motor| motor.activity) {
+            Some(Activity::Driven { .. }) if speed.value.magnitude() >= SPINS_RPM => {
+                self.spun = true;
+            }
+            Some(Activity::Idle) if speed.value.magnitude() == 0 => self.stopped |= self.spun,
+            _ => {}
+        }
+    }
+
+    /// What is to be done next.
+    pub(crate) fn step(self, session: &Session, id: MotorId) -> Step {
+        match session.connection {
+            Connection::Disconnected => return Step::PlugIn,
+            Connection::Connecting | Connection::Failed(_) | Connection::Reconnecting(_) => {
+                return Step::PickPort;
+            }
+            Connection::Connected(_) => {}
+        }
+        if self.stopped {
+            // Whatever is done then is no part of it.
+            Step::Done
+        } else if session.mode(id).is_none_or(|mode| !mode.is_fresh()) {
+            Step::Answer
+        } else if self.spun {
+            Step::Stop
+        } else if self.free {
+            Step::Spin
+        } else {
+            Step::Free
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Mode, Setpoint, SpeedTarget};
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    fn at(rpm: i16, driven: bool) -> Session {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, rpm));
+        if driven {
+            session.motors[0].activity = Activity::Driven {
+                setpoint: Setpoint::velocity(SpeedTarget::clamped(SPEED_RPM)),
+            };
+        }
+        session
+    }
+
+    fn step(tour: &mut Tour, session: &Session) -> Step {
+        tour.look(session, ID);
+        tour.step(session, ID)
+    }
+
+    #[test]
+    fn a_first_spin_ticks_its_steps_off_one_by_one() {
+        let mut tour = Tour::default();
+        let mut start = Session::default();
+        assert_eq!(step(&mut tour, &start), Step::PlugIn);
+        start.connection = Connection::Connecting;
+        assert_eq!(step(&mut tour, &start), Step::PickPort);
+        let mut silent = at(0, false);
+        silent.motors.clear();
+        assert_eq!(step(&mut tour, &silent), Step::Answer);
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Free);
+        tour.free = true;
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Spin);
+        assert_eq!(step(&mut tour, &at(4, true)), Step::Spin, "it only starts");
+        assert_eq!(step(&mut tour, &at(20, true)), Step::Stop);
+        assert_eq!(step(&mut tour, &at(9, false)), Step::Stop, "it still turns");
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
+        assert_eq!(step(&mut tour, &at(20, true)), Step::Done);
+    }
+
+    #[test]
+    fn a_wheel_that_is_turned_by_hand_has_not_been_driven() {
+        let mut tour = Tour::default();
+        step(&mut tour, &at(0, false));
+        tour.free = true;
+        assert_eq!(step(&mut tour, &at(40, false)), Step::Spin);
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Spin);
+    }
+
+    #[test]
+    fn what_was_confirmed_of_one_motor_says_nothing_of_another() {
+        let mut tour = Tour::new(Wanted::Asked);
+        step(&mut tour, &at(0, false));
+        tour.free = true;
+        let mut session = at(0, false);
+        let other = MotorId::new(9).unwrap();
+        session.motors[0].id = other;
+        tour.look(&session, other);
+        assert_eq!(tour.step(&session, other), Step::Free);
+        tour.free = true;
+        session.connection = Connection::Disconnected;
+        assert_eq!(step(&mut tour, &session), Step::PlugIn);
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Free);
+        assert_eq!(tour.wanted, Wanted::Asked);
+    }
+
+    #[test]
+    fn a_motor_that_falls_silent_is_waited_for() {
+        let mut tour = Tour::default();
+        step(&mut tour, &at(0, false));
+        tour.free = true;
+        let mut old = at(0, false);
+        old.now = motorlink_messages::protocol::Instant::from_millis(9_000);
+        assert_eq!(step(&mut tour, &old), Step::Answer);
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Spin);
+    }
+}

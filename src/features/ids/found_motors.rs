@@ -1,0 +1,179 @@
+//! The list `Motors found`: who has answered, and what each reports.
+
+use crate::model::{
+    snapshot::{Reading, Session},
+    terms,
+};
+use motorlink_i18n::tr;
+use std::fmt::Write;
+
+use motorlink_messages::{
+    bus::{Refusal, SurveyStatus},
+    protocol::{AssignableId, MotorId},
+};
+
+/// A motor of the list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct FoundMotor {
+    id: MotorId,
+    chosen: bool,
+    /// Its loop and what is wrong with it: nothing that changes all the time, so that a click finds
+    /// what it was aimed at.
+    reports: String,
+}
+
+/// Everyone who has answered, to a scan or since, in the order of IDs. `kept` is who was found by the
+/// last full scan.
+pub(crate) fn found_motors(
+    session: &Session,
+    kept: &[MotorId],
+    selected: MotorId,
+) -> Vec<FoundMotor> {
+    let mut ids = session.found();
+    ids.extend_from_slice(kept);
+    if let Some(SurveyStatus::Scanning { found, .. }) = &session.survey {
+        ids.extend_from_slice(found);
+    }
+    ids.sort_unstable();
+    ids.dedup();
+    let motor = |id| FoundMotor {
+        id,
+        chosen: id == selected,
+        reports: reports(session, id),
+    };
+    ids.into_iter().map(motor).collect()
+}
+
+fn reports(session: &Session, id: MotorId) -> String {
+    let Some(mode) = session.mode(id) else {
+        return tr!("answered the scan").to_owned();
+    };
+    // Nobody else is asked while the bus is scanned.
+    if !mode.is_fresh() && session.survey.is_none() {
+        return tr!("does not answer now").to_owned();
+    }
+    let faults = session.faults(id).filter(Reading::is_fresh);
+    match faults.filter(|faults| !faults.value.is_none()) {
+        Some(faults) => tr!(
+            "{mode}, fault: {faults}",
+            mode = terms::mode(mode.value),
+            faults = terms::faults(faults.value)
+        ),
+        None => terms::mode(mode.value).to_owned(),
+    }
+}
+
+/// The items of the list as HTML.
+pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
+    let mut html = String::new();
+    for FoundMotor {
+        id,
+        chosen,
+        reports,
+    } in motors
+    {
+        let number = id.get();
+        let chip = if *chosen {
+            format!("<span class=\"chip active\">{}</span>", tr!("chosen"))
+        } else {
+            String::new()
+        };
+        let _ = write!(
+            html,
+            "<li><button type=\"button\" class=\"found\" value=\"{number}\" \
+             aria-pressed=\"{chosen}\"><b>{id}</b> <span>· {number}</span> \
+             <span class=\"found-reports\">{reports}</span> {chip}</button></li>"
+        );
+    }
+    if motors.is_empty() {
+        let words = tr!("No motor has answered yet.");
+        let _ = write!(html, "<li class=\"quiet\">{words}</li>");
+    }
+    html
+}
+
+/// Why the only motor that is known needs no such ID.
+pub(crate) fn objection(session: &Session, to: AssignableId) -> Option<String> {
+    let only = session.found() == [to.id()];
+    only.then(|| terms::refusal(Refusal::SameId(to.id())))
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Faults, Mode};
+
+    use super::*;
+    use crate::model::{
+        scan_texts::tests::{id, new_id},
+        snapshot::tests::{ID, session, status},
+    };
+
+    fn lines(session: &Session, kept: &[MotorId]) -> Vec<(u8, bool, String)> {
+        found_motors(session, kept, ID)
+            .into_iter()
+            .map(|motor| (motor.id.get(), motor.chosen, motor.reports))
+            .collect()
+    }
+
+    #[test]
+    fn everyone_who_answered_is_listed_once_and_in_order() {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        session.survey = Some(SurveyStatus::Scanning {
+            asked: 9,
+            of: 254,
+            left_ms: 1_000,
+            found: vec![id(1), id(7)],
+        });
+        let listed = lines(&session, &[id(3)]);
+        assert_eq!(
+            listed,
+            [
+                (1, true, "velocity loop".to_owned()),
+                (3, false, "answered the scan".to_owned()),
+                (7, false, "answered the scan".to_owned()),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_motor_says_its_loop_its_fault_or_that_it_is_silent() {
+        let mut faulty = status(1_000, Mode::Current, 0);
+        let reply = &mut faulty.last.as_mut().unwrap().reply;
+        reply.faults = Faults::from_byte(8);
+        let mut session = session(1_000, faulty);
+        assert_eq!(lines(&session, &[])[0].2, "current loop, fault: stall");
+        session.now = session.now + std::time::Duration::from_secs(3);
+        assert_eq!(lines(&session, &[])[0].2, "does not answer now");
+        session.survey = Some(SurveyStatus::Stopping);
+        assert_eq!(lines(&session, &[])[0].2, "current loop");
+    }
+
+    #[test]
+    fn the_list_is_made_of_buttons_that_carry_the_id() {
+        let session = session(1_000, status(1_000, Mode::Velocity, 0));
+        let html = list_html(&found_motors(&session, &[id(2)], ID));
+        assert!(html.contains("value=\"1\" aria-pressed=\"true\""), "{html}");
+        assert!(
+            html.contains("value=\"2\" aria-pressed=\"false\""),
+            "{html}"
+        );
+        assert_eq!(html.matches("chosen").count(), 1);
+        assert!(list_html(&[]).contains("No motor has answered yet."));
+    }
+
+    #[test]
+    fn the_only_motor_cannot_be_given_the_id_it_has() {
+        let alone = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert!(
+            objection(&alone, new_id(1))
+                .unwrap()
+                .contains("0x01 already")
+        );
+        assert_eq!(objection(&alone, new_id(2)), None);
+        let mut two = alone.clone();
+        let mut other = status(1_000, Mode::Velocity, 0);
+        other.id = id(2);
+        two.motors.push(other);
+        assert_eq!(objection(&two, new_id(1)), None, "the scan will say it");
+    }
+}

@@ -1,0 +1,258 @@
+//! Scans, and the way to a new ID: wished, proved, agreed to, done.
+//!
+//! A new ID is heard by every motor on the line, so it is only set after a full scan has found one
+//! motor and nothing else, and a person has agreed. Whatever comes between (Cancel, a stop, another
+//! tab, another scan, a lost port) ends the wish: a scan that ends after that opens no dialog.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    Notice,
+    bus::{Command, IdChangeOutcome, ScanReport, SetIdFrames, SurveyStatus},
+    protocol::{AssignableId, MotorId},
+};
+
+use crate::model::{
+    notice_board::{NoticeText, Remedy, Tone, Topic},
+    notice_texts as words, scan_texts as scan_words,
+    snapshot::concerns_all,
+};
+
+/// An ID change that a person is asked about, or has agreed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Change {
+    pub(crate) from: MotorId,
+    pub(crate) to: AssignableId,
+    pub(crate) frames: SetIdFrames,
+}
+
+/// How far an ID change has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Wish {
+    /// None is wished for.
+    #[default]
+    None,
+    /// A full scan was asked for, to prove that one motor is there.
+    Proving {
+        to: AssignableId,
+        frames: SetIdFrames,
+        /// Whether the bus was seen scanning since: a report of before proves nothing.
+        scanning: bool,
+    },
+    /// One motor was found, and a person is asked.
+    Asking(Change),
+    /// A person has agreed, and the bus has been told.
+    Setting(Change),
+}
+
+/// What the tab `ID Manager` shows but the motors' readings.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct IdManager {
+    wish: Wish,
+    /// How the last scan or change ended.
+    said: Option<NoticeText>,
+    /// What to try next, where a motor has kept its ID.
+    more: Option<(AssignableId, SetIdFrames)>,
+    /// Who was found by the last full scan.
+    found: Vec<MotorId>,
+}
+
+impl IdManager {
+    /// A person asks who is there, by the ID query or a full scan. What was wished for before is
+    /// moot.
+    pub(crate) fn scan(&mut self) {
+        self.wish = Wish::None;
+        self.said = None;
+        self.more = None;
+    }
+
+    /// A person wants the only motor to have this ID. The full scan has to be asked for now.
+    pub(crate) fn wish_for(&mut self, to: AssignableId) {
+        self.begin(to, SetIdFrames::default());
+    }
+
+    /// The same once more, with more frames. Returns whether there is something to repeat.
+    pub(crate) fn wish_for_more(&mut self) -> bool {
+        let more = self.more;
+        if let Some((to, frames)) = more {
+            self.begin(to, frames);
+        }
+        more.is_some()
+    }
+
+    fn begin(&mut self, to: AssignableId, frames: SetIdFrames) {
+        self.said = None;
+        self.more = None;
+        self.wish = Wish::Proving {
+            to,
+            frames,
+            scanning: false,
+        };
+    }
+
+    /// How many frames may be sent, where a motor has kept its ID in spite of fewer.
+    pub(crate) fn offers_more(&self) -> Option<SetIdFrames> {
+        self.more.map(|(_, frames)| frames)
+    }
+
+    /// What is to be asked of a person now.
+    pub(crate) const fn question(&self) -> Option<Change> {
+        match self.wish {
+            Wish::Asking(change) => Some(change),
+            _ => None,
+        }
+    }
+
+    /// A person agrees. The command to send, once.
+    pub(crate) fn agree(&mut self) -> Option<Command> {
+        let change = self.question()?;
+        self.wish = Wish::Setting(change);
+        let Change { from, to, frames } = change;
+        Some(Command::SetId { from, to, frames })
+    }
+
+    /// A person does not want it any more, or turns to something else. A change that the bus is at
+    /// goes on, or is ended by the bus itself; it says so in either case.
+    pub(crate) fn give_up(&mut self) {
+        if !matches!(self.wish, Wish::Setting(_)) {
+            self.wish = Wish::None;
+        }
+    }
+
+    /// The port was closed or lost, and everything that was known of the line with it.
+    pub(crate) fn disconnected(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Takes in what the worker tells.
+    pub(crate) fn hear(&mut self, notice: &Notice) {
+        match notice {
+            Notice::IdQueryEnded(outcome) => {
+                self.said = Some(scan_words::of_id_query(*outcome));
+            }
+            Notice::ScanEnded(report) => self.scan_ended(report),
+            Notice::IdChangeEnded { from, to, outcome } => {
+                self.wish = Wish::None;
+                if *outcome == IdChangeOutcome::Changed {
+                    self.found = vec![to.id()];
+                }
+                self.more = match outcome {
+                    IdChangeOutcome::Kept { frames } => frames.more().map(|more| (*to, more)),
+                    _ => None,
+                };
+                self.said = Some(scan_words::of_id_change(*from, *to, *outcome));
+            }
+            Notice::Refused { command, .. } | Notice::TooLate(command)
+                if scan_words::is_survey(*command) =>
+            {
+                self.wish = Wish::None;
+                self.said = words::of_notice(notice);
+            }
+            Notice::StopBegan(reason) if concerns_all(*reason) => self.give_up(),
+            _ => {}
+        }
+    }
+
+    fn scan_ended(&mut self, report: &ScanReport) {
+        self.found.clone_from(&report.found);
+        let said = match self.wish {
+            // It was asked for before the wish, and ours is still to come; or the wish is fulfilled.
+            Wish::Proving {
+                scanning: false, ..
+            }
+            | Wish::Setting(_) => return,
+            Wish::Proving { to, frames, .. } => {
+                if let Some(from) = proved(report).filter(|from| *from != to.id()) {
+                    self.wish = Wish::Asking(Change { from, to, frames });
+                    return;
+                }
+                scan_words::of_no_proof(report, to)
+            }
+            // Also another scan than the one that was agreed to be enough.
+            Wish::None | Wish::Asking(_) => scan_words::of_scan(report),
+        };
+        self.wish = Wish::None;
+        self.said = Some(said);
+    }
+
+    /// Takes in whether the bus scans, after all notices of the same message. Returns whether that
+    /// is news.
+    pub(crate) fn look(&mut self, survey: Option<&SurveyStatus>) -> bool {
+        let Wish::Proving { scanning, .. } = &mut self.wish else {
+            return false;
+        };
+        match (&scanning, survey.is_some()) {
+            (false, true) => {
+                *scanning = true;
+                true
+            }
+            // It has ended and nobody said how.
+            (true, false) => {
+                self.wish = Wish::None;
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// What the tab says: what goes on, how the last ended, or what can be done here.
+    pub(crate) fn words(&self) -> NoticeText {
+        match (&self.wish, &self.said) {
+            (Wish::Proving { to, .. } | Wish::Asking(Change { to, .. }), _) => calm(
+                tr!(
+                    "Before {id} is set, a full scan proves that one motor is there",
+                    id = to.id()
+                ),
+                tr!("What is driven is stopped first. Then you are asked."),
+            ),
+            (Wish::Setting(Change { from, to, frames }), _) => calm(
+                tr!("Motor {from} is being given ID {to}", from, to = to.id()),
+                &tr!(
+                    "Leave its power on: {count} frames, then both IDs are asked.",
+                    count = frames.count()
+                ),
+            ),
+            (Wish::None, Some(said)) => said.clone(),
+            (Wish::None, None) => calm(
+                tr!("Who is there?").to_owned(),
+                tr!(
+                    "Scan asks all at once, which is enough for one motor; Full scan asks each of 254 \
+                 addresses. Set ID begins with a full scan."
+                ),
+            ),
+        }
+    }
+
+    /// Whether the full scan is what to press next.
+    pub(crate) fn offers_full_scan(&self) -> bool {
+        let remedy = self.said.as_ref().and_then(|said| said.remedy);
+        remedy == Some(Remedy::FullScan)
+    }
+
+    /// Who was found by the last full scan.
+    pub(crate) fn found(&self) -> &[MotorId] {
+        &self.found
+    }
+}
+
+/// The one motor that is there, if this report proves it.
+fn proved(report: &ScanReport) -> Option<MotorId> {
+    match (report.found.as_slice(), report.noisy.as_slice()) {
+        ([only], []) if report.complete => Some(*only),
+        _ => None,
+    }
+}
+
+fn calm(title: String, advice: &str) -> NoticeText {
+    NoticeText {
+        topic: Topic::Survey,
+        tone: Tone::Calm,
+        title,
+        advice: vec![advice.to_owned()],
+        remedy: None,
+        help: None,
+    }
+}
+
+#[cfg(test)]
+#[path = "state_tests.rs"]
+mod tests;

@@ -1,0 +1,201 @@
+//! Tab `ID Manager`.
+
+use leptos::{html::Ul, prelude::*};
+use motorlink_i18n::tr;
+use motorlink_messages::bus::SurveyStatus;
+
+use crate::{
+    features::{
+        drive::panel::tab_panel,
+        ids::{
+            found_motors::{found_motors, list_html, objection},
+            state::IdManager,
+        },
+    },
+    model::{
+        desk::use_desk,
+        guards::{why_not_cancel, why_not_scan, why_not_stop},
+        notice_board::{NoticeText, Tone},
+        scan_texts::of_progress,
+        tab::Tab,
+    },
+    ui::{
+        button::PressButton,
+        list::{choose_clicked, replace_keeping_focus},
+        number_field::NumberField,
+        reactive::{follow, heard, live, memo},
+        tool_entry::{self, assignable},
+    },
+};
+
+#[component]
+pub(crate) fn IdManagerTab() -> impl IntoView {
+    let desk = use_desk();
+    let new_id = desk.targets.new_id;
+    let blocked = desk.of_motor(|session, _| why_not_scan(session));
+    let why_not_cancel = desk.of_motor(|session, _| why_not_cancel(session));
+    let objection = memo(move || {
+        let to = assignable(new_id.get())?;
+        desk.shown.with(|session| objection(session, to))
+    });
+    let why_not_set = Signal::derive(move || {
+        let missing = || {
+            let nothing = assignable(new_id.get()).is_none();
+            nothing.then(|| tr!("Enter the new ID.").to_owned())
+        };
+        let entered = || new_id.trouble().or_else(|| objection.get());
+        blocked.get().or_else(entered).or_else(missing)
+    });
+    let offers_full_scan = memo(move || desk.ids.with(IdManager::offers_full_scan));
+    let more = memo(move || desk.ids.with(IdManager::offers_more));
+    let send_more = move || {
+        let count = more.get().unwrap_or_default().count();
+        tr!("Send {count} frames", count)
+    };
+    let hint = Signal::derive(move || match assignable(new_id.get()) {
+        Some(to) => tr!("{decimal} is {hex}", decimal = to.id().get(), hex = to.id()),
+        None => tr!("1 to 254, decimal or in hex with 0x").to_owned(),
+    });
+    tab_panel(
+        Tab::IdManager,
+        view! {
+            <div class="button-row three" class:offers-full-scan=offers_full_scan>
+                <PressButton
+                    label=tr!("Scan")
+                    hint=tr!("Asks all motors at once: enough for one")
+                    why_not=blocked
+                    on_press=move || desk.scan()
+                />
+                <PressButton
+                    label=tr!("Full scan")
+                    class="button full-scan"
+                    hint=tr!("Asks each of 254 addresses")
+                    why_not=blocked
+                    on_press=move || desk.full_scan()
+                />
+                <PressButton
+                    label=tr!("Cancel")
+                    why_not=why_not_cancel
+                    on_press=move || desk.cancel_scan()
+                />
+            </div>
+            <Progress />
+            <Said />
+            <FoundList />
+            <div class="new-id">
+                <NumberField
+                    id="new-id"
+                    name=tr!("New ID")
+                    hint=hint
+                    target=new_id
+                    entry=tool_entry::NEW_ID
+                    objection=objection
+                    on_edit=|| ()
+                />
+                <div class="new-id-acts">
+                    <PressButton
+                        label=tr!("Set ID")
+                        class="button primary"
+                        hint=tr!("Scans first, then asks")
+                        why_not=why_not_set
+                        on_press=move || desk.set_id()
+                    />
+                    <div hidden=live(move || more.get().is_none())>
+                        <PressButton
+                            label=Signal::derive(send_more)
+                            hint=tr!("Scans first, then asks")
+                            why_not=blocked
+                            on_press=move || desk.set_id_with_more()
+                        />
+                    </div>
+                </div>
+            </div>
+        },
+    )
+}
+
+/// Progressbar `Scan`, in its place while nothing is scanned.
+#[component]
+fn Progress() -> impl IntoView {
+    let desk = use_desk();
+    let asked = desk.of_motor(|session, _| match session.survey {
+        Some(SurveyStatus::Scanning { asked, .. }) => asked,
+        _ => 0,
+    });
+    let words = desk.of_motor(|session, _| of_progress(session.survey.as_ref()));
+    view! {
+        <div
+            class="scan-progress"
+            role="progressbar"
+            aria-label=tr!("Scan")
+            aria-valuemin="0"
+            aria-valuemax="254"
+            aria-valuenow=live(move || asked.get().to_string())
+            aria-valuetext=words
+        >
+            <span
+                class="scan-bar"
+                style=("--asked", live(move || asked.get().to_string()))
+            ></span>
+            <span class="quiet">{words}</span>
+        </div>
+    }
+}
+
+/// How the last scan or change ended, or what can be done here.
+#[component]
+fn Said() -> impl IntoView {
+    let desk = use_desk();
+    let unconnected = desk.of_motor(|session, _| why_not_stop(session));
+    let words = memo(move || desk.ids.with(IdManager::words));
+    let of_words = move |read: fn(&NoticeText) -> String| live(move || words.with(read));
+    let title = move || {
+        let words = || words.with(|words| words.title.clone());
+        unconnected.get().unwrap_or_else(words)
+    };
+    view! {
+        <div
+            class=of_words(|words| {
+                let tone = match words.tone {
+                    Tone::Calm => "tool-words",
+                    Tone::Warning => "tool-words warning",
+                    Tone::Error => "tool-words error",
+                };
+                tone.to_owned()
+            })
+            role="status"
+            aria-label=tr!("Scan result")
+        >
+            <p class="notice-title">{live(title)}</p>
+            <p class="notice-advice">{of_words(|words| words.advice.join(" "))}</p>
+        </div>
+    }
+}
+
+/// List `Motors found`.
+#[component]
+fn FoundList() -> impl IntoView {
+    let desk = use_desk();
+    let list = NodeRef::<Ul>::new();
+    let html = memo(move || {
+        let selected = desk.selected.get();
+        desk.ids.with(|ids| {
+            desk.shown
+                .with(|session| list_html(&found_motors(session, ids.found(), selected)))
+        })
+    });
+    follow(move || {
+        if let Some(list) = list.get() {
+            html.with(|html| replace_keeping_focus(&list, html, "value"));
+        }
+    });
+    view! {
+        <ul
+            class="found-list"
+            role="list"
+            aria-label=tr!("Motors found")
+            node_ref=list
+            on:click=heard(move |event| choose_clicked(desk, &event))
+        ></ul>
+    }
+}

@@ -1,0 +1,152 @@
+//! The page as a program of the browser's: kept for use without a network, installed, and advised to be.
+//!
+//! What only a browser's own promises and events know is in `boot/installed.js`; it tells of it
+//! by one event on the window, and is called by its global functions.
+
+pub(crate) mod long_drive;
+pub(crate) mod new_version;
+pub(crate) mod new_version_texts;
+pub(crate) mod texts;
+
+use js_sys::{Function, Reflect};
+use leptos::prelude::*;
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::{CustomEvent, VisibilityState};
+
+use crate::{
+    features::install::{long_drive::LongDrive, texts as words},
+    link::clock::page_now_ms,
+    model::{
+        desk::{Desk, WorkerState},
+        preferences::{remember, remembered},
+    },
+    ui::{
+        listener::on_window,
+        reactive::{follow, memo},
+    },
+};
+
+/// Whether the page can be installed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Installation {
+    /// The browser does not offer it.
+    #[default]
+    NotOffered,
+    /// It asks the person when it is told to.
+    Offered,
+    /// It has been done while the page was open.
+    Done,
+}
+
+/// Under which name the browser remembers that the advice was given.
+const ADVISED: &str = "install-advised";
+
+/// What the page knows of it.
+pub(crate) struct Installing {
+    pub(crate) state: RwSignal<Installation>,
+    /// Whether a new version of the page waits to be taken.
+    pub(crate) new_version: RwSignal<bool>,
+    /// Whether it was taken: the page is still the old one, and its files are gone.
+    pub(crate) taken: RwSignal<bool>,
+    driven: StoredValue<LongDrive>,
+}
+
+impl Installing {
+    pub(crate) fn new() -> Self {
+        Self {
+            state: RwSignal::new(Installation::default()),
+            new_version: RwSignal::new(false),
+            taken: RwSignal::new(false),
+            driven: StoredValue::new(LongDrive::default()),
+        }
+    }
+}
+
+/// Has the page kept, and hears what the browser says of it, from now on.
+pub(crate) fn watch(desk: Desk) {
+    on_window("installation", move |event| {
+        let detail = event
+            .dyn_ref::<CustomEvent>()
+            .and_then(|event| event.detail().as_string());
+        hear(desk, detail.as_deref().unwrap_or_default());
+    });
+    // A page whose worker died needs its next version more than any other.
+    let works = memo(move || desk.worker.get() != WorkerState::Starting);
+    follow(move || {
+        // Only now: what is fetched to be kept must not hold up what is fetched to start.
+        if works.get() {
+            call("keepOffline");
+        }
+    });
+    desk.watch_versions();
+    desk.reload_when_taken();
+}
+
+fn hear(desk: Desk, detail: &str) {
+    match detail {
+        "new-version" => desk.installing.new_version.set(true),
+        "taken" => desk.installing.taken.set(true),
+        "others" => desk.refuse_new_version_beside_others(),
+        "installable" => desk.installing.state.set(Installation::Offered),
+        "installed" => desk.installing.state.set(Installation::Done),
+        "not-installable" => desk.installing.state.set(Installation::NotOffered),
+        _ => {}
+    }
+}
+
+/// Calls a function of the script, where there is one.
+pub(crate) fn call(name: &str) {
+    let function = Reflect::get(&js_sys::global(), &name.into()).ok();
+    let function = function.and_then(|function| function.dyn_into::<Function>().ok());
+    if let Some(function) = function {
+        let _ = function.call0(&JsValue::UNDEFINED);
+    }
+}
+
+impl Desk {
+    /// Has the browser ask the person whether the page is to be installed.
+    pub(crate) fn install(self) {
+        self.notices
+            .update(|board| board.withdraw(crate::model::notice_board::Topic::Installing));
+        call("installPage");
+    }
+
+    /// Why it cannot be installed now.
+    pub(crate) fn why_not_install(self) -> Option<&'static str> {
+        match self.installing.state.get() {
+            Installation::Offered => None,
+            Installation::Done => Some(words::installed()),
+            Installation::NotOffered if is_own_window() => Some(words::installed()),
+            Installation::NotOffered => Some(words::not_offered()),
+        }
+    }
+
+    /// Advises those who drive for long in a tab, once: a browser may discard a hidden tab, and never the
+    /// window of an installed page. Called every second, or as often as a hidden page's timers come.
+    pub(crate) fn look_whether_to_advise(self) {
+        let drives = self
+            .latest
+            .with_value(|session| session.in_hand().next().is_some());
+        let hidden = document().visibility_state() == VisibilityState::Hidden;
+        let long = self
+            .installing
+            .driven
+            .try_update_value(|driven| driven.look(page_now_ms(), drives, hidden));
+        if long == Some(true)
+            && self.installing.state.get_untracked() == Installation::Offered
+            && remembered(ADVISED).is_none()
+        {
+            remember(ADVISED, "yes");
+            self.notices.update(|board| board.post(words::advice()));
+        }
+    }
+}
+
+/// Whether this is the window of an installed page.
+fn is_own_window() -> bool {
+    let query = web_sys::window().and_then(|window| {
+        let query = window.match_media("(display-mode: standalone)");
+        query.ok().flatten()
+    });
+    query.is_some_and(|query| query.matches())
+}

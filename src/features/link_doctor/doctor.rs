@@ -1,0 +1,304 @@
+//! The link doctor: from what happened on the line to the likely cause.
+//!
+//! | what is seen | what it is likely to be |
+//! |---|---|
+//! | nothing at all | no power, A and B exchanged, the brown wire |
+//! | nothing but what was sent | the adapter echoes, and nobody is there |
+//! | garbage from a motor, standing too | two motors with one ID |
+//! | damaged replies only while it turns | no termination, no common ground |
+//! | replies of 16 ms | the latency timer of an FTDI adapter |
+//! | good frames of a motor that was not asked | a second host |
+
+use std::ops::AddAssign;
+
+use motorlink_messages::{
+    bus::{Counters, RoundTripStatus},
+    protocol::MotorId,
+};
+
+pub(crate) use crate::features::link_doctor::record::Record;
+
+/// So few, and all answered, do not prove a line good: of 40 requests on a line that loses one of five, one
+/// at most is lost once in 700 times.
+const ASKED_TO_BE_KNOWN: u32 = 40;
+/// An idle motor is asked ten times a second. Of 50 requests on a line that loses one of a hundred,
+/// five are lost once in 5,000 times.
+const ASKED_TO_BE_LOSSY: u32 = 50;
+const LOST_MIN: u32 = 5;
+/// A line loses one of a hundred now and then; from one of twenty on something is wrong.
+const LOSSY_PER_MILLE: u32 = 50;
+/// What is lost in between is said, and no cause is named.
+const WELL_PER_MILLE: u32 = 20;
+const ASKED_TO_BE_SHARED: u32 = 5;
+const ANSWERED_TO_BE_SLOW: u32 = 20;
+
+/// Three seconds of an idle wheel, or half a second of a driven one: with one of ten damaged, 30 good
+/// ones in a row are chance once in 24 times.
+const STANDING_MIN: u32 = 30;
+const TURNING_MIN: u32 = 60;
+const NOISY_PER_MILLE: u32 = 30;
+/// So many times more errors while it turns are no chance.
+const GROWTH: u32 = 3;
+
+/// Frames of others that one may hear by chance: a reply that came seconds late.
+const STRANGERS_MIN: u32 = 3;
+
+/// Round trips of a timer of 16 ms, which may have run for a while when the reply comes.
+const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
+
+/// What is likely to be wrong, most likely first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Diagnosis {
+    /// Nothing at all is heard.
+    Nothing,
+    /// Nothing is heard but what was sent.
+    EchoOnly,
+    /// More than one motor seems to have this ID.
+    SharedId(MotorId),
+    /// Replies are damaged while a wheel turns, and not while it stands.
+    NoiseGrowsWithSpeed,
+    /// Replies are lost or damaged.
+    Lossy,
+    /// Somebody speaks who was not asked.
+    Stranger,
+    /// One motor does not answer, and others do.
+    Silent(MotorId),
+    /// Every reply takes 16 ms longer.
+    LatencyTimer,
+}
+
+/// What the doctor says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// There is no line.
+    #[default]
+    NotConnected,
+    /// Too little was heard to say anything.
+    TooLittle,
+    /// Nothing is wrong.
+    Well,
+    /// More is lost than on a good line, and too little to name a cause.
+    Some,
+    /// What is likely to be wrong, never empty.
+    Ill(Vec<Diagnosis>),
+}
+
+/// Ends of exchanges and oddities, in a time or of a kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tally {
+    /// Requests that ask for an answer.
+    pub(crate) asked: u32,
+    /// Good replies in time.
+    pub(crate) answered: u32,
+    /// Windows in which nothing came but an echo.
+    pub(crate) silent: u32,
+    /// Windows in which bytes came and no good frame.
+    pub(crate) garbled: u32,
+    /// Requests that came back, whole or cut short.
+    pub(crate) echoed: u32,
+    /// Good frames of one that was not asked.
+    pub(crate) foreign: u32,
+}
+
+impl Tally {
+    /// What was counted after `earlier`; nothing where counting began anew.
+    pub(crate) fn since(earlier: &Counters, later: &Counters) -> Self {
+        let more = |of: fn(&Counters) -> u64| {
+            let more = of(later).saturating_sub(of(earlier));
+            u32::try_from(more).unwrap_or(u32::MAX)
+        };
+        Self {
+            asked: more(|counters| counters.requests),
+            answered: more(|counters| counters.replies),
+            silent: more(|counters| counters.silences),
+            garbled: more(garbled),
+            echoed: more(echoed),
+            foreign: more(|counters| counters.wrong_ids),
+        }
+    }
+
+    /// Requests without a good reply.
+    const fn lost(&self) -> u32 {
+        self.silent.saturating_add(self.garbled)
+    }
+
+    /// Those among the requests, in per mille.
+    fn lost_per_mille(&self) -> u32 {
+        per_mille(self.lost(), self.asked)
+    }
+
+    /// Spent windows among the requests, in per mille.
+    fn garbled_per_mille(&self) -> u32 {
+        per_mille(self.garbled, self.asked)
+    }
+}
+
+impl AddAssign for Tally {
+    /// Out of line: its callers are many.
+    #[inline(never)]
+    fn add_assign(&mut self, other: Self) {
+        let add = |sum: &mut u32, more: u32| *sum = sum.saturating_add(more);
+        add(&mut self.asked, other.asked);
+        add(&mut self.answered, other.answered);
+        add(&mut self.silent, other.silent);
+        add(&mut self.garbled, other.garbled);
+        add(&mut self.echoed, other.echoed);
+        add(&mut self.foreign, other.foreign);
+    }
+}
+
+/// Windows in which bytes came and no good frame.
+pub(crate) const fn garbled(counters: &Counters) -> u64 {
+    counters.bad_crcs.saturating_add(counters.fragments)
+}
+
+/// Requests that came back, whole or cut short.
+pub(crate) const fn echoed(counters: &Counters) -> u64 {
+    counters.echoes_whole.saturating_add(counters.echoes_cut)
+}
+
+/// What happened on the line to one motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct OfMotor {
+    pub(crate) id: MotorId,
+    /// In the last ten seconds.
+    pub(crate) recent: Tally,
+    /// Of those, the seconds in which it answered: a motor that falls silent loses nothing.
+    pub(crate) heard: Tally,
+    /// Since it answered last, where that is whole seconds ago.
+    pub(crate) quiet: Tally,
+    /// Whether the bus calls it silent, as the alerts do.
+    pub(crate) silent: bool,
+    /// What the header says is lost, in per mille.
+    pub(crate) loss_per_mille: Option<u16>,
+    /// In the last minute, while the wheel stood.
+    pub(crate) standing: Tally,
+    /// In the last minute, while it turned.
+    pub(crate) turning: Tally,
+}
+
+/// What the doctor goes by.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Findings {
+    /// Every motor that is asked.
+    pub(crate) motors: Vec<OfMotor>,
+    /// Good frames of one that was not asked, in the last ten seconds.
+    pub(crate) foreign: u32,
+    /// Of the last 256 replies.
+    pub(crate) round_trip: RoundTripStatus,
+}
+
+/// What is likely to be wrong with a line on which this happened.
+pub(crate) fn diagnose(findings: &Findings) -> Verdict {
+    let mut found = Found::default();
+    let strangers = findings.foreign >= STRANGERS_MIN;
+    if strangers {
+        found.add(Diagnosis::Stranger);
+    }
+    let motors = &findings.motors;
+    if !motors.is_empty() && motors.iter().all(is_deaf) && !strangers {
+        let mut quiet = Tally::default();
+        for motor in motors {
+            quiet += motor.quiet;
+        }
+        let echo = quiet.asked > 0 && quiet.echoed.saturating_mul(2) >= quiet.asked;
+        found.add(if echo {
+            Diagnosis::EchoOnly
+        } else {
+            Diagnosis::Nothing
+        });
+    } else {
+        for motor in motors {
+            if let Some(diagnosis) = of_motor(motor) {
+                found.add(diagnosis);
+            }
+        }
+    }
+    let answered: u32 = motors.iter().map(|motor| motor.recent.answered).sum();
+    let median = findings.round_trip.median_us;
+    let slow = median.is_some_and(|median_us| LATENCY_TIMER_US.contains(&median_us));
+    if slow && answered >= ANSWERED_TO_BE_SLOW {
+        found.add(Diagnosis::LatencyTimer);
+    }
+    if !found.0.is_empty() {
+        Verdict::Ill(found.0)
+    } else if motors.is_empty() || motors.iter().any(is_unknown) {
+        Verdict::TooLittle
+    } else if motors.iter().all(is_well) {
+        Verdict::Well
+    } else {
+        Verdict::Some
+    }
+}
+
+/// Each diagnosis once, in their order. A handful: to sort them would weigh more than all the rest.
+#[derive(Default)]
+struct Found(Vec<Diagnosis>);
+
+impl Found {
+    fn add(&mut self, diagnosis: Diagnosis) {
+        let place = self.0.iter().position(|other| *other >= diagnosis);
+        let place = place.unwrap_or(self.0.len());
+        if self.0.get(place) != Some(&diagnosis) {
+            self.0.insert(place, diagnosis);
+        }
+    }
+}
+
+/// Whether it does not answer. A loose wire picks up a byte now and then.
+const fn is_deaf(motor: &OfMotor) -> bool {
+    motor.silent && motor.quiet.garbled.saturating_mul(10) <= motor.quiet.asked
+}
+
+/// Whether too little was heard of it, or nothing since a moment ago.
+const fn is_unknown(motor: &OfMotor) -> bool {
+    motor.recent.asked < ASKED_TO_BE_KNOWN || motor.quiet.asked > 0
+}
+
+/// Whether next to nothing is lost, as the header says too.
+fn is_well(motor: &OfMotor) -> bool {
+    !header_says_lossy(motor.loss_per_mille) && motor.recent.lost_per_mille() < WELL_PER_MILLE
+}
+
+/// Whether the header's figure, of the last hundred exchanges, is no better than that of a lossy line.
+pub(crate) fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
+    loss_per_mille.is_some_and(|loss| u32::from(loss) >= LOSSY_PER_MILLE)
+}
+
+fn is_lossy(motor: &OfMotor) -> bool {
+    let heard = motor.heard;
+    heard.asked >= ASKED_TO_BE_LOSSY
+        && heard.lost() >= LOST_MIN
+        && heard.lost_per_mille() >= LOSSY_PER_MILLE
+}
+
+fn of_motor(motor: &OfMotor) -> Option<Diagnosis> {
+    let recent = motor.recent;
+    if is_deaf(motor) {
+        Some(Diagnosis::Silent(motor.id))
+    } else if grows_with_speed(motor) {
+        Some(Diagnosis::NoiseGrowsWithSpeed)
+    } else if recent.asked >= ASKED_TO_BE_SHARED && recent.garbled_per_mille() >= 500 {
+        Some(Diagnosis::SharedId(motor.id))
+    } else {
+        is_lossy(motor).then_some(Diagnosis::Lossy)
+    }
+}
+
+fn grows_with_speed(motor: &OfMotor) -> bool {
+    let (standing, turning) = (motor.standing, motor.turning);
+    standing.asked >= STANDING_MIN
+        && turning.asked >= TURNING_MIN
+        && turning.garbled >= LOST_MIN
+        && turning.garbled_per_mille() >= NOISY_PER_MILLE
+        && turning.garbled_per_mille() >= GROWTH * standing.garbled_per_mille()
+}
+
+fn per_mille(part: u32, whole: u32) -> u32 {
+    let share = u64::from(part) * 1_000 / u64::from(whole.max(1));
+    u32::try_from(share).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+#[path = "doctor_tests.rs"]
+mod tests;

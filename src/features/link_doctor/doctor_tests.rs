@@ -1,0 +1,557 @@
+//! Rows of counters and what they mean, then every case of a virtual line, played to the doctor.
+
+use std::time::Duration;
+
+use motorlink_messages::{
+    Adapter, Connection,
+    bus::{Bus, Command, Consent, Event, Output},
+    protocol::{Instant, Setpoint, SpeedTarget},
+};
+use motorlink_simulator::{LineCase, WireFaults, World, WorldConfig};
+
+use super::*;
+use crate::model::snapshot::Session;
+
+const ID: MotorId = MotorId::FIRST;
+
+fn two() -> MotorId {
+    MotorId::new(2).unwrap()
+}
+
+/// So many requests, of which these were not answered.
+fn tally(asked: u32, silent: u32, garbled: u32) -> Tally {
+    Tally {
+        asked,
+        answered: asked - silent - garbled,
+        silent,
+        garbled,
+        ..Tally::default()
+    }
+}
+
+/// A motor that stood all the time. One that answered nothing is silent.
+fn standing(id: MotorId, recent: Tally) -> OfMotor {
+    let is_silent = recent.answered == 0;
+    let [heard, quiet] = if is_silent {
+        [Tally::default(), recent]
+    } else {
+        [recent, Tally::default()]
+    };
+    OfMotor {
+        id,
+        recent,
+        heard,
+        quiet,
+        silent: is_silent,
+        loss_per_mille: u16::try_from(recent.lost_per_mille()).ok(),
+        standing: recent,
+        turning: Tally::default(),
+    }
+}
+
+/// A motor that stood and turned.
+fn moving(standing: Tally, turning: Tally) -> OfMotor {
+    OfMotor {
+        standing,
+        turning,
+        ..self::standing(ID, turning)
+    }
+}
+
+fn line(motors: &[OfMotor]) -> Findings {
+    Findings {
+        motors: motors.to_vec(),
+        ..Findings::default()
+    }
+}
+
+/// Motor 1 alone, which stood all the time.
+fn alone(recent: Tally) -> Findings {
+    line(&[standing(ID, recent)])
+}
+
+fn with_median(median_us: u32, findings: Findings) -> Findings {
+    let round_trip = RoundTripStatus {
+        median_us: Some(median_us),
+        ..RoundTripStatus::default()
+    };
+    Findings {
+        round_trip,
+        ..findings
+    }
+}
+
+#[test]
+fn what_happened_has_its_likely_cause() {
+    let good = tally(100, 0, 0);
+    let echo = |tally: Tally| Tally {
+        echoed: tally.asked,
+        ..tally
+    };
+    let foreign = |foreign: u32, recent: Tally| Findings {
+        foreign,
+        ..alone(recent)
+    };
+    for (name, findings, expected) in [
+        ("nothing", alone(tally(9, 9, 0)), vec![Diagnosis::Nothing]),
+        (
+            "nothing but a byte of noise",
+            alone(tally(20, 18, 2)),
+            vec![Diagnosis::Nothing],
+        ),
+        (
+            "nobody on an adapter that echoes",
+            alone(echo(tally(9, 9, 0))),
+            vec![Diagnosis::EchoOnly],
+        ),
+        (
+            "garbage at rest",
+            alone(tally(9, 0, 9)),
+            vec![Diagnosis::SharedId(ID)],
+        ),
+        (
+            "garbage but for those that happened to agree",
+            alone(tally(100, 0, 80)),
+            vec![Diagnosis::SharedId(ID)],
+        ),
+        (
+            "garbage of one motor of two",
+            line(&[standing(ID, good), standing(two(), tally(9, 0, 9))]),
+            vec![Diagnosis::SharedId(two())],
+        ),
+        (
+            "damage while it turns",
+            line(&[moving(tally(50, 0, 0), tally(600, 0, 60))]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
+        (
+            "much damage while it turns",
+            line(&[moving(tally(100, 0, 2), tally(600, 0, 400))]),
+            vec![Diagnosis::NoiseGrowsWithSpeed],
+        ),
+        (
+            "damage at rest and while it turns",
+            line(&[moving(tally(100, 0, 10), tally(600, 0, 60))]),
+            vec![Diagnosis::Lossy],
+        ),
+        (
+            "damage while it turns, and it never stood",
+            line(&[moving(tally(0, 0, 0), tally(600, 0, 60))]),
+            vec![Diagnosis::Lossy],
+        ),
+        ("losses", alone(tally(100, 6, 0)), vec![Diagnosis::Lossy]),
+        (
+            "a stranger beside a good line",
+            foreign(100, good),
+            vec![Diagnosis::Stranger],
+        ),
+        (
+            "a stranger in place of the motor that was asked",
+            foreign(9, tally(9, 9, 0)),
+            vec![Diagnosis::Stranger, Diagnosis::Silent(ID)],
+        ),
+        (
+            "silence behind a minute of replies",
+            line(&[OfMotor {
+                silent: true,
+                heard: tally(480, 0, 0),
+                quiet: tally(20, 20, 0),
+                ..standing(ID, tally(500, 20, 0))
+            }]),
+            vec![Diagnosis::Nothing],
+        ),
+        (
+            "one of two is silent",
+            line(&[standing(ID, good), standing(two(), tally(9, 9, 0))]),
+            vec![Diagnosis::Silent(two())],
+        ),
+        (
+            "replies of 16 ms",
+            with_median(18_336, alone(good)),
+            vec![Diagnosis::LatencyTimer],
+        ),
+        (
+            "replies of 16 ms, and many lost",
+            with_median(16_000, alone(tally(100, 0, 20))),
+            vec![Diagnosis::Lossy, Diagnosis::LatencyTimer],
+        ),
+    ] {
+        assert_eq!(diagnose(&findings), Verdict::Ill(expected), "{name}");
+    }
+}
+
+#[test]
+fn nothing_is_diagnosed_of_little_or_of_chance() {
+    let good = tally(100, 0, 0);
+    for (name, findings, expected) in [
+        ("nobody is asked", line(&[]), Verdict::TooLittle),
+        (
+            "silences that the bus does not call silence yet",
+            line(&[OfMotor {
+                silent: false,
+                ..standing(ID, tally(15, 15, 0))
+            }]),
+            Verdict::TooLittle,
+        ),
+        ("four of garbage", alone(tally(4, 0, 4)), Verdict::TooLittle),
+        ("few replies", alone(tally(39, 0, 0)), Verdict::TooLittle),
+        (
+            "replies of one motor, and few of another",
+            line(&[standing(ID, good), standing(two(), tally(20, 0, 0))]),
+            Verdict::TooLittle,
+        ),
+        (
+            "a header that knows of more losses",
+            line(&[OfMotor {
+                loss_per_mille: Some(50),
+                ..standing(ID, good)
+            }]),
+            Verdict::Some,
+        ),
+        (
+            "a motor that has just fallen silent",
+            line(&[OfMotor {
+                heard: tally(550, 3, 0),
+                quiet: tally(40, 40, 0),
+                ..standing(ID, tally(590, 43, 0))
+            }]),
+            Verdict::TooLittle,
+        ),
+        ("a good line", alone(good), Verdict::Well),
+        (
+            "one of a hundred lost",
+            alone(tally(100, 1, 0)),
+            Verdict::Well,
+        ),
+        (
+            "three of a hundred lost",
+            alone(tally(100, 1, 2)),
+            Verdict::Some,
+        ),
+        (
+            "one of a hundred, for long",
+            alone(tally(600, 3, 3)),
+            Verdict::Well,
+        ),
+        ("a bad start", alone(tally(20, 4, 0)), Verdict::TooLittle),
+        (
+            "one of a hundred damaged, all while it turned",
+            line(&[moving(tally(100, 0, 0), tally(600, 0, 6))]),
+            Verdict::Well,
+        ),
+        (
+            "two late replies",
+            Findings {
+                foreign: 2,
+                ..alone(good)
+            },
+            Verdict::Well,
+        ),
+        (
+            "a common adapter",
+            with_median(2_400, alone(good)),
+            Verdict::Well,
+        ),
+        (
+            "a busy machine",
+            with_median(9_000, alone(good)),
+            Verdict::Well,
+        ),
+        (
+            "an echo before every reply",
+            alone(Tally {
+                echoed: 100,
+                ..good
+            }),
+            Verdict::Well,
+        ),
+    ] {
+        assert_eq!(diagnose(&findings), expected, "{name}");
+    }
+}
+
+/// A bus on a virtual line, and a doctor who looks ten times a second as the page does.
+struct Clinic {
+    now: Instant,
+    bus: Bus,
+    world: World,
+    record: Record,
+}
+
+impl Clinic {
+    /// The line is good at first, as on the page.
+    fn new(case: LineCase) -> Self {
+        let mut clinic = Self::on(World::new(WorldConfig::default()));
+        clinic.run_to(clinic.now + Duration::from_secs(1));
+        clinic.world.set_case(clinic.now, case);
+        clinic
+    }
+
+    fn on(world: World) -> Self {
+        let now = Instant::from_millis(1_000);
+        let mut bus = Bus::new(now);
+        for command in [Command::IdQuery, Command::Watch(ID)] {
+            bus.command(now, command).unwrap();
+        }
+        Self {
+            now,
+            bus,
+            world,
+            record: Record::default(),
+        }
+    }
+
+    fn drive(&mut self, rpm: i32) {
+        let command = Command::Drive {
+            id: ID,
+            setpoint: Setpoint::velocity(SpeedTarget::new(rpm).unwrap()),
+            consent: Consent::None,
+        };
+        self.bus.command(self.now, command).unwrap();
+    }
+
+    fn session(&self) -> Session {
+        Session {
+            now: self.now,
+            connection: Connection::Connected(Adapter::Virtual),
+            motors: self.bus.motors(self.now).collect(),
+            line: Some(self.bus.line_status(self.now)),
+            ..Session::default()
+        }
+    }
+
+    fn run(&mut self, seconds: u64) -> &Verdict {
+        for _ in 0..seconds * 10 {
+            self.run_to(self.now + Duration::from_millis(100));
+            let session = self.session();
+            self.record.look(&session);
+        }
+        self.record.verdict()
+    }
+
+    fn run_to(&mut self, end: Instant) {
+        loop {
+            while let Some(chunk) = self.world.receive(self.now) {
+                self.bus.receive(self.now, &chunk.bytes);
+            }
+            let wake = match self.bus.poll(self.now) {
+                Output::Transmit(frame) => {
+                    self.world.transmit(self.now, frame.bytes());
+                    continue;
+                }
+                Output::Event(Event::PingPage) => {
+                    self.bus.page_answered(self.now);
+                    continue;
+                }
+                Output::Event(_) => continue,
+                Output::Wait(at) => at,
+            };
+            if self.now >= end {
+                return;
+            }
+            let next = self.world.next_event().map_or(wake, |at| at.min(wake));
+            self.now = next.clamp(self.now, end);
+        }
+    }
+}
+
+#[test]
+fn every_case_of_the_virtual_line_is_diagnosed() {
+    for (case, expected) in [
+        (LineCase::Good, Verdict::Well),
+        (LineCase::Dead, Verdict::Ill(vec![Diagnosis::Nothing])),
+        (LineCase::EchoOnly, Verdict::Ill(vec![Diagnosis::EchoOnly])),
+        (
+            LineCase::SharedId,
+            Verdict::Ill(vec![Diagnosis::SharedId(ID)]),
+        ),
+        // At rest there is nothing to see of it.
+        (LineCase::NoiseGrowsWithSpeed, Verdict::Well),
+        (
+            LineCase::HoldsBytes,
+            Verdict::Ill(vec![Diagnosis::LatencyTimer]),
+        ),
+        (LineCase::Stranger, Verdict::Ill(vec![Diagnosis::Stranger])),
+    ] {
+        let mut clinic = Clinic::new(case);
+        // What is lost while the window grows is gone by then, or not counted yet.
+        let first = if case == LineCase::Good { 6 } else { 5 };
+        for seconds in [first, 10, 30] {
+            assert_eq!(*clinic.run(seconds), expected, "{case:?}, {seconds} s more");
+        }
+    }
+}
+
+#[test]
+fn noise_that_grows_with_speed_is_told_from_noise() {
+    let mut clinic = Clinic::new(LineCase::NoiseGrowsWithSpeed);
+    clinic.run(6);
+    clinic.drive(100);
+    let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
+    assert_eq!(*clinic.run(6), grows);
+    assert_eq!(*clinic.run(30), grows);
+}
+
+#[test]
+fn a_driven_motor_on_a_good_line_is_well() {
+    let mut clinic = Clinic::new(LineCase::Good);
+    assert_eq!(*clinic.run(1), Verdict::TooLittle);
+    clinic.run(5);
+    clinic.drive(100);
+    assert_eq!(*clinic.run(20), Verdict::Well);
+}
+
+#[test]
+fn another_connection_begins_anew_and_none_is_none() {
+    let mut clinic = Clinic::new(LineCase::Dead);
+    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
+    assert!(matches!(clinic.run(10), Verdict::Ill(_)));
+    let other = Session {
+        connection: Connection::Connected(Adapter::Serial(None)),
+        ..clinic.session()
+    };
+    clinic.record.look(&other);
+    assert_eq!(*clinic.record.verdict(), Verdict::TooLittle);
+    clinic.record.look(&Session::default());
+    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
+}
+
+/// While the page is hidden nobody looks: an hour is no second.
+#[test]
+fn what_was_not_looked_at_is_not_counted() {
+    let mut clinic = Clinic::new(LineCase::Good);
+    clinic.run(5);
+    clinic.world.set_case(clinic.now, LineCase::Dead);
+    clinic.run_to(clinic.now + Duration::from_secs(60));
+    clinic.world.set_case(clinic.now, LineCase::Good);
+    // The header remembers the last hundred exchanges.
+    assert_eq!(*clinic.run(12), Verdict::Well);
+}
+
+/// What the doctor says once a second.
+fn course(clinic: &mut Clinic, seconds: u64) -> Vec<Verdict> {
+    (0..seconds).map(|_| clinic.run(1).clone()).collect()
+}
+
+/// A line that has these faults from the beginning.
+fn faulty(faults: WireFaults, seed: u64) -> Clinic {
+    Clinic::on(World::new(WorldConfig {
+        faults,
+        seed,
+        ..WorldConfig::default()
+    }))
+}
+
+/// The header's figure.
+fn loss_per_mille(clinic: &Clinic) -> Option<u16> {
+    clinic.session().motors.first()?.link.loss_per_mille
+}
+
+#[test]
+fn a_lossy_line_is_never_called_well() {
+    let losing = WireFaults {
+        lose_request: 0.3,
+        ..WireFaults::default()
+    };
+    let damaging = WireFaults {
+        corrupt_reply: 0.2,
+        ..WireFaults::default()
+    };
+    for (name, faults) in [("30 % lost", losing), ("20 % damaged", damaging)] {
+        for seed in 0..40 {
+            let mut clinic = faulty(faults.clone(), seed);
+            let verdicts = course(&mut clinic, 30);
+            let ill = Verdict::Ill(vec![Diagnosis::Lossy]);
+            assert!(
+                !verdicts.contains(&Verdict::Well),
+                "{name}, seed {seed}: {verdicts:?}"
+            );
+            assert_eq!(verdicts[7..], vec![ill; 23], "{name}, seed {seed}");
+        }
+    }
+}
+
+/// Of whatever a line loses, at rest or driven.
+#[test]
+fn the_doctor_is_never_better_than_the_header() {
+    for percent in [1_u8, 3, 6, 10, 15] {
+        for seed in 0..10 {
+            let mut clinic = faulty(
+                WireFaults {
+                    lose_reply: f64::from(percent) / 100.0,
+                    ..WireFaults::default()
+                },
+                seed,
+            );
+            for second in 0..30 {
+                if second == 10 && percent < 10 {
+                    clinic.drive(100);
+                }
+                let verdict = clinic.run(1).clone();
+                let looked = loss_per_mille(&clinic);
+                assert!(
+                    verdict != Verdict::Well || looked.is_some_and(|loss| loss < 50),
+                    "{percent} %, seed {seed}, {second} s: {looked:?}"
+                );
+            }
+        }
+    }
+}
+
+/// As the alert does: two seconds behind the last reply, and until then nothing.
+#[test]
+fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
+    for ms in (0..1_000).step_by(70) {
+        let mut clinic = Clinic::new(LineCase::Good);
+        clinic.run(6);
+        clinic.drive(100);
+        assert_eq!(*clinic.run(12), Verdict::Well);
+        clinic.run_to(clinic.now + Duration::from_millis(ms));
+        clinic.world.set_case(clinic.now, LineCase::Dead);
+        let verdicts = course(&mut clinic, 15);
+        let nothing = Verdict::Ill(vec![Diagnosis::Nothing]);
+        for (second, verdict) in verdicts.iter().enumerate() {
+            let expected: &[&Verdict] = match second {
+                0 => &[&Verdict::Well, &Verdict::Some, &Verdict::TooLittle],
+                1 | 2 => &[&Verdict::TooLittle, &nothing],
+                _ => &[&nothing],
+            };
+            assert!(
+                expected.contains(&verdict),
+                "{second} s after {ms} ms: {verdict:?}"
+            );
+        }
+        clinic.world.set_case(clinic.now, LineCase::Good);
+        let verdicts = course(&mut clinic, 25);
+        let lossy = Verdict::Ill(vec![Diagnosis::Lossy]);
+        assert!(
+            !verdicts.contains(&lossy),
+            "back after {ms} ms: {verdicts:?}"
+        );
+        assert_eq!(verdicts.last(), Some(&Verdict::Well));
+    }
+}
+
+#[test]
+fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
+    for rpm in [40, 60, 100, 150] {
+        for rest in [2, 6, 12] {
+            let mut clinic = Clinic::new(LineCase::NoiseGrowsWithSpeed);
+            clinic.run(rest);
+            clinic.drive(rpm);
+            let verdicts = course(&mut clinic, 70);
+            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Well);
+            assert!(
+                verdicts[3..].iter().all(not_well),
+                "{rpm} rpm after {rest} s: {verdicts:?}"
+            );
+            let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
+            if rest > 2 && rpm > 40 {
+                assert!(
+                    verdicts[6..50].iter().all(|verdict| *verdict == grows),
+                    "{rpm} rpm after {rest} s: {verdicts:?}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! The panel as HTML.
+
+use motorlink_i18n::tr;
+use motorlink_messages::VirtualWire;
+
+use crate::features::link_doctor::{
+    doctor::Verdict,
+    texts::{self as link, no_virtual_wire, of_diagnosis},
+};
+
+/// Where the figures stand, in the order of [`super::figures::of`].
+pub(crate) const FIGURES: [&str; 6] = [
+    ".link-exchanges",
+    ".link-bus-time",
+    ".link-round-trip",
+    ".link-histogram",
+    "table",
+    ".link-carries",
+];
+
+/// As far as the list of virtual wires.
+fn head() -> String {
+    let mut html = String::new();
+    push(
+        &mut html,
+        &[
+            r#"<ul class="link-doctor" aria-label=""#,
+            tr!("Link doctor"),
+            r#"" aria-live="polite"></ul><output class="link-carries" aria-label=""#,
+            tr!("What the line carries"),
+            r#""></output><div class="link-figures">"#,
+        ],
+    );
+    for (class, name) in [
+        ("link-exchanges", tr!("Exchanges")),
+        ("link-bus-time", tr!("Bus time")),
+        ("link-round-trip", tr!("Round trip")),
+    ] {
+        push(
+            &mut html,
+            &[
+                r#"<span class="label">"#,
+                name,
+                r#"</span><output class=""#,
+                class,
+                r#"" aria-label=""#,
+                name,
+                r#"" aria-live="off"></output>"#,
+            ],
+        );
+    }
+    push(
+        &mut html,
+        &[
+            r#"</div><div class="link-histogram" role="img" aria-label=""#,
+            tr!("Round trip histogram"),
+            r#"" title=""#,
+            tr!("How long the last 256 replies took, in milliseconds"),
+            r#""></div><table class="link-motors" aria-label=""#,
+            tr!("Motors on the line"),
+            r#""></table><label class="link-wire"><span class="label">"#,
+            tr!("Virtual wire"),
+            r#"</span><select class="select" aria-label=""#,
+            tr!("Virtual wire"),
+            r#"" disabled title=""#,
+        ],
+    );
+    html
+}
+
+/// The panel without what changes in it.
+pub(crate) fn panel() -> String {
+    let mut html = head();
+    push(&mut html, &[no_virtual_wire(), "\">"]);
+    // The value of each is its place.
+    for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
+        let (place, name) = (place.to_string(), link::wire(wire));
+        push(
+            &mut html,
+            &["<option value=\"", &place, "\">", name, "</option>"],
+        );
+    }
+    push(&mut html, &["</select></label>"]);
+    html
+}
+
+/// What the doctor says.
+pub(crate) fn verdict(verdict: &Verdict) -> String {
+    let mut html = String::new();
+    let (class, text) = match verdict {
+        Verdict::NotConnected => ("", link::not_connected()),
+        Verdict::TooLittle => ("", link::too_little()),
+        Verdict::Well => ("good", link::well()),
+        Verdict::Some => ("", link::some_lost()),
+        Verdict::Ill(found) => {
+            for diagnosis in found {
+                let cause = link::cause(*diagnosis);
+                push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
+                for line in link::remedy(*diagnosis) {
+                    push(&mut html, &["<p>", line, "</p>"]);
+                }
+                let topic = of_diagnosis(*diagnosis);
+                let (id, link) = (topic.id(), topic.link());
+                let button = "<button type=\"button\" class=\"help-link\" data-help=\"";
+                push(&mut html, &[button, id, "\">", &link, "</button></li>"]);
+            }
+            return html;
+        }
+    };
+    push(&mut html, &["<li class=\"", class, "\">", text, "</li>"]);
+    html
+}
+
+/// Out of line: in each of its callers it would weigh as much as here.
+#[inline(never)]
+pub(crate) fn push(html: &mut String, parts: &[&str]) {
+    for part in parts {
+        html.push_str(part);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::MotorId;
+
+    use super::*;
+    use crate::features::link_doctor::doctor::Diagnosis;
+
+    #[test]
+    fn every_diagnosis_has_a_cause_and_a_remedy() {
+        let id = MotorId::FIRST;
+        for diagnosis in [
+            Diagnosis::Nothing,
+            Diagnosis::EchoOnly,
+            Diagnosis::SharedId(id),
+            Diagnosis::NoiseGrowsWithSpeed,
+            Diagnosis::Lossy,
+            Diagnosis::Stranger,
+            Diagnosis::Silent(id),
+            Diagnosis::LatencyTimer,
+        ] {
+            let html = verdict(&Verdict::Ill(vec![diagnosis]));
+            assert_eq!(html.matches("<li").count(), 1);
+            assert!(html.contains("<p>"), "{html}");
+            assert!(html.contains("Help: "), "{html}");
+            // The texts go into the page as HTML.
+            let (text, _link) = html.split_once("<button").unwrap();
+            let text = text.replace("<li class=\"ill\">", "");
+            assert!(!text.contains('&') && !text.contains('"'), "{html}");
+        }
+    }
+
+    #[test]
+    fn what_is_most_likely_is_told_first() {
+        let html = verdict(&Verdict::Ill(vec![
+            Diagnosis::Lossy,
+            Diagnosis::LatencyTimer,
+        ]));
+        assert!(html.find("lost or damaged") < html.find("16 ms"));
+        assert_eq!(html.matches("<li").count(), 2);
+        assert!(verdict(&Verdict::Well).contains("All is well"));
+    }
+
+    #[test]
+    fn every_wire_can_be_chosen_and_every_figure_has_its_place() {
+        let html = panel();
+        assert_eq!(html.matches("<option").count(), VirtualWire::ALL.len());
+        assert!(html.contains("<option value=\"2\">Echo only</option>"));
+        for selector in FIGURES {
+            let place = match selector.strip_prefix('.') {
+                Some(class) => format!("class=\"{class}\""),
+                None => format!("<{selector} "),
+            };
+            assert!(html.contains(&place), "{selector}");
+        }
+    }
+}

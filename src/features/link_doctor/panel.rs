@@ -1,0 +1,133 @@
+//! Panel `Link`: how well the line works, and what is wrong with it.
+//!
+//! Its elements are one text of HTML and stay; what they read is text too, written where it changes.
+
+use leptos::{html, prelude::*};
+use motorlink_i18n::tr;
+use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
+use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
+
+use crate::{
+    features::link_doctor::{doctor::Record, figures, markup, texts::no_virtual_wire},
+    model::{
+        desk::{Desk, use_desk},
+        drawer::Drawer,
+    },
+    ui::{
+        drawer::panel_of_drawer,
+        reactive::{follow, heard},
+    },
+};
+
+/// Panel `Link`.
+#[component]
+pub(crate) fn LinkPanel() -> impl IntoView {
+    let desk = use_desk();
+    let panel = NodeRef::<html::Div>::new();
+    // What the doctor has seen says nothing of another wire.
+    let rewired = StoredValue::new(false);
+    let mut record = Record::default();
+    let mut elements = None;
+    follow(move || {
+        let Some(panel) = panel.get() else { return };
+        let elements = elements.get_or_insert_with(|| Elements::of(&panel));
+        if rewired.get_value() {
+            rewired.set_value(false);
+            record.clear();
+        }
+        elements.show(desk, &mut record);
+    });
+    let rewire = move |event| {
+        let place: Option<usize> = event_target_value(&event).parse().ok();
+        if let Some(wire) = place.and_then(|place| VirtualWire::ALL.get(place)) {
+            rewired.set_value(true);
+            desk.virtual_wire.set_value(place.unwrap_or_default());
+            desk.post(&ToWorker::VirtualWire(*wire));
+        }
+    };
+    panel_of_drawer(
+        Drawer::Link,
+        tr!("Link"),
+        view! {
+            <div
+                class="link-panel"
+                node_ref=panel
+                on:change=heard(rewire)
+                inner_html=markup::panel()
+            ></div>
+        },
+    )
+}
+
+/// What changes in the panel.
+struct Elements {
+    doctor: Option<Text>,
+    /// In the order of [`figures::of`].
+    figures: [Option<Text>; 6],
+    wire: Option<HtmlSelectElement>,
+}
+
+impl Elements {
+    fn of(panel: &Element) -> Self {
+        let find = |selector: &str| panel.query_selector(selector).ok().flatten();
+        Self {
+            doctor: find(".link-doctor").map(Text::new),
+            figures: markup::FIGURES.map(|selector| find(selector).map(Text::new)),
+            wire: find("select").map(JsCast::unchecked_into),
+        }
+    }
+
+    /// Shows the line as it is. The doctor looks while the panel is closed too: whoever opens it wants
+    /// to know what was.
+    fn show(&mut self, desk: Desk, record: &mut Record) {
+        let is_open = desk.drawer.get() == Some(Drawer::Link);
+        desk.shown.with(|session| {
+            if record.look(session)
+                && let Some(doctor) = &mut self.doctor
+            {
+                doctor.write(markup::verdict(record.verdict()));
+            }
+            let asked_hz = desk.preferences.with(|chosen| chosen.rate.hertz());
+            if is_open {
+                let figures = figures::of(session, asked_hz);
+                for (element, html) in self.figures.iter_mut().flatten().zip(figures) {
+                    element.write(html);
+                }
+            }
+            let is_virtual = session.connection == Connection::Connected(Adapter::Virtual);
+            if !is_virtual {
+                // A virtual line begins good.
+                desk.virtual_wire.set_value(0);
+            }
+            if let Some(wire) = &self.wire
+                && wire.disabled() == is_virtual
+            {
+                wire.set_disabled(!is_virtual);
+                wire.set_title(if is_virtual { "" } else { no_virtual_wire() });
+                wire.set_value(&desk.virtual_wire.get_value().to_string());
+            }
+        });
+    }
+}
+
+/// What an element reads, written only when it changes.
+struct Text {
+    element: Element,
+    written: String,
+}
+
+impl Text {
+    const fn new(element: Element) -> Self {
+        Self {
+            element,
+            written: String::new(),
+        }
+    }
+
+    fn write(&mut self, html: String) {
+        if self.written != html {
+            self.element.set_inner_html(&html);
+            self.written = html;
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! How well the line works.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+
+use crate::{
+    model::desk::use_desk,
+    ui::{
+        format::{UNKNOWN, milliseconds, percent},
+        reactive::live,
+    },
+};
+
+/// Output `Link`.
+#[component]
+pub(crate) fn LinkQuality() -> impl IntoView {
+    let desk = use_desk();
+    let parts = desk.of_motor(|session, id| {
+        let link = session.motor(id).map(|motor| motor.link);
+        let rate = link.map(|link| link.command_hz.to_string());
+        let round_trip = link.and_then(|link| link.round_trip_us).map(milliseconds);
+        let loss = link.and_then(|link| link.loss_per_mille).map(percent);
+        let of_hundred = format!("% {}", tr!("lost" as "behind a number of percent"));
+        [
+            ("rate", rate, "Hz "),
+            ("time", round_trip, "ms "),
+            ("loss", loss, &of_hundred),
+        ]
+        .map(part)
+        .concat()
+    });
+    view! {
+        <div class="labelled link">
+            <span class="label" aria-hidden="true">
+                {tr!("Link")}
+            </span>
+            <output
+                aria-label=tr!("Link")
+                aria-live="off"
+                title=tr!("Drive frames a second · round trip · requests without a good reply")
+                inner_html=live(move || parts.get())
+            ></output>
+        </div>
+    }
+}
+
+/// A figure with what it counts, as HTML.
+fn part((name, figure, unit): (&str, Option<String>, &str)) -> String {
+    let figure = figure.as_deref().unwrap_or(UNKNOWN);
+    format!("<span class=\"link-part\"><b class=\"link-{name}\">{figure}</b> {unit}</span>")
+}

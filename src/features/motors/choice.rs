@@ -1,0 +1,125 @@
+//! Which motor, and of which make.
+
+use std::fmt::Write;
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+
+use crate::{
+    model::{desk::use_desk, preferences::Model, snapshot::Session},
+    ui::reactive::{heard, live, memo},
+};
+
+/// Combobox `Motor`: those that have answered first, then every other ID.
+#[component]
+pub(crate) fn MotorChoice() -> impl IntoView {
+    let desk = use_desk();
+    let found = memo(move || desk.shown.with(Session::found));
+    // A browser gives each of 254 options its style, which holds the page up while it starts.
+    let wanted = RwSignal::new(false);
+    view! {
+        <label class="labelled">
+            <span class="label" aria-hidden="true">
+                {tr!("Motor")}
+            </span>
+            <select
+                aria-label=tr!("Motor")
+                class="select motor-select"
+                inner_html=live(move || options(&found.get(), desk.selected.get(), wanted.get()))
+                on:pointerdown=heard(move |_| wanted.set(true))
+                on:focus=heard(move |_| wanted.set(true))
+                on:change=heard(move |event| {
+                    if let Ok(id) = event_target_value(&event).parse() {
+                        desk.choose(id);
+                    }
+                })
+            ></select>
+        </label>
+    }
+}
+
+/// The list as HTML, with every ID or only those that are seen while it is closed. As elements of the view,
+/// 254 of them would be watched one by one.
+fn options(found: &[MotorId], selected: MotorId, every: bool) -> String {
+    let others = MotorId::all().filter(|id| !found.contains(id) && (every || *id == selected));
+    let mut html = String::new();
+    if !found.is_empty() {
+        push_group(&mut html, tr!("Found"), found.iter().copied(), selected);
+    }
+    push_group(&mut html, tr!("Every ID"), others, selected);
+    html
+}
+
+fn push_group(
+    html: &mut String,
+    label: &str,
+    ids: impl Iterator<Item = MotorId>,
+    selected: MotorId,
+) {
+    let _ = write!(html, "<optgroup label=\"{label}\">");
+    for id in ids {
+        let number = id.get();
+        let mark = if id == selected { " selected" } else { "" };
+        let _ = write!(
+            html,
+            "<option value=\"{number}\"{mark}>{id} · {number}</option>"
+        );
+    }
+    html.push_str("</optgroup>");
+}
+
+/// Combobox `Model`.
+#[component]
+pub(crate) fn ModelChoice() -> impl IntoView {
+    let desk = use_desk();
+    let options = [Model::M0601, Model::Ddsm115]
+        .map(|model| {
+            format!(
+                "<option value=\"{}\">{}</option>",
+                model.key(),
+                model.name()
+            )
+        })
+        .concat();
+    view! {
+        <label class="labelled">
+            <span class="label" aria-hidden="true">
+                {tr!("Model")}
+            </span>
+            <select
+                aria-label=tr!("Model")
+                class="select model-select"
+                inner_html=options
+                // Behind the options, of which it chooses one.
+                prop:value=live(move || desk.preferences.with(|chosen| chosen.model.key()))
+                on:change=heard(move |event| {
+                    if let Some(model) = Model::from_key(&event_target_value(&event)) {
+                        desk.prefer(|preferences| preferences.model = model);
+                    }
+                })
+            ></select>
+        </label>
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motors_that_answered_come_first_and_every_id_is_there_once() {
+        let two = MotorId::new(2).unwrap();
+        let html = options(&[two], MotorId::FIRST, true);
+        let found = "<optgroup label=\"Found\"><option value=\"2\">0x02 · 2</option></optgroup>";
+        assert!(html.starts_with(found), "{html}");
+        assert!(html.contains("<option value=\"1\" selected>0x01 · 1</option>"));
+        assert_eq!(html.matches("<option ").count(), 254);
+        assert_eq!(html.matches(" selected").count(), 1);
+        assert!(!options(&[], two, true).contains("Found"));
+        // Closed it shows one.
+        let closed = options(&[two], MotorId::FIRST, false);
+        assert_eq!(closed.matches("<option ").count(), 2);
+        assert_eq!(closed.matches(" selected").count(), 1);
+    }
+}

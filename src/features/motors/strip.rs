@@ -1,0 +1,135 @@
+//! Region `Motors`: every motor that was found, at a glance, and the way to what concerns them all.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement};
+
+use crate::{
+    features::motors::chips::{FIGURES, Figure, chips_html, figures},
+    model::{desk::use_desk, drawer::Drawer, snapshot::Session},
+    ui::{
+        list::{choose_clicked, replace_keeping_focus},
+        reactive::{heard, live, memo},
+    },
+};
+
+const CHIPS: &str = "motor-chips";
+
+/// Region `Motors`.
+#[component]
+pub(crate) fn MotorStrip() -> impl IntoView {
+    let desk = use_desk();
+    let found = memo(move || desk.shown.with(Session::found));
+    let html = memo(move || {
+        let selected = desk.selected.get();
+        let fleet = desk.together.fleet;
+        found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))
+    });
+    // The chips are made when there are other ones; what they read is written into them.
+    Effect::new(move |before: Option<Chips>| {
+        let mut chips = before.unwrap_or_default();
+        let row = document().get_element_by_id(CHIPS);
+        if let Some(row) = row.and_then(|row| row.dyn_into::<HtmlElement>().ok()) {
+            html.with(|html| {
+                if chips.html != *html {
+                    chips = found.with(|found| Chips::make(&row, html, found));
+                }
+            });
+            desk.shown.with(|session| chips.write(session));
+        }
+        chips
+    });
+    view! {
+        <section class="motor-strip" aria-label=tr!("Motors")>
+            <div
+                class="motor-chips"
+                id=CHIPS
+                on:click=heard(move |event| choose_clicked(desk, &event))
+            ></div>
+            <div class="motor-strip-end">
+                <DrawerButton which=Drawer::Together label=tr!("Drive together") />
+                <DrawerButton which=Drawer::Link label=tr!("Link") />
+                <DrawerButton which=Drawer::Settings label=tr!("Settings") />
+            </div>
+        </section>
+    }
+}
+
+/// The chips that are there, and what is written in them.
+#[derive(Default)]
+struct Chips {
+    html: String,
+    chips: Vec<(MotorId, [Place; 5])>,
+}
+
+/// Where a figure stands.
+#[derive(Default)]
+struct Place {
+    element: Option<Element>,
+    written: Figure,
+}
+
+impl Chips {
+    fn make(row: &HtmlElement, html: &str, found: &[MotorId]) -> Self {
+        replace_keeping_focus(row, html, "value");
+        let chip = |id: &MotorId| {
+            let number = id.get();
+            let places = FIGURES.map(|name| {
+                let selector = format!("[value='{number}'] [data-figure='{name}']");
+                Place {
+                    element: row.query_selector(&selector).ok().flatten(),
+                    written: Figure::default(),
+                }
+            });
+            (*id, places)
+        };
+        Self {
+            html: html.to_owned(),
+            chips: found.iter().map(chip).collect(),
+        }
+    }
+
+    fn write(&mut self, session: &Session) {
+        for (id, places) in &mut self.chips {
+            for (place, figure) in places.iter_mut().zip(figures(session, *id)) {
+                place.write(figure);
+            }
+        }
+    }
+}
+
+impl Place {
+    fn write(&mut self, figure: Figure) {
+        let Some(element) = &self.element else { return };
+        if self.written.text != figure.text {
+            element.set_text_content(Some(&figure.text));
+        }
+        if self.written.look != figure.look {
+            // It fails for names that are none, and this is ours.
+            let _ = element.set_attribute("data-look", figure.look);
+        }
+        self.written = figure;
+    }
+}
+
+/// Opens and closes a panel of the drawer.
+#[component]
+fn DrawerButton(which: Drawer, label: &'static str) -> impl IntoView {
+    let desk = use_desk();
+    let is_open = move || desk.drawer.get() == Some(which);
+    view! {
+        <button
+            type="button"
+            class="button small"
+            aria-expanded=live(move || if is_open() { "true" } else { "false" })
+            on:click=heard(move |_| {
+                let open = desk.drawer.get_untracked() == Some(which);
+                desk.drawer.set(if open { None } else { Some(which) });
+            })
+        >
+            {label}
+        </button>
+    }
+}

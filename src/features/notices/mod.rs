@@ -1,0 +1,223 @@
+//! What happened that a person should know of, and what to do next.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    Connection,
+    bus::Activity,
+    protocol::{Mode, MotorId},
+};
+
+use crate::{
+    features::{
+        help::{tour::Wanted, tour_view as tour},
+        saved_session::{actions::Offer, view as kept_session},
+    },
+    model::{
+        desk::use_desk,
+        help_topic::HelpTopic,
+        notice_board::{NoticeBoard, Posted, Tone},
+        snapshot::{Reading, Session},
+    },
+    ui::{
+        format,
+        reactive::{heard, live},
+    },
+};
+
+/// The notices in a place of their own, so that nothing moves when one comes; while there is none
+/// it says what comes next, for a first visit as a tour.
+#[component]
+pub(crate) fn Notices() -> impl IntoView {
+    let desk = use_desk();
+    let none = move || desk.notices.with(|board| board.posted().next().is_none());
+    let next = desk.of_motor(|session, id| next_steps(session, id).join("\n"));
+    let slots: Vec<_> = (0..NoticeBoard::SLOTS)
+        .map(|place| view! { <Slot place /> })
+        .collect();
+    let nothing_kept = move || desk.recorder.kept.with(|offer| *offer == Offer::None);
+    let tour = move || desk.tour.with(|tour| tour.wanted);
+    kept_session::keep_working(desk);
+    tour::keep_working(desk);
+    view! {
+        <section
+            class="panel notices"
+            aria-label=tr!("Notices")
+            class:empty=live(move || none() && nothing_kept() && tour() != Wanted::Asked)
+        >
+            <div
+                class="notice kept"
+                hidden=live(nothing_kept)
+                inner_html=kept_session::markup()
+            ></div>
+            <div
+                class="tour"
+                class:asked=live(move || tour() == Wanted::Asked)
+                hidden=live(move || tour() == Wanted::No)
+                inner_html=tour::markup()
+            ></div>
+            <div hidden=live(move || !none() || tour() != Wanted::No)>
+                <h2>{tr!("Next")}</h2>
+                <p class="next-steps">
+                    {live(move || if none() { next.get() } else { String::new() })}
+                </p>
+            </div>
+            {slots}
+        </section>
+    }
+}
+
+/// A place for one notice.
+#[component]
+fn Slot(place: usize) -> impl IntoView {
+    let desk = use_desk();
+    let notice = move |read: fn(&Posted) -> String| {
+        live(move || {
+            desk.notices
+                .with(|board| board.slot(place).map(read).unwrap_or_default())
+        })
+    };
+    let remedy = move || {
+        desk.notices
+            .with(|board| board.slot(place).and_then(|posted| posted.words.remedy))
+    };
+    let topic = move || {
+        desk.notices
+            .with(|board| board.slot(place).and_then(|posted| posted.words.help))
+    };
+    view! {
+        <div
+            class=notice(|posted| {
+                let tone = match posted.words.tone {
+                    Tone::Calm => "notice calm",
+                    Tone::Warning => "notice warning",
+                    Tone::Error => "notice error",
+                };
+                tone.to_owned()
+            })
+            role=notice(|posted| {
+                let role = if posted.words.tone == Tone::Calm { "status" } else { "alert" };
+                role.to_owned()
+            })
+            // The newest on top.
+            style=("order", notice(|posted| format!("-{}", posted.number)))
+            hidden=live(move || desk.notices.with(|board| board.slot(place).is_none()))
+        >
+            <p class="notice-title">{notice(|posted| posted.words.title.clone())}</p>
+            <p class="notice-advice">{notice(|posted| posted.words.advice.join("\n"))}</p>
+            <button
+                type="button"
+                class="button small"
+                hidden=live(move || remedy().is_none())
+                on:click=heard(move |_| {
+                    if let Some(remedy) = remedy() {
+                        desk.remedy(remedy);
+                    }
+                })
+            >
+                {live(move || remedy().map_or("", |remedy| remedy.label()))}
+            </button>
+            <button
+                type="button"
+                class="help-link"
+                hidden=live(move || topic().is_none())
+                data-help=live(move || topic().map(HelpTopic::id))
+            >
+                {live(move || topic().map(HelpTopic::link))}
+            </button>
+            <button
+                type="button"
+                class="dismiss"
+                aria-label=tr!("Dismiss")
+                title=tr!("Dismiss")
+                on:click=heard(move |_| {
+                    desk.notices
+                        .update(|board| {
+                            let number = board.slot(place).map(|posted| posted.number);
+                            board.dismiss(number.unwrap_or_default());
+                        });
+                })
+            ></button>
+        </div>
+    }
+}
+
+/// What a person can do next, the first step first.
+fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
+    let steps: &[&str] = match session.connection {
+        Connection::Disconnected | Connection::Failed(_) => &[
+            tr!(
+                "1. Wire the motor: signal plug to the RS485 adapter, power plug to 18 V. Help (?) shows \
+             each colour."
+            ),
+            tr!("2. Press Connect and choose the adapter. No hardware? Press Virtual motor."),
+            tr!("3. Keep fingers clear of the wheel and press +100."),
+        ],
+        Connection::Connecting => &[tr!("The port is being opened.")],
+        Connection::Reconnecting(_) => &[tr!(
+            "Plug the adapter in again. Nothing drives until you press Start."
+        )],
+        Connection::Connected(_) if session.halted => &[tr!(
+            "Everything is stopped. Press Release when you want to drive again."
+        )],
+        Connection::Connected(_) => return vec![next_with_motor(session, id)],
+    };
+    steps.iter().map(|step| (*step).to_owned()).collect()
+}
+
+fn next_with_motor(session: &Session, id: MotorId) -> String {
+    let Some(mode) = session.mode(id).filter(Reading::is_fresh) else {
+        return tr!("Waiting for motor {id} to answer.", id);
+    };
+    let activity = session.motor(id).map(|motor| motor.activity);
+    match (activity, mode.value) {
+        (Some(Activity::Driven { setpoint }), _) => {
+            tr!(
+                "Motor {id} is driven: {goal}. Space or Escape stops all motors.",
+                id,
+                goal = format::goal(setpoint)
+            )
+        }
+        (Some(Activity::DrivenRaw), _) => {
+            tr!(
+                "Raw frames drive motor {id}. Space or Escape stops all motors.",
+                id
+            )
+        }
+        (Some(Activity::Stopping { .. }), _) => tr!("Motor {id} is being braked.", id),
+        (_, Mode::Velocity) => {
+            tr!("Keep fingers clear of the wheel and press +100, or set a speed and press Start.")
+                .to_owned()
+        }
+        (_, Mode::Current) => {
+            tr!("Set a current and press Start. A wheel without load runs up to full speed.")
+                .to_owned()
+        }
+        (_, Mode::Position) => tr!("Set an angle and press Go.").to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Setpoint, SpeedTarget};
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    #[test]
+    fn there_is_always_a_next_step() {
+        let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert!(next_steps(&session, ID)[0].contains("press +100"));
+        session.motors[0].activity = Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::clamped(100)),
+        };
+        assert!(next_steps(&session, ID)[0].contains("+100 rpm"));
+        session.halted = true;
+        assert!(next_steps(&session, ID)[0].contains("Release"));
+        session.halted = false;
+        session.motors.clear();
+        assert!(next_steps(&session, ID)[0].contains("Waiting"));
+        session.connection = Connection::Disconnected;
+        assert_eq!(next_steps(&session, ID).len(), 3);
+    }
+}

@@ -1,0 +1,185 @@
+//! Which entries the log shows, and whether it follows the newest.
+
+use std::{fmt::Write, time::Duration};
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{protocol::MotorId, recorder::Kind};
+
+use crate::{
+    features::recording::texts::no_recorder,
+    model::{
+        desk::{Desk, use_desk},
+        snapshot::Session,
+    },
+    ui::reactive::{heard, live, memo},
+};
+
+/// A filter is sent when nothing has been typed for so long: each one has a million entries looked
+/// at anew.
+const TYPED_OUT: Duration = Duration::from_millis(150);
+
+/// The kinds as the list `Log direction` has them. The value of each is its place.
+const KINDS: [Option<Kind>; 5] = [
+    None,
+    Some(Kind::Tx),
+    Some(Kind::Rx),
+    Some(Kind::System),
+    Some(Kind::Error),
+];
+
+fn kind_name(kind: Option<Kind>) -> &'static str {
+    match kind {
+        None => tr!("All"),
+        Some(Kind::Tx) => "TX",
+        Some(Kind::Rx) => "RX",
+        Some(Kind::System) => tr!("System"),
+        Some(Kind::Error) => tr!("Error"),
+    }
+}
+
+/// Searchbox `Filter`, comboboxes `Log ID` and `Log direction`, checkboxes `Collapse status polls`
+/// and `Auto-scroll`.
+#[component]
+pub(crate) fn Filters() -> impl IntoView {
+    let desk = use_desk();
+    let found = memo(move || desk.shown.with(Session::found));
+    // What was chosen before stands in the controls when they are made anew.
+    let filter = desk.recorder.feed.with_value(|feed| feed.filter().clone());
+    let id = RwSignal::new(filter.id);
+    let typed = StoredValue::new(0_u32);
+    let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
+    let following = memo(move || desk.recorder.log.with(|log| log.following));
+    let stopped = move || !desk.recorder.alive.get();
+    let title = |hint: &'static str| live(move || if stopped() { no_recorder() } else { hint });
+    view! {
+        <div class="packet-filters">
+            <input
+                type="search"
+                class="packet-filter"
+                aria-label=tr!("Filter")
+                placeholder=tr!("Filter")
+                title=title(tr!("Shows entries with this in their time, ID, hex or meaning"))
+                prop:value=filter.text
+                autocomplete="off"
+                spellcheck="false"
+                disabled=live(stopped)
+                on:input=heard(move |event| type_in(desk, typed, event_target_value(&event)))
+            />
+            <select
+                class="select"
+                aria-label=tr!("Log ID")
+                title=title(tr!("Entries of one motor"))
+                disabled=live(stopped)
+                inner_html=live(move || id_options(&found.get(), id.get()))
+                on:change=heard(move |event| {
+                    let chosen = event_target_value(&event).parse().ok();
+                    id.set(chosen);
+                    desk.refilter(|filter| filter.id = chosen);
+                })
+            ></select>
+            <select
+                class="select"
+                aria-label=tr!("Log direction")
+                title=title(tr!("Entries of one kind"))
+                disabled=live(stopped)
+                inner_html=kind_options(filter.kind)
+                on:change=heard(move |event| {
+                    let chosen = kind_at(&event_target_value(&event));
+                    desk.refilter(|filter| filter.kind = chosen);
+                })
+            ></select>
+            <label
+                class="check"
+                title=tr!("Hides queries, unchanged drive frames and their good replies")
+            >
+                <input
+                    type="checkbox"
+                    prop:checked=live(collapse)
+                    on:change=heard(move |event| {
+                        let checked = event_target_checked(&event);
+                        desk.prefer(|preferences| preferences.collapse_polls = checked);
+                        desk.refilter(|filter| filter.collapse = checked);
+                    })
+                />
+                {tr!("Collapse status polls")}
+            </label>
+            <label class="check" title=tr!("Stays with the newest entries")>
+                <input
+                    type="checkbox"
+                    prop:checked=live(move || following.get())
+                    on:change=heard(move |event| desk.follow_log(event_target_checked(&event)))
+                />
+                {tr!("Auto-scroll")}
+            </label>
+        </div>
+    }
+}
+
+/// Sends what is typed once the person pauses.
+fn type_in(desk: Desk, typed: StoredValue<u32>, text: String) {
+    let Some(mine) = typed.try_update_value(|count| {
+        *count = count.wrapping_add(1);
+        *count
+    }) else {
+        return;
+    };
+    set_timeout(
+        move || {
+            if typed.try_get_value() == Some(mine) {
+                desk.refilter(|filter| filter.text = text);
+            }
+        },
+        TYPED_OUT,
+    );
+}
+
+/// All, the motors that have answered, and the one that is chosen.
+fn id_options(found: &[MotorId], chosen: Option<MotorId>) -> String {
+    let mut html = format!("<option value=\"\">{}</option>", tr!("All IDs"));
+    let gone = chosen.filter(|id| !found.contains(id));
+    for id in found.iter().copied().chain(gone) {
+        let mark = if Some(id) == chosen { " selected" } else { "" };
+        let _ = write!(html, "<option value=\"{}\"{mark}>{id}</option>", id.get());
+    }
+    html
+}
+
+fn kind_options(chosen: Option<Kind>) -> String {
+    let mut html = String::new();
+    for (place, kind) in KINDS.into_iter().enumerate() {
+        let mark = if kind == chosen { " selected" } else { "" };
+        let name = kind_name(kind);
+        let _ = write!(html, "<option value=\"{place}\"{mark}>{name}</option>");
+    }
+    html
+}
+
+fn kind_at(place: &str) -> Option<Kind> {
+    KINDS.get(place.parse::<usize>().ok()?).copied().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chosen_motor_stays_in_the_list_when_it_is_gone() {
+        let two = MotorId::new(2).unwrap();
+        let html = id_options(&[MotorId::FIRST], Some(two));
+        assert!(html.starts_with("<option value=\"\">All IDs</option><option value=\"1\">0x01<"));
+        assert!(html.ends_with("<option value=\"2\" selected>0x02</option>"));
+        assert_eq!(id_options(&[two], Some(two)).matches("0x02").count(), 1);
+    }
+
+    #[test]
+    fn every_kind_is_named_once() {
+        let html = kind_options(Some(Kind::System));
+        for (place, kind) in KINDS.into_iter().enumerate() {
+            assert_eq!(kind_at(&place.to_string()), kind);
+            assert!(html.contains(&format!(">{}</option>", kind_name(kind))));
+        }
+        assert_eq!(html.matches("<option ").count(), 5);
+        assert!(html.contains("<option value=\"3\" selected>System<"));
+    }
+}

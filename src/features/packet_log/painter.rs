@@ -1,0 +1,152 @@
+//! Puts the rows that are seen on the page.
+//!
+//! There are as many elements as rows fit into the list, in their order. When the log moves by three
+//! rows, three elements go to the other end and get other texts; the rest is not touched, which is
+//! cheap and keeps what a person has marked in them.
+
+use std::collections::VecDeque;
+
+use web_sys::HtmlElement;
+
+use crate::features::packet_log::{feed::LogFeed, slot::Slot, view::LogView};
+
+/// The list's elements.
+pub(crate) struct Painter {
+    /// What scrolls.
+    scroller: HtmlElement,
+    /// What it scrolls over: as tall as the log.
+    extent: HtmlElement,
+    /// The rows; it stays in sight however the scroller scrolls.
+    rows: HtmlElement,
+    slots: VecDeque<Slot>,
+    /// Number of the row in the first slot.
+    first: u64,
+    hidden_px: u64,
+    two_lines: bool,
+}
+
+impl Painter {
+    pub(crate) fn new(scroller: HtmlElement, extent: HtmlElement, rows: HtmlElement) -> Self {
+        Self {
+            scroller,
+            extent,
+            rows,
+            slots: VecDeque::new(),
+            first: 0,
+            hidden_px: 0,
+            two_lines: false,
+        }
+    }
+
+    /// Shows what the feed has. Whether the scroll bar has to follow yet: while a person has it in
+    /// hand it is left alone, and so is what it scrolls over, for a browser that is scrolling there by
+    /// itself stops where that changes.
+    pub(crate) fn paint(&mut self, feed: &mut LogFeed, in_hand: bool) -> bool {
+        let view = &mut feed.view;
+        if self.two_lines != view.has_two_lines() {
+            self.two_lines = !self.two_lines;
+            // A class that is set is never refused.
+            let rows = self.rows.class_list();
+            let _ = rows.toggle_with_force("two-lines", self.two_lines);
+        }
+        if !in_hand {
+            self.follow(view);
+        }
+        let first = view.first_row();
+        let count = view.row_behind().saturating_sub(first);
+        let hidden_px = view.hidden_px();
+        let behind = view.extent_to().is_some() || view.scroll_to().is_some();
+        self.fit(usize::try_from(count).unwrap_or(0));
+        self.turn_to(first);
+        for (number, slot) in (first..).zip(&mut self.slots) {
+            slot.show(feed.row(number));
+        }
+        self.set_hidden_part(hidden_px);
+        in_hand && behind
+    }
+
+    /// Has the scroll bar and what it scrolls over follow the view.
+    fn follow(&self, view: &mut LogView) {
+        if let Some(extent_px) = view.extent_to() {
+            view.extends_over(extent_px);
+            set_style(&self.extent, "height", &format!("{extent_px}px"));
+            // One that stood lower than there is anything now is moved by the browser.
+            view.stands_at(scroll_px(&self.scroller));
+        }
+        if let Some(place_px) = view.scroll_to() {
+            set_scroll_px(&self.scroller, place_px);
+            view.stands_at(scroll_px(&self.scroller));
+        }
+    }
+
+    /// As many slots as rows are seen.
+    fn fit(&mut self, count: usize) {
+        while self.slots.len() > count {
+            if let Some(slot) = self.slots.pop_back() {
+                slot.element().remove();
+            }
+        }
+        while self.slots.len() < count {
+            let Some(slot) = Slot::append_to(&self.rows) else {
+                return;
+            };
+            self.slots.push_back(slot);
+        }
+    }
+
+    /// Brings the slots that will have other rows to the end where these belong.
+    fn turn_to(&mut self, first: u64) {
+        let slots = u64::try_from(self.slots.len()).unwrap_or(0);
+        if first.abs_diff(self.first) < slots {
+            for _ in self.first..first {
+                if let Some(slot) = self.slots.pop_front() {
+                    // It fails for elements that cannot be there, and these can.
+                    let _ = self.rows.append_child(slot.element());
+                    self.slots.push_back(slot);
+                }
+            }
+            for _ in first..self.first {
+                if let Some(slot) = self.slots.pop_back() {
+                    let _ = self.rows.prepend_with_node_1(slot.element());
+                    self.slots.push_front(slot);
+                }
+            }
+        }
+        self.first = first;
+    }
+
+    fn set_hidden_part(&mut self, hidden_px: u64) {
+        if hidden_px != self.hidden_px {
+            self.hidden_px = hidden_px;
+            set_style(
+                &self.rows,
+                "transform",
+                &format!("translateY(-{hidden_px}px)"),
+            );
+        }
+    }
+}
+
+/// Where the scroll bar stands, in whole pixels.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::unnecessary_cast,
+    reason = "a float cast saturates, and a part of a pixel is nothing to see; without the flag for \
+              Web Serial it is a whole number"
+)]
+pub(crate) fn scroll_px(scroller: &HtmlElement) -> i32 {
+    scroller.scroll_top() as i32
+}
+
+#[allow(
+    clippy::useless_conversion,
+    reason = "a float, but without the flag for Web Serial a whole number"
+)]
+fn set_scroll_px(scroller: &HtmlElement, place_px: i32) {
+    scroller.set_scroll_top(place_px.into());
+}
+
+fn set_style(element: &HtmlElement, name: &str, value: &str) {
+    // It fails for values that are none, and these are ours.
+    let _ = element.style().set_property(name, value);
+}

@@ -1,0 +1,302 @@
+//! Which rows of a log of any length are seen: the arithmetic of the list `Packets`.
+//!
+//! Only the rows in view are elements. What is seen is kept as a place in the log, in pixels from
+//! row 0, and the scroll bar follows it: so what a person reads stays where it is when old rows give
+//! way above it, and on a scroll bar too coarse for the log a turn of the mouse wheel still moves by
+//! rows. The scroll bar tells only by how much it was moved, and may be behind the log for as long as
+//! a person has it in hand.
+
+use motorlink_messages::recorder::Window;
+
+/// Height of a row in pixels: what the style sheet gives `.packet`.
+pub(crate) const ROW_PX: u32 = 22;
+
+/// The same where a row has two lines.
+pub(crate) const TWO_LINE_ROW_PX: u32 = 42;
+
+/// Below this width of the list, in pixels, a row has two lines.
+const TWO_LINES_BELOW_PX: u32 = 480;
+
+/// The tallest that anything on a page is: Firefox ends at 17.9 million pixels, Chromium at 33.5.
+/// 22 pixels a row, it is reached by 360,000 rows.
+const EXTENT_MAX_PX: u64 = 8_000_000;
+
+/// A scroll bar that moves by more of the list's heights than this was dragged, or its end was asked
+/// for by a key; by less, somebody reads on.
+const DRAGGED_BEYOND_HEIGHTS: u64 = 4;
+
+/// Rows that are asked for before the list has a height.
+const ROWS_MIN: u64 = 8;
+
+/// What part of the log is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// The newest rows, whatever comes.
+    Newest,
+    /// Where a person reads.
+    Reading {
+        /// The upper edge, in pixels from row 0.
+        top_px: u64,
+        /// Number behind the newest row when the person let go of it.
+        newest_then: u64,
+    },
+}
+
+/// The list and its place in the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LogView {
+    row_px: u32,
+    height_px: u32,
+    oldest: u64,
+    end: u64,
+    place: Place,
+    /// How tall what is scrolled is on the page, in pixels.
+    extent_px: u64,
+    /// Where the scroll bar is known to stand: one found there was moved by us, or not at all.
+    scroll_px: i32,
+}
+
+impl Default for LogView {
+    fn default() -> Self {
+        Self {
+            row_px: ROW_PX,
+            height_px: 0,
+            oldest: 0,
+            end: 0,
+            place: Place::Newest,
+            extent_px: 0,
+            scroll_px: 0,
+        }
+    }
+}
+
+impl LogView {
+    /// There is another list on the page, which has no size yet and scrolls over nothing.
+    pub(crate) fn mounted(&mut self) {
+        self.extent_px = 0;
+        self.scroll_px = 0;
+    }
+
+    /// The list has this size; what is at its upper edge stays there. Whether it was another.
+    pub(crate) fn resize(&mut self, width_px: u32, height_px: u32) -> bool {
+        let row_px = if width_px < TWO_LINES_BELOW_PX {
+            TWO_LINE_ROW_PX
+        } else {
+            ROW_PX
+        };
+        let row = self.top_px() / u64::from(self.row_px);
+        if let Place::Reading { top_px, .. } = &mut self.place
+            && row_px != self.row_px
+        {
+            *top_px = row * u64::from(row_px);
+        }
+        let differs = (row_px, height_px) != (self.row_px, self.height_px);
+        self.row_px = row_px;
+        self.height_px = height_px;
+        differs
+    }
+
+    /// The log has these rows: the oldest, and the number behind the newest.
+    pub(crate) fn set_rows(&mut self, oldest: u64, end: u64) {
+        self.oldest = oldest;
+        self.end = end.max(oldest);
+    }
+
+    /// Goes to the newest rows and stays with them.
+    pub(crate) fn follow(&mut self) {
+        self.place = Place::Newest;
+    }
+
+    /// Stays at the rows that are seen.
+    pub(crate) fn let_go(&mut self) {
+        if self.is_following() {
+            self.read_at(self.top_px());
+        }
+    }
+
+    /// The scroll bar is found at this place. Whether a person has moved it there.
+    pub(crate) fn scrolled(&mut self, scroll_px: i32) -> bool {
+        let moved = i64::from(scroll_px) - i64::from(self.scroll_px);
+        // A screen whose pixels are no whole ones of the page rounds by one.
+        if moved == 0 || (self.is_following() && moved.abs() <= 1) {
+            return false;
+        }
+        self.scroll_px = scroll_px;
+        if moved > 0 && (self.is_following() || u64_of(scroll_px) + 1 >= self.range_px()) {
+            self.follow();
+            return true;
+        }
+        let dragged = DRAGGED_BEYOND_HEIGHTS * u64::from(self.height_px);
+        let top_px = if scroll_px <= 0 || moved.unsigned_abs() > dragged {
+            self.place_at(scroll_px)
+        } else {
+            self.top_px().saturating_add_signed(moved)
+        };
+        if moved > 0 && top_px >= self.newest_top_px() {
+            self.follow();
+        } else {
+            self.read_at(top_px);
+        }
+        true
+    }
+
+    /// The scroll bar was put to this place by us, or by the browser because the list has changed.
+    pub(crate) fn stands_at(&mut self, scroll_px: i32) {
+        self.scroll_px = scroll_px;
+    }
+
+    /// Where the scroll bar has to be put, where it does not stand there already.
+    pub(crate) fn scroll_to(&self) -> Option<i32> {
+        let content_range_px = self.content_px().saturating_sub(u64::from(self.height_px));
+        let offset_px = self.top_px().saturating_sub(self.oldest_px());
+        let scroll_px = match self.place {
+            Place::Newest => self.range_px(),
+            Place::Reading { .. } => (offset_px * self.range_px())
+                .checked_div(content_range_px)
+                .unwrap_or(0),
+        };
+        let scroll_px = i32::try_from(scroll_px).unwrap_or(i32::MAX);
+        (scroll_px != self.scroll_px).then_some(scroll_px)
+    }
+
+    /// How tall what is scrolled has to be, in pixels, where it is not so tall already.
+    pub(crate) fn extent_to(&self) -> Option<u64> {
+        let extent_px = self.content_px().min(EXTENT_MAX_PX);
+        (extent_px != self.extent_px).then_some(extent_px)
+    }
+
+    /// What is scrolled is so tall now.
+    pub(crate) fn extends_over(&mut self, extent_px: u64) {
+        self.extent_px = extent_px;
+    }
+
+    /// Whether it stays with the newest rows.
+    pub(crate) fn is_following(&self) -> bool {
+        self.place == Place::Newest
+    }
+
+    /// Rows that have come since the person let go of the newest.
+    pub(crate) fn new_rows(&self) -> u64 {
+        match self.place {
+            Place::Newest => 0,
+            Place::Reading { newest_then, .. } => self.end.saturating_sub(newest_then),
+        }
+    }
+
+    /// Whether rows have two lines.
+    pub(crate) fn has_two_lines(&self) -> bool {
+        self.row_px == TWO_LINE_ROW_PX
+    }
+
+    /// Number of the first row that is seen, if only in part.
+    pub(crate) fn first_row(&self) -> u64 {
+        self.top_px() / u64::from(self.row_px)
+    }
+
+    /// How much of that row is above the upper edge, in pixels.
+    pub(crate) fn hidden_px(&self) -> u64 {
+        self.top_px() % u64::from(self.row_px)
+    }
+
+    /// Number behind the last row that is seen.
+    pub(crate) fn row_behind(&self) -> u64 {
+        let bottom_px = self.top_px() + u64::from(self.height_px);
+        bottom_px.div_ceil(u64::from(self.row_px)).min(self.end)
+    }
+
+    /// Which rows to ask the recorder for, where those asked for before do not do any more: what is
+    /// seen, and as much again above and below, so that a short way is there at once.
+    pub(crate) fn look(&self, asked: Option<Window>) -> Option<Window> {
+        let seen = (u64::from(self.height_px / self.row_px) + 2).max(ROWS_MIN);
+        let window = match self.place {
+            Place::Newest => Window {
+                first: None,
+                rows: rows(2 * seen),
+            },
+            Place::Reading { .. } => {
+                let first = self.first_row();
+                if asked.is_some_and(|asked| self.covers(asked, first, seen)) {
+                    return None;
+                }
+                Window {
+                    first: Some(first.saturating_sub(seen).max(self.oldest)),
+                    rows: rows(3 * seen),
+                }
+            }
+        };
+        (asked != Some(window)).then_some(window)
+    }
+
+    /// Whether these rows are what is seen and half of it again on both sides.
+    fn covers(&self, asked: Window, first: u64, seen: u64) -> bool {
+        let Some(from) = asked.first else {
+            return false;
+        };
+        let above = first.saturating_sub(seen / 2).max(self.oldest);
+        let below = (first + seen + seen / 2).min(self.end);
+        from <= above && below <= from + u64::from(asked.rows)
+    }
+
+    fn read_at(&mut self, top_px: u64) {
+        let newest_then = match self.place {
+            Place::Newest => self.end,
+            Place::Reading { newest_then, .. } => newest_then,
+        };
+        let top_px = top_px.clamp(self.oldest_px(), self.newest_top_px());
+        self.place = Place::Reading {
+            top_px,
+            newest_then,
+        };
+    }
+
+    /// The upper edge, in pixels from row 0; what gave way cannot be seen.
+    fn top_px(&self) -> u64 {
+        match self.place {
+            Place::Newest => self.newest_top_px(),
+            Place::Reading { top_px, .. } => top_px.clamp(self.oldest_px(), self.newest_top_px()),
+        }
+    }
+
+    fn oldest_px(&self) -> u64 {
+        self.oldest * u64::from(self.row_px)
+    }
+
+    /// The upper edge when the newest row is at the lower one.
+    fn newest_top_px(&self) -> u64 {
+        let end_px = self.end * u64::from(self.row_px);
+        end_px
+            .saturating_sub(u64::from(self.height_px))
+            .max(self.oldest_px())
+    }
+
+    /// The place in the log at this place of the scroll bar.
+    fn place_at(&self, scroll_px: i32) -> u64 {
+        let content_range_px = self.content_px().saturating_sub(u64::from(self.height_px));
+        let offset_px = (u64_of(scroll_px) * content_range_px)
+            .checked_div(self.range_px())
+            .unwrap_or(0);
+        self.oldest_px() + offset_px
+    }
+
+    fn content_px(&self) -> u64 {
+        (self.end - self.oldest) * u64::from(self.row_px)
+    }
+
+    /// How far the scroll bar goes.
+    fn range_px(&self) -> u64 {
+        self.extent_px.saturating_sub(u64::from(self.height_px))
+    }
+}
+
+fn rows(rows: u64) -> u16 {
+    u16::try_from(rows).map_or(Window::ROWS_MAX, |rows| rows.min(Window::ROWS_MAX))
+}
+
+/// A scroll bar beyond its upper end, as on a touch screen that bounces, is at it.
+fn u64_of(scroll_px: i32) -> u64 {
+    u64::try_from(scroll_px).unwrap_or(0)
+}
+
+#[cfg(test)]
+#[path = "view_tests.rs"]
+mod tests;

@@ -1,0 +1,7 @@
+//! Frames that a person writes.
+
+pub(crate) mod actions;
+pub(crate) mod cells;
+pub mod editor;
+pub(crate) mod texts;
+pub(crate) mod view;

@@ -1,0 +1,284 @@
+//! A frame that a person writes, in words: what it asks, or what is wrong, and what came of it.
+
+use crate::{
+    features::raw::editor::{Entered, Outcome, Piece, Tenth, Why},
+    model::terms,
+    ui::format,
+};
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    bus::{RawAnswer, RawStatus, unassignable_id},
+    protocol::{Frame, Mode, MotorId, Request, explain_heard, explain_sent},
+};
+
+/// Characters of what is no byte that are repeated.
+const SHOWN_MAX: usize = 12;
+
+/// The frame in words, or what is missing or wrong.
+///
+/// `chosen` is the chosen motor and the loop that it reports: the value of a drive frame to it can be
+/// read in that.
+pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> String {
+    match entered.outcome() {
+        Outcome::Nothing => {
+            tr!("Nine bytes get their CRC here; ten are sent as they are. Lines of the log can be pasted.")
+                .to_owned()
+        }
+        Outcome::TooFew(9) => tr!("Byte 9 has one digit so far.").to_owned(),
+        Outcome::TooFew(bytes) => {
+            tr!("{bytes} of 9 bytes; the CRC is added behind them.", bytes)
+        }
+        Outcome::LoopMissing => {
+            tr!("A mode switch ends with its loop instead of a CRC. Type byte 9: 01 current, 02 velocity, \
+             03 position.")
+                .to_owned()
+        }
+        Outcome::Wrong(place) => match entered.pieces().get(place) {
+            Some(Piece::Wrong { text, why }) => what_is_wrong(place, text, *why),
+            _ => String::new(),
+        },
+        Outcome::Frame { frame, tenth } => said(&frame, tenth, chosen),
+    }
+}
+
+fn what_is_wrong(place: usize, text: &str, why: Why) -> String {
+    let text: String = text.chars().take(SHOWN_MAX).collect();
+    let why = match why {
+        Why::NotHex => tr!("is not hex: two of 0-9 and A-F make a byte"),
+        Why::OneDigit => tr!("is one digit: a byte has two"),
+        Why::NoDigits => tr!("has no digits behind it"),
+        Why::ManyDigits => tr!("has more than two digits: put spaces between the bytes"),
+        Why::NotOneLogLine => {
+            return tr!(
+                "“{text}” is from the packet log: paste one whole line of it, or the bytes.",
+                text
+            );
+        }
+        Why::Surplus => tr!("is one too many: a frame has ten bytes, 0 to 9"),
+    };
+    tr!("Byte {place}: “{text}” {why}.", place, text, why)
+}
+
+fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String {
+    let request = Request::parse(frame);
+    let to = request.ok().and_then(|request| request.addressee());
+    let mode = chosen.filter(|(id, _)| Some(*id) == to);
+    let meaning = terms::explained(explain_sent(frame, mode.map(|(_, mode)| mode)));
+    let mut words = match to {
+        Some(id) => tr!("To motor {id}: {meaning}.", id, meaning),
+        None => format!("{}.", format::capitalized(&meaning)),
+    };
+    let rest = match (request.is_ok(), tenth) {
+        // The reason why it is not sent stands at the button.
+        (false, _) if unassignable_id(frame).is_some() => return words,
+        (false, _) => tr!("It is sent as it is."),
+        (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("It carries no CRC and is not answered."),
+        (true, Tenth::Loop) => tr!("Byte 9 is the loop: it carries no CRC and is not answered."),
+        (true, _) => return words,
+    };
+    words.push(' ');
+    words.push_str(rest);
+    words
+}
+
+/// How often a frame went out, and what came back last.
+pub(crate) fn sent(raw: &RawStatus) -> String {
+    let RawStatus {
+        count,
+        sent,
+        answered,
+        ..
+    } = raw;
+    if *count == 1 {
+        let words = match (sent, raw.running) {
+            (0, true) => tr!("Is being sent"),
+            (0, false) => tr!("Stopped before it was sent"),
+            _ => tr!("Sent once"),
+        };
+        return words.to_owned();
+    }
+    let state = if raw.running {
+        tr!("Repeating: sent")
+    } else if *count == 0 || sent < count {
+        tr!("Stopped: sent")
+    } else {
+        tr!("Sent")
+    };
+    match count {
+        0 => tr!("{state} {sent}, answered {answered}", state, sent, answered),
+        count => tr!(
+            "{state} {sent} of {count}, answered {answered}",
+            state,
+            sent,
+            count,
+            answered
+        ),
+    }
+}
+
+/// What came after the last of them.
+pub(crate) fn answer(raw: &RawStatus) -> String {
+    match raw.last {
+        None => String::new(),
+        Some(RawAnswer::Reply {
+            frame,
+            asked,
+            after_us,
+        }) => {
+            let from = frame.bytes().first().copied().unwrap_or_default();
+            tr!(
+                "{frame}\nFrom {from} after {ms} ms: {meaning}",
+                frame,
+                from = format!("0x{from:02X}"),
+                ms = format::milliseconds(after_us),
+                meaning = terms::explained(explain_heard(&frame, asked))
+            )
+        }
+        Some(RawAnswer::Garbled) => {
+            tr!("Bytes came, but no good reply: several motors at once, or noise.").to_owned()
+        }
+        Some(RawAnswer::NoneExpected) => tr!("Sent. Such a frame has no answer.").to_owned(),
+        Some(RawAnswer::NotSent) => {
+            tr!("Not sent: the adapter is busy. Press Send again.").to_owned()
+        }
+        Some(RawAnswer::Silence { waited_us }) => {
+            tr!(
+                "No answer within {ms} ms.",
+                ms = format::milliseconds(waited_us)
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::Layout;
+
+    use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+
+    fn words(text: &str) -> String {
+        meaning(&Entered::read(text), Some((ID, Mode::Velocity)))
+    }
+
+    #[test]
+    fn a_frame_is_said_in_words() {
+        for (text, wanted) in [
+            (
+                "01 64 00 64 00 00 00 00 00",
+                "To motor 0x01: drive +100 rpm.",
+            ),
+            (
+                "02 64 00 64 00 00 00 00 00",
+                "To motor 0x02: drive, value 100.",
+            ),
+            (
+                "01 74 00 00 00 00 00 00 00",
+                "To motor 0x01: feedback query.",
+            ),
+            (
+                "C8 64 00 00 00 00 00 00 00",
+                "ID query, heard by every motor.",
+            ),
+            (
+                "AA 55 53 05 00 00 00 00 00",
+                "Set ID 0x05, heard by every motor. It carries no CRC and is not answered.",
+            ),
+            (
+                "01 A0 00 00 00 00 00 00 00 01",
+                "To motor 0x01: switch to the current loop. Byte 9 is the loop: it carries no CRC and \
+                 is not answered.",
+            ),
+            (
+                "01 64 00 64 00 00 00 00 00 5B",
+                "CRC is 5B, should be 4F. It is sent as it is.",
+            ),
+            (
+                "AA 55 53 00 00 00 00 00 00",
+                "0 is no motor's ID: use 1 to 254.",
+            ),
+        ] {
+            assert_eq!(words(text), wanted);
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_byte_and_characters() {
+        for (text, wanted) in [
+            ("01 74 0G", "Byte 2: “0G” is not hex"),
+            ("01 7 00", "Byte 1: “7” is one digit"),
+            (
+                "01 64 00 64 00 00 00 00 00 4F FF",
+                "Byte 10: “FF” is one too many",
+            ),
+            ("01 74 00", "3 of 9 bytes"),
+            ("01 74 00 00 00 00 00 00 00 0", "Byte 9 has one digit"),
+            ("01 A0 00 00 00 00 00 00 00", "ends with its loop"),
+        ] {
+            assert!(
+                words(text).starts_with(wanted) || words(text).contains(wanted),
+                "{}",
+                words(text)
+            );
+        }
+    }
+
+    fn status(text: &str, count: u32, last: RawAnswer) -> RawStatus {
+        RawStatus {
+            frame: Entered::read(text).frame().unwrap(),
+            count,
+            sent: 3,
+            answered: 2,
+            running: count == 0,
+            last: Some(last),
+        }
+    }
+
+    #[test]
+    fn an_answer_or_its_absence_is_said() {
+        let query = "01 74 00 00 00 00 00 00 00";
+        let reply = RawAnswer::Reply {
+            frame: "01 02 00 0A 00 00 20 F6 00 4A".parse().unwrap(),
+            asked: Some(Layout::Query),
+            after_us: 2_430,
+        };
+        let words = answer(&status(query, 1, reply));
+        assert!(
+            words.starts_with("01 02 00 0A 00 00 20 F6 00 4A\nFrom 0x01 after 2.5 ms: "),
+            "{words}"
+        );
+        assert!(words.contains("32 °C"), "{words}");
+
+        let silence = RawAnswer::Silence { waited_us: 8_000 };
+        assert_eq!(
+            answer(&status(query, 1, silence)),
+            "No answer within 8.0 ms."
+        );
+        let switch = "01 A0 00 00 00 00 00 00 00 02";
+        let unanswered = RawAnswer::NoneExpected;
+        assert!(answer(&status(switch, 1, unanswered)).contains("has no answer"));
+        assert!(answer(&status(query, 1, RawAnswer::Garbled)).contains("no good reply"));
+    }
+
+    #[test]
+    fn a_repeat_says_how_often_and_whether_it_goes_on() {
+        let raw = |count| status("01 74 00 00 00 00 00 00 00", count, RawAnswer::Garbled);
+        assert_eq!(sent(&raw(1)), "Sent once");
+        assert_eq!(sent(&raw(3)), "Sent 3 of 3, answered 2");
+        assert_eq!(sent(&raw(0)), "Repeating: sent 3, answered 2");
+        let running = |count, running| RawStatus {
+            running,
+            ..raw(count)
+        };
+        assert_eq!(
+            sent(&running(10, true)),
+            "Repeating: sent 3 of 10, answered 2"
+        );
+        assert_eq!(
+            sent(&running(10, false)),
+            "Stopped: sent 3 of 10, answered 2"
+        );
+        assert_eq!(sent(&running(0, false)), "Stopped: sent 3, answered 2");
+    }
+}

@@ -1,0 +1,214 @@
+//! Tab `Raw Hex`.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    bus::{Refusal, is_hazardous, unassignable_id},
+    protocol::Layout,
+};
+
+use crate::{
+    features::{
+        drive::panel::tab_panel,
+        raw::{
+            cells as raw_cells,
+            editor::{Entered, Outcome},
+            texts as raw_words,
+        },
+    },
+    model::{
+        desk::use_desk,
+        guards::{why_not_send, why_not_stop},
+        snapshot::Reading,
+        tab::Tab,
+        terms,
+    },
+    ui::{
+        button::PressButton,
+        number_field::NumberField,
+        reactive::{heard, live, memo},
+        tool_entry,
+    },
+};
+
+#[component]
+pub(crate) fn RawHexTab() -> impl IntoView {
+    let raw = use_desk().raw;
+    let entered = memo(move || raw.text.with(|text| Entered::read(text)));
+    tab_panel(
+        Tab::RawHex,
+        view! {
+            <Bytes entered />
+            <div class="repeat">
+                <label class="check">
+                    <input
+                        type="checkbox"
+                        prop:checked=live(move || raw.repeats.get())
+                        on:change=heard(move |event| raw.repeats.set(event_target_checked(&event)))
+                    />
+                    {tr!("Repeat")}
+                </label>
+                <NumberField
+                    id="count"
+                    name=tr!("Count")
+                    hint=tr!("0 = until stopped")
+                    target=raw.count
+                    entry=tool_entry::COUNT
+                    on_edit=|| ()
+                />
+                <NumberField
+                    id="interval"
+                    name=tr!("Interval")
+                    unit="ms"
+                    hint=tr!("2 to 60,000 ms")
+                    target=raw.interval
+                    entry=tool_entry::INTERVAL
+                    on_edit=|| ()
+                />
+            </div>
+            <div class="send-and-answer">
+                <Sending entered />
+                <Answer />
+            </div>
+        },
+    )
+}
+
+/// The textbox, and what it holds: every byte with its meaning, and the frame in words.
+#[component]
+fn Bytes(entered: Memo<Entered>) -> impl IntoView {
+    let desk = use_desk();
+    let text = desk.raw.text;
+    let wrong = memo(move || matches!(entered.get().outcome(), Outcome::Wrong(_)));
+    let chosen = desk.of_motor(|session, id| {
+        let mode = session.mode(id).filter(Reading::is_fresh)?;
+        Some((id, mode.value))
+    });
+    let words = move || entered.with(|entered| raw_words::meaning(entered, chosen.get()));
+    view! {
+        <div class="raw-head">
+            <label class="field-name" for="frame-bytes" aria-hidden="true">
+                {tr!("Frame bytes")}
+            </label>
+            <PressButton
+                label=tr!("Feedback query")
+                class="button small"
+                hint=tr!("Writes the query of the chosen motor into the field")
+                on_press=move || desk.write_example(Layout::Query)
+            />
+            <PressButton
+                label=tr!("ID query")
+                class="button small"
+                hint=tr!("Writes the query that every motor answers into the field")
+                on_press=move || desk.write_example(Layout::Drive)
+            />
+        </div>
+        <textarea
+            id="frame-bytes"
+            class="frame-bytes"
+            rows="2"
+            spellcheck="false"
+            autocomplete="off"
+            autocapitalize="off"
+            placeholder="01 74 00 00 00 00 00 00 00"
+            aria-label=tr!("Frame bytes")
+            aria-describedby="frame-words"
+            aria-invalid=live(move || if wrong.get() { "true" } else { "false" })
+            prop:value=live(move || text.get())
+            on:input=heard(move |event| text.set(event_target_value(&event)))
+        ></textarea>
+        <output
+            class="cells"
+            aria-label=tr!("Frame with CRC")
+            aria-live="off"
+            inner_html=live(move || entered.with(raw_cells::cells))
+        ></output>
+        // Somebody who types is not interrupted by how many bytes are missing.
+        <p
+            id="frame-words"
+            class="frame-words"
+            // Long words scroll in their two lines, by keyboard too.
+            tabindex="0"
+            class:bad=wrong
+            aria-live=live(move || if wrong.get() { "polite" } else { "off" })
+        >
+            {live(words)}
+        </p>
+    }
+}
+
+/// Buttons `Send` and `Stop`.
+#[component]
+fn Sending(entered: Memo<Entered>) -> impl IntoView {
+    let desk = use_desk();
+    let raw = desk.raw;
+    let frame = memo(move || entered.with(Entered::frame));
+    let blocked = desk.of_motor(|session, _| why_not_send(session, false));
+    let blocked_hazard = desk.of_motor(|session, _| why_not_send(session, true));
+    let why_not_stop = desk.of_motor(|session, _| why_not_stop(session));
+    let why_not = Signal::derive(move || {
+        let Some(frame) = frame.get() else {
+            let missing = || Some(tr!("Type nine or ten bytes.").to_owned());
+            return blocked.get().or_else(missing);
+        };
+        let blocked = if is_hazardous(&frame) {
+            blocked_hazard
+        } else {
+            blocked
+        };
+        if let Some(id) = unassignable_id(&frame) {
+            return Some(terms::refusal(Refusal::NotAssignable(id)));
+        }
+        let trouble = || raw.count.trouble().or_else(|| raw.interval.trouble());
+        let repeats = move || raw.repeats.get();
+        blocked.get().or_else(|| trouble().filter(|_| repeats()))
+    });
+    view! {
+        <div class="send">
+            <PressButton
+                label=tr!("Send")
+                class="button primary"
+                why_not=why_not
+                on_press=move || {
+                    if let Some(frame) = frame.get_untracked() {
+                        desk.send_raw(frame);
+                    }
+                }
+            />
+            <PressButton
+                label=tr!("Stop")
+                class="button halt"
+                hint=tr!("Sends it no more and stops the motor that it may have moved")
+                why_not=why_not_stop
+                on_press=move || desk.stop_raw()
+            />
+        </div>
+    }
+}
+
+/// What became of the last frame.
+#[component]
+fn Answer() -> impl IntoView {
+    let desk = use_desk();
+    let refused = desk.raw.refused;
+    let unconnected = desk.of_motor(|session, _| why_not_send(session, false));
+    let sent = desk.of_motor(|session, _| session.raw.map(|raw| raw_words::sent(&raw)));
+    let answer = desk.of_motor(|session, _| session.raw.map(|raw| raw_words::answer(&raw)));
+    let not_sent = move || refused.with(Option::is_some);
+    let title = move || {
+        if not_sent() {
+            return tr!("The frame was not sent").to_owned();
+        }
+        let otherwise = || tr!("The answer appears here").to_owned();
+        sent.get()
+            .or_else(|| unconnected.get())
+            .unwrap_or_else(otherwise)
+    };
+    let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
+    view! {
+        <output class="answer" class:bad=live(not_sent) aria-label=tr!("Answer") aria-live="off">
+            <span class="answer-title">{live(title)}</span>
+            <span class="answer-words">{live(words)}</span>
+        </output>
+    }
+}

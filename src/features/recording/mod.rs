@@ -1,0 +1,89 @@
+//! What is kept of the telemetry, and the file that is made of it.
+
+pub(crate) mod recorder;
+pub(crate) mod texts;
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{Export, RecordingStatus};
+
+use crate::{
+    features::recording::texts::{self as words, no_recorder},
+    model::desk::use_desk,
+    ui::{
+        export_button::ExportButton,
+        reactive::{heard, live, memo},
+    },
+};
+
+/// Region `Recording`: one line.
+#[component]
+pub(crate) fn Recording() -> impl IntoView {
+    let desk = use_desk();
+    let alive = desk.recorder.alive;
+    let status = desk.recorder.recording;
+    let records = memo(move || status.with(|status| status.recording));
+    let says = memo(move || {
+        if alive.get() {
+            status.with(words::of_recording)
+        } else {
+            ("", no_recorder().to_owned())
+        }
+    });
+    let why_not_record = move || {
+        if alive.get() {
+            status.with(why_no_recording)
+        } else {
+            Some(no_recorder())
+        }
+    };
+    let hint = move || {
+        why_not_record().unwrap_or(if records.get() {
+            tr!("Press again to end the recording")
+        } else {
+            tr!("Keep every sample from now on; without it, those of the last 10 minutes are kept")
+        })
+    };
+    let why_empty = move || status.with(why_nothing_to_export);
+    view! {
+        <section class="panel recording" aria-label=tr!("Recording")>
+            <button
+                type="button"
+                class="button small record"
+                aria-pressed=live(move || if records.get() { "true" } else { "false" })
+                title=live(hint)
+                disabled=live(move || why_not_record().is_some())
+                on:click=heard(move |_| desk.record(!records.get_untracked()))
+            >
+                {tr!("Record telemetry")}
+            </button>
+            <output
+                class="recording-words"
+                aria-label=tr!("Recorded")
+                aria-live="off"
+                title=live(move || says.with(|(what, much)| format!("{what}{much}")))
+            >
+                <span>{live(move || says.with(|(what, _)| *what))}</span>
+                <span>{live(move || says.with(|(_, much)| much.clone()))}</span>
+            </output>
+            <ExportButton
+                what=Export::Telemetry
+                label=tr!("Export telemetry CSV")
+                hint=tr!(
+                    "One row a sample: of the recording, or where nothing was recorded, of the last 10 minutes"
+                )
+                why_empty=Signal::derive(why_empty)
+            />
+        </section>
+    }
+}
+
+/// A full recording has to become a file before there is room for another.
+fn why_no_recording(status: &RecordingStatus) -> Option<&'static str> {
+    (status.full && !status.exported).then(|| tr!("The recording is full. Export it first."))
+}
+
+fn why_nothing_to_export(status: &RecordingStatus) -> Option<String> {
+    (status.recorded == 0 && status.rolling == 0)
+        .then(|| tr!("There is no sample yet. Connect a motor.").to_owned())
+}

@@ -1,0 +1,5 @@
+//! The session that the browser keeps.
+
+pub(crate) mod actions;
+pub(crate) mod texts;
+pub(crate) mod view;

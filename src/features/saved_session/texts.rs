@@ -1,0 +1,147 @@
+//! What the browser keeps, in words.
+
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{KeptSession, NotKept};
+
+use crate::{
+    features::saved_session::actions::Offer,
+    link::clock::{local_date, local_time},
+    model::log_lines::Line,
+    ui::format::grouped,
+};
+
+/// What became of what was kept.
+pub(crate) fn of_erased(all: bool) -> &'static str {
+    if all {
+        tr!("Erased. What is done from now on is kept anew.")
+    } else {
+        tr!("Erased, but for what other tabs of this page have open. Close them and erase again.")
+    }
+}
+
+/// What is said of the session that is kept. `now_ms` is on the wall clock.
+pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
+    match offer {
+        Offer::None => String::new(),
+        Offer::Open(session) => {
+            let date = local_date(session.from_ms);
+            let hours = of_hours(session);
+            let hours = if date == local_date(now_ms) {
+                hours
+            } else {
+                format!("{date}, {hours}")
+            };
+            let content = of_content(session);
+            tr!(
+                "A session of {hours} is kept in this browser: {content}.",
+                hours,
+                content
+            )
+        }
+        Offer::Restoring(session) => {
+            tr!(
+                "The session of {hours} is being restored.",
+                hours = of_hours(session)
+            )
+        }
+    }
+}
+
+/// A line of the log.
+pub(crate) fn of_restored(session: &KeptSession) -> String {
+    tr!(
+        "The session of {hours} was restored: {content}",
+        hours = of_hours(session),
+        content = of_content(session)
+    )
+}
+
+/// A line of the log.
+pub(crate) fn of_forgotten(session: &KeptSession) -> String {
+    tr!(
+        "The session of {hours} was forgotten",
+        hours = of_hours(session)
+    )
+}
+
+/// A line of the log.
+pub(crate) fn of_not_kept(why: NotKept) -> Line {
+    let why = match why {
+        NotKept::NoRoom => tr!("it has no room for it"),
+        NotKept::Failed => tr!("its storage fails"),
+    };
+    Line {
+        error: true,
+        text: tr!(
+            "This browser keeps no copy of the session: {why}. Log and recording go on; export them before \
+             the page is closed.",
+            why
+        ),
+    }
+}
+
+/// `13:05 to 13:25`
+fn of_hours(session: &KeptSession) -> String {
+    let minute = |ms| {
+        let mut time = local_time(ms);
+        time.truncate("13:05".len());
+        time
+    };
+    tr!(
+        "{from} to {to}",
+        from = minute(session.from_ms),
+        to = minute(session.to_ms)
+    )
+}
+
+/// `40 210 packets, 3 min recorded`
+fn of_content(session: &KeptSession) -> String {
+    let packets = match session.packets {
+        1 => tr!("1 packet").to_owned(),
+        count => tr!("{count} packets", count = grouped(count)),
+    };
+    match session.recorded_ms / 1000 {
+        _ if session.recorded == 0 => packets,
+        seconds @ 0..120 => tr!("{packets}, {seconds} s recorded", packets, seconds),
+        seconds => tr!(
+            "{packets}, {minutes} min recorded",
+            packets,
+            minutes = seconds / 60
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn content(packets: u64, recorded: u64, recorded_ms: u64) -> String {
+        let session = KeptSession {
+            from_ms: 0.0,
+            to_ms: 0.0,
+            packets,
+            recorded,
+            recorded_ms,
+        };
+        of_content(&session).replace('\u{202F}', " ")
+    }
+
+    #[test]
+    fn a_session_is_counted_in_packets_and_recorded_time() {
+        assert_eq!(
+            content(40_210, 9_000, 200_000),
+            "40 210 packets, 3 min recorded"
+        );
+        assert_eq!(content(1, 0, 0), "1 packet");
+        assert_eq!(content(0, 7, 1_400), "0 packets, 1 s recorded");
+    }
+
+    #[test]
+    fn a_session_that_is_not_kept_says_why_and_what_to_do() {
+        for why in [NotKept::NoRoom, NotKept::Failed] {
+            let line = of_not_kept(why);
+            assert!(line.error && line.text.contains("keeps no copy"));
+            assert!(line.text.contains("export"));
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! Panel `Settings`: limits, the setup as a file, and what this browser keeps.
+//!
+//! The buttons are HTML and two listeners on the window: as a view they would weigh many times as much.
+
+use leptos::{prelude::*, task::spawn_local};
+use motorlink_i18n::tr;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, Event, HtmlInputElement};
+
+use crate::{
+    features::install::texts as installation,
+    model::{
+        desk::{Desk, use_desk},
+        drawer::Drawer,
+    },
+    ui::{
+        drawer::panel_of_drawer, entry, listener::on_window, number_field::NumberField,
+        reactive::follow,
+    },
+};
+
+const EXPORT: &str = "export-setup";
+const IMPORT: &str = "import-setup";
+const CHOOSER: &str = "setup-file";
+const ERASE: &str = "erase-kept";
+const INSTALL: &str = "install-page";
+const SAID: &str = "setup-words";
+
+fn limits_head() -> String {
+    let head = tr!("Limits");
+    let words = tr!(
+        "A driven motor that turns faster, gets hotter, or draws more for half a second is stopped."
+    );
+    format!("<h3>{head}</h3><p>{words}</p>")
+}
+
+/// Buttons `Export setup`, `Import setup`, `Erase kept data` and `Install`, the browser's own chooser of files that
+/// the second one opens, and status `Setup`.
+fn files() -> String {
+    [
+        heading(tr!("Setup")),
+        paragraph(tr!(
+            "Names, sides, groups, ramp, rate and limits, as a file for another browser."
+        )),
+        r#"<div class="button-row two">"#.to_owned(),
+        button(EXPORT, tr!("Export setup")),
+        button(IMPORT, tr!("Import setup")),
+        format!(r#"</div><input type="file" accept=".json" id="{CHOOSER}" hidden>"#),
+        heading(tr!("Kept in this browser")),
+        paragraph(tr!(
+            "Sessions and what was set are kept here, and leave it only as files that you export."
+        )),
+        button(ERASE, tr!("Erase kept data")),
+        format!(
+            r#"<p class="setup-words" role="status" aria-label="{}" id="{SAID}"></p>"#,
+            tr!("Setup")
+        ),
+        heading(tr!("Installed")),
+        paragraph(tr!(
+            "As a program of its own it is never discarded while hidden. It works without a network in any case."
+        )),
+        button(INSTALL, tr!("Install")),
+    ]
+    .concat()
+}
+
+fn heading(words: &str) -> String {
+    format!("<h3>{words}</h3>")
+}
+
+fn paragraph(words: &str) -> String {
+    format!("<p>{words}</p>")
+}
+
+fn button(id: &str, label: &str) -> String {
+    format!(r#"<button type="button" class="button" id="{id}">{label}</button>"#)
+}
+
+/// Panel `Settings`.
+#[component]
+pub(crate) fn SettingsPanel() -> impl IntoView {
+    let desk = use_desk();
+    let targets = desk.targets;
+    let limits = [
+        (
+            tr!("Speed limit"),
+            "speed-limit",
+            "rpm",
+            targets.speed_limit,
+            entry::SPEED_LIMIT,
+        ),
+        (
+            tr!("Current limit"),
+            "current-limit",
+            "A",
+            targets.current_limit,
+            entry::CURRENT_LIMIT,
+        ),
+        (
+            tr!("Temperature limit"),
+            "temperature-limit",
+            "°C",
+            targets.temperature_limit,
+            entry::TEMPERATURE_LIMIT,
+        ),
+    ];
+    keep_working(desk);
+    panel_of_drawer(
+        Drawer::Settings,
+        tr!("Settings"),
+        view! {
+            <div class="settings-panel">
+                <div inner_html=limits_head()></div>
+                {limits
+                    .map(|(name, id, unit, target, entry)| {
+                        view! {
+                            <NumberField name unit target entry id on_edit=move || desk.set_limits() />
+                        }
+                    })}
+                <div inner_html=files()></div>
+            </div>
+        },
+    )
+}
+
+/// Has the buttons work from now on.
+fn keep_working(desk: Desk) {
+    for name in ["click", "change"] {
+        on_window(name, move |event| hear(desk, &event));
+    }
+    let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
+    follow(move || {
+        let reason = why_not.get();
+        say_why(
+            IMPORT,
+            reason.as_deref(),
+            tr!("From a file that was exported"),
+        );
+        let erases = tr!("Everything that this browser keeps of this page: sessions and choices");
+        say_why(ERASE, desk.why_not_erase(reason).as_deref(), erases);
+    });
+    follow(move || say_why(INSTALL, desk.why_not_install(), installation::hint()));
+    follow(move || say(desk.recorder.erased.get()));
+}
+
+/// A button that cannot be pressed for this reason, or that does this.
+fn say_why(id: &str, reason: Option<&str>, hint: &str) {
+    let Some(button) = document().get_element_by_id(id) else {
+        return;
+    };
+    // They fail for names that are none, and these are ours.
+    let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
+    let _ = button.set_attribute("title", reason.unwrap_or(hint));
+}
+
+fn say(words: &str) {
+    if let Some(said) = document().get_element_by_id(SAID) {
+        said.set_text_content(Some(words));
+    }
+}
+
+fn hear(desk: Desk, event: &Event) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let id = target.map(|target| target.id()).unwrap_or_default();
+    let asked = match (event.type_().as_str(), id.as_str()) {
+        ("click", EXPORT) => Asked::ForFile,
+        ("click", IMPORT) => Asked::ToChoose,
+        ("click", ERASE) => Asked::ToErase,
+        // At once: the browser asks only while it is being pressed.
+        ("click", INSTALL) => return desk.install(),
+        ("change", CHOOSER) => Asked::ToTakeIn,
+        _ => return,
+    };
+    // Afterwards: what is done presses something in its turn, and this listener hears one press at a
+    // time.
+    spawn_local(answer(desk, asked));
+}
+
+enum Asked {
+    ForFile,
+    ToChoose,
+    ToTakeIn,
+    ToErase,
+}
+
+async fn answer(desk: Desk, asked: Asked) {
+    match asked {
+        Asked::ForFile => return desk.export_setup(),
+        Asked::ToErase => return desk.ask_to_erase(),
+        Asked::ToChoose | Asked::ToTakeIn => {}
+    }
+    let chooser = document().get_element_by_id(CHOOSER);
+    let Some(chooser) = chooser.and_then(|chooser| chooser.dyn_into::<HtmlInputElement>().ok())
+    else {
+        return;
+    };
+    if matches!(asked, Asked::ToChoose) {
+        chooser.click();
+        return;
+    }
+    let file = chooser.files().and_then(|files| files.get(0));
+    // The same file can be chosen again when it was mended.
+    chooser.set_value("");
+    let Some(file) = file else { return };
+    say(&desk.import_setup(&file).await);
+}

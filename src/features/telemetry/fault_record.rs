@@ -1,0 +1,144 @@
+//! What faults there were, and when, until a person has seen them.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+
+use crate::{
+    features::telemetry::fault_history::{End, FaultHistory, Occurrence},
+    link::clock::local_time,
+    model::desk::use_desk,
+    ui::{
+        button::PressButton,
+        reactive::{live, memo},
+    },
+};
+
+/// As many as there is room for.
+const LINES_MAX: usize = 3;
+
+/// The faults that came and went, and a button by which a person says that they have seen them.
+#[component]
+pub(crate) fn FaultRecord() -> impl IntoView {
+    let desk = use_desk();
+    let lines = memo(move || {
+        let id = desk.selected.get();
+        desk.fault_history
+            .with(|history| lines(history, id, local_time).join("\n"))
+    });
+    let unseen = memo(move || {
+        let id = desk.selected.get();
+        desk.fault_history.with(|history| history.has_unseen(id))
+    });
+    let why_not =
+        move || (!unseen.get()).then(|| tr!("There is no fault that was not seen").to_owned());
+    let mark_seen = move || {
+        let id = desk.selected.get_untracked();
+        desk.fault_history
+            .maybe_update(|history| history.mark_seen(id));
+    };
+    view! {
+        <div class="fault-record" class:unseen=live(move || unseen.get())>
+            <output aria-label=tr!("Fault record") aria-live="off">
+                {live(move || lines.get())}
+            </output>
+            <PressButton
+                label=tr!("Seen")
+                name=tr!("Mark faults as seen")
+                class="button small"
+                why_not=Signal::derive(why_not)
+                on_press=mark_seen
+            />
+        </div>
+    }
+}
+
+/// A line for each fault, and how many there is no room for.
+fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> Vec<String> {
+    let occurrences = history.of(id);
+    let all = occurrences.len() + history.dropped(id);
+    if all == 0 {
+        return vec![tr!("No fault on record").to_owned()];
+    }
+    let told = if all > LINES_MAX { LINES_MAX - 1 } else { all };
+    let mut lines: Vec<String> = occurrences
+        .iter()
+        .take(told)
+        .map(|occurrence| line(occurrence, &time))
+        .collect();
+    if let Some(first) = lines.first_mut() {
+        *first = tr!("Last: {fault}", fault = first);
+    }
+    if all > told {
+        lines.push(tr!("and {count} more", count = all - told));
+    }
+    lines
+}
+
+/// `stall, 13:02:11 – 13:02:16`
+fn line(occurrence: &Occurrence, time: impl Fn(f64) -> String) -> String {
+    let (name, came) = (occurrence.name(), time(occurrence.came_ms));
+    match occurrence.end {
+        End::Active => tr!("{fault}, since {came}", fault = name, came),
+        End::Gone(ms) => format!("{name}, {came} – {}", time(ms)),
+        End::Unknown => tr!("{fault}, {came} – not known", fault = name, came),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::Faults;
+
+    use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+    const STALL: Faults = Faults::from_byte(0x08);
+    const HOT: Faults = Faults::from_byte(0x10);
+
+    fn told(history: &FaultHistory) -> Vec<String> {
+        lines(history, ID, |ms| format!("13:02:{ms}"))
+    }
+
+    #[test]
+    fn a_fault_is_told_with_when_it_came_and_went() {
+        let mut history = FaultHistory::default();
+        assert_eq!(told(&history), ["No fault on record"]);
+        history.hear(ID, STALL, 11.0);
+        assert_eq!(told(&history), ["Last: stall, since 13:02:11"]);
+        history.hear(ID, Faults::NONE, 16.0);
+        assert_eq!(told(&history), ["Last: stall, 13:02:11 – 13:02:16"]);
+        history.hear(ID, HOT, 20.0);
+        history.unheard(None);
+        assert_eq!(
+            told(&history),
+            [
+                "Last: over-temperature, 13:02:20 – not known",
+                "stall, 13:02:11 – 13:02:16"
+            ]
+        );
+    }
+
+    #[test]
+    fn three_are_told_and_of_more_how_many() {
+        let mut history = FaultHistory::default();
+        for place in 1..=3_u8 {
+            let at_ms = f64::from(place) * 2.0;
+            history.hear(ID, STALL, at_ms);
+            history.hear(ID, Faults::NONE, at_ms + 1.0);
+        }
+        assert_eq!(told(&history).len(), 3);
+        assert_eq!(told(&history)[2], "stall, 13:02:2 – 13:02:3");
+        for at_ms in [10.0, 12.0, 14.0] {
+            history.hear(ID, STALL, at_ms);
+            history.hear(ID, Faults::NONE, at_ms + 1.0);
+        }
+        assert_eq!(told(&history).len(), 3);
+        assert_eq!(told(&history)[0], "Last: stall, 13:02:14 – 13:02:15");
+        assert_eq!(told(&history)[2], "and 4 more");
+        for place in 0..30_u8 {
+            history.hear(ID, HOT, 20.0 + f64::from(place));
+            history.hear(ID, Faults::NONE, 20.5 + f64::from(place));
+        }
+        assert_eq!(told(&history)[2], "and 34 more");
+    }
+}

@@ -1,0 +1,114 @@
+//! The arc of the temperature card, 0 to 100 degrees Celsius.
+
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::Celsius;
+
+/// From here on the winding is warm.
+const WARM_FROM: u8 = 70;
+/// Here the motor's own protection trips: `Fault::OverTemperature`.
+const HOT_FROM: u8 = 80;
+
+/// How warm the winding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Band {
+    Normal,
+    Warm,
+    Hot,
+}
+
+impl Band {
+    pub(crate) const fn of(temperature: Celsius) -> Self {
+        match temperature.degrees() {
+            0..WARM_FROM => Self::Normal,
+            WARM_FROM..HOT_FROM => Self::Warm,
+            HOT_FROM.. => Self::Hot,
+        }
+    }
+
+    /// As the style sheet names it.
+    pub(crate) const fn key(self) -> &'static str {
+        match self {
+            Self::Normal => "normal",
+            Self::Warm => "warm",
+            Self::Hot => "hot",
+        }
+    }
+
+    /// What a person should know of it, in lines.
+    pub(crate) fn words(self) -> String {
+        let limit = tr!("limit 80 °C");
+        match self {
+            Self::Normal => limit.to_owned(),
+            Self::Warm => [tr!("warm"), limit].join("\n"),
+            Self::Hot => [tr!("too hot"), limit].join("\n"),
+        }
+    }
+}
+
+/// The filled part as a dash of an arc whose length is 100: what is hotter than its end is its end, and of
+/// what is not known there is nothing.
+pub(crate) fn fill(temperature: Option<Celsius>) -> String {
+    let degrees = temperature.map_or(0, Celsius::degrees);
+    format!("{} 999", degrees.min(100))
+}
+
+/// Three quarters of a circle about the origin, open at the bottom; in the outer ring the bands.
+pub(crate) const MARKUP: &str = concat!(
+    r#"<svg class="gauge" viewBox="-50 -46 100 84">"#,
+    r#"<path class="gauge-track" d="M-28.3 28.3A40 40 0 1 1 28.3 28.3"/>"#,
+    r#"<path class="gauge-fill" pathLength="100" stroke-dasharray="0 999" d="M-28.3 28.3A40 40 0 1 1 28.3 28.3"/>"#,
+    r#"<path class="gauge-zone warm" pathLength="100" stroke-dasharray="10 999" stroke-dashoffset="-70" d="M-23 23A32.5 32.5 0 1 1 23 23"/>"#,
+    r#"<path class="gauge-zone hot" pathLength="100" stroke-dasharray="20 999" stroke-dashoffset="-80" d="M-23 23A32.5 32.5 0 1 1 23 23"/>"#,
+    r#"<text x="-28" y="38">0</text><text x="28" y="38">100</text>"#,
+    "</svg>",
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amber_begins_at_70_and_red_at_80() {
+        for (degrees, band) in [
+            (0, Band::Normal),
+            (69, Band::Normal),
+            (70, Band::Warm),
+            (79, Band::Warm),
+            (80, Band::Hot),
+            (255, Band::Hot),
+        ] {
+            assert_eq!(Band::of(Celsius::new(degrees)), band, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn each_band_says_what_it_is_in_words() {
+        assert!(Band::Warm.words().contains("warm"));
+        assert!(Band::Hot.words().contains("too hot"));
+    }
+
+    #[test]
+    fn the_arc_ends_at_100() {
+        assert_eq!(fill(Some(Celsius::new(33))), "33 999");
+        assert_eq!(fill(Some(Celsius::new(180))), "100 999");
+    }
+
+    #[test]
+    fn an_unknown_temperature_fills_nothing() {
+        assert_eq!(fill(None), "0 999");
+    }
+
+    /// Their lengths are those of the arc, in degrees Celsius.
+    #[test]
+    fn the_bands_of_the_picture_are_those_of_the_words() {
+        let warm = format!(
+            r#""{} 999" stroke-dashoffset="-{WARM_FROM}""#,
+            HOT_FROM - WARM_FROM
+        );
+        let hot = format!(
+            r#""{} 999" stroke-dashoffset="-{HOT_FROM}""#,
+            100 - HOT_FROM
+        );
+        assert!(MARKUP.contains(&warm) && MARKUP.contains(&hot));
+    }
+}

@@ -1,0 +1,229 @@
+//! What moves in the cards: two sparklines, the dial and the gauge. Here they reach the browser.
+
+use leptos::{html, prelude::*};
+use motorlink_i18n::terms::in_language;
+use motorlink_messages::protocol::Celsius;
+use web_sys::Element;
+
+use crate::{
+    features::{
+        telemetry::{
+            angle_dial::Sweep,
+            gauge::{self, Band},
+            recent::{Recent, Report},
+            scale::Scale,
+            sparkline::{self, COLUMN_WIDTH, HALF_HEIGHT},
+        },
+        twin::Drawn,
+    },
+    link::clock::page_now_ms,
+    model::{desk::Desk, mirror::Mirror},
+    ui::{attribute::Attribute, reactive::follow},
+};
+
+/// Columns of a sparkline, about as many as it has pixels on the desk.
+const COLUMNS: u16 = 160;
+/// Sooner than this nothing is drawn anew: each drawing takes time from the wheel's.
+const DRAWN_EVERY_MS: f64 = 50.0;
+/// The scales begin at 25 rpm and end at 800, more than any wheel is driven to.
+const SPEED_SCALE: Scale = Scale::new(25, 5);
+/// They begin at a quarter of an amp and end at 8 A, which is all that the wire carries.
+const CURRENT_SCALE: Scale = Scale::new(1024, 5);
+
+/// The drawing of a sparkline before anything is known.
+pub(crate) fn sparkline_markup() -> String {
+    let (width, height) = (COLUMNS * COLUMN_WIDTH, 2 * HALF_HEIGHT);
+    format!(
+        "<span class=\"spark-scale\"></span><span class=\"spark-span\">10 s</span>\
+         <svg class=\"spark\" viewBox=\"0 0 {width} {height}\" preserveAspectRatio=\"none\">\
+         <path class=\"spark-zero\" d=\"M0 {HALF_HEIGHT}H{width}\"/><path class=\"spark-line\"/></svg>"
+    )
+}
+
+/// Draws the instruments with every newly shown state, which comes ten times a second while the page
+/// is seen.
+pub(crate) fn keep_drawing(desk: Desk, section: NodeRef<html::Section>) {
+    follow(move || {
+        let Some(section) = section.get() else { return };
+        let Some(mut instruments) = Instruments::of(&section) else {
+            return;
+        };
+        follow(move || {
+            desk.shown.track();
+            instruments.draw(desk);
+        });
+    });
+}
+
+struct Instruments {
+    speed: Spark,
+    current: Spark,
+    dial: Dial,
+    gauge: Gauge,
+    drawn_ms: f64,
+}
+
+impl Instruments {
+    /// `None` where the cards do not hold their drawings.
+    fn of(cards: &Element) -> Option<Self> {
+        Some(Self {
+            speed: Spark::of(cards, ".speed", SPEED_SCALE, Quantity::Speed)?,
+            current: Spark::of(cards, ".current", CURRENT_SCALE, Quantity::Current)?,
+            dial: Dial::of(cards)?,
+            gauge: Gauge::of(cards)?,
+            drawn_ms: f64::NEG_INFINITY,
+        })
+    }
+
+    fn draw(&mut self, desk: Desk) {
+        let now_ms = page_now_ms();
+        let id = desk.selected.get_untracked();
+        let (alone, temperature, mirror) = desk.shown.with_untracked(|session| {
+            let temperature = session.temperature(id).map(|reading| reading.value);
+            (session.motors.is_empty(), temperature, session.mirror(id))
+        });
+        // A state may come sooner, and is followed by another unless there are no motors: then what is not
+        // known any more goes at once, seen or not.
+        let soon = now_ms - self.drawn_ms < DRAWN_EVERY_MS;
+        if !alone && (soon || document().hidden()) {
+            return;
+        }
+        self.drawn_ms = now_ms;
+        desk.recent.with_value(|recent| {
+            self.speed.draw(recent, mirror, now_ms);
+            self.current.draw(recent, mirror, now_ms);
+        });
+        let drawn = desk.feed.with_value(crate::features::twin::TwinFeed::drawn);
+        self.dial.draw(drawn, now_ms);
+        self.gauge.draw(temperature);
+    }
+}
+
+/// What a sparkline shows.
+#[derive(Clone, Copy)]
+enum Quantity {
+    Speed,
+    Current,
+}
+
+impl Quantity {
+    fn of(self, report: &Report, mirror: Mirror) -> i32 {
+        match self {
+            Self::Speed => mirror.speed(report.speed).rpm().into(),
+            Self::Current => mirror.current(report.current).raw().into(),
+        }
+    }
+
+    /// What is at the upper and the lower edge, in the unit of the card.
+    fn scale(self, scale: Scale) -> String {
+        match (self, scale.multiple()) {
+            (Self::Speed, _) => format!("±{}", scale.limit()),
+            (Self::Current, 1) => in_language("±0.25".to_owned()),
+            (Self::Current, 2) => in_language("±0.5".to_owned()),
+            (Self::Current, quarters) => format!("±{}", quarters / 4),
+        }
+    }
+}
+
+struct Spark {
+    line: Attribute,
+    label: Attribute,
+    scale: Scale,
+    quantity: Quantity,
+}
+
+impl Spark {
+    fn of(cards: &Element, card: &str, scale: Scale, quantity: Quantity) -> Option<Self> {
+        let card = cards.query_selector(card).ok().flatten()?;
+        Some(Self {
+            line: Attribute::find(&card, ".spark-line", "d")?,
+            // The style sheet writes it.
+            label: Attribute::find(&card, ".spark-scale", "data-scale")?,
+            scale,
+            quantity,
+        })
+    }
+
+    fn draw(&mut self, recent: &Recent, mirror: Mirror, now_ms: f64) {
+        let reports = recent
+            .iter()
+            .map(|report| (report.at_ms, self.quantity.of(report, mirror)));
+        let columns = sparkline::columns(reports, now_ms, COLUMNS);
+        self.scale.fit(sparkline::peak(&columns));
+        let limit = self.scale.limit();
+        self.line
+            .set(sparkline::path(&columns, now_ms, COLUMNS, limit));
+        self.label.set(self.quantity.scale(self.scale));
+    }
+}
+
+struct Dial {
+    known: Attribute,
+    hand: Attribute,
+    swept_from: Attribute,
+    swept: Attribute,
+    sweep: Sweep,
+}
+
+impl Dial {
+    fn of(cards: &Element) -> Option<Self> {
+        Some(Self {
+            known: Attribute::find(cards, ".angle-dial", "data-known")?,
+            hand: Attribute::find(cards, ".angle-hand", "transform")?,
+            swept_from: Attribute::find(cards, ".angle-swept", "transform")?,
+            swept: Attribute::find(cards, ".angle-swept", "stroke-dasharray")?,
+            sweep: Sweep::default(),
+        })
+    }
+
+    fn draw(&mut self, drawn: Option<Drawn>, now_ms: f64) {
+        let Some(drawn) = drawn else {
+            self.known.set("no".to_owned());
+            self.sweep.forget();
+            return;
+        };
+        let face = self.sweep.to(now_ms, drawn.angle_deg);
+        self.known.set("yes".to_owned());
+        self.hand.rotate(face.hand);
+        self.swept_from.rotate(face.swept_from);
+        self.swept.set(format!("{:.1} 999", face.swept));
+    }
+}
+
+struct Gauge {
+    band: Attribute,
+    fill: Attribute,
+}
+
+impl Gauge {
+    fn of(cards: &Element) -> Option<Self> {
+        Some(Self {
+            band: Attribute::find(cards, ".gauge", "data-band")?,
+            fill: Attribute::find(cards, ".gauge-fill", "stroke-dasharray")?,
+        })
+    }
+
+    fn draw(&mut self, temperature: Option<Celsius>) {
+        let band = temperature.map_or("unknown", |temperature| Band::of(temperature).key());
+        self.band.set(band.to_owned());
+        self.fill.set(gauge::fill(temperature));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scale_is_labelled_in_the_units_of_its_card() {
+        let label = |quantity: Quantity, mut scale: Scale, peak| {
+            scale.fit(peak);
+            quantity.scale(scale)
+        };
+        assert_eq!(label(Quantity::Speed, SPEED_SCALE, 0), "±25");
+        assert_eq!(label(Quantity::Speed, SPEED_SCALE, 330), "±400");
+        for (peak, text) in [(0, "±0.25"), (2_048, "±0.5"), (4_096, "±1"), (32_767, "±8")] {
+            assert_eq!(label(Quantity::Current, CURRENT_SCALE, peak), text);
+        }
+    }
+}

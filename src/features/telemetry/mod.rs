@@ -1,0 +1,221 @@
+//! What the motor feels.
+
+pub(crate) mod angle_dial;
+pub(crate) mod fault_history;
+pub(crate) mod fault_record;
+pub(crate) mod gauge;
+pub(crate) mod instruments;
+pub(crate) mod read_out;
+pub(crate) mod recent;
+pub(crate) mod scale;
+pub(crate) mod sparkline;
+
+use leptos::{html, prelude::*};
+use motorlink_i18n::{
+    terms::{self, in_language},
+    tr,
+};
+use motorlink_messages::protocol::{Faults, MotorId};
+
+use self::{
+    fault_record::FaultRecord,
+    gauge::Band,
+    read_out::{ReadOut, Shown},
+};
+use crate::{
+    features::twin::{TwinFeed, panel::loop_name},
+    model::{
+        desk::use_desk,
+        snapshot::{Angle, Reading, Session},
+    },
+    ui::{format, reactive::memo},
+};
+
+/// Region `Telemetry`.
+#[component]
+pub(crate) fn Telemetry() -> impl IntoView {
+    let desk = use_desk();
+    let mode = memo(move || {
+        let (id, asked) = (desk.selected.get(), desk.asked.get());
+        desk.shown.with(|session| mode(session, id, asked))
+    });
+    let position = desk.of_motor(move |session, id| {
+        // Counted where the wheel is drawn, so that the page shows one number of turns.
+        let drawn = desk.feed.with_value(TwinFeed::drawn);
+        position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
+    });
+    let section = NodeRef::<html::Section>::new();
+    instruments::keep_drawing(desk, section);
+    view! {
+        <section class="telemetry" aria-label=tr!("Telemetry") node_ref=section>
+            <ReadOut
+                name=tr!("Speed")
+                class="speed"
+                shown=desk.of_motor(speed)
+                drawing=instruments::sparkline_markup()
+            />
+            <ReadOut
+                name=tr!("Current" as "electric")
+                class="current"
+                shown=desk.of_motor(current)
+                drawing=instruments::sparkline_markup()
+            />
+            <ReadOut
+                name=tr!("Position")
+                class="position"
+                shown=position
+                drawing=angle_dial::MARKUP
+            />
+            <ReadOut
+                name=tr!("Temperature")
+                class="temperature"
+                shown=desk.of_motor(temperature)
+                drawing=gauge::MARKUP
+            />
+            <ReadOut name=tr!("Faults") class="faults" shown=desk.of_motor(faults) drawing="" />
+            <FaultRecord />
+            <ReadOut name=tr!("Mode") class="mode" shown=mode drawing="" />
+        </section>
+    }
+}
+
+fn speed(session: &Session, id: MotorId) -> Option<Shown> {
+    let reading = session.speed(id)?;
+    let shown = Shown::new(&reading, format::speed(reading.value), "rpm");
+    Some(shown.with_detail(mirrored(session, id)))
+}
+
+fn current(session: &Session, id: MotorId) -> Option<Shown> {
+    let reading = session.current(id)?;
+    let shown = Shown::new(&reading, format::current(reading.value), "A");
+    Some(shown.with_detail(mirrored(session, id)))
+}
+
+/// Said beside a figure with the other sign than the wire's.
+fn mirrored(session: &Session, id: MotorId) -> String {
+    let word = session.mirror(id).is_mirrored().then(|| tr!("mirrored"));
+    word.unwrap_or_default().to_owned()
+}
+
+fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
+    let reading = session.angle(id)?;
+    let degrees = in_language(format!("{:.1}", reading.value.degrees()));
+    let raw = match reading.value {
+        Angle::Fine(position) => tr!("raw {position}", position = position.raw()),
+        Angle::Coarse(position) => tr!("raw {position}/255", position = position.raw()),
+    };
+    let detail = match turns {
+        Some(turns) => format!("{raw}\n{turns}"),
+        None => raw,
+    };
+    Some(Shown::new(&reading, degrees, "°").with_detail(detail))
+}
+
+fn temperature(session: &Session, id: MotorId) -> Option<Shown> {
+    let reading = session.temperature(id)?;
+    let degrees = reading.value.degrees().to_string();
+    let band = Band::of(reading.value);
+    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words());
+    Some(match band {
+        Band::Normal => shown,
+        Band::Warm => shown.warm(),
+        Band::Hot => shown.bad(),
+    })
+}
+
+fn faults(session: &Session, id: MotorId) -> Option<Shown> {
+    let reading: Reading<Faults> = session.faults(id)?;
+    let byte = format!("0x{:02X}", reading.value.byte());
+    let shown = Shown::new(
+        &reading,
+        format::capitalized(&terms::faults(reading.value)),
+        "",
+    );
+    Some(if reading.value.is_none() {
+        shown.with_detail(byte).good()
+    } else {
+        shown.with_detail(byte).bad()
+    })
+}
+
+fn mode(
+    session: &Session,
+    id: MotorId,
+    asked: Option<motorlink_messages::protocol::Mode>,
+) -> Option<Shown> {
+    let reading = session.mode(id)?;
+    let shown = Shown::new(&reading, loop_name(reading.value).to_owned(), "");
+    Some(match asked.filter(|asked| *asked != reading.value) {
+        Some(asked) => shown
+            .with_detail(tr!("asked: {mode}", mode = terms::mode(asked)))
+            .bad(),
+        None => shown,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Celsius, Mode};
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    fn text(shown: Option<Shown>) -> String {
+        let shown = shown.unwrap();
+        format!("{}{} {}", shown.figure, shown.unit, shown.detail)
+    }
+
+    #[test]
+    fn read_outs_say_what_the_motor_reports() {
+        let mut session = session(1_016, status(1_000, Mode::Velocity, -100));
+        assert_eq!(text(speed(&session, ID)), "\u{2212}100rpm ");
+        assert_eq!(text(current(&session, ID)), "+0.02A ");
+        assert_eq!(text(position(&session, ID, None)), "66.4° raw 47/255");
+        let mut mirrored = session.clone();
+        mirrored.mirrored.push(ID);
+        assert_eq!(text(speed(&mirrored, ID)), "\u{2212}100rpm mirrored");
+        assert_eq!(text(current(&mirrored, ID)), "+0.02A mirrored");
+        let turns = Some("+12.4 turns".to_owned());
+        assert_eq!(
+            text(position(&session, ID, turns)),
+            "66.4° raw 47/255\n+12.4 turns"
+        );
+        assert_eq!(text(temperature(&session, ID)), "33°C limit 80 °C");
+        assert_eq!(text(faults(&session, ID)), "OK 0x00");
+        let sample = session.motors[0].last.as_mut().unwrap();
+        sample.reply.faults = Faults::from_byte(0x18);
+        assert_eq!(text(faults(&session, ID)), "Stall, over-temperature 0x18");
+    }
+
+    #[test]
+    fn a_hot_winding_is_told_by_its_look_and_in_words() {
+        for (degrees, look, words) in [
+            (69, "", "limit 80 °C"),
+            (70, "warm", "warm\nlimit 80 °C"),
+            (79, "warm", "warm\nlimit 80 °C"),
+            (80, "bad", "too hot\nlimit 80 °C"),
+        ] {
+            let mut motor = status(1_000, Mode::Velocity, 0);
+            motor.temperature = motor.temperature.map(|(at, _)| (at, Celsius::new(degrees)));
+            let shown = temperature(&session(1_016, motor), ID).unwrap();
+            assert_eq!((shown.look(), shown.detail.as_str()), (look, words));
+        }
+    }
+
+    #[test]
+    fn a_loop_that_was_not_asked_for_is_marked() {
+        let session = session(1_016, status(1_000, Mode::Velocity, 0));
+        assert_eq!(
+            text(mode(&session, ID, Some(Mode::Position))),
+            "Velocity loop asked: position loop"
+        );
+        let shown = mode(&session, ID, Some(Mode::Velocity));
+        assert_eq!(text(shown), "Velocity loop ");
+    }
+
+    #[test]
+    fn what_was_never_reported_is_not_shown_as_zero() {
+        let nothing = Session::default();
+        assert!(speed(&nothing, ID).is_none() && temperature(&nothing, ID).is_none());
+    }
+}

@@ -1,0 +1,151 @@
+//! The component: the picture, and under it the motion in words and figures.
+
+use std::{cell::Cell, rc::Rc};
+
+use leptos::prelude::*;
+use leptos::svg::Svg;
+use leptos::web_sys::Element;
+use motorlink_i18n::tr;
+
+use crate::{
+    features::twin::{
+        course::LOOK_EVERY_MS,
+        feed::{TwinFeed, View},
+        painter::Painter,
+        picture::{VIEW_BOX, picture},
+        texts::{Figures, Motion},
+    },
+    ui::animation::{Frames, Next},
+};
+
+/// Figures change ten times a second at most: faster, nobody can read them.
+const FIGURES_PERIOD_MS: f64 = 100.0;
+/// How often a picture that is scrolled out of sight looks whether it is back.
+const UNSEEN_PERIOD_MS: f64 = 250.0;
+/// How often a picture looks whether it is still in sight.
+const SIGHT_PERIOD_MS: f64 = 250.0;
+
+/// The wheel as the motor reports it: angle, speed, direction, state and goal.
+///
+/// `feed` is written by the page and read here once a frame.
+#[component]
+pub fn DigitalTwin(
+    /// What is known of the motor.
+    feed: StoredValue<TwinFeed, LocalStorage>,
+) -> impl IntoView {
+    let svg = NodeRef::<Svg>::new();
+    let motion = RwSignal::new(Motion::NoData);
+    let figures = RwSignal::new(None::<Figures>);
+    // Dropped with the component, and with it every frame that is still to come.
+    let frames = StoredValue::new_local(None::<Frames>);
+
+    // Mounting is where the picture comes to life; the rest of the drawing needs no reactivity.
+    Effect::new(move |_| {
+        let Some(svg) = svg.get() else { return };
+        let Some(mut painter) = Painter::of(&svg) else {
+            return;
+        };
+        let mut sight = Sight::default();
+        let mut written_ms = f64::NEG_INFINITY;
+        // While the wheel turns it is looked at by the clock, whatever comes meanwhile.
+        let asleep = Rc::new(Cell::new(false));
+        let sleeps = Rc::clone(&asleep);
+        let running = Frames::new(move |now_ms| {
+            let Some(view) = feed.try_update_value(|feed| feed.view(now_ms)) else {
+                return Next::Woken;
+            };
+            painter.paint(&view, now_ms);
+            say(motion, view.motion);
+            let due_ms = written_ms + FIGURES_PERIOD_MS - now_ms;
+            if due_ms <= 0.0 {
+                written_ms = now_ms;
+                say(figures, view.figures);
+            }
+            if !sight.of(&svg, now_ms) {
+                return Next::After(UNSEEN_PERIOD_MS);
+            }
+            sleeps.set(view.pose.settled);
+            next(&view, figures.get_untracked() == view.figures, now_ms)
+        });
+        let waker = running.waker();
+        // With news, but not sooner than the frame after it: many replies make one frame.
+        let on_news = move || {
+            if asleep.replace(false) {
+                waker();
+            }
+        };
+        feed.update_value(|feed| feed.on_news(Rc::new(on_news)));
+        frames.set_value(Some(running));
+    });
+
+    let figure = move |text: fn(Figures) -> String| {
+        move || figures.get().map_or_else(|| "\u{2013}".to_owned(), text)
+    };
+    view! {
+        <figure class="twin" class:twin-stale=move || motion.get() == Motion::NoData>
+            <svg
+                class="twin-dial"
+                role="img"
+                aria-label=tr!("Digital twin")
+                viewBox=VIEW_BOX
+                node_ref=svg
+                inner_html=picture()
+            ></svg>
+            <figcaption class="twin-caption">
+                // Silent: a wheel that creeps about zero would talk without end.
+                <output class="twin-motion" aria-label=tr!("Motion") aria-live="off">
+                    {move || motion.get().text()}
+                </output>
+                <span class="twin-figures">
+                    <span class="twin-figure-speed">{figure(Figures::speed_text)}</span>
+                    <span class="twin-figure-angle">{figure(Figures::angle_text)}</span>
+                    <span class="twin-figure-turns">{figure(Figures::turns_text)}</span>
+                </span>
+            </figcaption>
+        </figure>
+    }
+}
+
+/// Writes a signal only when it changes.
+fn say<T: PartialEq + Clone + Send + Sync + 'static>(signal: RwSignal<T>, value: T) {
+    if signal.get_untracked() != value {
+        signal.set(value);
+    }
+}
+
+/// When this view will have changed though nothing new is heard.
+fn next(view: &View, figures_written: bool, now_ms: f64) -> Next {
+    if !view.pose.settled {
+        return Next::in_step(LOOK_EVERY_MS, now_ms);
+    }
+    if !figures_written {
+        return Next::in_step(FIGURES_PERIOD_MS, now_ms);
+    }
+    match view.fresh_until_ms {
+        // A millisecond later it is stale.
+        Some(until_ms) if until_ms >= now_ms => Next::After(until_ms - now_ms + 1.0),
+        _ => Next::Woken,
+    }
+}
+
+/// Whether the picture is where a person could see it.
+#[derive(Default)]
+struct Sight {
+    seen: bool,
+    looked_ms: f64,
+}
+
+impl Sight {
+    /// Asking the browser costs a layout, so it is asked a few times a second.
+    fn of(&mut self, element: &Element, now_ms: f64) -> bool {
+        if !self.seen || now_ms - self.looked_ms >= SIGHT_PERIOD_MS {
+            self.looked_ms = now_ms;
+            let place = element.get_bounding_client_rect();
+            let height = window().inner_height().ok().and_then(|it| it.as_f64());
+            self.seen = place.width() > 0.0
+                && place.bottom() > 0.0
+                && height.is_none_or(|height| place.top() < height);
+        }
+        self.seen
+    }
+}

@@ -1,0 +1,152 @@
+//! The course beside a wheel whose true angle is known, looked at as seldom as the page does.
+
+use super::*;
+use crate::features::twin::motion::{AngleQuality, Estimator, ReportedAngle};
+
+/// What was drawn, sixty times a second, with how often the wheel was sent on.
+struct Drawn {
+    /// When, the angle drawn and the true one.
+    frames: Vec<(f64, f64, f64)>,
+    corrections: usize,
+}
+
+impl Drawn {
+    fn worst_off_deg(&self, from_ms: f64) -> f64 {
+        let off = |(_, drawn, truth): &(f64, f64, f64)| {
+            ((drawn - truth + 180.0).rem_euclid(360.0) - 180.0).abs()
+        };
+        let seen = self.frames.iter().filter(|(ms, ..)| *ms >= from_ms);
+        seen.map(off).fold(0.0, f64::max)
+    }
+}
+
+/// A wheel at these speeds, each for so many milliseconds, reported fifty times a second.
+fn drive(speeds: &[(f64, u32)]) -> Drawn {
+    let mut estimator = Estimator::default();
+    let mut course: Option<Course> = None;
+    let mut drawn = Drawn {
+        frames: Vec::new(),
+        corrections: 0,
+    };
+    let (mut truth, mut now, mut looked) = (0.0, 0.0_f64, f64::NEG_INFINITY);
+    let mut step = 0_u32;
+    for (rpm, ms) in speeds {
+        for _ in 0..*ms {
+            if step.is_multiple_of(20) {
+                let angle = ReportedAngle {
+                    degrees: f64::rem_euclid(truth, 360.0),
+                    quality: AngleQuality::Fine,
+                };
+                estimator.report(now, Some(angle), rpm.round());
+            }
+            // A frame behind the time that was asked for, as timers and frames go.
+            if now - looked >= LOOK_EVERY_MS + 16.0 {
+                looked = now;
+                let heading = estimator.frame(now).heading;
+                let next = Course::next(course, heading, now);
+                drawn.corrections += usize::from(next.is_some());
+                course = next.or(course);
+            }
+            if let Some(course) = course.filter(|_| step.is_multiple_of(17)) {
+                drawn.frames.push((now, course.angle_at(now), truth));
+            }
+            truth -= 6.0 * rpm / 1_000.0;
+            now += 1.0;
+            step += 1;
+        }
+    }
+    drawn
+}
+
+#[test]
+fn a_wheel_that_runs_evenly_is_seldom_sent_on_and_never_far_off() {
+    for rpm in [20.0, 100.4, -210.3, 330.0] {
+        let drawn = drive(&[(rpm, 10_000)]);
+        assert!(
+            drawn.worst_off_deg(1_000.0) < 4.0,
+            "{rpm}: {}",
+            drawn.worst_off_deg(1_000.0)
+        );
+        let corrections = drawn.corrections;
+        assert!(corrections < 60, "{rpm}: {corrections} in 10 s");
+    }
+}
+
+#[test]
+fn the_drawn_wheel_stands_where_the_wheel_stands() {
+    let drawn = drive(&[(100.0, 1_500), (50.0, 60), (20.0, 60), (0.0, 1_000)]);
+    let (_, angle, truth) = *drawn.frames.last().unwrap();
+    assert!((angle - truth).abs() < 0.05, "{angle} {truth}");
+}
+
+#[test]
+fn a_wheel_that_slows_down_is_never_turned_back() {
+    let slower: Vec<_> = (0..60).map(|n| (f64::from(120 - n * 2), 20)).collect();
+    let drawn = drive(&slower);
+    for pair in drawn.frames.windows(2) {
+        assert!(pair[1].1 <= pair[0].1 + 0.01, "{pair:?}");
+    }
+}
+
+#[test]
+fn without_reports_the_wheel_stops_by_itself() {
+    let heading = Heading {
+        way: Way::On,
+        angle_deg: 10.0,
+        rate_deg_per_s: -600.0,
+        known_until_ms: 1_400.0,
+    };
+    let course = Course::begun(heading, 1_000.0);
+    assert!((course.angle_at(1_400.0) + 230.0).abs() < 1e-9);
+    let moved = course.angle_at(9_999.0) - course.angle_at(1_400.0);
+    assert!(moved.abs() < f64::EPSILON);
+}
+
+#[test]
+fn another_place_is_not_wound_to() {
+    let heading = |angle_deg| Heading {
+        way: Way::On,
+        angle_deg,
+        rate_deg_per_s: 0.0,
+        known_until_ms: 500.0,
+    };
+    let course = Course::begun(heading(0.0), 0.0);
+    let next = course.corrected(heading(100.0), 10.0).unwrap();
+    assert!((next.angle_at(10.0) - 100.0).abs() < f64::EPSILON);
+    assert_eq!(course.corrected(heading(0.01), 600.0), None);
+}
+
+/// The page was hidden, or another motor was chosen: the wheel is put where it is, not wound there.
+#[test]
+fn a_way_that_nobody_saw_is_not_drawn() {
+    let heading = |way, angle_deg| Heading {
+        way,
+        angle_deg,
+        rate_deg_per_s: 0.0,
+        known_until_ms: 500.0,
+    };
+    let course = Course::next(None, heading(Way::There, 0.0), 0.0);
+    let next = Course::next(course, heading(Way::There, 80.0), 10.0).unwrap();
+    assert!((next.angle_at(10.0) - 80.0).abs() < f64::EPSILON);
+}
+
+/// Disconnected at speed: the wheel stays as the browser drew it last.
+#[test]
+fn a_wheel_of_which_nothing_is_known_stays_as_it_is_drawn() {
+    let turning = Heading {
+        way: Way::There,
+        angle_deg: 0.0,
+        rate_deg_per_s: -1_200.0,
+        known_until_ms: 500.0,
+    };
+    let course = Course::next(None, turning, 0.0);
+    let unknown = Heading {
+        way: Way::Nowhere,
+        angle_deg: 0.0,
+        rate_deg_per_s: 0.0,
+        known_until_ms: 40.0,
+    };
+    let next = Course::next(course, unknown, 40.0).unwrap();
+    assert!((next.angle_at(90.0) + 48.0).abs() < 1e-9);
+    assert_eq!(Course::next(Some(next), unknown, 90.0), None);
+}

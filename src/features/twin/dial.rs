@@ -1,0 +1,95 @@
+//! The ring round the wheel: speed as an arc, the scale beside it, and the pointers of the goal.
+
+use motorlink_i18n::tr;
+
+use crate::features::twin::{
+    geometry::{arc, circle, polar, spokes},
+    markup::Markup,
+    measures as mm,
+    scale::{END_DEG, LIMIT_RPM, bearing_deg},
+};
+
+/// Steps of the short ticks, in rpm.
+const TICK_RPM: u16 = 10;
+/// Steps of the long ones, which carry figures.
+const FIGURE_RPM: u16 = 100;
+
+/// The ring with its scale, drawn under the wheel.
+pub fn ring(art: &mut Markup) {
+    art.path("twin-track", arc(mm::RING, -END_DEG, END_DEG));
+    let ticks =
+        |step: u16, end: f64| spokes(scale(step).into_iter().map(bearing_deg), mm::TICKS, end);
+    art.path("twin-tick", ticks(TICK_RPM, mm::TICKS_SHORT));
+    art.path("twin-tick-long", ticks(FIGURE_RPM, mm::TICKS_LONG));
+    art.path(
+        "twin-tick-long",
+        spokes([-END_DEG, END_DEG].into_iter(), mm::TICKS, mm::TICKS_LONG),
+    );
+    art.group("twin-scale", |art| {
+        for rpm in scale(FIGURE_RPM) {
+            art.text(
+                "twin-figure",
+                polar(bearing_deg(rpm), mm::FIGURES),
+                &signed(rpm),
+            );
+        }
+        // Below the ends, where no pointer comes.
+        art.text("twin-way", polar(-END_DEG - 8.0, mm::FIGURES), tr!("CCW"));
+        art.text("twin-way", polar(END_DEG + 8.0, mm::FIGURES), tr!("CW"));
+    });
+}
+
+/// What moves on the ring, drawn over the wheel.
+pub fn needles(art: &mut Markup) {
+    // From the negative end to the positive one, measured in rpm: a speed is a dash on it.
+    art.measured_path(
+        "twin-speed",
+        2.0 * LIMIT_RPM,
+        arc(mm::RING, END_DEG, -END_DEG),
+    );
+    art.path("twin-knob", circle(0.0, mm::RING, 2.1));
+    art.path(
+        "twin-goal-speed",
+        "M-2.4 -63.6H2.4V-61.8L0 -58.7L-2.4 -61.8Z",
+    );
+    art.path("twin-goal-angle", "M-2.4 -55.1H2.4L0 -51.4Z");
+}
+
+/// The round speeds of the scale, both sides and zero.
+fn scale(step_rpm: u16) -> Vec<f64> {
+    let reach = (1..)
+        .map(|place: u16| f64::from(place * step_rpm))
+        .take_while(|rpm| *rpm <= LIMIT_RPM);
+    let mut speeds = vec![0.0];
+    for rpm in reach {
+        speeds.extend([rpm, -rpm]);
+    }
+    speeds
+}
+
+/// A speed as the scale writes it.
+fn signed(rpm: f64) -> String {
+    match rpm {
+        0.0 => "0".to_owned(),
+        rpm if rpm < 0.0 => format!("\u{2212}{}", -rpm),
+        rpm => format!("+{rpm}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_has_zero_and_both_sides() {
+        assert_eq!(scale(100).len(), 7);
+        assert_eq!(scale(10).len(), 67);
+        assert!(scale(100).iter().all(|rpm| rpm.abs() <= LIMIT_RPM));
+    }
+
+    #[test]
+    fn figures_carry_a_sign_and_a_real_minus() {
+        let said: Vec<_> = [0.0, 100.0, -330.0].into_iter().map(signed).collect();
+        assert_eq!(said, ["0", "+100", "\u{2212}330"]);
+    }
+}

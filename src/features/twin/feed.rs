@@ -1,0 +1,237 @@
+//! What the page tells the twin: reports, the goal, and what the bus does.
+
+use std::rc::Rc;
+
+use motorlink_messages::bus::Activity;
+use motorlink_messages::protocol::{Rpm, Setpoint};
+
+use crate::features::twin::{
+    motion::{AngleQuality, Estimator, FRESH_MS, Pose, ReportedAngle},
+    texts::{Figures, Motion},
+};
+
+/// The twin's view of one motor: plain data, fed from the page at any rate and read by the twin once
+/// a frame. Nothing in it is a signal.
+///
+/// All times are milliseconds on the page's `performance.now()` clock.
+#[derive(Default)]
+pub struct TwinFeed {
+    estimator: Estimator,
+    /// Last reported speed, and when.
+    speed: Option<(f64, Rpm)>,
+    angle_known: bool,
+    goal: Option<Setpoint>,
+    activity: Option<Activity>,
+    drawn: Option<Drawn>,
+    /// Wakes the component, which sleeps while nothing moves.
+    wake: Option<Rc<dyn Fn()>>,
+}
+
+/// The wheel as it was drawn last, for others that show its angle too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drawn {
+    /// The angle in degrees, unwrapped: it may be any number. As a clockwise rotation it turns a
+    /// drawing the right way.
+    pub angle_deg: f64,
+    /// The figures that go with it.
+    pub figures: Figures,
+}
+
+/// Everything that one frame shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct View {
+    pub pose: Pose,
+    pub motion: Motion,
+    /// `None` before the first report.
+    pub figures: Option<Figures>,
+    pub goal: Option<Setpoint>,
+    /// Whether the goal is being sent.
+    pub driven: bool,
+    /// When the view changes by itself though nothing moves: then its data is stale.
+    pub fresh_until_ms: Option<f64>,
+}
+
+impl TwinFeed {
+    /// A reply of the motor, measured at `page_ms`.
+    ///
+    /// `angle_deg` is the reported angle, 0 to 360, falling at positive speed; `None` where the reply
+    /// holds none. `quality` tells drive replies from query replies. `speed_rpm` is the reported
+    /// speed. Replies must come in the order in which they were measured; an older one is passed
+    /// over.
+    pub fn sample(
+        &mut self,
+        page_ms: f64,
+        angle_deg: Option<f64>,
+        quality: AngleQuality,
+        speed_rpm: i16,
+    ) {
+        if !page_ms.is_finite() {
+            return;
+        }
+        let angle = angle_deg.map(|degrees| ReportedAngle { degrees, quality });
+        self.angle_known |= angle.is_some();
+        self.estimator.report(page_ms, angle, f64::from(speed_rpm));
+        self.speed = Some((page_ms, Rpm::new(speed_rpm)));
+        self.wake();
+    }
+
+    /// What is asked of the motor, as the page shows it; it is drawn as the pointer.
+    pub fn set_goal(&mut self, goal: Option<Setpoint>) {
+        if self.goal != goal {
+            self.goal = goal;
+            self.wake();
+        }
+    }
+
+    /// What the bus does with the motor.
+    pub fn set_activity(&mut self, activity: Option<Activity>) {
+        if self.activity != activity {
+            self.activity = activity;
+            self.wake();
+        }
+    }
+
+    /// Disconnected, or another motor: nothing is known. The wheel stays where it was drawn.
+    pub fn clear(&mut self) {
+        self.estimator.clear();
+        self.speed = None;
+        self.angle_known = false;
+        self.goal = None;
+        self.activity = None;
+        self.drawn = None;
+        self.wake();
+    }
+
+    /// What was drawn last; `None` before the first reported angle.
+    #[must_use]
+    pub const fn drawn(&self) -> Option<Drawn> {
+        self.drawn
+    }
+
+    /// Calls `wake` whenever there is something new. It must not touch the feed.
+    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
+        self.wake = Some(wake);
+    }
+
+    fn wake(&self) {
+        if let Some(wake) = &self.wake {
+            wake();
+        }
+    }
+
+    /// What to show at this moment.
+    pub(crate) fn view(&mut self, now_ms: f64) -> View {
+        let pose = self.estimator.frame(now_ms);
+        let fresh = self
+            .speed
+            .filter(|(at_ms, _)| now_ms - at_ms <= FRESH_MS)
+            .map(|(_, speed)| speed);
+        let angle_deg = self.angle_known.then_some(pose.heading.angle_deg);
+        let figures = self
+            .speed
+            .map(|(_, speed)| Figures::new(speed, angle_deg, self.estimator.turns()));
+        self.drawn = angle_deg
+            .zip(figures)
+            .map(|(angle_deg, figures)| Drawn { angle_deg, figures });
+        let driven = match self.activity {
+            Some(Activity::Driven { .. } | Activity::DrivenRaw | Activity::Stopping { .. }) => true,
+            Some(Activity::Idle | Activity::Switching { .. }) | None => false,
+        };
+        View {
+            pose,
+            motion: Motion::of(fresh, self.goal, self.activity),
+            figures,
+            goal: self.goal,
+            driven,
+            fresh_until_ms: self.speed.map(|(at_ms, _)| at_ms + FRESH_MS),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use motorlink_messages::protocol::SpeedTarget;
+
+    use super::*;
+
+    #[test]
+    fn news_wake_the_twin_and_old_news_do_not() {
+        let woken = Rc::new(Cell::new(0));
+        let mut feed = TwinFeed::default();
+        feed.on_news(Rc::new({
+            let woken = Rc::clone(&woken);
+            move || woken.set(woken.get() + 1)
+        }));
+        let goal = Some(Setpoint::velocity(SpeedTarget::ZERO));
+        feed.sample(0.0, Some(1.0), AngleQuality::Fine, 0);
+        feed.set_goal(goal);
+        feed.set_goal(goal);
+        feed.set_activity(Some(Activity::Idle));
+        feed.set_activity(Some(Activity::Idle));
+        feed.clear();
+        assert_eq!(woken.get(), 4);
+    }
+
+    /// The story of a stop, as the page tells it.
+    #[test]
+    fn a_stop_is_braking_until_the_wheel_stands() {
+        let mut feed = TwinFeed::default();
+        assert_eq!(feed.view(0.0).motion, Motion::NoData);
+        feed.sample(0.0, Some(90.0), AngleQuality::Fine, 100);
+        assert_eq!(feed.view(5.0).motion, Motion::SpinningCcw);
+        feed.set_activity(Some(Activity::Stopping { confirmed: false }));
+        feed.sample(20.0, Some(78.0), AngleQuality::Fine, 60);
+        assert_eq!(feed.view(25.0).motion, Motion::Braking);
+        feed.sample(40.0, Some(75.0), AngleQuality::Fine, 0);
+        let view = feed.view(45.0);
+        assert_eq!(view.motion, Motion::Stationary);
+        assert_eq!(view.fresh_until_ms, Some(540.0));
+        assert_eq!(feed.view(541.0).motion, Motion::NoData);
+    }
+
+    /// A speed without an angle is enough for the words, and draws no guess of an angle.
+    #[test]
+    fn speed_alone_is_said() {
+        let mut feed = TwinFeed::default();
+        feed.sample(0.0, None, AngleQuality::Fine, -20);
+        let view = feed.view(1.0);
+        assert_eq!(view.motion, Motion::SpinningCw);
+        assert_eq!(view.figures.unwrap().angle_text(), "–°");
+    }
+
+    /// One counts the turns of the drawn wheel, so that the page shows one number of them.
+    #[test]
+    fn what_was_drawn_last_tells_the_turns_through_many_of_them() {
+        let mut feed = TwinFeed::default();
+        feed.sample(0.0, Some(30.0), AngleQuality::Fine, 100);
+        assert_eq!(feed.drawn(), None, "nothing was drawn yet");
+        // 100 rpm make the angle fall by 12 degrees in 20 ms, and 3 turns in 1.8 s.
+        for place in 0..=90_u32 {
+            let at_ms = f64::from(place) * 20.0;
+            let angle = (30.0 - f64::from(place) * 12.0).rem_euclid(360.0);
+            feed.sample(at_ms, Some(angle), AngleQuality::Fine, 100);
+            feed.view(at_ms);
+        }
+        let drawn = feed.drawn().unwrap();
+        assert!((drawn.angle_deg - (30.0 - 1080.0)).abs() < 0.5, "{drawn:?}");
+        assert_eq!(drawn.figures.turns_text(), "+3.0 turns");
+        feed.clear();
+        assert_eq!(feed.drawn(), None);
+    }
+
+    #[test]
+    fn clearing_forgets_all() {
+        let mut feed = TwinFeed::default();
+        feed.sample(0.0, Some(90.0), AngleQuality::Coarse, 100);
+        feed.set_goal(Some(Setpoint::Brake));
+        feed.clear();
+        let view = feed.view(1.0);
+        assert_eq!(
+            (view.motion, view.figures, view.goal),
+            (Motion::NoData, None, None)
+        );
+        assert_eq!(view.fresh_until_ms, None);
+    }
+}

@@ -1,0 +1,198 @@
+//! The materials: rubber, aluminium, a black cover, steel, and the light on them.
+//!
+//! The light stands still in the room while the wheel turns, so nothing here turns. Colours are
+//! classes that the style sheet gives to `stop-color`.
+
+use crate::features::twin::{
+    markup::{
+        Gradient::{AgainstLight, AlongLight, Domed, Outwards},
+        Markup,
+    },
+    measures as mm,
+};
+
+/// The gradients that [`artwork`](super::artwork) names.
+pub fn gradients(defs: &mut Markup) {
+    shadow(defs);
+    tyre(defs);
+    hub(defs);
+    cover(defs);
+    axle(defs);
+}
+
+fn shadow(defs: &mut Markup) {
+    defs.gradient(
+        "twin-shadow",
+        Outwards(mm::SHADOW),
+        &[
+            (0.80, "twin-shade", 0.38),
+            (0.88, "twin-shade", 0.17),
+            (0.95, "twin-shade", 0.04),
+            (1.0, "twin-shade", 0.0),
+        ],
+    );
+}
+
+fn tyre(defs: &mut Markup) {
+    let at = |radius: f64| radius / mm::TYRE;
+    defs.gradient(
+        "twin-carcass",
+        Outwards(mm::TYRE),
+        &[
+            (at(mm::SHOULDER), "twin-rubber-deep", 1.0),
+            (at(mm::CARCASS), "twin-rubber-black", 1.0),
+        ],
+    );
+    // What the eye sees of blocks and gaps that run together. Beyond the carcass gaps are air.
+    defs.gradient(
+        "twin-tread-band",
+        Outwards(mm::TYRE),
+        &[
+            (at(mm::SHOULDER), "twin-rubber-deep", 1.0),
+            (at(45.0), "twin-rubber", 1.0),
+            (at(47.4), "twin-rubber-lit", 1.0),
+            (at(mm::CARCASS - 0.3), "twin-rubber", 1.0),
+            (at(mm::CARCASS), "twin-rubber", 0.75),
+            (1.0, "twin-rubber", 0.45),
+        ],
+    );
+    // The sidewall bulges: dark at the bead, lit where it stands out, dark into the shoulder.
+    defs.gradient(
+        "twin-sidewall",
+        Outwards(mm::TYRE),
+        &[
+            (at(mm::HUB), "twin-rubber-black", 1.0),
+            (at(39.0), "twin-rubber-deep", 1.0),
+            (at(41.6), "twin-rubber-lit", 1.0),
+            (at(43.2), "twin-rubber", 1.0),
+            (at(mm::SIDEWALL), "twin-rubber-deep", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-tyre-light",
+        AlongLight(mm::TYRE),
+        &[
+            (0.0, "twin-light", 0.24),
+            (0.30, "twin-light", 0.09),
+            (0.54, "twin-light", 0.01),
+            (0.55, "twin-shade", 0.0),
+            (0.82, "twin-shade", 0.30),
+            // The page throws a little light back from below.
+            (1.0, "twin-shade", 0.08),
+        ],
+    );
+}
+
+fn hub(defs: &mut Markup) {
+    defs.gradient(
+        "twin-chamfer",
+        AlongLight(mm::HUB),
+        &[
+            (0.0, "twin-alu-bright", 1.0),
+            (0.35, "twin-alu-lit", 1.0),
+            (0.65, "twin-alu-deep", 1.0),
+            (1.0, "twin-alu-dark", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-chamfer-inner",
+        AgainstLight(mm::HUB),
+        &[
+            (0.0, "twin-alu-bright", 1.0),
+            (0.3, "twin-alu", 1.0),
+            (1.0, "twin-alu-dark", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-hub-face",
+        AlongLight(mm::HUB),
+        &[
+            (0.0, "twin-alu-lit", 1.0),
+            (0.5, "twin-alu", 1.0),
+            (1.0, "twin-alu-deep", 1.0),
+        ],
+    );
+    let at = |radius: f64| radius / mm::HUB;
+    let reach = mm::HOLE * 0.95;
+    defs.gradient(
+        "twin-hole-band",
+        Outwards(mm::HUB),
+        &[
+            (at(mm::HOLES - reach), "twin-pit", 0.0),
+            (at(mm::HOLES - reach * 0.5), "twin-pit", 0.30),
+            (at(mm::HOLES), "twin-pit", 0.36),
+            (at(mm::HOLES + reach * 0.5), "twin-pit", 0.30),
+            (at(mm::HOLES + reach), "twin-pit", 0.0),
+        ],
+    );
+}
+
+fn cover(defs: &mut Markup) {
+    defs.gradient(
+        "twin-cover",
+        Domed(mm::COVER),
+        &[
+            (0.0, "twin-cover-lit", 1.0),
+            (0.55, "twin-cover", 1.0),
+            (1.0, "twin-cover-deep", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-cover-edge",
+        AlongLight(mm::COVER),
+        &[
+            (0.0, "twin-cover-bright", 1.0),
+            (0.45, "twin-cover", 1.0),
+            (1.0, "twin-cover-black", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-cover-step",
+        AgainstLight(mm::STEP),
+        &[
+            (0.0, "twin-cover-bright", 1.0),
+            (0.5, "twin-cover", 1.0),
+            (1.0, "twin-cover-black", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-gloss",
+        Domed(mm::COVER),
+        &[
+            (0.0, "twin-light", 0.20),
+            (0.45, "twin-light", 0.04),
+            (0.7, "twin-light", 0.0),
+        ],
+    );
+}
+
+fn axle(defs: &mut Markup) {
+    defs.gradient(
+        "twin-recess",
+        AgainstLight(mm::RECESS),
+        &[
+            (0.0, "twin-cover-lit", 1.0),
+            (0.35, "twin-pit", 1.0),
+            (1.0, "twin-pit", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-steel",
+        AlongLight(mm::AXLE),
+        &[
+            (0.0, "twin-steel-bright", 1.0),
+            (0.45, "twin-steel", 1.0),
+            (0.55, "twin-steel-lit", 1.0),
+            (1.0, "twin-steel-deep", 1.0),
+        ],
+    );
+    defs.gradient(
+        "twin-steel-inner",
+        AgainstLight(mm::AXLE),
+        &[
+            (0.0, "twin-steel-bright", 1.0),
+            (0.5, "twin-steel-lit", 1.0),
+            (1.0, "twin-steel-deep", 1.0),
+        ],
+    );
+}

@@ -1,0 +1,144 @@
+//! Puts a view on the screen by setting a few attributes of the picture, and only those that differ.
+
+use leptos::web_sys::{Element, SvgElement};
+use motorlink_messages::protocol::Setpoint;
+
+use crate::{
+    features::twin::{
+        blur::{sharpness, trail_deg},
+        feed::View,
+        measures as mm,
+        scale::{bearing_deg, dash},
+        texts::{Motion, description},
+        turning::Turning,
+    },
+    ui::attribute::Attribute,
+};
+
+/// The moving parts of a mounted picture.
+pub struct Painter {
+    look: Attribute,
+    description: (Element, String),
+    turning: Turning,
+    tread: Attribute,
+    tread_band: Attribute,
+    holes: Attribute,
+    hole_band: Attribute,
+    trail: Attribute,
+    trail_side: Attribute,
+    speed_length: Attribute,
+    speed_start: Attribute,
+    knob: Attribute,
+    goal_speed: Attribute,
+    goal_angle: Attribute,
+}
+
+impl Painter {
+    /// Finds the moving parts; `None` where the element does not hold the picture.
+    pub fn of(picture: &SvgElement) -> Option<Self> {
+        let find = |selector, name| Attribute::find(picture, selector, name);
+        Some(Self {
+            look: Attribute::of(picture.clone().into(), "data-look"),
+            description: (
+                picture.query_selector("desc").ok().flatten()?,
+                String::new(),
+            ),
+            turning: Turning::find(picture)?,
+            tread: find(".twin-tread", "opacity")?,
+            tread_band: find(".twin-tread-band", "opacity")?,
+            holes: find(".twin-holes", "opacity")?,
+            hole_band: find(".twin-hole-band", "opacity")?,
+            trail: find(".twin-trail", "stroke-dasharray")?,
+            trail_side: find(".twin-trail", "transform")?,
+            speed_length: find(".twin-speed", "stroke-dasharray")?,
+            speed_start: find(".twin-speed", "stroke-dashoffset")?,
+            knob: find(".twin-knob", "transform")?,
+            goal_speed: find(".twin-goal-speed", "transform")?,
+            goal_angle: find(".twin-goal-angle", "transform")?,
+        })
+    }
+
+    /// Shows a view.
+    pub fn paint(&mut self, view: &View, now_ms: f64) {
+        self.turning.steer(view.pose.heading, now_ms);
+        self.paint_wheel(view);
+        self.paint_speed(view.pose.speed_rpm);
+        self.paint_goal(view.goal);
+        self.look.set(look(view));
+        let said = description(view.motion, view.figures.map(|figures| figures.speed));
+        if self.description.1 != said {
+            self.description.0.set_text_content(Some(&said));
+            self.description.1 = said;
+        }
+    }
+
+    fn paint_wheel(&mut self, view: &View) {
+        let rpm = view.pose.speed_rpm;
+        // Frozen, the wheel is seen as it is.
+        let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
+        let tread = sharpness(blurred_rpm, mm::TREAD_BLOCKS);
+        self.tread.set(opacity(tread));
+        self.tread_band.set(opacity(1.0 - tread));
+        let holes = sharpness(blurred_rpm, mm::HOLE_COUNT);
+        self.holes.set(opacity(holes));
+        self.hole_band.set(opacity(1.0 - holes));
+        // In steps of two degrees, as above.
+        let trail = (trail_deg(blurred_rpm) / 2.0).round() * 2.0;
+        self.trail.set(format!("{trail:.0} 360"));
+        // The trail is drawn clockwise of the mark, where it belongs while the wheel turns the other
+        // way.
+        let side = if rpm < 0.0 {
+            "scale(-1 1)"
+        } else {
+            "scale(1 1)"
+        };
+        self.trail_side.set(side.to_owned());
+    }
+
+    /// To half a revolution a minute, a quarter of a degree on the ring: finer would have the ring
+    /// drawn anew with every report of a wheel that runs evenly.
+    fn paint_speed(&mut self, rpm: f64) {
+        let rpm = (rpm * 2.0).round() / 2.0;
+        let dash = dash(rpm);
+        self.speed_length.set(format!("{:.2} 999", dash.length));
+        self.speed_start.set(format!("{:.2}", -dash.start));
+        self.knob.rotate(bearing_deg(rpm));
+    }
+
+    fn paint_goal(&mut self, goal: Option<Setpoint>) {
+        match goal {
+            Some(Setpoint::Velocity { speed, .. }) => {
+                self.goal_speed.rotate(bearing_deg(f64::from(speed.rpm())));
+            }
+            Some(Setpoint::Brake) => self.goal_speed.rotate(0.0),
+            Some(Setpoint::Position(target)) => {
+                self.goal_angle.rotate(f64::from(target.degrees()));
+            }
+            Some(Setpoint::Current(_)) | None => {}
+        }
+    }
+}
+
+/// The states that the style sheet tells apart, as words of the attribute `data-look`.
+fn look(view: &View) -> String {
+    let motion = match view.motion {
+        Motion::NoData => "stale",
+        Motion::Stationary => "stands",
+        Motion::Braking => "brakes",
+        Motion::SpinningCw | Motion::SpinningCcw if view.driven => "drives",
+        Motion::SpinningCw | Motion::SpinningCcw => "coasts",
+    };
+    let goal = match view.goal {
+        Some(Setpoint::Velocity { .. } | Setpoint::Brake) => " goal-speed",
+        Some(Setpoint::Position(_)) => " goal-angle",
+        // The ring is a scale of speeds: a pointer on it that meant amps would lie.
+        Some(Setpoint::Current(_)) | None => "",
+    };
+    let driven = if view.driven { " goal-driven" } else { "" };
+    format!("{motion}{goal}{driven}")
+}
+
+/// In steps of a twentieth: what changes inside the turning layer has it rastered again.
+fn opacity(part: f64) -> String {
+    format!("{:.2}", (part * 20.0).round() / 20.0)
+}

@@ -1,0 +1,53 @@
+//! What the motor does: its twin.
+
+use leptos::prelude::*;
+use motorlink_i18n::{terms, tr};
+use motorlink_messages::{bus::Activity, protocol::Mode};
+
+use crate::{
+    features::twin::{DigitalTwin, texts::no_motor},
+    model::desk::use_desk,
+    ui::{format, reactive::live},
+};
+
+#[component]
+pub(crate) fn WheelPanel() -> impl IntoView {
+    let desk = use_desk();
+    let chip = desk.of_motor(|session, id| {
+        let motor = session.motor(id)?;
+        let words = match motor.activity {
+            Activity::Driven { setpoint } => tr!("Goal {goal}", goal = format::goal(setpoint)),
+            Activity::Stopping { .. } => tr!("Braking to a standstill").to_owned(),
+            Activity::DrivenRaw => tr!("Driven by raw frames").to_owned(),
+            Activity::Switching { to } => tr!("Changing to the {mode}", mode = terms::mode(to)),
+            Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
+        };
+        // The figures below the wheel are those of the wheel that is seen.
+        Some(if session.mirror(id).is_mirrored() {
+            tr!("{words} · mirrored", words)
+        } else {
+            words
+        })
+    });
+    let driven = desk.of_motor(|session, id| {
+        let activity = session.motor(id).map(|motor| motor.activity);
+        matches!(activity, Some(Activity::Driven { .. }))
+    });
+    view! {
+        <section class="panel wheel-panel" aria-label=tr!("Wheel")>
+            <p class="chip wheel-chip" class:active=driven>
+                {live(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
+            </p>
+            <DigitalTwin feed=desk.feed />
+        </section>
+    }
+}
+
+/// As a heading.
+pub(crate) fn loop_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Current => tr!("Current loop"),
+        Mode::Velocity => tr!("Velocity loop"),
+        Mode::Position => tr!("Position loop"),
+    }
+}

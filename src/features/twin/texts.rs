@@ -1,0 +1,210 @@
+//! What the twin says in words and figures.
+
+use motorlink_i18n::{terms::in_language, tr};
+use motorlink_messages::bus::Activity;
+use motorlink_messages::protocol::{Rpm, Setpoint};
+
+/// What the wheel does, as the page says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Motion {
+    /// It stands.
+    Stationary,
+    /// It turns clockwise seen from its face: negative speed.
+    SpinningCw,
+    /// It turns counter-clockwise seen from its face: positive speed.
+    SpinningCcw,
+    /// It still turns and is being stopped.
+    Braking,
+    /// Nothing is known that is younger than half a second.
+    #[default]
+    NoData,
+}
+
+impl Motion {
+    /// From the last speed if that is fresh, what is asked of the motor, and what the bus does.
+    #[must_use]
+    pub fn of(speed: Option<Rpm>, goal: Option<Setpoint>, activity: Option<Activity>) -> Self {
+        let Some(speed) = speed else {
+            return Self::NoData;
+        };
+        let stopped = match activity {
+            Some(Activity::Stopping { .. }) => true,
+            Some(Activity::Driven { setpoint }) => setpoint == Setpoint::Brake,
+            Some(Activity::Idle | Activity::Switching { .. } | Activity::DrivenRaw) | None => {
+                goal == Some(Setpoint::Brake)
+            }
+        };
+        match speed.rpm() {
+            0 => Self::Stationary,
+            _ if stopped => Self::Braking,
+            1.. => Self::SpinningCcw,
+            _ => Self::SpinningCw,
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Stationary => tr!("Stationary"),
+            Self::SpinningCw => tr!("Spinning CW"),
+            Self::SpinningCcw => tr!("Spinning CCW"),
+            Self::Braking => tr!("Braking"),
+            Self::NoData => tr!("No data"),
+        }
+    }
+}
+
+/// The figures under the wheel, in the steps in which they are shown, so that equal figures are
+/// equal values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Figures {
+    /// Last reported speed.
+    pub speed: Rpm,
+    /// Tenths of a degree, 0 to 3599; unknown before the first reported angle.
+    pub angle_tenths: Option<i32>,
+    /// Tenths of a turn since connecting, positive in the direction of positive speed.
+    pub turns_tenths: i64,
+}
+
+impl Figures {
+    /// From the drawn angle in degrees, unwrapped, and the turns.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a float cast saturates, and no wheel turns that often"
+    )]
+    pub fn new(speed: Rpm, angle_deg: Option<f64>, turns: f64) -> Self {
+        Self {
+            speed,
+            // Rounded before it is wrapped: 359.96 is shown as 0.0, not as 360.0.
+            angle_tenths: angle_deg.map(|deg| (deg * 10.0).round().rem_euclid(3_600.0) as i32),
+            turns_tenths: (turns * 10.0).round() as i64,
+        }
+    }
+
+    /// `+100 rpm`
+    #[must_use]
+    pub fn speed_text(self) -> String {
+        self.speed.to_string()
+    }
+
+    /// `66.9°`
+    #[must_use]
+    pub fn angle_text(self) -> String {
+        self.angle_tenths.map_or_else(
+            || "\u{2013}°".to_owned(),
+            |tenths| in_language(format!("{}.{}°", tenths / 10, tenths % 10)),
+        )
+    }
+
+    /// `+12.4 turns`
+    #[must_use]
+    pub fn turns_text(self) -> String {
+        let sign = if self.turns_tenths < 0 {
+            '\u{2212}'
+        } else {
+            '+'
+        };
+        let tenths = self.turns_tenths.unsigned_abs();
+        tr!(
+            "{turns} turns",
+            turns = in_language(format!("{sign}{}.{}", tenths / 10, tenths % 10))
+        )
+    }
+}
+
+/// The description of the picture for those who do not see it: it changes with the motion and with
+/// every ten rpm, not with every report.
+#[must_use]
+pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
+    match (motion, speed) {
+        (Motion::NoData, _) | (_, None) => {
+            tr!("The wheel, greyed: its motor reports nothing.").to_owned()
+        }
+        (Motion::Stationary, _) => tr!("The wheel stands still.").to_owned(),
+        (Motion::Braking, _) => tr!("The wheel is being stopped.").to_owned(),
+        (Motion::SpinningCw | Motion::SpinningCcw, Some(speed)) => {
+            let clockwise = motion == Motion::SpinningCw;
+            match (speed.magnitude() + 5) / 10 * 10 {
+                0 if clockwise => tr!("The wheel turns clockwise, slowly.").to_owned(),
+                0 => tr!("The wheel turns counter-clockwise, slowly.").to_owned(),
+                rpm if clockwise => tr!("The wheel turns clockwise at about {rpm} rpm.", rpm),
+                rpm => tr!("The wheel turns counter-clockwise at about {rpm} rpm.", rpm),
+            }
+        }
+    }
+}
+
+/// Above the wheel, before a motor has answered.
+pub(crate) fn no_motor() -> &'static str {
+    tr!("No motor: press Connect")
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Mode, SpeedTarget};
+
+    use super::*;
+
+    const fn driven(setpoint: Setpoint) -> Activity {
+        Activity::Driven { setpoint }
+    }
+
+    #[test]
+    fn motion_follows_what_is_known() {
+        let run = Setpoint::velocity(SpeedTarget::new(100).unwrap());
+        let stop = Some(Activity::Stopping { confirmed: false });
+        let table = [
+            (None, None, None, "No data"),
+            (None, Some(run), stop, "No data"),
+            (Some(0), None, None, "Stationary"),
+            (Some(0), Some(Setpoint::Brake), stop, "Stationary"),
+            (Some(100), Some(run), Some(driven(run)), "Spinning CCW"),
+            (Some(-1), Some(run), Some(driven(run)), "Spinning CW"),
+            (Some(100), Some(run), stop, "Braking"),
+            (Some(-40), None, Some(driven(Setpoint::Brake)), "Braking"),
+            (Some(-40), Some(Setpoint::Brake), None, "Braking"),
+            // What is sent counts, not what will be.
+            (
+                Some(40),
+                Some(Setpoint::Brake),
+                Some(driven(run)),
+                "Spinning CCW",
+            ),
+            (
+                Some(40),
+                None,
+                Some(Activity::Switching { to: Mode::Current }),
+                "Spinning CCW",
+            ),
+        ];
+        for (rpm, goal, activity, expected) in table {
+            let motion = Motion::of(rpm.map(Rpm::new), goal, activity);
+            assert_eq!(motion.text(), expected, "{rpm:?} {goal:?} {activity:?}");
+        }
+    }
+
+    #[test]
+    fn figures_carry_a_real_minus_and_wrap_after_rounding() {
+        let figures = Figures::new(Rpm::new(-100), Some(359.96), -12.44);
+        assert_eq!(figures.speed_text(), "\u{2212}100 rpm");
+        assert_eq!(figures.angle_text(), "0.0°");
+        assert_eq!(figures.turns_text(), "\u{2212}12.4 turns");
+        let figures = Figures::new(Rpm::new(7), Some(-293.0), 0.04);
+        assert_eq!(figures.angle_text(), "67.0°");
+        assert_eq!(figures.turns_text(), "+0.0 turns");
+        assert_eq!(Figures::new(Rpm::new(0), None, 0.0).angle_text(), "–°");
+    }
+
+    #[test]
+    fn the_description_does_not_chatter() {
+        let said = |rpm| description(Motion::SpinningCcw, Some(Rpm::new(rpm)));
+        assert_eq!(said(97), said(104));
+        assert_eq!(
+            said(100),
+            "The wheel turns counter-clockwise at about 100 rpm."
+        );
+        assert_eq!(said(2), "The wheel turns counter-clockwise, slowly.");
+    }
+}

@@ -1,0 +1,62 @@
+//! The wheel's layer, turned by the browser along a course: the page's own thread need not be there for
+//! each frame.
+
+use js_sys::{Array, Object, Reflect};
+use leptos::wasm_bindgen::JsCast;
+use leptos::web_sys::{Animation, Element, FillMode, KeyframeEffect, KeyframeEffectOptions};
+
+use crate::features::twin::{course::Course, motion::Heading};
+
+/// What turns the wheel: the one thing that differs in every frame.
+pub struct Turning {
+    element: Element,
+    course: Option<Course>,
+    running: Option<Animation>,
+}
+
+impl Turning {
+    pub(crate) fn find(picture: &Element) -> Option<Self> {
+        Some(Self {
+            element: picture.query_selector(".twin-turning").ok().flatten()?,
+            course: None,
+            running: None,
+        })
+    }
+
+    /// Sends the wheel where the reports say, if it is not on its way there.
+    pub(crate) fn steer(&mut self, heading: Heading, now_ms: f64) {
+        let next = Course::next(self.course, heading, now_ms);
+        let Some(course) = next else { return };
+        self.course = Some(course);
+        let begun = self.begin(course);
+        if let Some(before) = std::mem::replace(&mut self.running, begun) {
+            before.cancel();
+        }
+    }
+
+    /// `None` in a browser that cannot: the wheel then stands, and the figures beside it do not.
+    fn begin(&self, course: Course) -> Option<Animation> {
+        let lasts_ms = (course.until_ms - course.from_ms).max(0.0);
+        let from_deg = course.angle_deg.rem_euclid(360.0);
+        let to_deg = from_deg + course.angle_at(course.until_ms) - course.angle_deg;
+        let turned = |degrees: f64| format!("rotate({degrees:.3}deg)").into();
+        let keyframes = Object::new();
+        let angles = Array::of2(&turned(from_deg), &turned(to_deg));
+        Reflect::set(&keyframes, &"transform".into(), &angles).ok()?;
+        let options = KeyframeEffectOptions::new();
+        options.set_duration(&lasts_ms.into());
+        // Where it ends the wheel stays.
+        options.set_fill(FillMode::Forwards);
+        let effect =
+            KeyframeEffect::new_with_opt_element_and_keyframes_and_keyframe_effect_options(
+                Some(&self.element),
+                Some(&keyframes),
+                &options,
+            )
+            .ok()?;
+        let animation = Animation::new_with_effect(Some(effect.unchecked_ref())).ok()?;
+        // By the clock, not when the browser gets to it: else the wheel would wait a frame each time.
+        animation.set_start_time(Some(course.from_ms));
+        Some(animation)
+    }
+}

@@ -1,0 +1,7 @@
+//! The lines to the workers, and the browser's serial ports.
+
+pub(crate) mod clock;
+pub(crate) mod recorder_link;
+pub(crate) mod serial_ports;
+pub(crate) mod started_worker;
+pub(crate) mod worker_link;

@@ -1,0 +1,77 @@
+//! The line to the recorder, the worker that keeps the packet log and the recording.
+
+use js_sys::{Array, Uint8Array};
+use leptos::logging;
+use motorlink_messages::{
+    decode, encode,
+    recorder::{FromRecorder, ToRecorder},
+};
+use wasm_bindgen::{JsCast, JsValue};
+use web_sys::{Blob, MessageChannel};
+
+use crate::link::{
+    started_worker::{NoWorker, StartedWorker},
+    worker_link::WorkerLink,
+};
+
+/// By which the script knows that it is the recorder.
+const NAME: &str = "recorder";
+
+/// The page's end of the line to the recorder.
+pub(crate) struct RecorderLink(StartedWorker);
+
+impl RecorderLink {
+    /// Starts the recorder. `hear` gets every message, and the file that came with it; `lost` is
+    /// called when it has failed.
+    pub(crate) fn spawn(
+        mut hear: impl FnMut(FromRecorder, Option<Blob>) + 'static,
+        lost: impl FnMut() + 'static,
+    ) -> Result<Self, NoWorker> {
+        let started = StartedWorker::start(
+            NAME,
+            Box::new(move |_, data| {
+                let (bytes, file) = with_file(data);
+                match decode::<FromRecorder>(&Uint8Array::new(&bytes).to_vec()) {
+                    Ok(message) => hear(message, file),
+                    Err(error) => {
+                        logging::error!("a message of the recorder does not read: {error}");
+                    }
+                }
+            }),
+            Box::new(lost),
+        )?;
+        Ok(Self(started))
+    }
+
+    /// Sends one message, at once.
+    pub(crate) fn post(&self, message: &ToRecorder) {
+        if let Ok(bytes) = encode(message) {
+            self.0.post(&bytes);
+        }
+    }
+
+    /// Lays a line from the worker that owns the port to the recorder, so that no frame passes
+    /// through the page.
+    pub(crate) fn connect(&self, worker: &WorkerLink) {
+        match MessageChannel::new() {
+            Ok(channel) => {
+                self.0.hand_over(&channel.port1());
+                worker.hand_over(&channel.port2());
+            }
+            Err(error) => logging::error!("there is no line between the workers: {error:?}"),
+        }
+    }
+
+    /// Ends it, and frees what it held.
+    pub(crate) fn end(&self) {
+        self.0.end();
+    }
+}
+
+/// A message is bytes, or where a file comes with it, both in an array.
+fn with_file(data: &JsValue) -> (JsValue, Option<Blob>) {
+    match data.dyn_ref::<Array>() {
+        Some(pair) => (pair.get(0), pair.get(1).dyn_into().ok()),
+        None => (data.clone(), None),
+    }
+}

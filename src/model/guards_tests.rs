@@ -1,0 +1,212 @@
+//! What may be pressed, and why not.
+
+use motorlink_messages::{
+    bus::SurveyStatus,
+    protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+};
+
+use super::*;
+use crate::model::snapshot::tests::{ID, session, status};
+
+const MODES: [Mode; 3] = Mode::ALL;
+
+#[test]
+fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
+    for reported in MODES {
+        let session = session(1_000, status(1_000, reported, 0));
+        for mode in MODES {
+            let reason = why_not_drive(&session, ID, mode);
+            assert_eq!(reason.is_none(), mode == reported, "{reported} {mode}");
+            let reason = why_not_switch(&session, ID, mode);
+            assert_eq!(reason.is_none(), mode != reported, "{reported} {mode}");
+        }
+    }
+    let session = session(1_000, status(1_000, Mode::Current, 0));
+    assert_eq!(
+        why_not_drive(&session, ID, Mode::Velocity).unwrap(),
+        "Motor 0x01 reports the current loop. Press Switch to velocity loop first."
+    );
+}
+
+#[test]
+fn nothing_drives_while_it_must_not() {
+    let good = session(1_000, status(1_000, Mode::Velocity, 0));
+    assert_eq!(why_not_drive(&good, ID, Mode::Velocity), None);
+
+    let mut cases = vec![];
+    let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
+        let mut session = good.clone();
+        change(&mut session);
+        cases.push((words, session));
+    };
+    case("Not connected", &|s| {
+        s.connection = Connection::Disconnected;
+    });
+    case("being opened", &|s| s.connection = Connection::Connecting);
+    case("Press Release", &|s| s.halted = true);
+    case("being scanned", &|s| {
+        s.survey = Some(SurveyStatus::Stopping);
+    });
+    case("raw frame", &|s| s.motors[0].activity = Activity::DrivenRaw);
+    case("has not answered", &|s| s.motors.clear());
+    case("has not answered", &|s| {
+        s.motors = vec![status(400, Mode::Velocity, 0)];
+    });
+    case("being stopped", &|s| {
+        s.motors[0].activity = Activity::Stopping { confirmed: false };
+    });
+    case("changing to the current loop", &|s| {
+        s.motors[0].activity = Activity::Switching { to: Mode::Current };
+    });
+    case("stall", &|s| {
+        let sample = s.motors[0].last.as_mut().unwrap();
+        sample.reply.faults = Faults::from_byte(8);
+    });
+    for (words, session) in cases {
+        let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
+        assert!(reason.contains(words), "{reason}");
+    }
+}
+
+#[test]
+fn a_setup_is_taken_in_while_no_motor_is_in_use() {
+    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+    assert_eq!(why_not_import(&session, false), None);
+    assert_eq!(why_not_import(&Session::default(), false), None);
+    let held = why_not_import(&session, true).unwrap();
+    assert!(held.contains("drive pad"), "{held}");
+    let setpoint = Setpoint::velocity(SpeedTarget::clamped(100));
+    for activity in [
+        Activity::Driven { setpoint },
+        Activity::DrivenRaw,
+        Activity::Switching { to: Mode::Current },
+        Activity::Stopping { confirmed: false },
+    ] {
+        session.motors[0].activity = activity;
+        let reason = why_not_import(&session, false).unwrap();
+        assert!(reason.contains("Stop motor 0x01"), "{reason}");
+    }
+}
+
+#[test]
+fn motors_drive_together_where_each_of_them_may() {
+    let good = session(1_000, status(1_000, Mode::Velocity, 0));
+    let crew = vec![(ID, Side::Left)];
+    assert_eq!(why_not_together(&good, &crew), None);
+    assert_eq!(why_not_steer(&good, &crew), None);
+    let missing = MotorId::new(9).unwrap();
+    let too_many: Crew = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
+    for (words, crew) in [
+        ("Tick the motors", vec![]),
+        ("At most 16 motors", too_many),
+        (
+            "Motor 0x09 has not answered",
+            vec![(ID, Side::Left), (missing, Side::Right)],
+        ),
+    ] {
+        let reason = why_not_together(&good, &crew).unwrap();
+        assert!(reason.contains(words), "{reason}");
+        assert_eq!(why_not_steer(&good, &crew), Some(reason));
+    }
+    let mut cases = vec![];
+    let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
+        let mut session = good.clone();
+        change(&mut session);
+        cases.push((words, session));
+    };
+    case("Not connected", &|s| {
+        s.connection = Connection::Disconnected;
+    });
+    case("Press Release", &|s| s.halted = true);
+    case("being scanned", &|s| {
+        s.survey = Some(SurveyStatus::Stopping);
+    });
+    case("Motor 0x01 reports the current loop", &|s| {
+        s.motors = vec![status(1_000, Mode::Current, 0)];
+    });
+    for (words, session) in cases {
+        let reason = why_not_together(&session, &crew).unwrap();
+        assert!(reason.contains(words), "{reason}");
+    }
+    let sideless = vec![(ID, Side::None)];
+    assert_eq!(why_not_together(&good, &sideless), None);
+    assert!(
+        why_not_steer(&good, &sideless)
+            .unwrap()
+            .contains("side of motor 0x01")
+    );
+}
+
+#[test]
+fn one_scan_at_a_time_and_no_frame_beside_it() {
+    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+    assert_eq!(why_not_scan(&session), None);
+    assert!(why_not_cancel(&session).is_some());
+    session.survey = Some(SurveyStatus::Stopping);
+    assert!(why_not_scan(&session).is_some());
+    assert!(why_not_send(&session, false).is_some());
+    assert_eq!(why_not_cancel(&session), None);
+    session.survey = None;
+    session.connection = Connection::Disconnected;
+    assert!(why_not_scan(&session).is_some());
+}
+
+#[test]
+fn while_all_motors_are_stopped_only_a_query_is_sent() {
+    let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
+    session.halted = true;
+    assert_eq!(why_not_send(&session, false), None);
+    assert!(why_not_send(&session, true).unwrap().contains("Release"));
+}
+
+#[test]
+fn a_side_is_not_changed_while_the_motor_is_in_hand() {
+    let setpoint = Setpoint::velocity(SpeedTarget::ZERO);
+    for (activity, allowed) in [
+        (Activity::Idle, true),
+        (Activity::Driven { setpoint }, false),
+        (Activity::DrivenRaw, false),
+        (Activity::Stopping { confirmed: false }, false),
+        (Activity::Switching { to: Mode::Current }, false),
+    ] {
+        let mut motor = status(1_000, Mode::Velocity, 0);
+        motor.activity = activity;
+        let reason = why_not_side(&session(1_000, motor), ID);
+        assert_eq!(reason.is_none(), allowed, "{activity:?}");
+    }
+    assert_eq!(
+        why_not_side(&Session::default(), ID),
+        None,
+        "nobody answers"
+    );
+}
+
+#[test]
+fn a_driven_motor_takes_another_target() {
+    let mut driven = status(1_000, Mode::Velocity, 50);
+    driven.activity = Activity::Driven {
+        setpoint: Setpoint::velocity(SpeedTarget::ZERO),
+    };
+    let session = session(1_000, driven);
+    assert_eq!(why_not_drive(&session, ID, Mode::Velocity), None);
+}
+
+#[test]
+fn the_position_loop_needs_a_wheel_that_is_known_to_be_slow() {
+    for (rpm, allowed) in [(0, true), (9, true), (-9, true), (10, false), (-10, false)] {
+        let session = session(1_000, status(1_000, Mode::Velocity, rpm));
+        let reason = why_not_switch(&session, ID, Mode::Position);
+        assert_eq!(reason.is_none(), allowed, "{}", Rpm::new(rpm));
+    }
+    let old = session(1_000, status(400, Mode::Velocity, 0));
+    assert!(why_not_switch(&old, ID, Mode::Position).is_some());
+}
+
+#[test]
+fn a_stop_waits_for_nothing_but_a_port() {
+    let mut session = session(9_000, status(0, Mode::Position, 90));
+    session.halted = true;
+    assert_eq!(why_not_stop(&session), None);
+    session.connection = Connection::Disconnected;
+    assert!(why_not_stop(&session).is_some());
+}

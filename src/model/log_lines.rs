@@ -1,0 +1,260 @@
+//! The lines of the packet log that are the page's own: what happened between the frames.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    Connection, Notice, Update,
+    bus::{Activity, IdQueryOutcome, StopReason, StopReport},
+    protocol::{MotorId, Setpoint},
+};
+
+use crate::{
+    model::{
+        notice_board::{NoticeText, Tone, Topic},
+        notice_texts::of_stop_reason,
+        snapshot::Session,
+        terms,
+    },
+    ui::format,
+};
+
+/// A line of the log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Line {
+    /// Whether something went wrong.
+    pub(crate) error: bool,
+    /// One line.
+    pub(crate) text: String,
+}
+
+/// A line about nothing wrong.
+pub(crate) fn calm(text: impl Into<String>) -> Line {
+    Line {
+        error: false,
+        text: text.into(),
+    }
+}
+
+/// What the notice board says, without its advice; but where a command was not done, the advice is
+/// the reason.
+pub(crate) fn of_words(words: &NoticeText) -> Line {
+    let refused = words.topic == Topic::Command && words.tone == Tone::Warning;
+    let text = if refused {
+        format!("{}. {}", words.title, words.advice.join(" "))
+    } else {
+        words.title.clone()
+    };
+    Line {
+        error: words.tone == Tone::Error,
+        text,
+    }
+}
+
+/// What an update tells but in notices: the port, and motors that begin to be driven or switched.
+pub(crate) fn of_update(before: &Session, update: &Update) -> Vec<Line> {
+    let mut lines = Vec::new();
+    lines.extend(of_connection(before.connection, update.connection));
+    for motor in &update.motors {
+        let activity_before = before.motor(motor.id).map(|motor| motor.activity);
+        lines.extend(of_activity(motor.id, activity_before, motor.activity));
+    }
+    lines
+}
+
+fn of_connection(before: Connection, after: Connection) -> Option<Line> {
+    if before == after {
+        return None;
+    }
+    match after {
+        Connection::Connected(adapter) => {
+            let adapter = terms::adapter(adapter).replace(" · ", ", ");
+            Some(calm(tr!("Connected to {adapter}", adapter)))
+        }
+        Connection::Disconnected => Some(calm(tr!("Disconnected"))),
+        Connection::Connecting => Some(calm(tr!("Opening the port"))),
+        // The notice board says these.
+        Connection::Reconnecting(_) | Connection::Failed(_) => None,
+    }
+}
+
+/// Each new setpoint is to be read in the frames; here stands when driving begins.
+fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option<Line> {
+    let driven_before = matches!(before, Some(Activity::Driven { .. }));
+    match after {
+        Activity::Driven { .. } if driven_before => None,
+        Activity::Driven {
+            setpoint: Setpoint::Brake,
+        } => Some(calm(tr!("Motor {id} is held by its brake", id))),
+        Activity::Driven { setpoint } => {
+            let goal = format::goal(setpoint);
+            Some(calm(tr!("Motor {id} is driven: {goal}", id, goal)))
+        }
+        Activity::Switching { to } if before != Some(after) => Some(calm(tr!(
+            "Motor {id} is to change to the {mode}",
+            id,
+            mode = terms::mode(to)
+        ))),
+        _ => None,
+    }
+}
+
+/// A notice that the notice board does not show.
+pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
+    Some(match notice {
+        Notice::ModeSwitched { id, mode } => calm(tr!(
+            "Motor {id} reports the {mode}",
+            id,
+            mode = terms::mode(*mode)
+        )),
+        Notice::MotorBack(id) => calm(tr!("Motor {id} answers again", id)),
+        Notice::IdQueryEnded(IdQueryOutcome::One(id)) => {
+            calm(tr!("Motor {id} answered the ID query", id))
+        }
+        Notice::StopBegan(reason) => of_stop_begun(*reason),
+        Notice::StopEnded(report) => of_stop_ended(report),
+        _ => return None,
+    })
+}
+
+fn of_stop_begun(reason: StopReason) -> Line {
+    match reason {
+        StopReason::OneMotor => calm(tr!("Stop of one motor began")),
+        reason => calm(tr!("Stop began. {why}", why = of_stop_reason(reason))),
+    }
+}
+
+/// A stop that every motor has confirmed; the others are on the notice board.
+fn of_stop_ended(report: &StopReport) -> Line {
+    let motors: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
+    if motors.is_empty() {
+        return calm(tr!("Stop ended: no motor was driven"));
+    }
+    calm(tr!(
+        "Stop ended, standstill confirmed: {motors}",
+        motors = named(&motors)
+    ))
+}
+
+/// `0x01, 0x07`
+fn named(ids: &[MotorId]) -> String {
+    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
+    ids.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        Adapter, UsbId,
+        bus::StopOutcome,
+        protocol::{Mode, SpeedTarget},
+    };
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    fn update(connection: Connection, activity: Activity) -> Update {
+        let mut motor = status(1_000, Mode::Velocity, 0);
+        motor.activity = activity;
+        Update {
+            now: motorlink_messages::protocol::Instant::from_millis(1_000),
+            connection,
+            halted: false,
+            motors: vec![motor],
+            survey: None,
+            raw: None,
+            line: None,
+            samples: vec![],
+            notices: vec![],
+        }
+    }
+
+    fn texts(before: &Session, update: &Update) -> Vec<String> {
+        let lines = of_update(before, update).into_iter();
+        lines.map(|line| line.text).collect()
+    }
+
+    fn text(notice: &Notice) -> String {
+        of_quiet_notice(notice).unwrap().text
+    }
+
+    #[test]
+    fn a_port_that_opens_or_closes_is_logged_once() {
+        let adapter = Adapter::Serial(Some(UsbId {
+            vendor: 0x1A86,
+            product: 0x55D3,
+        }));
+        let connected = update(Connection::Connected(adapter), Activity::Idle);
+        let mut before = Session::default();
+        assert_eq!(
+            texts(&before, &connected),
+            ["Connected to CH343, 1a86:55d3"]
+        );
+        before.apply(&connected);
+        assert!(texts(&before, &connected).is_empty());
+        let closed = update(Connection::Disconnected, Activity::Idle);
+        assert_eq!(texts(&before, &closed), ["Disconnected"]);
+    }
+
+    #[test]
+    fn driving_is_logged_when_it_begins_and_not_at_each_new_setpoint() {
+        let driven = |rpm| Activity::Driven {
+            setpoint: Setpoint::velocity(SpeedTarget::clamped(rpm)),
+        };
+        let port = Connection::Connected(Adapter::Virtual);
+        let mut before = session(1_000, status(1_000, Mode::Velocity, 0));
+        let begins = update(port, driven(100));
+        assert_eq!(texts(&before, &begins), ["Motor 0x01 is driven: +100 rpm"]);
+        let braked = Activity::Driven {
+            setpoint: Setpoint::Brake,
+        };
+        assert_eq!(
+            texts(&before, &update(port, braked)),
+            ["Motor 0x01 is held by its brake"]
+        );
+        before.apply(&begins);
+        assert!(texts(&before, &update(port, driven(150))).is_empty());
+        let switching = Activity::Switching { to: Mode::Current };
+        assert_eq!(
+            texts(&before, &update(port, switching)),
+            ["Motor 0x01 is to change to the current loop"]
+        );
+    }
+
+    #[test]
+    fn a_stop_is_logged_from_its_beginning_to_its_end() {
+        let began = text(&Notice::StopBegan(StopReason::Operator));
+        assert_eq!(began, "Stop began. You pressed Stop all motors.");
+        let report = |motors| {
+            Notice::StopEnded(StopReport {
+                reason: StopReason::Operator,
+                motors,
+            })
+        };
+        let stands = StopOutcome {
+            id: ID,
+            confirmed: true,
+            speed: None,
+        };
+        assert_eq!(
+            text(&report(vec![stands])),
+            "Stop ended, standstill confirmed: 0x01"
+        );
+        assert_eq!(text(&report(vec![])), "Stop ended: no motor was driven");
+    }
+
+    #[test]
+    fn the_board_is_logged_without_advice_but_a_refusal_with_its_reason() {
+        let words = |topic, tone| NoticeText {
+            topic,
+            tone,
+            title: "Motor 0x01 was not driven".to_owned(),
+            advice: vec!["Press Release.".to_owned()],
+            remedy: None,
+            help: None,
+        };
+        let line = of_words(&words(Topic::Command, Tone::Warning));
+        assert_eq!(line, calm("Motor 0x01 was not driven. Press Release."));
+        let line = of_words(&words(Topic::Port, Tone::Error));
+        assert_eq!(line.text, "Motor 0x01 was not driven");
+        assert!(line.error);
+    }
+}

@@ -1,0 +1,196 @@
+//! A motor that is mounted mirrored, as one on the right side of a vehicle: what an operator asks of it
+//! and reads of it has the other sign on the wire.
+//!
+//! It is applied where the page reads what the worker has told, in [`Session::counted`] and where
+//! points of the history are drawn, and where a command leaves, in [`to_wire`]. The digital twin, the
+//! packet log, raw frames and recordings are as the motor counts: they are of the wire or of what is
+//! seen.
+//!
+//! [`Session::counted`]: crate::model::snapshot::Session::counted
+
+use motorlink_messages::{
+    bus::{Activity, Command},
+    protocol::{Current, CurrentTarget, MotorId, Rpm, Setpoint, SpeedTarget},
+};
+
+/// How an operator counts a motor's speed and current. Either way is its own way back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Mirror {
+    /// As the motor does: + is counter-clockwise, seen from its face.
+    #[default]
+    Straight,
+    /// The other way: + is clockwise, seen from its face.
+    Mirrored,
+}
+
+impl Mirror {
+    pub(crate) fn is_mirrored(self) -> bool {
+        self == Self::Mirrored
+    }
+
+    pub(crate) fn speed(self, speed: Rpm) -> Rpm {
+        match self {
+            Self::Straight => speed,
+            Self::Mirrored => Rpm::new(speed.rpm().saturating_neg()),
+        }
+    }
+
+    pub(crate) fn current(self, current: Current) -> Current {
+        match self {
+            Self::Straight => current,
+            Self::Mirrored => Current::from_raw(current.raw().saturating_neg()),
+        }
+    }
+
+    /// An angle stays: it is where the wheel stands. So does the brake.
+    pub(crate) fn setpoint(self, setpoint: Setpoint) -> Setpoint {
+        match (self, setpoint) {
+            (
+                Self::Mirrored,
+                Setpoint::Velocity {
+                    speed,
+                    acceleration,
+                },
+            ) => Setpoint::Velocity {
+                speed: SpeedTarget::clamped(-i32::from(speed.rpm())),
+                acceleration,
+            },
+            // As large one way as the other, so that no current is out of range by it.
+            (Self::Mirrored, Setpoint::Current(target)) => {
+                Setpoint::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
+            }
+            (_, setpoint) => setpoint,
+        }
+    }
+
+    pub(crate) fn activity(self, activity: Activity) -> Activity {
+        match activity {
+            Activity::Driven { setpoint } => Activity::Driven {
+                setpoint: self.setpoint(setpoint),
+            },
+            other => other,
+        }
+    }
+}
+
+/// What goes to the bus of a command of an operator. Motors that drive together are told as each of them
+/// counts already: see [`crate::model::fleet::parts`].
+pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
+    match command {
+        Command::Drive {
+            id,
+            setpoint,
+            consent,
+        } => Command::Drive {
+            id,
+            setpoint: mirror(id).setpoint(setpoint),
+            consent,
+        },
+        Command::Adjust {
+            id,
+            setpoint,
+            consent,
+        } => Command::Adjust {
+            id,
+            setpoint: mirror(id).setpoint(setpoint),
+            consent,
+        },
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        bus::{Consent, Together, needs_consent},
+        protocol::{Acceleration, PositionTarget},
+    };
+
+    use super::*;
+    use crate::model::scan_texts::tests::id;
+
+    fn rpm(rpm: i32) -> Setpoint {
+        Setpoint::Velocity {
+            speed: SpeedTarget::new(rpm).unwrap(),
+            acceleration: Acceleration::new(7),
+        }
+    }
+
+    fn raw(raw: i32) -> Setpoint {
+        Setpoint::Current(CurrentTarget::new(raw).unwrap())
+    }
+
+    #[test]
+    fn a_mirrored_motor_has_the_other_sign_in_speed_and_current_alone() {
+        let angle = Setpoint::Position(PositionTarget::from_degrees(90.0));
+        for (asked, sent) in [
+            (rpm(100), rpm(-100)),
+            (rpm(-330), rpm(330)),
+            (rpm(0), rpm(0)),
+            (raw(32_767), raw(-32_767)),
+            (raw(-5), raw(5)),
+            (Setpoint::Brake, Setpoint::Brake),
+            (angle, angle),
+        ] {
+            assert_eq!(Mirror::Mirrored.setpoint(asked), sent);
+            assert_eq!(Mirror::Mirrored.setpoint(sent), asked, "and back");
+            assert_eq!(Mirror::Straight.setpoint(asked), asked);
+        }
+    }
+
+    /// What a reply can hold at most has no counterpart of the other sign.
+    #[test]
+    fn the_ends_of_what_a_reply_can_hold_are_mirrored_too() {
+        let mirror = Mirror::Mirrored;
+        for (reported, read) in [(100, -100), (i16::MAX, -i16::MAX), (i16::MIN, i16::MAX)] {
+            assert_eq!(mirror.speed(Rpm::new(reported)), Rpm::new(read));
+            let current = mirror.current(Current::from_raw(reported));
+            assert_eq!(current, Current::from_raw(read));
+        }
+        assert_eq!(Mirror::Straight.speed(Rpm::new(-3)), Rpm::new(-3));
+    }
+
+    #[test]
+    fn a_current_that_has_to_be_asked_about_has_to_be_either_way() {
+        for size in [25_000, 25_001, 32_767] {
+            let mirrored = Mirror::Mirrored.setpoint(raw(size));
+            assert_eq!(needs_consent(raw(size)), needs_consent(mirrored), "{size}");
+        }
+    }
+
+    #[test]
+    fn a_command_for_one_motor_is_mirrored_and_one_for_a_group_is_as_it_is() {
+        let right = |of| {
+            if of == id(2) {
+                Mirror::Mirrored
+            } else {
+                Mirror::Straight
+            }
+        };
+        let drive = |of, setpoint| Command::Drive {
+            id: id(of),
+            setpoint,
+            consent: Consent::HighCurrent,
+        };
+        let adjust = |of, setpoint| Command::Adjust {
+            id: id(of),
+            setpoint,
+            consent: Consent::None,
+        };
+        let together = Command::DriveTogether {
+            parts: Together::new(&[(id(1), rpm(80)), (id(2), rpm(-80))]).unwrap(),
+            consent: Consent::None,
+        };
+        for (asked, sent) in [
+            (drive(2, raw(30_000)), drive(2, raw(-30_000))),
+            (drive(1, rpm(50)), drive(1, rpm(50))),
+            (adjust(2, rpm(50)), adjust(2, rpm(-50))),
+            (adjust(1, rpm(50)), adjust(1, rpm(50))),
+            (together, together),
+            (Command::Stop(id(2)), Command::Stop(id(2))),
+            (Command::Hold(id(2)), Command::Hold(id(2))),
+        ] {
+            assert_eq!(to_wire(asked, right), sent);
+        }
+    }
+}

@@ -1,0 +1,289 @@
+//! The notices that stand: one a topic, so that the board is bounded and a fault that repeats does
+//! not push out the others.
+
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+
+use crate::model::{
+    help_topic::HelpTopic,
+    notice_lifetime::{Fate, Until},
+};
+
+/// What a notice is about. A new one takes the place of an older one on the same topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Topic {
+    /// Opening and keeping the port.
+    Port,
+    /// Bytes that came in damaged.
+    Line,
+    /// Who answered the ID query.
+    Answer,
+    /// Who does not answer.
+    Silence,
+    /// A command that was not carried out.
+    Command,
+    /// A setpoint that was taken back.
+    Setpoint(MotorId),
+    /// A loop that was not taken.
+    Loop(MotorId),
+    /// A stop that was not confirmed.
+    Stop,
+    /// Another motor was chosen.
+    Choice,
+    /// How a full scan or an ID change ended.
+    Survey,
+    /// The worker behind the page.
+    Worker,
+    /// The worker that keeps the log.
+    Recorder,
+    /// A file that was asked for.
+    Export,
+    /// Another version of the page.
+    NewVersion,
+    /// The page as an installed program.
+    Installing,
+}
+
+/// How a notice is meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tone {
+    /// Something to know.
+    Calm,
+    /// Something to do.
+    Warning,
+    /// Something went wrong.
+    Error,
+}
+
+/// What a notice's button does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Remedy {
+    /// Opens the picker without a filter.
+    ShowAllPorts,
+    /// Asks every address who is there.
+    FullScan,
+    /// Loads the page again.
+    Reload,
+    /// Loads its new version.
+    TakeNewVersion,
+    /// Has the browser ask whether it is to be installed.
+    Install,
+}
+
+impl Remedy {
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Self::ShowAllPorts => tr!("Show all ports"),
+            Self::FullScan => tr!("Scan every address"),
+            Self::Reload => tr!("Reload the page"),
+            Self::TakeNewVersion => tr!("Take it"),
+            Self::Install => tr!("Install"),
+        }
+    }
+}
+
+/// A notice in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NoticeText {
+    pub(crate) topic: Topic,
+    pub(crate) tone: Tone,
+    /// What happened.
+    pub(crate) title: String,
+    /// What to do, a line each.
+    pub(crate) advice: Vec<String>,
+    pub(crate) remedy: Option<Remedy>,
+    /// Where the help says more.
+    pub(crate) help: Option<HelpTopic>,
+}
+
+impl NoticeText {
+    pub(crate) fn new(topic: Topic, tone: Tone, title: impl Into<String>, advice: &[&str]) -> Self {
+        Self {
+            topic,
+            tone,
+            title: title.into(),
+            advice: advice.iter().map(|line| (*line).to_owned()).collect(),
+            remedy: None,
+            help: None,
+        }
+    }
+
+    /// The same, with the place in the help that says more.
+    #[must_use]
+    pub(crate) fn explained_at(self, topic: HelpTopic) -> Self {
+        Self {
+            help: Some(topic),
+            ..self
+        }
+    }
+}
+
+/// A notice that stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Posted {
+    /// Tells it from all others of this page's life.
+    pub(crate) number: u32,
+    pub(crate) words: NoticeText,
+    until: Until,
+}
+
+/// The notices. Each keeps its slot for as long as it stands, so that the page changes nothing but
+/// what is new.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct NoticeBoard {
+    slots: [Option<Posted>; Self::SLOTS],
+    last_number: u32,
+}
+
+impl NoticeBoard {
+    /// More would not be read.
+    pub(crate) const SLOTS: usize = 5;
+
+    /// Posts what happened: it stands until a person dismisses it, or something else is said on its topic.
+    pub(crate) fn post(&mut self, words: NoticeText) {
+        self.post_until(words, Until::Dismissed);
+    }
+
+    /// Posts what is true until then.
+    pub(crate) fn post_until(&mut self, words: NoticeText, until: Until) {
+        // The same again is no news: it keeps its number, and a screen reader is not told twice.
+        let mut posted = self.slots.iter_mut().flatten();
+        if let Some(same) = posted.find(|posted| posted.words == words) {
+            same.until = until;
+            return;
+        }
+        self.withdraw(words.topic);
+        self.last_number += 1;
+        let number = self.last_number;
+        // A free one, else the oldest.
+        let slot = self
+            .slots
+            .iter_mut()
+            .min_by_key(|slot| slot.as_ref().map_or(0, |posted| posted.number));
+        if let Some(slot) = slot {
+            *slot = Some(Posted {
+                number,
+                words,
+                until,
+            });
+        }
+    }
+
+    pub(crate) fn withdraw(&mut self, topic: Topic) {
+        self.withdraw_all(|other| other == topic);
+    }
+
+    /// Withdraws what is said on all of these topics.
+    pub(crate) fn withdraw_all(&mut self, topics: impl Fn(Topic) -> bool) {
+        self.take_down(|posted| topics(posted.words.topic));
+    }
+
+    /// Withdraws what is said of a line that is closed now.
+    pub(crate) fn close_line(&mut self) {
+        self.withdraw_all(|topic| {
+            matches!(
+                topic,
+                Topic::Answer | Topic::Silence | Topic::Line | Topic::Loop(_)
+            )
+        });
+    }
+
+    /// Asks of every notice whether it is still true. Says whether any is not.
+    pub(crate) fn review(&mut self, mut fate: impl FnMut(&mut Until) -> Fate) -> bool {
+        let mut changed = false;
+        for slot in &mut self.slots {
+            let Some(posted) = slot else { continue };
+            match fate(&mut posted.until) {
+                Fate::Stands => continue,
+                Fate::Over => *slot = None,
+                Fate::Becomes(words, until) => {
+                    posted.words = words;
+                    posted.until = until;
+                }
+            }
+            changed = true;
+        }
+        changed
+    }
+
+    pub(crate) fn dismiss(&mut self, number: u32) {
+        self.take_down(|posted| posted.number == number);
+    }
+
+    fn take_down(&mut self, which: impl Fn(&Posted) -> bool) {
+        for slot in &mut self.slots {
+            if slot.as_ref().is_some_and(&which) {
+                *slot = None;
+            }
+        }
+    }
+
+    pub(crate) fn slot(&self, place: usize) -> Option<&Posted> {
+        self.slots.get(place)?.as_ref()
+    }
+
+    pub(crate) fn posted(&self) -> impl Iterator<Item = &Posted> {
+        self.slots.iter().flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(topic: Topic, title: &str) -> NoticeText {
+        NoticeText {
+            topic,
+            tone: Tone::Warning,
+            title: title.to_owned(),
+            advice: vec![],
+            remedy: None,
+            help: None,
+        }
+    }
+
+    /// Newest first.
+    fn titles(board: &NoticeBoard) -> Vec<&str> {
+        let mut posted: Vec<&Posted> = board.posted().collect();
+        posted.sort_by_key(|posted| std::cmp::Reverse(posted.number));
+        let titles = posted.into_iter();
+        titles.map(|posted| posted.words.title.as_str()).collect()
+    }
+
+    #[test]
+    fn a_topic_has_one_notice() {
+        let mut board = NoticeBoard::default();
+        board.post(words(Topic::Port, "busy"));
+        board.post(words(Topic::Answer, "silent"));
+        board.post(words(Topic::Port, "gone"));
+        assert_eq!(titles(&board), ["gone", "silent"]);
+        let before = board.clone();
+        board.post(words(Topic::Port, "gone"));
+        assert_eq!(board, before, "the same is no news");
+        board.withdraw(Topic::Answer);
+        assert_eq!(titles(&board), ["gone"]);
+        let number = board.posted().next().unwrap().number;
+        board.dismiss(number);
+        assert_eq!(titles(&board), [""; 0]);
+    }
+
+    #[test]
+    fn a_notice_keeps_its_slot() {
+        let mut board = NoticeBoard::default();
+        board.post(words(Topic::Port, "busy"));
+        board.post(words(Topic::Answer, "silent"));
+        board.withdraw(Topic::Port);
+        assert_eq!(board.slot(1).unwrap().words.title, "silent");
+        board.post(words(Topic::Stop, "not confirmed"));
+        assert_eq!(board.slot(0).unwrap().words.title, "not confirmed");
+    }
+
+    #[test]
+    fn the_board_is_bounded_and_the_oldest_goes_first() {
+        let mut board = NoticeBoard::default();
+        for id in MotorId::all() {
+            board.post(words(Topic::Loop(id), &id.to_string()));
+        }
+        assert_eq!(titles(&board), ["0xFE", "0xFD", "0xFC", "0xFB", "0xFA"]);
+    }
+}

@@ -1,0 +1,197 @@
+//! What the board says while things change.
+
+use motorlink_messages::{
+    Adapter, Connection,
+    bus::{Sample, StopReason, StopReport},
+    protocol::{Faults, Instant, Rpm, Setpoint, SpeedTarget},
+};
+
+use super::*;
+use crate::model::{
+    notice_board::NoticeBoard,
+    snapshot::tests::{ID, status},
+};
+
+fn id(number: u8) -> MotorId {
+    MotorId::new(number).unwrap()
+}
+
+/// A page that hears of motors 1 to 4.
+struct Story {
+    session: Session,
+    board: NoticeBoard,
+    update: Update,
+}
+
+impl Story {
+    fn new() -> Self {
+        let motors = (1..=4).map(|number| MotorStatus {
+            id: id(number),
+            ..status(1_000, Mode::Velocity, 0)
+        });
+        let update = Update {
+            now: Instant::from_millis(1_000),
+            connection: Connection::Connected(Adapter::Virtual),
+            halted: false,
+            motors: motors.collect(),
+            survey: None,
+            raw: None,
+            line: None,
+            samples: vec![],
+            notices: vec![],
+        };
+        Self {
+            session: Session::default(),
+            board: NoticeBoard::default(),
+            update,
+        }
+    }
+
+    fn motor(&mut self, number: u8) -> &mut MotorStatus {
+        &mut self.update.motors[usize::from(number) - 1]
+    }
+
+    fn all(&mut self, activity: Activity) {
+        for motor in &mut self.update.motors {
+            motor.activity = activity;
+        }
+    }
+
+    /// This motor reports this speed so many times.
+    fn replies(&mut self, number: u8, rpm: i16, times: usize) -> Vec<String> {
+        let mut sample: Sample = self.motor(number).last.unwrap();
+        sample.reply.id = id(number);
+        sample.reply.speed = Rpm::new(rpm);
+        self.update.samples = vec![sample; times];
+        let titles = self.tells(&[]);
+        self.update.samples.clear();
+        titles
+    }
+
+    /// As the page takes an update in. Gives the titles of what stands then.
+    fn tells(&mut self, notices: &[Notice]) -> Vec<String> {
+        self.session.apply(&self.update);
+        let update = &self.update;
+        self.board.review(|until| review(until, update));
+        for notice in notices {
+            if let Some(words) = words::of_notice_in(notice, &self.session) {
+                self.board.post_until(words, until(notice, &self.session));
+            }
+        }
+        let posted = self.board.posted();
+        posted.map(|posted| posted.words.title.clone()).collect()
+    }
+}
+
+#[test]
+fn no_motor_answers_until_one_does() {
+    let mut story = Story::new();
+    let nobody = Notice::IdQueryEnded(IdQueryOutcome::Nobody);
+    let said = ["No motor answers on this adapter"];
+    assert_eq!(story.tells(&[nobody]), said);
+    assert_eq!(story.tells(&[]), said, "an update without an answer");
+    assert!(story.replies(3, 100, 1).is_empty());
+}
+
+#[test]
+fn silent_motors_are_all_named_and_each_until_it_answers() {
+    let mut story = Story::new();
+    story.motor(2).silent = true;
+    assert_eq!(
+        story.tells(&[Notice::MotorSilent(id(2))]),
+        ["Motor 0x02 has not answered for 2 s"]
+    );
+    story.motor(4).silent = true;
+    assert_eq!(
+        story.tells(&[Notice::MotorSilent(id(4))]),
+        ["Motors 0x02, 0x04 have not answered for 2 s"]
+    );
+    story.motor(2).silent = false;
+    assert_eq!(
+        story.tells(&[Notice::MotorBack(id(2))]),
+        ["Motor 0x04 has not answered for 2 s"]
+    );
+    story.motor(4).silent = false;
+    assert!(story.tells(&[Notice::MotorBack(id(4))]).is_empty());
+}
+
+#[test]
+fn a_withdrawn_setpoint_names_all_that_are_stopped_and_says_what_was_when_they_stand() {
+    let mut story = Story::new();
+    story.all(Activity::Stopping { confirmed: false });
+    let withdrawn = Notice::Withdrawn {
+        id: id(3),
+        reason: WithdrawReason::Fault(Faults::from_byte(8)),
+    };
+    let braking = "Motors 0x01, 0x02, 0x03, 0x04 are being stopped because of motor 0x03: it \
+                   reports stall";
+    assert_eq!(story.tells(&[withdrawn]), [braking]);
+    story.motor(1).activity = Activity::Idle;
+    assert_eq!(story.tells(&[]), [braking], "three are not at rest");
+    story.all(Activity::Idle);
+    let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer driven because of motor 0x03: it \
+                 reported stall";
+    assert_eq!(story.tells(&[]), [ended]);
+    assert_eq!(story.tells(&[]), [ended]);
+    story.motor(2).activity = Activity::Driven {
+        setpoint: Setpoint::velocity(SpeedTarget::clamped(50)),
+    };
+    assert!(story.tells(&[]).is_empty(), "it is driven again");
+}
+
+#[test]
+fn a_connection_that_ends_leaves_no_motor_being_stopped() {
+    let mut story = Story::new();
+    story.motor(1).activity = Activity::Stopping { confirmed: false };
+    let reason = WithdrawReason::Silent;
+    story.tells(&[Notice::Withdrawn { id: ID, reason }]);
+    story.update.motors.clear();
+    assert_eq!(
+        story.tells(&[]),
+        ["Motor 0x01 is no longer driven: it did not answer for 200 ms"]
+    );
+}
+
+#[test]
+fn a_standstill_is_not_confirmed_until_each_motor_has_reported_it() {
+    let mut story = Story::new();
+    let outcome = |number, speed: Option<i16>| StopOutcome {
+        id: id(number),
+        confirmed: false,
+        speed: speed.map(Rpm::new),
+    };
+    let report = StopReport {
+        reason: StopReason::Operator,
+        motors: vec![
+            outcome(1, Some(30)),
+            outcome(2, None),
+            StopOutcome {
+                confirmed: true,
+                ..outcome(3, Some(0))
+            },
+        ],
+    };
+    let both = "Standstill is not confirmed: motor 0x01 (30 rpm), motor 0x02 (speed unknown)";
+    assert_eq!(story.tells(&[Notice::StopEnded(report)]), [both]);
+    assert_eq!(story.replies(1, 0, 2), [both], "it may be reversing");
+    assert_eq!(story.replies(1, -4, 1), [both]);
+    assert_eq!(story.replies(1, 0, 2), [both]);
+    assert_eq!(
+        story.replies(1, 0, 1),
+        ["Standstill is not confirmed: motor 0x02 (speed unknown)"]
+    );
+    assert!(story.replies(2, 0, 3).is_empty());
+}
+
+#[test]
+fn a_loop_that_was_not_taken_is_told_until_it_is_reported() {
+    let mut story = Story::new();
+    let failed = Notice::ModeSwitchFailed {
+        id: ID,
+        asked: Mode::Velocity,
+        reported: Some(Mode::Current),
+    };
+    assert_eq!(story.tells(&[failed]).len(), 1);
+    assert_eq!(story.replies(2, 0, 1).len(), 1, "another motor");
+    assert!(story.replies(1, 0, 1).is_empty());
+}

@@ -1,0 +1,501 @@
+//! What the page says when something happened: what it was, and what to do.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    ConnectError, Connection, Notice,
+    bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
+    protocol::{Mode, MotorId},
+};
+
+use crate::{
+    link::serial_ports::PickTrouble,
+    model::{
+        help_topic::HelpTopic,
+        notice_board::{NoticeText, Remedy, Tone, Topic},
+        notice_lifetime as alerts, scan_texts as scan_words,
+        snapshot::Session,
+        terms,
+    },
+};
+
+/// The second line of the connection's state.
+pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
+    match connection {
+        Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
+        Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
+        Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
+        Connection::Reconnecting(adapter) => (
+            tr!("Reconnecting"),
+            tr!("Plug {adapter} in again", adapter = terms::adapter(adapter)),
+        ),
+        Connection::Failed(error) => (tr!("Failed"), failed_briefly(error).to_owned()),
+    }
+}
+
+fn failed_briefly(error: ConnectError) -> &'static str {
+    match error {
+        ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
+        ConnectError::PortGone => tr!("The port is gone: press Choose another port"),
+        ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
+        ConnectError::AlreadyOpen => tr!("Open already: press Disconnect, then Connect"),
+        ConnectError::Other => tr!("Unplug the adapter, plug it in and press Connect"),
+        ConnectError::OtherTab => tr!("Another tab of MotorLink uses this adapter"),
+    }
+}
+
+/// What a failed connection says at length.
+pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
+    let port = |title, advice| {
+        NoticeText::new(Topic::Port, Tone::Error, title, advice)
+            .explained_at(HelpTopic::PortDoesNotOpen)
+    };
+    match error {
+        ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
+        ConnectError::PortGone => port(
+            tr!("The port is not there any more"),
+            &[tr!(
+                "Plug the adapter in, then press Connect or Choose another port."
+            )],
+        )
+        .explained_at(HelpTopic::NoPortInList),
+        ConnectError::OpenFailed => port(
+            tr!("The port does not open"),
+            &[
+                tr!(
+                    "In use? Close other tabs and programs that hold it, such as a serial monitor."
+                ),
+                tr!(
+                    "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
+                 from snap or Flatpak may not see ports at all: use a packaged one."
+                ),
+                tr!(
+                    "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty."
+                ),
+                tr!(
+                    "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI)."
+                ),
+                tr!("Gone? Unplug the adapter and plug it in again."),
+            ],
+        ),
+        ConnectError::AlreadyOpen => port(
+            tr!("The port is open already"),
+            &[tr!("Press Disconnect, then Connect.")],
+        ),
+        ConnectError::Other => port(
+            tr!("The browser could not open the port"),
+            &[tr!(
+                "Unplug the adapter, plug it in again and press Connect."
+            )],
+        ),
+        ConnectError::OtherTab => port(
+            tr!("Another tab of MotorLink uses this adapter"),
+            &[tr!(
+                "Press Disconnect there, or close that tab; then press Connect here."
+            )],
+        ),
+    }
+}
+
+/// What went wrong with choosing a port.
+pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
+    let port = |tone, title, advice| {
+        NoticeText::new(Topic::Port, tone, title, advice).explained_at(HelpTopic::NoPortInList)
+    };
+    match trouble {
+        PickTrouble::NoWebSerial => port(
+            Tone::Warning,
+            tr!("This browser cannot open serial ports"),
+            &[
+                tr!(
+                    "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
+                 https or from localhost."
+                ),
+                tr!("The virtual motor works here: press Virtual motor."),
+            ],
+        )
+        .explained_at(HelpTopic::Ports),
+        PickTrouble::Dismissed { filtered: true } => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                tr!("No port was chosen"),
+                &[
+                    tr!(
+                        "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
+                     ports."
+                    ),
+                    tr!("Nothing in the list? Check the USB cable: some carry power only."),
+                ],
+            )
+        },
+        PickTrouble::Dismissed { filtered: false } => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                tr!("No port was chosen"),
+                &[tr!(
+                    "Is the adapter not in the list? Check the USB cable (some carry power only) and \
+                     the driver of its chip."
+                )],
+            )
+        },
+        PickTrouble::Forbidden => port(
+            Tone::Error,
+            tr!("The browser forbids serial ports to this page"),
+            &[tr!(
+                "Allow serial ports in the site settings (left of the address), or ask who manages \
+                 this browser."
+            )],
+        )
+        .explained_at(HelpTopic::Ports),
+        PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
+        PickTrouble::Unknown => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Error,
+                tr!("The browser's list of ports did not open"),
+                &[tr!("Press Choose another port, or reload the page.")],
+            )
+        },
+    }
+}
+
+/// What the worker tells; `None` where the page shows it in another way.
+pub(crate) fn of_notice(notice: &Notice) -> Option<NoticeText> {
+    of_notice_in(notice, &Session::default())
+}
+
+/// The same while motors are in this state: it names all of those to which the same happened.
+pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeText> {
+    Some(match notice {
+        Notice::Refused { command, refusal } => of_refusal(*command, *refusal)?,
+        Notice::TooLate(_) => NoticeText::new(
+            Topic::Command,
+            Tone::Warning,
+            tr!("That was not done: it came too late"),
+            &[tr!("The page was busy when you pressed. Press again.")],
+        )
+        .explained_at(HelpTopic::Troubleshooting),
+        Notice::NotConnected => NoticeText::new(
+            Topic::Command,
+            Tone::Calm,
+            tr!("Nothing is connected"),
+            &[tr!("Press Connect or Virtual motor.")],
+        ),
+        Notice::IdQueryEnded(
+            outcome
+            @ (IdQueryOutcome::Nobody | IdQueryOutcome::Garbled | IdQueryOutcome::Cancelled),
+        ) => scan_words::of_id_query(*outcome),
+        Notice::ScanEnded(report) => scan_words::of_scan(report),
+        Notice::IdChangeEnded { from, to, outcome } => {
+            scan_words::of_id_change(*from, *to, *outcome)
+        }
+        Notice::ModeSwitchFailed {
+            id,
+            asked,
+            reported,
+        } => of_failed_switch(*id, *asked, *reported),
+        Notice::Withdrawn { id, reason } => {
+            of_withdrawal(*id, *reason, &alerts::stopping(session, *id))
+        }
+        Notice::MotorSilent(id) => of_silence(&alerts::silent(session, *id)),
+        Notice::StopEnded(report) => of_stop(report)?,
+        Notice::AdapterLost { driven } => of_lost_adapter(driven),
+        Notice::AdapterBack => NoticeText::new(
+            Topic::Port,
+            Tone::Calm,
+            tr!("The adapter is back"),
+            &[tr!("Nothing drives. Press Start when you are ready.")],
+        ),
+        Notice::LineError => NoticeText::new(
+            Topic::Line,
+            Tone::Warning,
+            tr!("Damaged bytes on the line"),
+            &[tr!(
+                "Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."
+            )],
+        )
+        .explained_at(HelpTopic::DamagedBytes),
+        // Shown where the motor, its loop and the stop are shown.
+        Notice::IdQueryEnded(IdQueryOutcome::One(_))
+        | Notice::ModeSwitched { .. }
+        | Notice::MotorBack(_)
+        | Notice::StopBegan(_) => return None,
+    })
+}
+
+/// The topic that this notice settles.
+pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
+    match notice {
+        Notice::ModeSwitched { id, .. } => Some(Topic::Loop(*id)),
+        // A motor that is silent is told by its ID.
+        Notice::IdQueryEnded(IdQueryOutcome::One(_))
+        | Notice::ScanEnded(_)
+        | Notice::MotorSilent(_) => Some(Topic::Answer),
+        _ => None,
+    }
+}
+
+fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
+    // A drag that outlasts its motor's drive is no mistake of anybody, and a current that has to
+    // be confirmed is asked about.
+    if matches!(
+        command,
+        Command::Adjust { .. } | Command::AdjustTogether { .. } | Command::Forget(_)
+    ) || matches!(refusal, Refusal::NeedsConsent(_))
+    {
+        return None;
+    }
+    let title = match command {
+        Command::Drive { id, .. } => tr!("Motor {id} was not driven", id),
+        Command::DriveTogether { .. } => tr!("The motors were not driven").to_owned(),
+        Command::SwitchMode { mode, .. } => {
+            tr!("The {mode} was not asked for", mode = terms::mode(mode))
+        }
+        Command::IdQuery => tr!("The ID query was not sent").to_owned(),
+        Command::FullScan => tr!("The bus was not scanned").to_owned(),
+        Command::SetId { .. } => tr!("The ID was not changed").to_owned(),
+        Command::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
+        _ => tr!("That was not done").to_owned(),
+    };
+    Some(NoticeText {
+        help: HelpTopic::of_refusal(refusal),
+        ..NoticeText::new(
+            Topic::Command,
+            Tone::Warning,
+            title,
+            &[&terms::refusal(refusal)],
+        )
+    })
+}
+
+/// What to check where nobody answers, in the order in which it is mostly the reason.
+pub(crate) fn wiring() -> [&'static str; 4] {
+    [
+        tr!("Is the motor's 18 V supply on?"),
+        tr!("Is the brown wire tied to GND?"),
+        tr!("Swap orange and white: adapters label A and B both ways."),
+        tr!("Is it the right ID? Choose another in the list Motor."),
+    ]
+}
+
+/// Motors do not answer.
+pub(crate) fn of_silence(ids: &[MotorId]) -> NoticeText {
+    let title = match ids {
+        [id] => tr!("Motor {id} has not answered for 2 s", id),
+        ids => tr!("Motors {ids} have not answered for 2 s", ids = named(ids)),
+    };
+    NoticeText::new(Topic::Silence, Tone::Warning, title, &wiring())
+        .explained_at(HelpTopic::NoAnswer)
+}
+
+fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeText {
+    let title = reported.map_or_else(
+        || {
+            tr!(
+                "Motor {id} reports no loop; the {asked} was asked for",
+                id,
+                asked = terms::mode(asked)
+            )
+        },
+        |reported| {
+            tr!(
+                "Motor {id} stays in the {reported}; the {asked} was asked for",
+                id,
+                reported = terms::mode(reported),
+                asked = terms::mode(asked)
+            )
+        },
+    );
+    let advice = match asked {
+        Mode::Position => {
+            tr!("It refuses the position loop at 10 rpm and above: stop it, then switch.")
+        }
+        Mode::Current | Mode::Velocity => {
+            tr!("Press Switch again. If it stays, turn its power off and on.")
+        }
+    };
+    NoticeText::new(Topic::Loop(id), Tone::Error, title, &[advice])
+        .explained_at(HelpTopic::StaysInLoop)
+}
+
+/// A motor's setpoint was withdrawn, and all of these are being stopped for it.
+fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> NoticeText {
+    let (why, advice) = match reason {
+        WithdrawReason::Silent => (
+            tr!("it did not answer for 200 ms").to_owned(),
+            tr!("Check its power and the signal plug, then press Start."),
+        ),
+        WithdrawReason::Fault(faults) => (
+            tr!("it reports {faults}", faults = terms::faults(faults)),
+            tr!("Wait until the fault clears, free the wheel if it is blocked, then press Start."),
+        ),
+        WithdrawReason::OtherLoop { reported } => (
+            tr!(
+                "it reports the {reported}: it lost power, or another master spoke",
+                reported = terms::mode(reported)
+            ),
+            tr!("Check its power, then switch its loop and press Start."),
+        ),
+        WithdrawReason::Limit(crossed) => (
+            terms::crossed(crossed),
+            tr!("Find out why. The limits stand under Settings; nothing starts by itself."),
+        ),
+    };
+    let title = match stopping {
+        [_] => tr!("Motor {id} is being stopped: {why}", id, why),
+        ids => tr!(
+            "Motors {ids} are being stopped because of motor {id}: {why}",
+            ids = named(ids),
+            id,
+            why
+        ),
+    };
+    NoticeText::new(Topic::Setpoint(id), Tone::Error, title, &[advice])
+        .explained_at(HelpTopic::of_withdrawal(reason))
+}
+
+/// The same when the stop is over: what was true then, as what was.
+pub(crate) fn of_ended_drive(
+    id: MotorId,
+    reason: WithdrawReason,
+    stopped: &[MotorId],
+) -> NoticeText {
+    let why = match reason {
+        WithdrawReason::Fault(faults) => {
+            tr!("it reported {faults}", faults = terms::faults(faults))
+        }
+        WithdrawReason::OtherLoop { reported } => tr!(
+            "it reported the {reported}: it lost power, or another master spoke",
+            reported = terms::mode(reported)
+        ),
+        WithdrawReason::Silent => tr!("it did not answer for 200 ms").to_owned(),
+        WithdrawReason::Limit(crossed) => terms::crossed(crossed),
+    };
+    let title = match stopped {
+        [_] => tr!("Motor {id} is no longer driven: {why}", id, why),
+        ids => tr!(
+            "Motors {ids} are no longer driven because of motor {id}: {why}",
+            ids = named(ids),
+            id,
+            why
+        ),
+    };
+    NoticeText {
+        title,
+        tone: Tone::Warning,
+        ..of_withdrawal(id, reason, stopped)
+    }
+}
+
+/// `0x01, 0x07`
+fn named(ids: &[MotorId]) -> String {
+    let ids: Vec<String> = ids.iter().map(MotorId::to_string).collect();
+    ids.join(", ")
+}
+
+fn of_stop(report: &StopReport) -> Option<NoticeText> {
+    let motors = report.motors.iter().copied();
+    let mut open = motors.filter(|motor| !motor.confirmed).peekable();
+    open.peek()?;
+    Some(of_unconfirmed(open))
+}
+
+/// These motors have not reported standstill.
+pub(crate) fn of_unconfirmed(motors: impl Iterator<Item = StopOutcome>) -> NoticeText {
+    let motors: Vec<String> = motors.map(of_unconfirmed_motor).collect();
+    let title = tr!(
+        "Standstill is not confirmed: {motors}",
+        motors = motors.join(", ")
+    );
+    let advice = tr!("Look at the wheel. If it turns, switch its power off.");
+    NoticeText::new(Topic::Stop, Tone::Error, title, &[advice])
+        .explained_at(HelpTopic::StopNotConfirmed)
+}
+
+fn of_unconfirmed_motor(motor: StopOutcome) -> String {
+    let speed = motor
+        .speed
+        // Without a sign, which a mirrored motor has the other way round.
+        .map_or_else(
+            || tr!("speed unknown").to_owned(),
+            |speed| format!("{} rpm", speed.magnitude()),
+        );
+    tr!("motor {id} ({speed})", id = motor.id, speed)
+}
+
+fn of_lost_adapter(driven: &[MotorId]) -> NoticeText {
+    let coasts = match driven {
+        [] => None,
+        [id] => Some(tr!(
+            "Motor {id} was driven: without frames its wheel coasts to a standstill. Keep clear.",
+            id
+        )),
+        ids => Some(tr!(
+            "{count} motors were driven: without frames their wheels coast to a standstill. Keep clear.",
+            count = ids.len()
+        )),
+    };
+    let mut words = NoticeText::new(
+        Topic::Port,
+        Tone::Error,
+        tr!("The adapter was pulled out"),
+        &[],
+    )
+    .explained_at(HelpTopic::StoppedByItself);
+    words.advice.extend(coasts);
+    let plug =
+        tr!("Plug it in again: the page reconnects, and nothing drives until you press Start.");
+    words.advice.push(plug.to_owned());
+    words
+}
+
+/// The worker itself has failed.
+pub(crate) fn of_dead_worker(driven: bool) -> NoticeText {
+    let coasts = tr!("Its frames have ceased, so a wheel that was driven coasts to a standstill.");
+    let mut words = NoticeText::new(
+        Topic::Worker,
+        Tone::Error,
+        tr!("The background worker has stopped"),
+        &[tr!("Reload the page to go on.")],
+    );
+    if driven {
+        words.advice.insert(0, coasts.to_owned());
+    }
+    words.remedy = Some(Remedy::Reload);
+    words.explained_at(HelpTopic::StoppedByItself)
+}
+
+/// Another motor was chosen while one was driven.
+pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> NoticeText {
+    NoticeText::new(
+        Topic::Choice,
+        Tone::Calm,
+        tr!("Motor {before} is being stopped", before),
+        &[&tr!(
+            "You chose motor {chosen}; only the chosen motor is driven.",
+            chosen
+        )],
+    )
+}
+
+/// Why all motors are stopped, in the words of the dialog.
+pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Operator => tr!("You pressed Stop all motors."),
+        StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
+        StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
+        StopReason::PageSilent => tr!("The page did not answer its worker for a second."),
+        StopReason::ComputerSlept => tr!("The computer slept; motors were stopped."),
+        StopReason::LoopDelayed => {
+            tr!("The computer was too busy to keep driving; motors were stopped.")
+        }
+        StopReason::Disconnect => tr!("The port was closed."),
+        StopReason::OneMotor => tr!("A motor was stopped."),
+        StopReason::Survey => tr!("The bus is to be scanned."),
+    }
+}
+
+#[cfg(test)]
+#[path = "notice_texts_tests.rs"]
+mod tests;

@@ -1,0 +1,141 @@
+use motorlink_messages::bus::SetIdFrames;
+
+use super::*;
+
+pub(crate) fn id(id: u8) -> MotorId {
+    MotorId::new(id).unwrap()
+}
+
+pub(crate) fn new_id(to: u8) -> AssignableId {
+    AssignableId::new(id(to)).unwrap()
+}
+
+/// Of a whole scan.
+pub(crate) fn report(found: &[u8], noisy: &[u8]) -> ScanReport {
+    let ids = |of: &[u8]| of.iter().map(|of| id(*of)).collect();
+    ScanReport {
+        found: ids(found),
+        noisy: ids(noisy),
+        asked: 254,
+        complete: true,
+        took_ms: 2_060,
+    }
+}
+
+fn text(words: &NoticeText) -> String {
+    format!("{} | {}", words.title, words.advice.join(" "))
+}
+
+#[test]
+fn a_scan_names_who_answers_and_where_there_is_noise() {
+    assert_eq!(
+        text(&of_scan(&report(&[1, 2, 7], &[]))),
+        "Full scan: 3 motors answer, 0x01, 0x02, 0x07 | All 254 addresses were asked, in 2.1 s."
+    );
+    let noisy = text(&of_scan(&report(&[1], &[5])));
+    assert!(noisy.starts_with("Noise, but no clean answer at 0x05"));
+    assert!(noisy.contains("share an ID"), "{noisy}");
+    assert!(noisy.contains("motor 0x01 answers"), "{noisy}");
+    let none = text(&of_scan(&report(&[], &[])));
+    assert!(none.contains("orange and white"), "{none}");
+    let cancelled = ScanReport {
+        complete: false,
+        asked: 118,
+        ..report(&[1], &[])
+    };
+    assert_eq!(
+        text(&of_scan(&cancelled)),
+        "The scan was cancelled after 118 addresses | Until then: motor 0x01 answers."
+    );
+}
+
+#[test]
+fn a_crowd_is_counted() {
+    let crowd: Vec<u8> = (1..=12).collect();
+    let words = text(&of_scan(&report(&crowd, &[])));
+    assert!(words.contains("12 motors answer"), "{words}");
+    assert!(words.contains("0x08 and 4 more"), "{words}");
+}
+
+#[test]
+fn an_id_that_is_not_changed_says_why_and_names_the_motors() {
+    let cancelled = ScanReport {
+        complete: false,
+        ..report(&[1], &[])
+    };
+    for (report, why) in [
+        (report(&[1, 2], &[]), "2 motors answer, 0x01, 0x02"),
+        (report(&[], &[]), "no motor answers"),
+        (report(&[1], &[9]), "noise at 0x09"),
+        (cancelled, "the scan was cancelled"),
+    ] {
+        let words = text(&of_no_proof(&report, new_id(5)));
+        assert!(words.starts_with("The ID was not changed: "), "{words}");
+        assert!(words.contains(why), "{words}");
+    }
+    let words = text(&of_no_proof(&report(&[5], &[]), new_id(5)));
+    assert!(words.starts_with("Motor 0x05 has this ID already"));
+}
+
+#[test]
+fn every_end_of_an_id_change_says_what_to_do() {
+    for (outcome, tone, what) in [
+        (IdChangeOutcome::Changed, Tone::Calm, "motor 0x05 now"),
+        (
+            IdChangeOutcome::Kept {
+                frames: SetIdFrames::Five,
+            },
+            Tone::Warning,
+            "Switch its power off and on",
+        ),
+        (IdChangeOutcome::Lost, Tone::Error, "Full scan"),
+        (IdChangeOutcome::Both, Tone::Error, "Full scan"),
+        (IdChangeOutcome::NotAlone, Tone::Warning, "Nothing was sent"),
+        (
+            IdChangeOutcome::NotStopped,
+            Tone::Error,
+            "Look at the wheel",
+        ),
+        (
+            IdChangeOutcome::Cancelled { frames_sent: 0 },
+            Tone::Calm,
+            "Nothing was sent",
+        ),
+        (
+            IdChangeOutcome::Cancelled { frames_sent: 3 },
+            Tone::Warning,
+            "either ID",
+        ),
+    ] {
+        let words = of_id_change(id(1), new_id(5), outcome);
+        assert_eq!(words.tone, tone, "{outcome:?}");
+        assert!(text(&words).contains(what), "{}", text(&words));
+    }
+}
+
+#[test]
+fn two_motors_at_once_are_offered_the_full_scan() {
+    let words = of_id_query(IdQueryOutcome::Garbled);
+    assert_eq!(words.remedy, Some(Remedy::FullScan));
+    assert!(text(&words).contains("Full scan asks every address"));
+    let words = of_id_query(IdQueryOutcome::One(id(7)));
+    assert_eq!(
+        (words.remedy, words.title.as_str()),
+        (None, "Motor 0x07 answers")
+    );
+}
+
+#[test]
+fn progress_is_said_with_an_estimate() {
+    let scanning = |asked, left_ms| SurveyStatus::Scanning {
+        asked,
+        of: 254,
+        left_ms,
+        found: vec![],
+    };
+    let words = |survey| of_progress(Some(&survey));
+    assert_eq!(words(scanning(118, 900)), "118 of 254, about 1 s left");
+    assert_eq!(words(scanning(0, 6_001)), "0 of 254, about 7 s left");
+    assert!(words(SurveyStatus::Stopping).contains("stopped first"));
+    assert!(of_progress(None).contains("first stops what is driven"));
+}

@@ -1,0 +1,120 @@
+//! The setup: who is who among the motors, and how they are driven. Kept in this browser, and written
+//! and read as one JSON file.
+//!
+//! | field | what it is | allowed |
+//! |---|---|---|
+//! | `motorlink_setup` | the version of this table; must be there | 1 |
+//! | `model` | the motor's make | `"m0601"`, `"ddsm115"` |
+//! | `command_rate_hz` | drive frames a second | 1 to 500 |
+//! | `keep_driving_while_hidden` | whether a hidden page goes on driving | `true`, `false` |
+//! | `ramp_rpm_per_s` | by how much a commanded speed may grow in a second | 0 (no ramp) to 10000 |
+//! | `speed_limit_rpm` | the speed at which a driven motor is stopped | 1 to 330 |
+//! | `current_limit_ma` | the current, for half a second | 100 to 8000 |
+//! | `temperature_limit_c` | the temperature | 30 to 80 |
+//! | `motors` | the motors, in any order | a list, each ID once |
+//! | `motors[].id` | must be there | 1 to 254 |
+//! | `motors[].name` | empty where it is left out | at most 16 characters, no control characters |
+//! | `motors[].side` | `"none"` where it is left out | `"none"`, `"left"`, `"right"` |
+//! | `motors[].drives_together` | `false` where it is left out | `true`, `false` |
+//!
+//! What is left out beside the motors' own fields is left as it is when the file is taken. Any other
+//! field, and any field twice, is refused: what a page does not know, it must not pass over in silence.
+//! The file is UTF-8 and has at most [`SETUP_BYTES_MAX`] bytes.
+//!
+//! Theme, adapter, the motor that is looked at and what the log shows are one person's at one desk, and
+//! no part of it.
+
+mod error;
+mod reading;
+
+use std::fmt::Write;
+
+use motorlink_messages::bus::CommandRate;
+
+pub use self::error::{Misfit, SetupError};
+use crate::model::{fleet::Fleet, preferences::Model};
+
+/// Bytes of the largest file: twice that of 254 motors with the longest names.
+pub const SETUP_BYTES_MAX: usize = 65_536;
+
+/// Of the table above. Fields may be added to a version only where a page that does not know them may
+/// refuse the file.
+const VERSION: u16 = 1;
+
+/// A setup, as far as a file has it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Setup {
+    pub(crate) model: Option<Model>,
+    pub(crate) rate: Option<CommandRate>,
+    pub(crate) keep_driving: Option<bool>,
+    /// In rpm a second, up to [`motorlink_messages::bus::Ramp::MAX`]; 0 is none.
+    pub(crate) ramp: Option<u16>,
+    /// In rpm, in the range of [`motorlink_messages::bus::Limits`], as the next two.
+    pub(crate) speed_limit: Option<u16>,
+    /// In mA.
+    pub(crate) current_limit: Option<u16>,
+    /// In degrees Celsius.
+    pub(crate) temperature_limit: Option<u16>,
+    pub(crate) fleet: Option<Fleet>,
+}
+
+impl Setup {
+    /// Reads a file, all of it before anything of it is taken.
+    ///
+    /// # Errors
+    /// [`SetupError`] names the place that does not fit, and what is allowed there.
+    pub fn from_json(file: &[u8]) -> Result<Self, SetupError> {
+        reading::read(file)
+    }
+
+    /// As a file, a line a motor.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // Writing into a String cannot fail.
+        let mut text = format!("{{\n  \"motorlink_setup\": {VERSION}");
+        if let Some(model) = self.model {
+            let _ = write!(text, ",\n  \"model\": \"{}\"", model.key());
+        }
+        if let Some(rate) = self.rate {
+            let _ = write!(text, ",\n  \"command_rate_hz\": {}", rate.hertz());
+        }
+        if let Some(keep) = self.keep_driving {
+            let _ = write!(text, ",\n  \"keep_driving_while_hidden\": {keep}");
+        }
+        if let Some(ramp) = self.ramp {
+            let _ = write!(text, ",\n  \"ramp_rpm_per_s\": {ramp}");
+        }
+        for (name, limit) in [
+            ("speed_limit_rpm", self.speed_limit),
+            ("current_limit_ma", self.current_limit),
+            ("temperature_limit_c", self.temperature_limit),
+        ] {
+            if let Some(limit) = limit {
+                let _ = write!(text, ",\n  \"{name}\": {limit}");
+            }
+        }
+        if let Some(fleet) = &self.fleet {
+            text.push_str(",\n  \"motors\": [");
+            for (place, (id, member)) in fleet.members().enumerate() {
+                let _ = write!(
+                    text,
+                    "{}\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {} }}",
+                    if place == 0 { "" } else { "," },
+                    id.get(),
+                    nojson::Json(member.name().trim()),
+                    member.side.key(),
+                    member.drives
+                );
+            }
+            text.push_str("\n  ]");
+        }
+        text.push_str("\n}\n");
+        text
+    }
+}
+
+// It plays with chance, which has no source of its own in a browser.
+#[cfg(test)]
+#[cfg(not(target_arch = "wasm32"))]
+#[path = "setup_tests.rs"]
+mod tests;

@@ -1,0 +1,286 @@
+//! What the worker has told, kept as plain data: the newest state of everything.
+
+use std::time::Duration;
+
+use motorlink_messages::{
+    Connection, Notice, Update,
+    bus::{
+        Activity, FRESH_FOR, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome, StopReason,
+        SurveyStatus,
+    },
+    protocol::{
+        Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
+        Rpm,
+    },
+};
+
+use crate::model::{fleet::Fleet, mirror::Mirror};
+
+/// Everything that the page shows but the entered targets.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Session {
+    /// The moment it is looked at, on the worker's clock: ages are counted from here.
+    pub(crate) now: Instant,
+    /// The state of the port.
+    pub(crate) connection: Connection,
+    /// Whether Stop all motors stands.
+    pub(crate) halted: bool,
+    /// Every motor that is asked for telemetry.
+    pub(crate) motors: Vec<MotorStatus>,
+    /// The scan or ID change that is under way.
+    pub(crate) survey: Option<SurveyStatus>,
+    /// The last frame of the raw editor.
+    pub(crate) raw: Option<RawStatus>,
+    /// How the line works; `None` while no port is open.
+    pub(crate) line: Option<LineStatus>,
+    /// The last Stop all motors, while it stands.
+    pub(crate) stop: Option<StopRecord>,
+    /// Whose speed and current have the other sign here than the motor reports; nobody's in what the
+    /// worker has told.
+    pub(crate) mirrored: Vec<MotorId>,
+}
+
+/// How Stop all motors goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct StopRecord {
+    /// Why.
+    pub(crate) reason: StopReason,
+    /// How it ended; `None` while it goes on.
+    pub(crate) outcomes: Option<Vec<StopOutcome>>,
+}
+
+/// A value and how old it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reading<T> {
+    /// What was reported.
+    pub(crate) value: T,
+    /// Since then.
+    pub(crate) age: Duration,
+}
+
+impl<T> Reading<T> {
+    /// Whether it still says what is.
+    pub(crate) fn is_fresh(&self) -> bool {
+        self.age <= FRESH_FOR
+    }
+
+    fn map<U>(self, read: impl FnOnce(T) -> U) -> Reading<U> {
+        Reading {
+            value: read(self.value),
+            age: self.age,
+        }
+    }
+}
+
+/// An angle, as finely as it is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Angle {
+    /// From a drive reply.
+    Fine(Position),
+    /// From a query reply.
+    Coarse(CoarsePosition),
+}
+
+impl Angle {
+    pub(crate) fn degrees(self) -> f32 {
+        match self {
+            Self::Fine(position) => position.degrees(),
+            Self::Coarse(position) => position.degrees(),
+        }
+    }
+}
+
+impl Default for Session {
+    fn default() -> Self {
+        Self {
+            now: Instant::ZERO,
+            connection: Connection::Disconnected,
+            halted: false,
+            motors: Vec::new(),
+            survey: None,
+            raw: None,
+            line: None,
+            stop: None,
+            mirrored: Vec::new(),
+        }
+    }
+}
+
+impl Session {
+    /// Takes in what the worker says. Its notices are the caller's to show; those about a stop are
+    /// kept here too.
+    pub(crate) fn apply(&mut self, update: &Update) {
+        self.now = update.now;
+        self.connection = update.connection;
+        self.halted = update.halted;
+        self.motors.clone_from(&update.motors);
+        self.survey.clone_from(&update.survey);
+        self.raw = update.raw;
+        self.line = update.line;
+        for notice in &update.notices {
+            match notice {
+                Notice::StopBegan(reason) if concerns_all(*reason) => {
+                    self.stop = Some(StopRecord {
+                        reason: *reason,
+                        outcomes: None,
+                    });
+                }
+                Notice::StopEnded(report) if concerns_all(report.reason) => {
+                    self.stop = Some(StopRecord {
+                        reason: report.reason,
+                        outcomes: Some(report.motors.clone()),
+                    });
+                }
+                _ => {}
+            }
+        }
+        if !self.halted {
+            self.stop = None;
+        }
+    }
+
+    /// The same as a person counts it, of what the worker has told: speed, current and setpoint of mirrored
+    /// motors with the other sign.
+    pub(crate) fn counted(mut self, fleet: &Fleet) -> Self {
+        for motor in &mut self.motors {
+            let mirror = fleet.mirror(motor.id);
+            if !mirror.is_mirrored() {
+                continue;
+            }
+            self.mirrored.push(motor.id);
+            motor.activity = mirror.activity(motor.activity);
+            if let Some(Sample { reply, .. }) = &mut motor.last {
+                reply.speed = mirror.speed(reply.speed);
+                reply.current = mirror.current(reply.current);
+            }
+        }
+        self
+    }
+
+    /// How this motor's speed and current are counted here.
+    pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
+        if self.mirrored.contains(&id) {
+            Mirror::Mirrored
+        } else {
+            Mirror::Straight
+        }
+    }
+
+    /// Whether anything differs that a person must see at once rather than with the next reading.
+    pub(crate) fn differs_in_state(&self, other: &Self) -> bool {
+        // As the motors count, in whichever way both are counted.
+        let outline = |session: &Self, motor: &MotorStatus| {
+            let reply = motor.last.map(|sample| sample.reply);
+            (
+                motor.id,
+                session.mirror(motor.id).activity(motor.activity),
+                motor.silent,
+                reply.map(|reply| (reply.mode, reply.faults)),
+            )
+        };
+        self.connection != other.connection
+            || self.halted != other.halted
+            || self.stop != other.stop
+            || self.survey != other.survey
+            || self.raw.map(|raw| raw.running) != other.raw.map(|raw| raw.running)
+            || !self
+                .motors
+                .iter()
+                .map(|motor| outline(self, motor))
+                .eq(other.motors.iter().map(|motor| outline(other, motor)))
+    }
+
+    pub(crate) fn motor(&self, id: MotorId) -> Option<&MotorStatus> {
+        self.motors.iter().find(|motor| motor.id == id)
+    }
+
+    /// Those that have answered.
+    pub(crate) fn found(&self) -> Vec<MotorId> {
+        let heard = self.motors.iter().filter(|motor| motor.last.is_some());
+        heard.map(|motor| motor.id).collect()
+    }
+
+    /// Those that are driven, switched or being stopped: a page that goes must not let go of them.
+    pub(crate) fn in_hand(&self) -> impl Iterator<Item = &MotorStatus> {
+        self.motors.iter().filter(|motor| is_in_hand(motor))
+    }
+
+    /// Whether anything is driven, or moves by what was driven: a wheel that coasts, or whose last speed is
+    /// not known to be over.
+    pub(crate) fn is_anything_driven(&self) -> bool {
+        let turns = |motor: &MotorStatus| {
+            let speed = motor.last.map(|sample| sample.reply.speed);
+            !motor.silent && speed.is_some_and(|speed| speed.rpm() != 0)
+        };
+        self.raw.is_some_and(|raw| raw.running)
+            || self
+                .motors
+                .iter()
+                .any(|motor| is_in_hand(motor) || turns(motor))
+    }
+
+    fn last_reply(&self, id: MotorId) -> Option<Reading<Reply>> {
+        let sample = self.motor(id)?.last?;
+        Some(Reading {
+            value: sample.reply,
+            age: self.now.since(sample.at),
+        })
+    }
+
+    pub(crate) fn speed(&self, id: MotorId) -> Option<Reading<Rpm>> {
+        Some(self.last_reply(id)?.map(|reply| reply.speed))
+    }
+
+    pub(crate) fn current(&self, id: MotorId) -> Option<Reading<Current>> {
+        Some(self.last_reply(id)?.map(|reply| reply.current))
+    }
+
+    pub(crate) fn faults(&self, id: MotorId) -> Option<Reading<Faults>> {
+        Some(self.last_reply(id)?.map(|reply| reply.faults))
+    }
+
+    pub(crate) fn mode(&self, id: MotorId) -> Option<Reading<Mode>> {
+        Some(self.last_reply(id)?.map(|reply| reply.mode))
+    }
+
+    pub(crate) fn temperature(&self, id: MotorId) -> Option<Reading<Celsius>> {
+        let (at, value) = self.motor(id)?.temperature?;
+        let age = self.now.since(at);
+        Some(Reading { value, age })
+    }
+
+    /// The fine angle while it is fresh, else whichever is newer.
+    pub(crate) fn angle(&self, id: MotorId) -> Option<Reading<Angle>> {
+        let fine = self.motor(id)?.position.map(|(at, position)| Reading {
+            value: Angle::Fine(position),
+            age: self.now.since(at),
+        });
+        let coarse = self
+            .last_reply(id)
+            .and_then(|reading| match reading.value.detail {
+                Detail::Query { position, .. } => Some(reading.map(|_| Angle::Coarse(position))),
+                _ => None,
+            });
+        match (fine, coarse) {
+            (Some(fine), _) if fine.is_fresh() => Some(fine),
+            (Some(fine), Some(coarse)) if fine.age <= coarse.age => Some(fine),
+            (fine, coarse) => coarse.or(fine),
+        }
+    }
+}
+
+pub(crate) fn is_in_hand(motor: &MotorStatus) -> bool {
+    !matches!(motor.activity, Activity::Idle)
+}
+
+/// Whether a stop for this reason is one of all motors.
+pub(crate) fn concerns_all(reason: StopReason) -> bool {
+    !matches!(
+        reason,
+        StopReason::OneMotor | StopReason::Disconnect | StopReason::Survey
+    )
+}
+
+#[cfg(test)]
+#[path = "snapshot_tests.rs"]
+pub(crate) mod tests;

@@ -1,0 +1,151 @@
+//! The state that the worker tells, as the page reads it.
+
+use motorlink_messages::{
+    Adapter,
+    bus::{Counters, LinkQuality, StopReport},
+    protocol::{Setpoint, SpeedTarget},
+};
+
+use super::*;
+use crate::model::fleet::Side;
+
+pub(crate) const ID: MotorId = MotorId::FIRST;
+
+/// A motor that last answered a query at this moment.
+pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
+    let reply = Reply {
+        id: ID,
+        mode,
+        current: Current::from_raw(100),
+        speed: Rpm::new(rpm),
+        detail: Detail::Query {
+            temperature: Celsius::new(33),
+            position: CoarsePosition::from_raw(47),
+        },
+        faults: Faults::NONE,
+    };
+    MotorStatus {
+        id: ID,
+        activity: Activity::Idle,
+        last: Some(Sample {
+            at: Instant::from_millis(at_ms),
+            reply,
+        }),
+        position: None,
+        temperature: Some((Instant::from_millis(at_ms), Celsius::new(33))),
+        silent: false,
+        link: LinkQuality::default(),
+        counters: Counters::default(),
+    }
+}
+
+pub(crate) fn session(now_ms: u64, motor: MotorStatus) -> Session {
+    Session {
+        now: Instant::from_millis(now_ms),
+        connection: Connection::Connected(Adapter::Virtual),
+        motors: vec![motor],
+        ..Session::default()
+    }
+}
+
+fn update(halted: bool, notices: Vec<Notice>) -> Update {
+    Update {
+        now: Instant::from_millis(1),
+        connection: Connection::Connected(Adapter::Virtual),
+        halted,
+        survey: None,
+        raw: None,
+        line: None,
+        motors: vec![],
+        samples: vec![],
+        notices,
+    }
+}
+
+#[test]
+fn a_stop_is_remembered_until_it_is_released() {
+    let mut session = Session::default();
+    let reason = StopReason::PageSilent;
+    session.apply(&update(true, vec![Notice::StopBegan(reason)]));
+    assert_eq!(session.stop.as_ref().unwrap().outcomes, None);
+
+    let outcome = StopOutcome {
+        id: ID,
+        confirmed: false,
+        speed: None,
+    };
+    let report = StopReport {
+        reason,
+        motors: vec![outcome],
+    };
+    session.apply(&update(true, vec![Notice::StopEnded(report)]));
+    session.apply(&update(true, vec![Notice::StopBegan(StopReason::OneMotor)]));
+    let stop = session.stop.clone().unwrap();
+    assert_eq!(stop.reason, reason);
+    assert_eq!(stop.outcomes, Some(vec![outcome]));
+
+    session.apply(&update(false, vec![]));
+    assert_eq!(session.stop, None);
+}
+
+#[test]
+fn a_reading_is_fresh_for_half_a_second() {
+    let at = |now_ms| {
+        session(now_ms, status(1_000, Mode::Velocity, 5))
+            .speed(ID)
+            .unwrap()
+    };
+    assert!(at(1_500).is_fresh());
+    assert!(!at(1_501).is_fresh());
+    assert_eq!(at(1_501).value, Rpm::new(5));
+    assert_eq!(Session::default().speed(ID), None);
+}
+
+#[test]
+fn the_fine_angle_is_shown_while_it_is_fresh() {
+    let mut motor = status(1_000, Mode::Velocity, 5);
+    let fine = Position::from_raw(6_095);
+    motor.position = Some((Instant::from_millis(800), fine));
+    let angle = |now_ms, motor| session(now_ms, motor).angle(ID).unwrap().value;
+    assert_eq!(angle(1_100, motor), Angle::Fine(fine));
+    let coarse = Angle::Coarse(CoarsePosition::from_raw(47));
+    assert_eq!(angle(1_400, motor), coarse);
+    motor.last = None;
+    assert_eq!(angle(9_000, motor), Angle::Fine(fine));
+}
+
+#[test]
+fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
+    let goal = |rpm| Activity::Driven {
+        setpoint: Setpoint::velocity(SpeedTarget::new(rpm).unwrap()),
+    };
+    let mut motor = status(1_000, Mode::Velocity, -98);
+    motor.activity = goal(-100);
+    let told = session(1_016, motor);
+    let mut fleet = Fleet::default();
+    fleet.change(ID, |member| member.side = Side::Left);
+    assert_eq!(told.clone().counted(&fleet), told);
+    fleet.change(ID, |member| member.side = Side::Right);
+    let read = told.clone().counted(&fleet);
+    assert!(read.mirror(ID).is_mirrored() && !told.mirror(ID).is_mirrored());
+    assert_eq!(read.speed(ID).unwrap().value, Rpm::new(98));
+    assert_eq!(read.current(ID).unwrap().value, Current::from_raw(-100));
+    assert_eq!(read.motor(ID).unwrap().activity, goal(100));
+    assert_eq!(
+        read.angle(ID),
+        told.angle(ID),
+        "the wheel stands where it stands"
+    );
+    assert!(!told.differs_in_state(&read) && !read.differs_in_state(&told));
+    motor.activity = goal(100);
+    assert!(session(1_016, motor).differs_in_state(&read));
+}
+
+#[test]
+fn a_new_reading_alone_is_no_change_of_state() {
+    let before = session(1_000, status(1_000, Mode::Velocity, 5));
+    let after = session(1_020, status(1_020, Mode::Velocity, 9));
+    assert!(!after.differs_in_state(&before));
+    let switched = session(1_020, status(1_020, Mode::Current, 9));
+    assert!(switched.differs_in_state(&before));
+}

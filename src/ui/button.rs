@@ -1,0 +1,42 @@
+//! A button that says why it cannot be pressed.
+
+use leptos::prelude::*;
+
+use crate::ui::reactive::{heard, live};
+
+/// A button; disabled while there is a reason why not, which is then its description.
+#[component]
+pub(crate) fn PressButton(
+    /// What it reads.
+    #[prop(into)]
+    label: Signal<String>,
+    /// Its accessible name, where that is not what it reads.
+    #[prop(optional)]
+    name: Option<&'static str>,
+    /// How it looks.
+    #[prop(default = "button")]
+    class: &'static str,
+    /// What it does, where that needs words of its own.
+    #[prop(optional)]
+    hint: Option<&'static str>,
+    /// Why it cannot be pressed now.
+    #[prop(optional, into)]
+    why_not: Signal<Option<String>>,
+    /// What it does.
+    #[prop(into)]
+    on_press: Callback<()>,
+) -> impl IntoView {
+    let title = move || why_not.get().or_else(|| hint.map(str::to_owned));
+    view! {
+        <button
+            type="button"
+            class=class
+            aria-label=name
+            title=live(title)
+            disabled=live(move || why_not.with(Option::is_some))
+            on:click=heard(move |_| on_press.run(()))
+        >
+            {label}
+        </button>
+    }
+}

@@ -1,0 +1,440 @@
+//! What a person types into a field, read into a value in range or into words that say why not.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    bus::{CommandRate, Limits},
+    protocol::{CurrentTarget, PositionTarget, SpeedTarget},
+};
+
+use crate::ui::format;
+
+/// What stands in a field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Typed {
+    /// A value in range.
+    Value(i32),
+    /// Empty or a lone sign: somebody is typing.
+    Unfinished,
+    /// No number, or one out of range; the words name the rule.
+    Wrong(String),
+}
+
+/// How a field reads and shows its value.
+#[derive(Clone, Copy)]
+pub(crate) struct Entry {
+    /// Least value.
+    pub(crate) min: i32,
+    /// Greatest value.
+    pub(crate) max: i32,
+    /// From text.
+    pub(crate) read: fn(&str) -> Typed,
+    /// To text.
+    pub(crate) show: fn(i32) -> String,
+    /// What is shown for a value of 1.
+    pub(crate) scale: f64,
+    /// How far an arrow key moves what is shown.
+    pub(crate) step: f64,
+    /// How far page up and down move it.
+    pub(crate) page: f64,
+}
+
+impl Entry {
+    /// What is shown for this value, as a number.
+    pub(crate) fn shown(self, value: i32) -> f64 {
+        f64::from(value) * self.scale
+    }
+
+    /// The same as plain text, for those who read attributes.
+    pub(crate) fn plain(self, value: i32) -> String {
+        if self.scale < 1.0 {
+            format!("{:.2}", self.shown(value))
+        } else {
+            value.to_string()
+        }
+    }
+
+    /// The value for what is shown now, moved by this much.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a float cast saturates, and the value is clamped to its range"
+    )]
+    pub(crate) fn moved(self, value: i32, by: f64) -> i32 {
+        // What is shown as a fraction goes in whole steps.
+        let grid = if self.scale < 1.0 { self.step } else { 1.0 };
+        let shown = (self.shown(value) / grid).round() * grid + by;
+        ((shown / self.scale).round() as i32).clamp(self.min, self.max)
+    }
+}
+
+/// Degrees of one step of the raw position.
+const DEGREES_PER_RAW: f64 = 360.0 / PositionTarget::MAX as f64;
+
+/// Speed in rpm.
+pub(crate) const SPEED: Entry = Entry {
+    min: SpeedTarget::MIN,
+    max: SpeedTarget::MAX,
+    read: |text| {
+        whole(text, |rpm| {
+            within(rpm, SpeedTarget::MIN, SpeedTarget::MAX, tr!("Speed in rpm"))
+        })
+    },
+    show: format::signed,
+    scale: 1.0,
+    step: 1.0,
+    page: 10.0,
+};
+
+/// Byte 6 of a drive frame.
+pub(crate) const ACCELERATION: Entry = Entry {
+    min: 0,
+    max: 255,
+    read: |text| whole(text, |byte| within(byte, 0, 255, tr!("Acceleration"))),
+    show: |byte| byte.to_string(),
+    scale: 1.0,
+    step: 1.0,
+    page: 10.0,
+};
+
+/// Raw torque current.
+pub(crate) const CURRENT: Entry = Entry {
+    min: CurrentTarget::MIN,
+    max: CurrentTarget::MAX,
+    read: |text| {
+        whole(text, |raw| {
+            within(
+                raw,
+                CurrentTarget::MIN,
+                CurrentTarget::MAX,
+                tr!("Raw current"),
+            )
+        })
+    },
+    show: format::signed,
+    scale: 1.0,
+    step: 100.0,
+    page: 1000.0,
+};
+
+/// Raw angle.
+pub(crate) const POSITION: Entry = Entry {
+    min: PositionTarget::MIN,
+    max: PositionTarget::MAX,
+    read: |text| {
+        whole(text, |raw| {
+            within(
+                raw,
+                PositionTarget::MIN,
+                PositionTarget::MAX,
+                tr!("Raw position"),
+            )
+        })
+    },
+    show: |raw| raw.to_string(),
+    scale: 1.0,
+    step: 100.0,
+    page: 1000.0,
+};
+
+/// The same raw angle, in degrees.
+pub(crate) const ANGLE: Entry = Entry {
+    min: PositionTarget::MIN,
+    max: PositionTarget::MAX,
+    read: degrees,
+    show: |raw| PositionTarget::new(raw).map_or_else(|_| String::new(), format::angle_of),
+    scale: DEGREES_PER_RAW,
+    step: 1.0,
+    page: 10.0,
+};
+
+/// Drive frames a second.
+pub(crate) const RATE: Entry = Entry {
+    min: CommandRate::MIN as i32,
+    max: CommandRate::MAX as i32,
+    read: |text| {
+        whole(text, |hertz| {
+            within(
+                hertz,
+                CommandRate::MIN.into(),
+                CommandRate::MAX.into(),
+                tr!("Command rate in Hz"),
+            )
+        })
+    },
+    show: |hertz| hertz.to_string(),
+    scale: 1.0,
+    step: 1.0,
+    page: 10.0,
+};
+
+/// Speed at which a motor is stopped, in rpm.
+pub(crate) const SPEED_LIMIT: Entry = Entry {
+    min: Limits::SPEED_RPM.0 as i32,
+    max: Limits::SPEED_RPM.1 as i32,
+    read: |text| {
+        whole(text, |rpm| {
+            within_pair(rpm, Limits::SPEED_RPM, tr!("Speed limit"))
+        })
+    },
+    show: |rpm| rpm.to_string(),
+    scale: 1.0,
+    step: 10.0,
+    page: 50.0,
+};
+
+/// Current at which a motor is stopped, in mA, shown in amps.
+pub(crate) const CURRENT_LIMIT: Entry = Entry {
+    min: Limits::CURRENT_MA.0 as i32,
+    max: Limits::CURRENT_MA.1 as i32,
+    read: milliamps,
+    show: |milliamps| {
+        let tenths = milliamps / 100;
+        format::in_language(format!("{}.{}", tenths / 10, tenths % 10))
+    },
+    scale: 0.001,
+    step: 0.1,
+    page: 1.0,
+};
+
+/// Temperature at which a motor is stopped, in degrees Celsius.
+pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
+    min: Limits::TEMPERATURE_C.0 as i32,
+    max: Limits::TEMPERATURE_C.1 as i32,
+    read: |text| {
+        whole(text, |degrees| {
+            within_pair(degrees, Limits::TEMPERATURE_C, tr!("Temperature limit"))
+        })
+    },
+    show: |degrees| degrees.to_string(),
+    scale: 1.0,
+    step: 1.0,
+    page: 5.0,
+};
+
+fn within_pair(value: i32, (min, max): (u16, u16), quantity: &str) -> Result<i32, String> {
+    within(value, min.into(), max.into(), quantity)
+}
+
+/// Amps to a tenth.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, and the value is in its range"
+)]
+fn milliamps(text: &str) -> Typed {
+    let text = plain(text);
+    if is_unfinished(&text) {
+        return Typed::Unfinished;
+    }
+    let tenths = decimal(&text).map(|amps| (amps * 10.0).round() as i32);
+    let (least, most) = Limits::CURRENT_MA;
+    match tenths.map(|tenths| tenths.saturating_mul(100)) {
+        Some(value) if (least.into()..=most.into()).contains(&value) => Typed::Value(value),
+        Some(_) => Typed::Wrong(tr!(
+            "Current limit goes from 0.1 to 8 A; {text} is outside.",
+            text
+        )),
+        None => Typed::Wrong(tr!("Type a number of amps.").to_owned()),
+    }
+}
+
+fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String> {
+    if (min..=max).contains(&value) {
+        Ok(value)
+    } else {
+        Err(tr!(
+            "{quantity} goes from {min} to {max}; {value} is outside.",
+            quantity,
+            min,
+            max,
+            value
+        ))
+    }
+}
+
+/// Without spaces, and with the minus of a keyboard.
+pub(crate) fn plain(text: &str) -> String {
+    text.chars()
+        .filter(|character| !character.is_whitespace())
+        .map(|character| match character {
+            '\u{2212}' | '–' => '-',
+            ',' => '.',
+            other => other,
+        })
+        .collect()
+}
+
+fn is_unfinished(text: &str) -> bool {
+    matches!(text, "" | "-" | "+")
+}
+
+/// A whole number that this takes.
+pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, E>) -> Typed {
+    let text = plain(text);
+    if is_unfinished(&text) {
+        return Typed::Unfinished;
+    }
+    match text.parse::<i32>() {
+        Ok(value) => {
+            check(value).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
+        }
+        // Digits alone that do not fit are far out of any range; say the range, not "no number".
+        Err(_) if is_digits(text.trim_start_matches(['-', '+'])) => {
+            let far = if text.starts_with('-') {
+                i32::MIN
+            } else {
+                i32::MAX
+            };
+            check(far).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
+        }
+        Err(_) => Typed::Wrong(tr!("Type a whole number.").to_owned()),
+    }
+}
+
+fn is_digits(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+fn degrees(text: &str) -> Typed {
+    let text = plain(text);
+    let text = text.trim_end_matches('°');
+    if is_unfinished(text) {
+        return Typed::Unfinished;
+    }
+    match decimal(text) {
+        Some(angle) if (0.0..=360.0).contains(&angle) => {
+            Typed::Value(PositionTarget::from_degrees(angle).into())
+        }
+        Some(_) => Typed::Wrong(tr!(
+            "Angle goes from 0 to 360 degrees; {text} is outside.",
+            text
+        )),
+        None => Typed::Wrong(tr!("Type a number of degrees.").to_owned()),
+    }
+}
+
+/// A plain decimal number, to a thousandth. The parser of the standard library knows exponents and
+/// every last bit, and weighs 20 KB.
+fn decimal(text: &str) -> Option<f32> {
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(digits) => (-1.0, digits),
+        None => (1.0, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let (whole, part) = digits.split_once('.').unwrap_or((digits, "0"));
+    if !is_digits(whole) || !is_digits(part) || (whole.is_empty() && part.is_empty()) {
+        return None;
+    }
+    let number = |digits: &str| {
+        digits
+            .bytes()
+            .fold(0.0, |value, digit| value * 10.0 + f32::from(digit - b'0'))
+    };
+    let thousandths: String = part.chars().chain("000".chars()).take(3).collect();
+    Some(sign * (number(whole) + number(&thousandths) / 1000.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_in_range_is_a_value() {
+        for (entry, text, value) in [
+            (SPEED, "-330", -330),
+            (SPEED, " +100 ", 100),
+            (SPEED, "\u{2212}50", -50),
+            (ACCELERATION, "255", 255),
+            (CURRENT, "32767", 32_767),
+            (POSITION, "0", 0),
+            (ANGLE, "360", 32_767),
+            (ANGLE, "90,0", 8_192),
+            (ANGLE, "45.5°", 4_141),
+            (ANGLE, ".5", 46),
+            (ANGLE, "7.", 637),
+            (RATE, "500", 500),
+            (SPEED_LIMIT, "1", 1),
+            (CURRENT_LIMIT, "2.7", 2_700),
+            (CURRENT_LIMIT, "8", 8_000),
+            (CURRENT_LIMIT, "0,1", 100),
+            (TEMPERATURE_LIMIT, "80", 80),
+        ] {
+            assert_eq!((entry.read)(text), Typed::Value(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn out_of_range_names_the_range() {
+        for (entry, text, range) in [
+            (SPEED, "331", "-330 to 330"),
+            (SPEED, "99999999999", "-330 to 330"),
+            (ACCELERATION, "-1", "0 to 255"),
+            (CURRENT, "-32768", "-32767 to 32767"),
+            (POSITION, "32768", "0 to 32767"),
+            (ANGLE, "361", "0 to 360"),
+            (ANGLE, "360.001", "0 to 360"),
+            (
+                ANGLE,
+                "99999999999999999999999999999999999999999999",
+                "0 to 360",
+            ),
+            (ANGLE, "-1", "0 to 360"),
+            (RATE, "0", "1 to 500"),
+            (SPEED_LIMIT, "0", "1 to 330"),
+            (CURRENT_LIMIT, "0", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "8.1", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "-3", "0.1 to 8 A"),
+            (CURRENT_LIMIT, "99999999999999999999", "0.1 to 8 A"),
+            (TEMPERATURE_LIMIT, "81", "30 to 80"),
+        ] {
+            let Typed::Wrong(words) = (entry.read)(text) else {
+                panic!("{text} was taken");
+            };
+            assert!(words.contains(range), "{words}");
+            assert!(words.ends_with('.'), "{words}");
+        }
+    }
+
+    #[test]
+    fn somebody_who_is_typing_is_not_told_off() {
+        for text in ["", "-", " + ", "\u{2212}"] {
+            assert_eq!((SPEED.read)(text), Typed::Unfinished, "{text:?}");
+        }
+        assert_eq!(
+            (SPEED.read)("12a"),
+            Typed::Wrong(tr!("Type a whole number.").to_owned())
+        );
+        for text in ["NaN", "1e2", "1.2.3", ".", "--1", "inf"] {
+            let words = tr!("Type a number of degrees.").to_owned();
+            assert_eq!((ANGLE.read)(text), Typed::Wrong(words), "{text}");
+        }
+    }
+
+    #[test]
+    fn keys_move_what_is_shown_and_end_at_the_range() {
+        assert_eq!(SPEED.moved(100, SPEED.step), 101);
+        assert_eq!(SPEED.moved(325, SPEED.page), 330);
+        assert_eq!(POSITION.moved(50, -POSITION.step), 0);
+        // From 44.99 degrees to 46.
+        assert_eq!(ANGLE.moved(4_095, ANGLE.step), 4_187);
+        assert_eq!(CURRENT_LIMIT.moved(2_700, CURRENT_LIMIT.step), 2_800);
+        assert_eq!(CURRENT_LIMIT.moved(2_700, -CURRENT_LIMIT.page), 1_700);
+        assert_eq!(CURRENT_LIMIT.moved(7_900, CURRENT_LIMIT.page), 8_000);
+    }
+
+    #[test]
+    fn what_is_shown_is_read_as_the_same() {
+        for entry in [
+            SPEED,
+            ACCELERATION,
+            CURRENT,
+            POSITION,
+            ANGLE,
+            RATE,
+            SPEED_LIMIT,
+            TEMPERATURE_LIMIT,
+        ] {
+            for value in [entry.min, entry.min + 1, entry.max / 2, entry.max] {
+                let shown = (entry.show)(value);
+                assert_eq!((entry.read)(&shown), Typed::Value(value), "{shown}");
+            }
+        }
+    }
+}

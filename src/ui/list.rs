@@ -1,0 +1,35 @@
+//! Lists that are HTML from a pure function, under people who work in them.
+
+use leptos::prelude::*;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement, MouseEvent};
+
+use crate::model::desk::Desk;
+
+/// A list that changes under somebody who goes through it by keyboard does not throw the person out:
+/// the element with the same attribute has the focus again.
+pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &str) {
+    let held = document()
+        .active_element()
+        .filter(|focused| list.contains(Some(focused)))
+        .and_then(|element| element.get_attribute(attribute));
+    list.set_inner_html(html);
+    let Some(held) = held else { return };
+    let again = list.query_selector(&format!("[{attribute}='{held}']"));
+    if let Some(element) = again.ok().flatten()
+        && let Ok(element) = element.dyn_into::<HtmlElement>()
+    {
+        // Without the focus it is in the list all the same.
+        let _ = element.focus();
+    }
+}
+
+/// Chooses the motor whose button was clicked, a button that has the ID as its value.
+pub(crate) fn choose_clicked(desk: Desk, event: &MouseEvent) {
+    let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+    let button = target.and_then(|at| at.closest("button").ok().flatten());
+    let id = button.and_then(|button| button.get_attribute("value"));
+    if let Some(Ok(id)) = id.map(|id| id.parse()) {
+        desk.choose(id);
+    }
+}

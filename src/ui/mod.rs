@@ -1,0 +1,19 @@
+//! Parts of a view that know nothing of motors.
+
+pub(crate) mod animation;
+pub(crate) mod attribute;
+pub(crate) mod button;
+pub(crate) mod dial;
+pub(crate) mod download;
+pub(crate) mod drawer;
+pub(crate) mod entry;
+pub(crate) mod export_button;
+pub(crate) mod focus;
+pub(crate) mod format;
+pub(crate) mod list;
+pub(crate) mod listener;
+pub(crate) mod mathematics;
+pub(crate) mod number_field;
+pub(crate) mod reactive;
+pub(crate) mod slider;
+pub(crate) mod tool_entry;
