@@ -13,6 +13,6 @@ mod model;
 mod ui;
 
 pub use app::{App, start};
-pub use features::{graph::plot as graph, raw::editor as raw_editor, twin};
+pub use features::{graph::plot as graph, raw::editor as raw_editor, telemetry::twin};
 pub use model::preferences::{Model, Preferences, Theme};
 pub use model::setup;

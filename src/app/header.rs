@@ -2,10 +2,12 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::{Language, tr};
+use motorlink_messages::bus::StopReason;
 use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 
 use crate::{
+    app::features::Features,
     features::{
         connect::view::{ConnectButtons, ConnectionState},
         link_doctor::quality::LinkQuality,
@@ -13,7 +15,7 @@ use crate::{
         stop::button::StopButton,
     },
     model::{
-        desk::{Dialog, use_desk},
+        page::{Dialog, use_page},
         preferences::Theme,
     },
     ui::reactive::{heard, live},
@@ -24,27 +26,29 @@ const LANGUAGE: &str = "language";
 
 #[component]
 pub(crate) fn Header(
+    features: Features,
     /// Whether a dialog is open: then only STOP can be reached.
     behind_dialog: Signal<bool>,
 ) -> impl IntoView {
+    let on_stop = Box::leak(Box::new(move || features.stop_all(StopReason::Operator)));
     view! {
         <header class="header">
             <div class="header-rest" inert=behind_dialog>
                 <div class="brand" inner_html=BRAND></div>
                 <ConnectionState />
-                <ConnectButtons />
+                <ConnectButtons connect=features.connect />
                 <div class="header-facts">
                     <MotorChoice />
                     <ModelChoice />
                     <LinkQuality />
                 </div>
                 <div class="header-end">
-                    <LanguageChoice />
+                    <LanguageChoice features />
                     <ThemeButton />
                     <HelpButton />
                 </div>
             </div>
-            <StopButton />
+            <StopButton on_stop />
         </header>
     }
 }
@@ -63,9 +67,9 @@ fn glyph(path: &str) -> String {
 
 /// Combobox `Language`: it lies, unseen, over a globe.
 #[component]
-fn LanguageChoice() -> impl IntoView {
-    let desk = use_desk();
-    let spoken = desk.language.get_untracked();
+fn LanguageChoice(features: Features) -> impl IntoView {
+    let page = features.page;
+    let spoken = page.language.get_untracked();
     let options: String = Language::ALL
         .map(|language| option(language, spoken))
         .concat();
@@ -78,10 +82,10 @@ fn LanguageChoice() -> impl IntoView {
                 id=LANGUAGE
                 on:change=heard(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
-                        desk.choose_language(language);
+                        features.choose_language(language);
                         // By then the page is another, and the focus is to be where it was; but not while
                         // something turns: S and K would pick from the list instead of stopping it.
-                        let turns = desk.latest.with_value(|session| session.in_hand().next().is_some());
+                        let turns = page.latest.with_value(|session| session.in_hand().next().is_some());
                         if !turns {
                             request_animation_frame(|| focus(LANGUAGE));
                         }
@@ -112,8 +116,8 @@ fn focus(id: &str) {
 
 #[component]
 fn ThemeButton() -> impl IntoView {
-    let desk = use_desk();
-    let theme = move || desk.preferences.with(|chosen| chosen.theme);
+    let page = use_page();
+    let theme = move || page.preferences.with(|chosen| chosen.theme);
     let title = move || match theme() {
         Theme::Light => tr!("Light now; press for dark"),
         Theme::Dark => tr!("Dark now; press for high contrast"),
@@ -137,7 +141,7 @@ fn ThemeButton() -> impl IntoView {
             class="button icon-button"
             aria-label=tr!("Theme")
             title=live(title)
-            on:click=heard(move |_| desk.prefer(|preferences| preferences.theme = preferences.theme.next()))
+            on:click=heard(move |_| page.prefer(|preferences| preferences.theme = preferences.theme.next()))
             inner_html=live(move || glyph(shape()))
         ></button>
     }
@@ -145,7 +149,7 @@ fn ThemeButton() -> impl IntoView {
 
 #[component]
 fn HelpButton() -> impl IntoView {
-    let desk = use_desk();
+    let page = use_page();
     view! {
         <button
             type="button"
@@ -153,7 +157,7 @@ fn HelpButton() -> impl IntoView {
             aria-label=tr!("Help")
             aria-haspopup="dialog"
             title=tr!("Wiring, first spin, protocol, troubleshooting (?)")
-            on:click=heard(move |_| desk.dialog.set(Some(Dialog::Help(None))))
+            on:click=heard(move |_| page.dialog.set(Some(Dialog::Help(None))))
         >
             <span aria-hidden="true">"?"</span>
         </button>

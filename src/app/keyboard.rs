@@ -8,19 +8,19 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, KeyboardEvent, MouseEvent, Window};
 
 use crate::{
-    app::keys::{Focus, Reaction, Scene, StopKey, StopKeys, act},
-    model::desk::Desk,
+    app::features::Features,
+    model::keys::{Focus, Reaction, Scene, StopKey, StopKeys, act},
     ui::listener::on_window,
 };
 
 /// Listens to the keyboard from now on.
-pub(crate) fn listen(desk: Desk) {
+pub(crate) fn listen(features: Features) {
     let stop_keys = Rc::new(Cell::new(StopKeys::default()));
     for name in ["keydown", "keyup"] {
         let stop_keys = Rc::clone(&stop_keys);
         on_window(name, move |event| {
             if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
-                hear_key(desk, &stop_keys, event);
+                hear_key(features, &stop_keys, event);
             }
         });
     }
@@ -36,14 +36,14 @@ pub(crate) fn listen(desk: Desk) {
     on_window("click", let_go_of_clicked_button);
 }
 
-fn hear_key(desk: Desk, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
+fn hear_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
     let goes_down = event.type_() == "keydown";
     let key = event.key();
     if let Some(key) = StopKey::of(&key) {
         let scene = Scene {
             focus: focus(),
-            driven: desk.is_anything_driven(),
-            halted: desk.latest.with_value(|session| session.halted),
+            driven: features.page.is_anything_driven(),
+            halted: features.page.latest.with_value(|session| session.halted),
         };
         let mut keys = stop_keys.get();
         let reaction = if goes_down {
@@ -53,7 +53,7 @@ fn hear_key(desk: Desk, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
         };
         stop_keys.set(keys);
         if reaction == Reaction::Stop {
-            desk.stop_all(StopReason::Operator);
+            features.stop_all(StopReason::Operator);
         }
         if reaction != Reaction::Pass {
             event.prevent_default();
@@ -66,11 +66,11 @@ fn hear_key(desk: Desk, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
     if goes_down
         && !event.repeat()
         && let Some(act) = act(&key, modified, focus())
-        && desk.dialog.with_untracked(Option::is_none)
-        && !(act.drives() && desk.tab.get_untracked().is_tool())
+        && features.page.dialog.with_untracked(Option::is_none)
+        && !(act.drives() && features.page.loops.tab.get_untracked().is_tool())
     {
         event.prevent_default();
-        desk.act(act);
+        features.act(act);
     }
 }
 

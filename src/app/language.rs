@@ -4,7 +4,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::{Language, speak};
 
-use crate::model::{desk::Desk, preferences::remember};
+use crate::{app::features::Features, model::preferences::remember};
 
 /// The name by which the choice is remembered.
 pub(crate) const STORED_AS: &str = "language";
@@ -24,26 +24,14 @@ pub(crate) fn speak_from_now_on(language: Language) {
     }
 }
 
-impl Desk {
+impl Features {
     /// Speaks another language, and draws the page anew in it. What is driven is driven on: the worker knows
     /// nothing of it.
     pub(crate) fn choose_language(self, language: Language) {
         remember(STORED_AS, language.key());
         speak_from_now_on(language);
-        self.tell_language(language);
-        self.language.set(language);
-    }
-
-    /// The log's entries are put into words by the recorder.
-    pub(crate) fn tell_language(self, language: Language) {
-        let speak = self
-            .recorder
-            .feed
-            .try_update_value(|feed| feed.speak(language));
-        if let Some(speak) = speak {
-            self.tell_recorder(&speak);
-            self.look();
-        }
+        self.log.speak(language);
+        self.page.language.set(language);
     }
 }
 

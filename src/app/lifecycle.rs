@@ -6,9 +6,10 @@ use motorlink_messages::bus::{Activity, MotorStatus, StopReason};
 use web_sys::VisibilityState;
 
 use crate::{
-    link::clock::page_now_ms,
-    model::{desk::Desk, snapshot::Session},
+    app::features::Features,
+    model::snapshot::Session,
     ui::{
+        clock::page_now_ms,
         format,
         listener::on_window,
         reactive::{follow, memo},
@@ -23,20 +24,21 @@ const LAST_FRAMES_MS: f64 = 250.0;
 const TITLE: &str = "MotorLink";
 
 /// Stops what is driven when the page goes, and where the operator wants it, when it is hidden.
-pub(crate) fn watch(desk: Desk) {
-    on_window("pagehide", move |_| leave(desk));
-    on_window("freeze", move |_| leave(desk));
-    on_window("visibilitychange", move |_| visibility_changed(desk));
+pub(crate) fn watch(features: Features) {
+    on_window("pagehide", move |_| leave(features));
+    on_window("freeze", move |_| leave(features));
+    on_window("visibilitychange", move |_| visibility_changed(features));
 
-    let title = memo(move || desk.shown.with(title));
+    let title = memo(move || features.page.shown.with(title));
     follow(move || document().set_title(&title.get()));
 }
 
-fn leave(desk: Desk) {
-    let in_hand = desk
+fn leave(features: Features) {
+    let in_hand = features
+        .page
         .latest
         .with_value(|session| session.in_hand().next().is_some());
-    desk.stop_all(StopReason::PageGone);
+    features.stop_all(StopReason::PageGone);
     if in_hand {
         let begun_ms = page_now_ms();
         while page_now_ms() - begun_ms < LAST_FRAMES_MS {
@@ -45,16 +47,17 @@ fn leave(desk: Desk) {
     }
 }
 
-fn visibility_changed(desk: Desk) {
+fn visibility_changed(features: Features) {
     if document().visibility_state() != VisibilityState::Hidden {
-        desk.show();
+        features.page.show();
         return;
     }
-    let keep_driving = desk
+    let keep_driving = features
+        .page
         .preferences
         .with_untracked(|chosen| chosen.keep_driving);
     if !keep_driving {
-        desk.stop_all(StopReason::PageHidden);
+        features.stop_all(StopReason::PageHidden);
     }
 }
 

@@ -1,13 +1,15 @@
 //! The start of the page.
 
+pub(crate) mod acts;
+pub(crate) mod features;
 pub(crate) mod header;
 pub(crate) mod keyboard;
-pub(crate) mod keys;
 pub(crate) mod language;
 pub(crate) mod lifecycle;
 pub(crate) mod mounting;
 pub(crate) mod question_dialog;
 pub(crate) mod questions;
+pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
 pub(crate) mod routing;
 
@@ -17,22 +19,21 @@ use leptos::{mount::mount_to_body, prelude::*};
 
 use crate::{
     app::{
+        features::Features,
         language::{first_known, speak_from_now_on},
         mounting::{assembled, in_the_next_turn},
-        refresh as ticking,
     },
-    features::{graph::provide_graph, install as installation},
-    link::worker_link::WorkerLink,
+    features::install,
+    link::worker_link::{WorkerLink, WorkerState},
     model::{
-        desk::{Desk, WorkerState},
-        notice_texts as words,
+        notice_texts::of_dead_worker,
         preferences::{Preferences, Theme, remembered},
     },
     ui::reactive::follow,
 };
 
-/// How often it is looked whether the worker lives; a hidden page's timers may come less often.
-const LOOK_AFTER_WORKER: Duration = Duration::from_secs(1);
+/// How often the page checks that the worker lives; a hidden page's timers may come less often.
+const CHECK_WORKER_EVERY: Duration = Duration::from_secs(1);
 
 /// Shows the page.
 pub fn start() {
@@ -44,28 +45,28 @@ pub fn start() {
 #[must_use]
 pub fn App() -> impl IntoView {
     speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
-    let desk = Desk::new(Preferences::load());
-    provide_context(desk);
-    provide_graph(desk);
+    let features = Features::new(Preferences::load());
+    let page = features.page;
+    provide_context(page);
     if wants_virtual_motor() {
-        desk.connect_virtual();
+        features.connect.connect_virtual();
     }
-    follow(move || show_theme(desk.preferences.with(|chosen| chosen.theme)));
+    follow(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
 
     // First of all: a stop that is asked for before there is a worker stands once there is one.
-    keyboard::listen(desk);
-    lifecycle::watch(desk);
+    keyboard::listen(features);
+    lifecycle::watch(features);
     // The workers start last: on two cores they would take half of the time in which the page comes.
     let complete = RwSignal::new(false);
     follow(move || {
         if complete.get() {
-            untrack(move || start_worker(desk));
+            untrack(move || start_worker(features));
         }
     });
-    ticking::keep_showing(desk);
-    installation::watch(desk);
+    refresh::keep_showing(page);
+    install::watch(features.install);
 
-    assembled(desk, complete)
+    assembled(features, complete)
 }
 
 /// What the address, the memory and the browser name, in this order.
@@ -79,28 +80,29 @@ fn wanted_languages() -> Vec<String> {
     wanted
 }
 
-fn start_worker(desk: Desk) {
+fn start_worker(features: Features) {
+    let page = features.page;
     let started = WorkerLink::spawn(
-        move |message| desk.hear(message),
-        move || desk.worker_lost(),
+        move |message| features.hear(message),
+        move || features.worker_lost(),
     );
     if let Ok(link) = started {
-        desk.link.set_value(Some(link));
-        let look = move || {
-            desk.look_after_worker();
-            desk.look_whether_to_advise();
+        page.worker.link.set_value(Some(link));
+        let check = move || {
+            features.check_worker();
+            features.install.look_whether_to_advise();
         };
-        let looking = set_interval_with_handle(look, LOOK_AFTER_WORKER);
-        if let Ok(looking) = looking {
-            on_cleanup(move || looking.clear());
+        let checking = set_interval_with_handle(check, CHECK_WORKER_EVERY);
+        if let Ok(checking) = checking {
+            on_cleanup(move || checking.clear());
         }
-        desk.start_recorder();
-        desk.stop_if_asked_early();
-        desk.connect_if_asked_early();
+        features.start_recorder();
+        features.stop_if_asked_early();
+        features.connect.connect_if_asked_early();
     } else {
-        desk.worker.set(WorkerState::Dead);
-        desk.start_recorder();
-        desk.say(words::of_dead_worker(false));
+        page.worker.state.set(WorkerState::Dead);
+        features.start_recorder();
+        page.say(of_dead_worker(false));
     }
 }
 

@@ -16,25 +16,26 @@ use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 
 use crate::{
-    app::{header::Header, question_dialog::QuestionDialog},
+    app::{features::Features, header::Header, question_dialog::QuestionDialog},
     features::{
         drive::{ControlPanel, current::CurrentTab, position::PositionTab, velocity::VelocityTab},
         graph::Graph,
         groups::panel::TogetherPanel,
-        help::HelpDialog,
+        help::{HelpDialog, tour::Wanted, tour_view::TourNotice},
         ids::view::IdManagerTab,
+        install::texts,
         link_doctor::panel::LinkPanel,
         motors::strip::MotorStrip,
         notices::Notices,
         packet_log::PacketLog,
         raw::view::RawHexTab,
         recording::Recording,
-        settings::panel::SettingsPanel,
+        saved_session::view::{SavedSessionNotice, is_hidden},
+        settings::panel::{InstallButton, SettingsPanel},
         stop::dialog::StoppedDialog,
-        telemetry::Telemetry,
-        twin::panel::WheelPanel,
+        telemetry::{Telemetry, twin::panel::WheelPanel},
     },
-    model::desk::{Desk, use_desk},
+    model::page::Page,
     ui::reactive::{follow, live},
 };
 
@@ -49,39 +50,112 @@ enum Place {
 }
 
 /// A part, and where it is mounted: behind those that are there already.
-type Part = (Place, fn(HtmlElement) -> Mounted);
+type Part = (Place, fn(HtmlElement, Features) -> Mounted);
 
 /// Keeps a part alive.
 type Mounted = (Owner, Box<dyn Any>);
 
 /// In the order in which they come: what is looked at first comes first.
 const PARTS: [Part; 20] = [
-    (Place::Top, |place| {
-        mount(place, || {
-            let desk = use_desk();
-            view! { <Header behind_dialog=Signal::derive(move || is_behind_dialog(desk)) /> }
+    (Place::Top, |place, features| {
+        mount(place, move || {
+            let behind_dialog = Signal::derive(move || is_behind_dialog(features.page));
+            view! { <Header features behind_dialog /> }
         })
     }),
-    (Place::Desk, |place| mount(place, ControlPanel)),
-    (Place::TabPanels, |place| mount(place, VelocityTab)),
-    (Place::TabPanels, |place| mount(place, CurrentTab)),
-    (Place::TabPanels, |place| mount(place, PositionTab)),
-    (Place::TabPanels, |place| mount(place, IdManagerTab)),
-    (Place::TabPanels, |place| mount(place, RawHexTab)),
-    (Place::Desk, |place| mount(place, WheelPanel)),
-    (Place::Desk, |place| mount(place, Telemetry)),
-    (Place::Desk, |place| mount(place, Notices)),
-    (Place::Desk, |place| mount(place, PacketLog)),
-    (Place::Desk, |place| mount(place, Graph)),
-    (Place::Desk, |place| mount(place, Recording)),
-    (Place::Desk, |place| mount(place, StoppedDialog)),
-    (Place::AboveDesk, |place| mount(place, MotorStrip)),
-    (Place::AboveDesk, |place| mount(place, LinkPanel)),
-    (Place::AboveDesk, |place| mount(place, TogetherPanel)),
-    (Place::AboveDesk, |place| mount(place, SettingsPanel)),
-    (Place::Dialogs, |place| mount(place, HelpDialog)),
-    (Place::Dialogs, |place| mount(place, QuestionDialog)),
+    (Place::Desk, |place, _| mount(place, ControlPanel)),
+    (Place::TabPanels, |place, features| {
+        mount(
+            place,
+            move || view! { <VelocityTab drive=features.drive /> },
+        )
+    }),
+    (Place::TabPanels, |place, features| {
+        mount(place, move || view! { <CurrentTab drive=features.drive /> })
+    }),
+    (Place::TabPanels, |place, features| {
+        mount(
+            place,
+            move || view! { <PositionTab drive=features.drive /> },
+        )
+    }),
+    (Place::TabPanels, |place, features| {
+        mount(place, move || view! { <IdManagerTab ids=features.ids /> })
+    }),
+    (Place::TabPanels, |place, features| {
+        mount(place, move || view! { <RawHexTab raw=features.raw /> })
+    }),
+    (Place::Desk, |place, features| {
+        mount(
+            place,
+            move || view! { <WheelPanel readings=features.readings /> },
+        )
+    }),
+    (Place::Desk, |place, features| {
+        mount(
+            place,
+            move || view! { <Telemetry readings=features.readings /> },
+        )
+    }),
+    (Place::Desk, |place, features| {
+        mount(place, move || notices(features))
+    }),
+    (Place::Desk, |place, features| {
+        mount(place, move || view! { <PacketLog log=features.log /> })
+    }),
+    (Place::Desk, |place, features| {
+        mount(place, move || view! { <Graph chart=features.chart /> })
+    }),
+    (Place::Desk, |place, _| mount(place, Recording)),
+    (Place::Desk, |place, _| mount(place, StoppedDialog)),
+    (Place::AboveDesk, |place, _| mount(place, MotorStrip)),
+    (Place::AboveDesk, |place, features| {
+        mount(place, move || {
+            view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
+        })
+    }),
+    (Place::AboveDesk, |place, features| {
+        mount(
+            place,
+            move || view! { <TogetherPanel groups=features.groups /> },
+        )
+    }),
+    (Place::AboveDesk, |place, features| {
+        mount(place, move || settings_panel(features))
+    }),
+    (Place::Dialogs, |place, features| {
+        mount(place, move || view! { <HelpDialog tour=features.tour /> })
+    }),
+    (Place::Dialogs, |place, features| {
+        mount(place, move || view! { <QuestionDialog features /> })
+    }),
 ];
+
+/// The notices, with the saved session and the tour among them.
+fn notices(features: Features) -> impl IntoView {
+    let wanted = move || features.tour.with(|tour| tour.wanted);
+    let is_alone = move || is_hidden(features.saved_session) && wanted() != Wanted::Asked;
+    let on_act = Box::leak(Box::new(move |act| features.act_for_tour(act)));
+    let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
+    view! {
+        <Notices
+            is_alone=Signal::derive(is_alone)
+            is_tour_shown=Signal::derive(move || wanted() != Wanted::No)
+            on_remedy
+            saved_session=view! { <SavedSessionNotice saved=features.saved_session /> }
+            tour=view! { <TourNotice page=features.page tour=features.tour on_act /> }
+        />
+    }
+}
+
+fn settings_panel(features: Features) -> impl IntoView {
+    let install = Box::leak(Box::new(InstallButton {
+        why_not: Box::new(move || features.install.why_not_install()),
+        hint: texts::hint(),
+        on_press: Box::new(move || features.install.install()),
+    }));
+    view! { <SettingsPanel settings=features.settings install /> }
+}
 
 fn mount<V: IntoView + 'static>(place: HtmlElement, part: impl FnOnce() -> V + 'static) -> Mounted {
     let build = move || -> Box<dyn Any> {
@@ -99,8 +173,8 @@ fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
     (owner, view)
 }
 
-fn is_behind_dialog(desk: Desk) -> bool {
-    desk.dialog.with(Option::is_some)
+fn is_behind_dialog(page: Page) -> bool {
+    page.dialog.with(Option::is_some)
 }
 
 /// Where the parts are mounted.
@@ -139,6 +213,7 @@ impl Places {
 /// What the page is put together with.
 #[derive(Clone, Copy)]
 struct Assembly {
+    features: Features,
     places: Places,
     parts: StoredValue<Vec<Mounted>, LocalStorage>,
     /// Which language this is, counted: what was begun in another is not gone on with.
@@ -153,7 +228,7 @@ impl Assembly {
             return None;
         }
         let (place, mount) = PARTS.get(self.parts.with_value(Vec::len))?;
-        let part = mount(self.places.element(*place)?);
+        let part = mount(self.places.element(*place)?, self.features);
         self.parts.update_value(|parts| parts.push(part));
         Some(())
     }
@@ -174,9 +249,10 @@ impl Assembly {
 /// The page without its parts, which come one by one until it is `complete`, and anew in another language. As
 /// a view that changes they would bring along, for every element, the code that changes it: a fifth of the
 /// whole program.
-pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
+pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl IntoView {
     let places = Places::default();
     let assembly = Assembly {
+        features,
         places,
         parts: StoredValue::new_local(Vec::new()),
         round: StoredValue::new(0),
@@ -200,10 +276,10 @@ pub(crate) fn assembled(desk: Desk, complete: RwSignal<bool>) -> impl IntoView {
         }
     };
     follow(move || {
-        desk.language.track();
+        features.page.language.track();
         untrack(begin);
     });
-    let behind_dialog = move || is_behind_dialog(desk);
+    let behind_dialog = move || is_behind_dialog(features.page);
     view! {
         <div class="page" class:incomplete=live(move || !assembly.complete.get())>
             <div class="top" node_ref=places.top></div>

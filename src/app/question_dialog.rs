@@ -4,8 +4,10 @@ use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
 use crate::{
-    app::questions::Question,
-    model::desk::{Dialog, use_desk},
+    app::{
+        features::Features,
+        questions::{Question, question},
+    },
     ui::{
         button::PressButton,
         focus::focus_when,
@@ -14,10 +16,10 @@ use crate::{
 };
 
 #[component]
-pub(crate) fn QuestionDialog() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn QuestionDialog(features: Features) -> impl IntoView {
+    let page = features.page;
     let dialog = NodeRef::<Div>::new();
-    let asked = memo(move || desk.dialog.get().and_then(Dialog::question));
+    let asked = memo(move || page.dialog.get().and_then(question));
     let open = memo(move || asked.with(Option::is_some));
     focus_when(open, dialog);
     let of_question = move |read: fn(&Question) -> String| {
@@ -41,11 +43,11 @@ pub(crate) fn QuestionDialog() -> impl IntoView {
                 <h2>{of_question(|question| question.title.clone())}</h2>
                 <p id="question-words">{of_question(|question| question.words.clone())}</p>
                 <div class="dialog-foot">
-                    <PressButton label=tr!("Cancel") on_press=move || desk.decline() />
+                    <PressButton label=tr!("Cancel") on_press=move || page.decline() />
                     <PressButton
                         label=Signal::derive(yes)
                         class="button primary"
-                        on_press=move || desk.agree()
+                        on_press=move || features.agree()
                     />
                 </div>
             </div>

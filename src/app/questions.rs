@@ -1,16 +1,12 @@
 //! What the page asks before it does what cannot be taken back by a stop, or what needs care.
 
 use motorlink_i18n::tr;
-use motorlink_messages::{bus::Repeat, protocol::Frame};
+use motorlink_messages::bus::Repeat;
 
-use crate::{features::ids::state::Change, model::desk::Dialog, ui::format};
-
-/// A frame that a person wants to be sent, and how often.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct RawOrder {
-    pub(crate) frame: Frame,
-    pub(crate) repeat: Repeat,
-}
+use crate::{
+    model::page::{Dialog, IdChange, RawOrder},
+    ui::format,
+};
 
 /// A question in words.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -24,34 +20,21 @@ pub(crate) struct Question {
     pub(crate) yes: String,
 }
 
-impl Dialog {
-    /// Whether it asks about a motor, or about what is sent to motors.
-    pub(crate) const fn is_about_motors(self) -> bool {
-        match self {
-            Self::HighCurrent { .. }
-            | Self::ChangeId { .. }
-            | Self::Hazard(_)
-            | Self::HighRawCurrent { .. } => true,
-            Self::Help(_) | Self::ClearLog(_) | Self::EraseKept => false,
+/// What a dialog asks; `None` where it asks nothing.
+pub(crate) fn question(dialog: Dialog) -> Option<Question> {
+    Some(match dialog {
+        Dialog::Help(_) => return None,
+        Dialog::HighCurrent { target, .. } => {
+            high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
         }
-    }
-
-    /// What this dialog asks; `None` where it asks nothing.
-    pub(crate) fn question(self) -> Option<Question> {
-        Some(match self {
-            Self::Help(_) => return None,
-            Self::HighCurrent { target, .. } => {
-                high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
-            }
-            Self::ChangeId(change) => change_id(change),
-            Self::Hazard(order) => hazard(order),
-            Self::ClearLog(entries) => clear_log(entries),
-            Self::EraseKept => erase_kept(),
-            Self::HighRawCurrent { current, .. } => {
-                high_current(tr!("Send {amps}", amps = format::amps_of(current)))
-            }
-        })
-    }
+        Dialog::ChangeId(change) => change_id(change),
+        Dialog::Hazard(order) => hazard(order),
+        Dialog::ClearLog(entries) => clear_log(entries),
+        Dialog::EraseKept => erase_kept(),
+        Dialog::HighRawCurrent { current, .. } => {
+            high_current(tr!("Send {amps}", amps = format::amps_of(current)))
+        }
+    })
 }
 
 fn high_current(yes: String) -> Question {
@@ -67,7 +50,7 @@ fn high_current(yes: String) -> Question {
     }
 }
 
-fn change_id(Change { from, to, frames }: Change) -> Question {
+fn change_id(IdChange { from, to, frames }: IdChange) -> Question {
     let to = to.id();
     Question {
         name: tr!("Change the ID?"),
@@ -87,7 +70,7 @@ fn change_id(Change { from, to, frames }: Change) -> Question {
 }
 
 fn clear_log(entries: u64) -> Question {
-    let yes = crate::features::recording::texts::of_clearing(entries);
+    let yes = crate::features::packet_log::texts::of_clearing(entries);
     Question {
         name: tr!("Clear the packet log"),
         title: format!("{yes}?"),
@@ -155,9 +138,9 @@ mod tests {
         let to = AssignableId::new(MotorId::new(10).unwrap()).unwrap();
         let from = MotorId::FIRST;
         let frames = SetIdFrames::Ten;
-        let change = Change { from, to, frames };
-        let question = Dialog::ChangeId(change).question().unwrap();
-        assert_eq!(question.yes, "Set ID 0x0A");
+        let change = IdChange { from, to, frames };
+        let asked = question(Dialog::ChangeId(change)).unwrap();
+        assert_eq!(asked.yes, "Set ID 0x0A");
         for words in [
             "Motor 0x01 will answer as 0x0A (10)",
             "flash",
@@ -165,13 +148,13 @@ mod tests {
             "Only one motor may be connected",
             "10 frames",
         ] {
-            assert!(question.words.contains(words), "{}", question.words);
+            assert!(asked.words.contains(words), "{}", asked.words);
         }
     }
 
     #[test]
     fn a_frame_that_can_move_a_wheel_names_what_stops_it() {
-        let words = |repeat| Dialog::Hazard(order(repeat)).question().unwrap().words;
+        let words = |repeat| question(Dialog::Hazard(order(repeat))).unwrap().words;
         for stop in ["STOP", "Space", "Escape"] {
             assert!(words(Repeat::Once).contains(stop));
         }
@@ -184,7 +167,7 @@ mod tests {
     #[test]
     fn a_high_current_is_named_in_amps() {
         let current = CurrentTarget::new(26_000).unwrap();
-        let yes = |dialog: Dialog| dialog.question().unwrap().yes;
+        let yes = |dialog: Dialog| question(dialog).unwrap().yes;
         let drive = Dialog::HighCurrent {
             id: MotorId::FIRST,
             target: current,

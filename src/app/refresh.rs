@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 
 use crate::{
-    model::desk::Desk,
+    model::page::Page,
     ui::animation::{Frames, Next},
 };
 
@@ -12,13 +12,13 @@ const SHOWN_EVERY_MS: f64 = 100.0;
 
 /// Shows the newest state from now on. Animation frames stop while the page is hidden, and this
 /// with them.
-pub(crate) fn keep_showing(desk: Desk) {
+pub(crate) fn keep_showing(page: Page) {
     let frames = Frames::new(move |now_ms| {
-        let anything = desk
+        let anything = page
             .latest
             .try_with_value(|session| !session.motors.is_empty());
         if anything == Some(true) {
-            desk.show();
+            page.show();
         }
         Next::in_step(SHOWN_EVERY_MS, now_ms)
     });

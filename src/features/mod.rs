@@ -18,5 +18,4 @@ pub(crate) mod recording;
 pub(crate) mod saved_session;
 pub(crate) mod settings;
 pub(crate) mod stop;
-pub(crate) mod telemetry;
-pub mod twin;
+pub mod telemetry;

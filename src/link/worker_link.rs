@@ -7,10 +7,21 @@ use leptos::logging;
 use motorlink_messages::{ToPage, ToWorker, decode, encode};
 use web_sys::{MessagePort, Worker};
 
-use crate::link::{
-    clock::page_now_ms,
-    started_worker::{NoWorker, StartedWorker, post},
+use crate::{
+    link::started_worker::{NoWorker, StartedWorker, post},
+    ui::clock::page_now_ms,
 };
+
+/// Whether the worker lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WorkerState {
+    /// Its code is being loaded.
+    Starting,
+    /// It has sent its first message.
+    Running,
+    /// It could not be started, or it has failed.
+    Dead,
+}
 
 /// A worker with an open port pings four times a second. One that has not when it was looked for so often,
 /// a second apart, is dead: a machine that is held up for so long is none to drive with.

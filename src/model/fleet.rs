@@ -10,11 +10,11 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::{groups::pad::Wheels, raw::cells::escaped},
     model::{
         mirror::Mirror,
         preferences::{remember, remembered},
     },
+    ui::escape::escaped,
 };
 
 /// As many characters as a chip of the strip has room for.
@@ -242,6 +242,13 @@ pub(crate) fn listed(found: &[MotorId], fleet: &Fleet) -> Vec<MotorId> {
     ids.sort_unstable();
     ids.dedup();
     ids
+}
+
+/// Speeds of a vehicle's sides in rpm; + is forward on both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Wheels {
+    pub(crate) left: i32,
+    pub(crate) right: i32,
 }
 
 #[cfg(test)]

@@ -3,10 +3,13 @@
 //! The bus decides what is driven and refuses what must not be; these are its rules as far as a
 //! person can know them beforehand, so that a button says why before it is pressed.
 
-use crate::model::{
-    fleet::{Crew, Side},
-    snapshot::{Session, is_in_hand},
-    terms,
+use crate::{
+    link::{serial_ports, worker_link::WorkerState},
+    model::{
+        fleet::{Crew, Side},
+        snapshot::{Session, is_in_hand},
+        terms,
+    },
 };
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -186,6 +189,31 @@ pub(crate) fn why_not_import(session: &Session, pad_is_held: bool) -> Option<Str
     }
     let motor = session.in_hand().next()?;
     Some(tr!("Stop motor {id} first: it is in use.", id = motor.id))
+}
+
+/// Whether a port is open, being opened, or waited for.
+pub(crate) fn is_in_use(connection: Connection) -> bool {
+    match connection {
+        Connection::Disconnected | Connection::Failed(_) => false,
+        Connection::Connecting | Connection::Connected(_) | Connection::Reconnecting(_) => true,
+    }
+}
+
+/// Why no port can be opened.
+pub(crate) fn why_not_at_all(worker: WorkerState) -> Option<String> {
+    (worker == WorkerState::Dead)
+        .then(|| tr!("The background worker has stopped. Reload the page.").to_owned())
+}
+
+/// Why no serial port can be opened.
+pub(crate) fn why_not_serial(worker: WorkerState) -> Option<String> {
+    if !serial_ports::is_supported() {
+        let words = tr!(
+            "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, over https; the virtual motor works here."
+        );
+        return Some(words.to_owned());
+    }
+    why_not_at_all(worker)
 }
 
 #[cfg(test)]

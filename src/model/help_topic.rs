@@ -145,7 +145,3 @@ impl HelpTopic {
         }
     }
 }
-
-#[cfg(test)]
-#[path = "help_topic_tests.rs"]
-mod tests;

@@ -1,20 +1,30 @@
 //! What the page knows, and what features share.
 
-pub(crate) mod desk;
-pub(crate) mod drawer;
+pub(crate) mod affected;
+pub(crate) mod apply_settings;
+pub(crate) mod commands;
+pub(crate) mod connect_texts;
+pub(crate) mod drive_settings;
 pub(crate) mod fleet;
 pub(crate) mod guards;
 pub(crate) mod help_topic;
 pub(crate) mod history;
+pub(crate) mod keys;
 pub(crate) mod log_lines;
 pub(crate) mod mirror;
+pub(crate) mod motors;
 pub(crate) mod notice_board;
 pub(crate) mod notice_lifetime;
 pub(crate) mod notice_texts;
+pub(crate) mod own_lines;
+pub(crate) mod page;
 pub(crate) mod preferences;
+pub(crate) mod recorder;
+pub(crate) mod recorder_texts;
 pub(crate) mod scan_texts;
 pub mod setup;
+pub(crate) mod setup_actions;
 pub(crate) mod snapshot;
 pub(crate) mod tab;
-pub(crate) mod target;
 pub(crate) mod terms;
+pub(crate) mod tool_entry;

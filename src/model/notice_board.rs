@@ -2,12 +2,47 @@
 //! not push out the others.
 
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::MotorId;
-
-use crate::model::{
-    help_topic::HelpTopic,
-    notice_lifetime::{Fate, Until},
+use motorlink_messages::{
+    bus::{StopOutcome, WithdrawReason},
+    protocol::{Mode, MotorId},
 };
+
+use crate::model::help_topic::HelpTopic;
+
+/// What makes a notice untrue.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Until {
+    /// Nothing: it says what happened.
+    #[default]
+    Dismissed,
+    /// Any motor answers.
+    AnyAnswer,
+    /// Each of these motors answers again, or is not asked any more.
+    Answers(Vec<MotorId>),
+    /// This motor reports this loop.
+    Loop(MotorId, Mode),
+    /// None of these motors is driven or being stopped.
+    AtRest {
+        motors: Vec<MotorId>,
+        /// Whose setpoint was withdrawn, and why: it is said in other words then.
+        withdrawn: Option<(MotorId, WithdrawReason)>,
+    },
+    /// One of these motors is driven again.
+    Driven(Vec<MotorId>),
+    /// Each of these motors has reported standstill; with the replies in a row that did.
+    Standstill(Vec<(StopOutcome, u8)>),
+}
+
+/// What becomes of a notice.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Fate {
+    /// It is still true.
+    Stands,
+    /// It is not.
+    Over,
+    /// This is true instead.
+    Becomes(NoticeText, Until),
+}
 
 /// What a notice is about. A new one takes the place of an older one on the same topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

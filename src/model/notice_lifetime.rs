@@ -3,54 +3,20 @@
 
 use motorlink_messages::{
     Notice, Update,
-    bus::{Activity, IdQueryOutcome, MotorStatus, StopOutcome, WithdrawReason},
-    protocol::{Mode, MotorId},
+    bus::{Activity, IdQueryOutcome, MotorStatus, StopOutcome},
+    protocol::MotorId,
 };
 
 use crate::model::{
-    notice_board::NoticeText,
-    notice_texts as words,
+    affected::{silent, stopping},
+    notice_board::{Fate, Until},
+    notice_texts,
     snapshot::{Session, is_in_hand},
 };
 
 /// So many replies in a row that report 0 rpm are a standstill, as for the bus: one may have been measured
 /// as a reversing wheel passed zero.
 const STANDSTILL_REPLIES: u8 = 3;
-
-/// What makes a notice untrue.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Until {
-    /// Nothing: it says what happened.
-    #[default]
-    Dismissed,
-    /// Any motor answers.
-    AnyAnswer,
-    /// Each of these motors answers again, or is not asked any more.
-    Answers(Vec<MotorId>),
-    /// This motor reports this loop.
-    Loop(MotorId, Mode),
-    /// None of these motors is driven or being stopped.
-    AtRest {
-        motors: Vec<MotorId>,
-        /// Whose setpoint was withdrawn, and why: it is said in other words then.
-        withdrawn: Option<(MotorId, WithdrawReason)>,
-    },
-    /// One of these motors is driven again.
-    Driven(Vec<MotorId>),
-    /// Each of these motors has reported standstill; with the replies in a row that did.
-    Standstill(Vec<(StopOutcome, u8)>),
-}
-
-/// What becomes of a notice.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Fate {
-    /// It is still true.
-    Stands,
-    /// It is not.
-    Over,
-    /// This is true instead.
-    Becomes(NoticeText, Until),
-}
 
 /// What makes the words of this notice untrue.
 pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
@@ -71,28 +37,6 @@ pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
     }
 }
 
-/// This motor, and all others that have not answered for two seconds.
-pub(crate) fn silent(session: &Session, id: MotorId) -> Vec<MotorId> {
-    with(session, id, |motor| motor.silent)
-}
-
-/// This motor, and all others that are being stopped: a group is stopped for one of its motors.
-pub(crate) fn stopping(session: &Session, id: MotorId) -> Vec<MotorId> {
-    with(session, id, |motor| {
-        matches!(motor.activity, Activity::Stopping { .. })
-    })
-}
-
-fn with(session: &Session, id: MotorId, which: fn(&MotorStatus) -> bool) -> Vec<MotorId> {
-    let motors = session.motors.iter();
-    let motors = motors.filter(|motor| motor.id == id || which(motor));
-    let mut ids: Vec<MotorId> = motors.map(|motor| motor.id).collect();
-    if !ids.contains(&id) {
-        ids.push(id);
-    }
-    ids
-}
-
 /// Looks at what the worker says: is this still true?
 pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
     let motor = |id: &MotorId| update.motors.iter().find(|motor| motor.id == *id);
@@ -103,7 +47,7 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
             let is_silent = |id: &MotorId| motor(id).is_some_and(|motor| motor.silent);
             let left: Vec<MotorId> = ids.iter().copied().filter(is_silent).collect();
             if !left.is_empty() && left != *ids {
-                return Fate::Becomes(words::of_silence(&left), Until::Answers(left));
+                return Fate::Becomes(notice_texts::of_silence(&left), Until::Answers(left));
             }
             left.is_empty()
         }
@@ -116,7 +60,7 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
         Until::AtRest { motors, withdrawn } => {
             let at_rest = !motors.iter().filter_map(motor).any(is_in_hand);
             if let (true, Some((id, reason))) = (at_rest, withdrawn) {
-                let words = words::of_ended_drive(*id, *reason, motors);
+                let words = notice_texts::of_ended_drive(*id, *reason, motors);
                 return Fate::Becomes(words, Until::Driven(std::mem::take(motors)));
             }
             at_rest
@@ -156,7 +100,7 @@ fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Fate {
         _ => {
             let motors = open.iter().map(|(motor, _)| *motor);
             Fate::Becomes(
-                words::of_unconfirmed(motors),
+                notice_texts::of_unconfirmed(motors),
                 Until::Standstill(open.clone()),
             )
         }

@@ -6,6 +6,8 @@ use motorlink_messages::{
     protocol::{Faults, Instant, Rpm, Setpoint, SpeedTarget},
 };
 
+use motorlink_messages::{bus::WithdrawReason, protocol::Mode};
+
 use super::*;
 use crate::model::{
     notice_board::NoticeBoard,
@@ -74,7 +76,7 @@ impl Story {
         let update = &self.update;
         self.board.review(|until| review(until, update));
         for notice in notices {
-            if let Some(words) = words::of_notice_in(notice, &self.session) {
+            if let Some(words) = notice_texts::of_notice_in(notice, &self.session) {
                 self.board.post_until(words, until(notice, &self.session));
             }
         }

@@ -2,163 +2,19 @@
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    ConnectError, Connection, Notice,
+    Notice,
     bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
     protocol::{Mode, MotorId},
 };
 
-use crate::{
-    link::serial_ports::PickTrouble,
-    model::{
-        help_topic::HelpTopic,
-        notice_board::{NoticeText, Remedy, Tone, Topic},
-        notice_lifetime as alerts, scan_texts as scan_words,
-        snapshot::Session,
-        terms,
-    },
+use crate::model::{
+    affected,
+    help_topic::HelpTopic,
+    notice_board::{NoticeText, Remedy, Tone, Topic},
+    scan_texts::{self, wiring},
+    snapshot::Session,
+    terms,
 };
-
-/// The second line of the connection's state.
-pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
-    match connection {
-        Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
-        Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
-        Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
-        Connection::Reconnecting(adapter) => (
-            tr!("Reconnecting"),
-            tr!("Plug {adapter} in again", adapter = terms::adapter(adapter)),
-        ),
-        Connection::Failed(error) => (tr!("Failed"), failed_briefly(error).to_owned()),
-    }
-}
-
-fn failed_briefly(error: ConnectError) -> &'static str {
-    match error {
-        ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
-        ConnectError::PortGone => tr!("The port is gone: press Choose another port"),
-        ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
-        ConnectError::AlreadyOpen => tr!("Open already: press Disconnect, then Connect"),
-        ConnectError::Other => tr!("Unplug the adapter, plug it in and press Connect"),
-        ConnectError::OtherTab => tr!("Another tab of MotorLink uses this adapter"),
-    }
-}
-
-/// What a failed connection says at length.
-pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
-    let port = |title, advice| {
-        NoticeText::new(Topic::Port, Tone::Error, title, advice)
-            .explained_at(HelpTopic::PortDoesNotOpen)
-    };
-    match error {
-        ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
-        ConnectError::PortGone => port(
-            tr!("The port is not there any more"),
-            &[tr!(
-                "Plug the adapter in, then press Connect or Choose another port."
-            )],
-        )
-        .explained_at(HelpTopic::NoPortInList),
-        ConnectError::OpenFailed => port(
-            tr!("The port does not open"),
-            &[
-                tr!(
-                    "In use? Close other tabs and programs that hold it, such as a serial monitor."
-                ),
-                tr!(
-                    "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
-                 from snap or Flatpak may not see ports at all: use a packaged one."
-                ),
-                tr!(
-                    "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty."
-                ),
-                tr!(
-                    "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI)."
-                ),
-                tr!("Gone? Unplug the adapter and plug it in again."),
-            ],
-        ),
-        ConnectError::AlreadyOpen => port(
-            tr!("The port is open already"),
-            &[tr!("Press Disconnect, then Connect.")],
-        ),
-        ConnectError::Other => port(
-            tr!("The browser could not open the port"),
-            &[tr!(
-                "Unplug the adapter, plug it in again and press Connect."
-            )],
-        ),
-        ConnectError::OtherTab => port(
-            tr!("Another tab of MotorLink uses this adapter"),
-            &[tr!(
-                "Press Disconnect there, or close that tab; then press Connect here."
-            )],
-        ),
-    }
-}
-
-/// What went wrong with choosing a port.
-pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
-    let port = |tone, title, advice| {
-        NoticeText::new(Topic::Port, tone, title, advice).explained_at(HelpTopic::NoPortInList)
-    };
-    match trouble {
-        PickTrouble::NoWebSerial => port(
-            Tone::Warning,
-            tr!("This browser cannot open serial ports"),
-            &[
-                tr!(
-                    "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
-                 https or from localhost."
-                ),
-                tr!("The virtual motor works here: press Virtual motor."),
-            ],
-        )
-        .explained_at(HelpTopic::Ports),
-        PickTrouble::Dismissed { filtered: true } => NoticeText {
-            remedy: Some(Remedy::ShowAllPorts),
-            ..port(
-                Tone::Calm,
-                tr!("No port was chosen"),
-                &[
-                    tr!(
-                        "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
-                     ports."
-                    ),
-                    tr!("Nothing in the list? Check the USB cable: some carry power only."),
-                ],
-            )
-        },
-        PickTrouble::Dismissed { filtered: false } => NoticeText {
-            remedy: Some(Remedy::ShowAllPorts),
-            ..port(
-                Tone::Calm,
-                tr!("No port was chosen"),
-                &[tr!(
-                    "Is the adapter not in the list? Check the USB cable (some carry power only) and \
-                     the driver of its chip."
-                )],
-            )
-        },
-        PickTrouble::Forbidden => port(
-            Tone::Error,
-            tr!("The browser forbids serial ports to this page"),
-            &[tr!(
-                "Allow serial ports in the site settings (left of the address), or ask who manages \
-                 this browser."
-            )],
-        )
-        .explained_at(HelpTopic::Ports),
-        PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
-        PickTrouble::Unknown => NoticeText {
-            remedy: Some(Remedy::ShowAllPorts),
-            ..port(
-                Tone::Error,
-                tr!("The browser's list of ports did not open"),
-                &[tr!("Press Choose another port, or reload the page.")],
-            )
-        },
-    }
-}
 
 /// What the worker tells; `None` where the page shows it in another way.
 pub(crate) fn of_notice(notice: &Notice) -> Option<NoticeText> {
@@ -185,10 +41,10 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         Notice::IdQueryEnded(
             outcome
             @ (IdQueryOutcome::Nobody | IdQueryOutcome::Garbled | IdQueryOutcome::Cancelled),
-        ) => scan_words::of_id_query(*outcome),
-        Notice::ScanEnded(report) => scan_words::of_scan(report),
+        ) => scan_texts::of_id_query(*outcome),
+        Notice::ScanEnded(report) => scan_texts::of_scan(report),
         Notice::IdChangeEnded { from, to, outcome } => {
-            scan_words::of_id_change(*from, *to, *outcome)
+            scan_texts::of_id_change(*from, *to, *outcome)
         }
         Notice::ModeSwitchFailed {
             id,
@@ -196,9 +52,9 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             reported,
         } => of_failed_switch(*id, *asked, *reported),
         Notice::Withdrawn { id, reason } => {
-            of_withdrawal(*id, *reason, &alerts::stopping(session, *id))
+            of_withdrawal(*id, *reason, &affected::stopping(session, *id))
         }
-        Notice::MotorSilent(id) => of_silence(&alerts::silent(session, *id)),
+        Notice::MotorSilent(id) => of_silence(&affected::silent(session, *id)),
         Notice::StopEnded(report) => of_stop(report)?,
         Notice::AdapterLost { driven } => of_lost_adapter(driven),
         Notice::AdapterBack => NoticeText::new(
@@ -267,16 +123,6 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
             &[&terms::refusal(refusal)],
         )
     })
-}
-
-/// What to check where nobody answers, in the order in which it is mostly the reason.
-pub(crate) fn wiring() -> [&'static str; 4] {
-    [
-        tr!("Is the motor's 18 V supply on?"),
-        tr!("Is the brown wire tied to GND?"),
-        tr!("Swap orange and white: adapters label A and B both ways."),
-        tr!("Is it the right ID? Choose another in the list Motor."),
-    ]
 }
 
 /// Motors do not answer.

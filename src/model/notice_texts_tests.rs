@@ -1,7 +1,6 @@
 //! What a person reads, and when.
 
 use motorlink_messages::{
-    Adapter,
     bus::Consent,
     protocol::{Faults, Rpm, Setpoint, SpeedTarget},
 };
@@ -18,41 +17,6 @@ fn refused(command: Command) -> Notice {
     Notice::Refused {
         command,
         refusal: Refusal::NotDriven(ID),
-    }
-}
-
-#[test]
-fn every_trouble_says_what_to_do() {
-    for error in [
-        ConnectError::NoWebSerial,
-        ConnectError::PortGone,
-        ConnectError::OpenFailed,
-        ConnectError::AlreadyOpen,
-        ConnectError::Other,
-        ConnectError::OtherTab,
-    ] {
-        assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
-        let (state, brief) = of_connection(Connection::Failed(error));
-        assert_eq!(state, "Failed");
-        assert!(!brief.is_empty(), "{error:?}");
-    }
-    for trouble in [
-        PickTrouble::NoWebSerial,
-        PickTrouble::Dismissed { filtered: true },
-        PickTrouble::Dismissed { filtered: false },
-        PickTrouble::Forbidden,
-        PickTrouble::Vanished,
-        PickTrouble::Unknown,
-    ] {
-        assert!(!of_pick_trouble(trouble).advice.is_empty(), "{trouble:?}");
-    }
-}
-
-#[test]
-fn a_port_that_does_not_open_names_every_cause() {
-    let all = of_connect_error(ConnectError::OpenFailed).advice.join(" ");
-    for cause in ["other tabs", "dialout", "snap", "brltty", "driver", "Gone?"] {
-        assert!(all.contains(cause), "{cause}");
     }
 }
 
@@ -145,11 +109,6 @@ fn a_lost_adapter_says_that_a_driven_wheel_coasts() {
     };
     assert!(lost(&[ID]).contains("coasts"));
     assert!(!lost(&[]).contains("coasts"));
-    let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
-    assert_eq!(
-        (state, detail.as_str()),
-        ("Reconnecting", "Plug Virtual motor in again")
-    );
 }
 
 #[test]

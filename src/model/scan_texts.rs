@@ -11,7 +11,6 @@ use crate::{
     model::{
         help_topic::HelpTopic,
         notice_board::{NoticeText, Remedy, Tone, Topic},
-        notice_texts::wiring,
     },
     ui::format::in_language,
 };
@@ -327,6 +326,16 @@ fn ids(motors: &[MotorId]) -> String {
 fn tenths_of_a_second(millis: u32) -> String {
     let tenths = millis.div_ceil(100);
     in_language(format!("{}.{} s", tenths / 10, tenths % 10))
+}
+
+/// What to check where nobody answers, in the order in which it is mostly the reason.
+pub(crate) fn wiring() -> [&'static str; 4] {
+    [
+        tr!("Is the motor's 18 V supply on?"),
+        tr!("Is the brown wire tied to GND?"),
+        tr!("Swap orange and white: adapters label A and B both ways."),
+        tr!("Is it the right ID? Choose another in the list Motor."),
+    ]
 }
 
 #[cfg(test)]

@@ -31,11 +31,8 @@ use std::fmt::Write;
 
 use motorlink_messages::bus::CommandRate;
 
-pub use self::error::{Misfit, SetupError};
+pub use self::error::{Misfit, SETUP_BYTES_MAX, SetupError};
 use crate::model::{fleet::Fleet, preferences::Model};
-
-/// Bytes of the largest file: twice that of 254 motors with the longest names.
-pub const SETUP_BYTES_MAX: usize = 65_536;
 
 /// Of the table above. Fields may be added to a version only where a page that does not know them may
 /// refuse the file.

@@ -3,6 +3,7 @@
 
 pub(crate) use motorlink_i18n::terms::*;
 use motorlink_i18n::tr;
+use motorlink_messages::protocol::Mode;
 use motorlink_messages::{
     Adapter,
     bus::{Crossed, NotTogether, Refusal, Together},
@@ -138,5 +139,14 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             "No motor may have ID {id}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another.",
             id = format!("0x{id:02X}")
         ),
+    }
+}
+
+/// The name of a loop, as a heading.
+pub(crate) fn loop_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Current => tr!("Current loop"),
+        Mode::Velocity => tr!("Velocity loop"),
+        Mode::Position => tr!("Position loop"),
     }
 }

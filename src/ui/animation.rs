@@ -8,7 +8,7 @@ use std::time::Duration;
 use leptos::prelude::{TimeoutHandle, set_timeout_with_handle, window};
 use leptos::wasm_bindgen::{JsCast, closure::Closure};
 
-use crate::link::clock::page_now_ms;
+use crate::ui::clock::page_now_ms;
 
 /// What a step asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]

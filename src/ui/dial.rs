@@ -5,13 +5,11 @@ use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::protocol::PositionTarget;
 use web_sys::{KeyboardEvent, PointerEvent};
 
-use crate::{
-    model::target::Target,
-    ui::{
-        entry::ANGLE,
-        mathematics,
-        reactive::{heard, live},
-    },
+use crate::ui::{
+    entry::ANGLE,
+    mathematics,
+    reactive::{heard, live},
+    target::Target,
 };
 
 /// Of the drawing, whose middle is the origin.

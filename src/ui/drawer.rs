@@ -1,22 +1,30 @@
-//! The drawer's frame: a panel that lies over the right of the desk and closes nothing off. STOP and
-//! the rest of the page stay in reach.
+//! The drawer: a panel that lies over the right of the desk and closes nothing off. STOP and the rest of the page
+//! stay in reach.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
-use crate::{
-    model::{desk::use_desk, drawer::Drawer},
-    ui::{button::PressButton, reactive::live},
-};
+use crate::ui::{button::PressButton, reactive::live};
 
-/// A panel of the drawer, mounted once and shown while it is wanted.
+/// A panel of the drawer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Drawer {
+    /// How well the line works, and what is wrong with it.
+    Link,
+    /// Several motors as one.
+    Together,
+    /// Limits, the setup as a file, and what is kept.
+    Settings,
+}
+
+/// A panel of the drawer, mounted once and shown while it is `open`.
 pub(crate) fn panel_of_drawer(
+    open: RwSignal<Option<Drawer>>,
     which: Drawer,
     title: &'static str,
     content: impl IntoView + 'static,
 ) -> impl IntoView {
-    let desk = use_desk();
-    let closed = move || desk.drawer.get() != Some(which);
+    let closed = move || open.get() != Some(which);
     view! {
         <section class="panel drawer" aria-label=title hidden=live(closed)>
             <div class="drawer-head">
@@ -25,7 +33,7 @@ pub(crate) fn panel_of_drawer(
                     label=tr!("Close")
                     name=tr!("Close the panel")
                     class="button small"
-                    on_press=move || desk.drawer.set(None)
+                    on_press=move || open.set(None)
                 />
             </div>
             {content}

@@ -1,49 +1,28 @@
-//! A button that has a file made, and while it is being written shows how far it is and ends it.
+//! A button that has a file written, and meanwhile shows its progress and cancels it.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::recorder::Export;
 
-use crate::{
-    features::recording::texts::no_recorder,
-    model::desk::use_desk,
-    ui::{button::PressButton, reactive::live},
-};
+use crate::ui::{button::PressButton, reactive::live};
 
-/// A button of this name; while the file is being written `Cancel export`, and a progress bar in it.
+/// A button of this name; while the file is being written `Cancel export`, with a progress bar.
 #[component]
 pub(crate) fn ExportButton(
-    /// Which file.
-    what: Export,
     /// What it reads.
     label: &'static str,
     /// What the file holds.
     hint: &'static str,
-    /// Why there is nothing to export.
+    /// How much is written, while the file is being written.
+    per_mille: Signal<Option<u64>>,
+    /// Why it cannot be pressed.
+    why_not: Signal<Option<String>>,
+    /// Starts to write the file, or cancels it.
     #[prop(into)]
-    why_empty: Signal<Option<String>>,
+    on_press: Callback<()>,
 ) -> impl IntoView {
-    let desk = use_desk();
-    let exporting = desk.recorder.exporting;
-    let is_mine = move || exporting.with(|one| one.is_some_and(|one| one.what == what));
-    let why_not = move || {
-        if !desk.recorder.alive.get() {
-            return Some(no_recorder().to_owned());
-        }
-        match exporting.get() {
-            Some(one) if one.what == what => None,
-            Some(_) => Some(tr!("The other file is being written.").to_owned()),
-            None => why_empty.get(),
-        }
-    };
-    let per_mille = move || exporting.with(|one| one.map_or(0, |one| one.per_mille));
     let reads = move || {
-        if is_mine() {
-            tr!("Cancel export")
-        } else {
-            label
-        }
-        .to_owned()
+        let reads = per_mille.get().map_or(label, |_| tr!("Cancel export"));
+        reads.to_owned()
     };
     view! {
         <span class="export">
@@ -51,14 +30,14 @@ pub(crate) fn ExportButton(
                 label=Signal::derive(reads)
                 class="button small"
                 hint
-                why_not=Signal::derive(why_not)
-                on_press=move || desk.export_or_cancel(what)
+                why_not=why_not
+                on_press=move || on_press.run(())
             />
             <progress
                 aria-label=tr!("Export")
                 max="1000"
-                value=live(move || per_mille().to_string())
-                hidden=live(move || !is_mine())
+                value=live(move || per_mille.get().unwrap_or_default().to_string())
+                hidden=live(move || per_mille.get().is_none())
             ></progress>
         </span>
     }

@@ -4,8 +4,6 @@ use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, MouseEvent};
 
-use crate::model::desk::Desk;
-
 /// A list that changes under somebody who goes through it by keyboard does not throw the person out:
 /// the element with the same attribute has the focus again.
 pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &str) {
@@ -24,12 +22,9 @@ pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &
     }
 }
 
-/// Chooses the motor whose button was clicked, a button that has the ID as its value.
-pub(crate) fn choose_clicked(desk: Desk, event: &MouseEvent) {
+/// The value of the button that was clicked.
+pub(crate) fn clicked_value(event: &MouseEvent) -> Option<String> {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let button = target.and_then(|at| at.closest("button").ok().flatten());
-    let id = button.and_then(|button| button.get_attribute("value"));
-    if let Some(Ok(id)) = id.map(|id| id.parse()) {
-        desk.choose(id);
-    }
+    button.and_then(|button| button.get_attribute("value"))
 }

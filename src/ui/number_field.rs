@@ -3,12 +3,10 @@
 use leptos::prelude::*;
 use web_sys::KeyboardEvent;
 
-use crate::{
-    model::target::Target,
-    ui::{
-        entry::Entry,
-        reactive::{heard, live, memo},
-    },
+use crate::ui::{
+    entry::Entry,
+    reactive::{heard, live, memo},
+    target::Target,
 };
 
 /// A labelled spinbutton. A text field by nature: a number field of the browser turns with the

@@ -2,12 +2,10 @@
 
 use leptos::prelude::*;
 
-use crate::{
-    model::target::Target,
-    ui::{
-        entry::Entry,
-        reactive::{heard, live},
-    },
+use crate::ui::{
+    entry::Entry,
+    reactive::{heard, live},
+    target::Target,
 };
 
 /// A slider; its filled part begins at zero, wherever zero is.

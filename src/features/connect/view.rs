@@ -5,11 +5,12 @@ use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection};
 
 use crate::{
-    features::install::new_version::is_in_use,
-    link::serial_ports,
+    features::connect::actions::Connect,
+    link::worker_link::WorkerState,
     model::{
-        desk::{Desk, WorkerState, use_desk},
-        notice_texts as words,
+        connect_texts,
+        guards::{is_in_use, why_not_at_all, why_not_serial},
+        page::use_page,
     },
     ui::{
         button::PressButton,
@@ -20,16 +21,16 @@ use crate::{
 /// Status `Connection`.
 #[component]
 pub(crate) fn ConnectionState() -> impl IntoView {
-    let desk = use_desk();
-    let words = memo(move || match desk.worker.get() {
+    let page = use_page();
+    let words = memo(move || match page.worker.state.get() {
         WorkerState::Dead => (tr!("Failed"), tr!("Reload the page").to_owned()),
-        WorkerState::Starting | WorkerState::Running => desk
+        WorkerState::Starting | WorkerState::Running => page
             .shown
-            .with(|session| words::of_connection(session.connection)),
+            .with(|session| connect_texts::of_connection(session.connection)),
     });
-    let state = move || match desk.worker.get() {
+    let state = move || match page.worker.state.get() {
         WorkerState::Dead => "Failed",
-        _ => desk.shown.with(|session| key(session.connection)),
+        _ => page.shown.with(|session| key(session.connection)),
     };
     view! {
         <div
@@ -61,25 +62,25 @@ const fn key(connection: Connection) -> &'static str {
 
 /// Buttons `Connect` or `Disconnect`, `Choose another port` and `Virtual motor`.
 #[component]
-pub(crate) fn ConnectButtons() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
+    let page = connect.page;
     // Then one disconnects.
-    let open = memo(move || desk.shown.with(|session| is_in_use(session.connection)));
-    let why_no_serial = Signal::derive(move || why_not_serial(desk));
+    let open = memo(move || page.shown.with(|session| is_in_use(session.connection)));
+    let why_no_serial = Signal::derive(move || why_not_serial(page.worker.state.get()));
     let why_not_connect = Signal::derive(move || {
         if open.get() {
             None
         } else {
-            why_not_serial(desk)
+            why_not_serial(page.worker.state.get())
         }
     });
     let why_not_virtual = Signal::derive(move || {
-        let connection = desk.shown.with(|session| session.connection);
+        let connection = page.shown.with(|session| session.connection);
         match connection {
             Connection::Connected(Adapter::Virtual) => {
                 Some(tr!("The virtual motor is connected.").to_owned())
             }
-            _ => why_not_at_all(desk),
+            _ => why_not_at_all(page.worker.state.get()),
         }
     });
     let label = Signal::derive(move || {
@@ -97,7 +98,7 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
                 class="button connect"
                 why_not=why_not_connect
                 on_press=move || {
-                    if open.get_untracked() { desk.disconnect() } else { desk.connect() }
+                    if open.get_untracked() { connect.disconnect() } else { connect.connect() }
                 }
             />
             <PressButton
@@ -105,29 +106,14 @@ pub(crate) fn ConnectButtons() -> impl IntoView {
                 name=tr!("Choose another port")
                 hint=tr!("Choose another port")
                 why_not=why_no_serial
-                on_press=move || desk.choose_port(true)
+                on_press=move || connect.choose_port(true)
             />
             <PressButton
                 label=tr!("Virtual motor")
                 hint=tr!("A simulated motor: no hardware, no permission")
                 why_not=why_not_virtual
-                on_press=move || desk.connect_virtual()
+                on_press=move || connect.connect_virtual()
             />
         </div>
     }
-}
-
-pub(crate) fn why_not_at_all(desk: Desk) -> Option<String> {
-    (desk.worker.get() == WorkerState::Dead)
-        .then(|| tr!("The background worker has stopped. Reload the page.").to_owned())
-}
-
-pub(crate) fn why_not_serial(desk: Desk) -> Option<String> {
-    if !serial_ports::is_supported() {
-        let words = tr!(
-            "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, over https; the virtual motor works here."
-        );
-        return Some(words.to_owned());
-    }
-    why_not_at_all(desk)
 }

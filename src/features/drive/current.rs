@@ -8,8 +8,11 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::drive::panel::{loop_panel, why_not_in, why_not_with},
-    model::{desk::use_desk, guards::why_not_stop, tab::Tab},
+    features::drive::{
+        actions::Drive,
+        loop_panel::{loop_panel, why_not_in, why_not_with},
+    },
+    model::{guards::why_not_stop, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -33,14 +36,14 @@ const PRESETS: [(f32, &str, &str); 7] = [
 ];
 
 #[component]
-pub(crate) fn CurrentTab() -> impl IntoView {
-    let desk = use_desk();
-    let current = desk.targets.current;
-    let why_not = why_not_in(desk, MODE);
-    let why_not_start = why_not_with(desk, MODE, [current]);
-    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
+    let page = drive.page;
+    let current = drive.targets.current;
+    let why_not = why_not_in(page, MODE);
+    let why_not_start = why_not_with(page, MODE, [current]);
+    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
     let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
-    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
+    let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
             tr!("Above 6.1 A: Start asks first").to_owned()
@@ -59,7 +62,7 @@ pub(crate) fn CurrentTab() -> impl IntoView {
                 why_not=why_not
                 on_press=move || {
                     current.set(CurrentTarget::from_amps(amps).into());
-                    desk.start(MODE);
+                    drive.start(MODE);
                 }
             />
         }
@@ -72,7 +75,7 @@ pub(crate) fn CurrentTab() -> impl IntoView {
             hint=hint
             target=current
             entry=entry::CURRENT
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <Slider
             name=tr!("Target current")
@@ -80,7 +83,7 @@ pub(crate) fn CurrentTab() -> impl IntoView {
             target=current
             entry=entry::CURRENT
             marks=marks(["−8 A", "0", "+8 A"])
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <p class="equals">
             "= "
@@ -95,16 +98,16 @@ pub(crate) fn CurrentTab() -> impl IntoView {
                 class="button halt"
                 hint=tr!("Sets 0 A: the wheel coasts")
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(Tab::Loop(MODE))
+                on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Start")
                 class="button primary"
                 why_not=why_not_start
-                on_press=move || desk.start(MODE)
+                on_press=move || drive.start(MODE)
             />
         </div>
     };
     let hint = tr!("Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.");
-    loop_panel(MODE, why_not_start, hint.to_owned(), body)
+    loop_panel(drive, MODE, why_not_start, hint.to_owned(), body)
 }

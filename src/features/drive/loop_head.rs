@@ -5,15 +5,15 @@ use motorlink_i18n::{terms, tr};
 use motorlink_messages::protocol::Mode;
 
 use crate::{
-    features::twin::panel::loop_name,
-    model::{desk::use_desk, guards::why_not_switch, snapshot::Reading},
+    features::drive::actions::Drive,
+    model::{guards::why_not_switch, snapshot::Reading, terms::loop_name},
     ui::{button::PressButton, reactive::live},
 };
 
 #[component]
-pub(crate) fn LoopHead(mode: Mode) -> impl IntoView {
-    let desk = use_desk();
-    let reported = desk.of_motor(|session, id| {
+pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
+    let page = drive.page;
+    let reported = page.of_motor(|session, id| {
         let reported = session.mode(id).filter(Reading::is_fresh);
         reported.map(|reading| reading.value)
     });
@@ -29,7 +29,7 @@ pub(crate) fn LoopHead(mode: Mode) -> impl IntoView {
             },
         )
     };
-    let why_not = desk.of_motor(move |session, id| why_not_switch(session, id, mode));
+    let why_not = page.of_motor(move |session, id| why_not_switch(session, id, mode));
     view! {
         <div class="loop-head">
             <h2>{loop_name(mode)}</h2>
@@ -40,7 +40,7 @@ pub(crate) fn LoopHead(mode: Mode) -> impl IntoView {
                 label=tr!("Switch to {mode}", mode = terms::mode(mode))
                 class="button small"
                 why_not=why_not
-                on_press=move || desk.switch(mode)
+                on_press=move || drive.switch(mode)
             />
             <p class="quiet">{live(words)}</p>
         </div>

@@ -3,8 +3,8 @@
 pub(crate) mod actions;
 pub(crate) mod current;
 pub(crate) mod loop_head;
+pub(crate) mod loop_panel;
 pub(crate) mod one_stop;
-pub(crate) mod panel;
 pub(crate) mod position;
 pub(crate) mod rate;
 pub(crate) mod velocity;
@@ -15,15 +15,15 @@ use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
-    features::drive::{
-        panel::{panel_id, tab_id},
-        rate::Settings,
-    },
+    features::drive::rate::Settings,
     model::{
-        desk::{Desk, use_desk},
+        page::{Page, use_page},
         tab::Tab,
     },
-    ui::reactive::{heard, live},
+    ui::{
+        reactive::{heard, live},
+        tab_panel::{panel_id, tab_id},
+    },
 };
 
 /// Tablist `Control`, with the place for its panels.
@@ -42,10 +42,10 @@ pub(crate) fn ControlPanel() -> impl IntoView {
 
 #[component]
 fn TabButton(tab: Tab) -> impl IntoView {
-    let desk = use_desk();
-    let selected = move || desk.tab.get() == tab;
+    let page = use_page();
+    let selected = move || page.loops.tab.get() == tab;
     // It goes on when another tab is opened, so its own tells of it.
-    let working = desk.of_motor(move |session, _| match tab {
+    let working = page.of_motor(move |session, _| match tab {
         Tab::Loop(_) => false,
         Tab::IdManager => session.survey.is_some(),
         Tab::RawHex => session.raw.is_some_and(|raw| raw.running),
@@ -56,12 +56,12 @@ fn TabButton(tab: Tab) -> impl IntoView {
             role="tab"
             class="tab"
             class:working=working
-            id=tab_id(tab)
-            aria-controls=panel_id(tab)
+            id=tab_id(tab.key())
+            aria-controls=panel_id(tab.key())
             aria-selected=live(move || if selected() { "true" } else { "false" })
             tabindex=live(move || if selected() { "0" } else { "-1" })
-            on:click=heard(move |_| desk.open_tab(tab))
-            on:keydown=heard(move |event| move_between_tabs(desk, tab, &event))
+            on:click=heard(move |_| page.open_tab(tab))
+            on:keydown=heard(move |event| move_between_tabs(page, tab, &event))
         >
             {tab.name()}
         </button>
@@ -69,7 +69,7 @@ fn TabButton(tab: Tab) -> impl IntoView {
 }
 
 /// Arrow keys, Home and End choose a tab and take the focus with them.
-fn move_between_tabs(desk: Desk, from: Tab, event: &KeyboardEvent) {
+fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
     let last = Tab::ALL.len() - 1;
     let place = Tab::ALL.iter().position(|tab| *tab == from).unwrap_or(0);
     let place = match event.key().as_str() {
@@ -82,8 +82,8 @@ fn move_between_tabs(desk: Desk, from: Tab, event: &KeyboardEvent) {
     };
     event.prevent_default();
     if let Some(tab) = Tab::ALL.get(place) {
-        desk.open_tab(*tab);
-        let tab = document().get_element_by_id(&tab_id(*tab));
+        page.open_tab(*tab);
+        let tab = document().get_element_by_id(&tab_id(tab.key()));
         if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
             // A tab that cannot be focused is chosen all the same.
             let _ = tab.focus();

@@ -5,8 +5,11 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Mode, PositionTarget};
 
 use crate::{
-    features::drive::panel::{loop_panel, why_not_in, why_not_with},
-    model::{desk::use_desk, guards::why_not_stop, tab::Tab},
+    features::drive::{
+        actions::Drive,
+        loop_panel::{loop_panel, why_not_in, why_not_with},
+    },
+    model::{guards::why_not_stop, tab::Tab},
     ui::{
         button::PressButton,
         dial::Dial,
@@ -21,12 +24,12 @@ const MODE: Mode = Mode::Position;
 const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")];
 
 #[component]
-pub(crate) fn PositionTab() -> impl IntoView {
-    let desk = use_desk();
-    let position = desk.targets.position;
-    let why_not = why_not_in(desk, MODE);
-    let why_not_go = why_not_with(desk, MODE, [position]);
-    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
+pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
+    let page = drive.page;
+    let position = drive.targets.position;
+    let why_not = why_not_in(page, MODE);
+    let why_not_go = why_not_with(page, MODE, [position]);
+    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
     let preset = move |(degrees, label): (f32, &'static str)| {
         view! {
             <PressButton
@@ -35,14 +38,14 @@ pub(crate) fn PositionTab() -> impl IntoView {
                 why_not=why_not
                 on_press=move || {
                     position.set(PositionTarget::from_degrees(degrees).into());
-                    desk.start(MODE);
+                    drive.start(MODE);
                 }
             />
         }
     };
     let body = view! {
         <div class="dial-and-fields">
-            <Dial target=position on_edit=move || desk.adjust(MODE) />
+            <Dial target=position on_edit=move || drive.adjust(MODE) />
             <div class="fields">
                 <NumberField
                     id="target-angle"
@@ -51,7 +54,7 @@ pub(crate) fn PositionTab() -> impl IntoView {
                     hint=tr!("Falls at positive speed")
                     target=position
                     entry=entry::ANGLE
-                    on_edit=move || desk.adjust(MODE)
+                    on_edit=move || drive.adjust(MODE)
                 />
                 <NumberField
                     id="target-position"
@@ -60,7 +63,7 @@ pub(crate) fn PositionTab() -> impl IntoView {
                     hint=tr!("32,767 is 360°")
                     target=position
                     entry=entry::POSITION
-                    on_edit=move || desk.adjust(MODE)
+                    on_edit=move || drive.adjust(MODE)
                 />
             </div>
         </div>
@@ -70,7 +73,7 @@ pub(crate) fn PositionTab() -> impl IntoView {
             target=position
             entry=entry::POSITION
             marks=marks(["0°", "180°", "360°"])
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <div class="button-row six">
             {PRESETS.map(preset).collect_view()}
@@ -79,16 +82,16 @@ pub(crate) fn PositionTab() -> impl IntoView {
                 class="button halt"
                 hint=tr!("Holds the present angle")
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(Tab::Loop(MODE))
+                on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Go")
                 class="button primary"
                 why_not=why_not_go
-                on_press=move || desk.start(MODE)
+                on_press=move || drive.start(MODE)
             />
         </div>
     };
     let hint = tr!("Stop holds the present angle. Stop all motors brakes and then lets go.");
-    loop_panel(MODE, why_not_go, hint.to_owned(), body)
+    loop_panel(drive, MODE, why_not_go, hint.to_owned(), body)
 }

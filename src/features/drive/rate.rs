@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::{
-    model::desk::use_desk,
+    model::page::use_page,
     ui::{
         entry,
         number_field::NumberField,
@@ -14,9 +14,9 @@ use crate::{
 
 #[component]
 pub(crate) fn Settings() -> impl IntoView {
-    let desk = use_desk();
-    let rate = desk.targets.rate;
-    let keep_driving = move || desk.preferences.with(|chosen| chosen.keep_driving);
+    let page = use_page();
+    let rate = page.settings.rate;
+    let keep_driving = move || page.preferences.with(|chosen| chosen.keep_driving);
     view! {
         <div class="settings">
             <NumberField
@@ -26,7 +26,7 @@ pub(crate) fn Settings() -> impl IntoView {
                 hint=tr!("The motor wants 50 or more")
                 target=rate
                 entry=entry::RATE
-                on_edit=move || desk.set_rate(rate.get_untracked())
+                on_edit=move || page.set_rate(rate.get_untracked())
             />
             <label class="check">
                 <input
@@ -34,7 +34,7 @@ pub(crate) fn Settings() -> impl IntoView {
                     prop:checked=live(keep_driving)
                     on:change=heard(move |event| {
                         let checked = event_target_checked(&event);
-                        desk.prefer(|preferences| preferences.keep_driving = checked);
+                        page.prefer(|preferences| preferences.keep_driving = checked);
                     })
                 />
                 {tr!("Keep driving while hidden")}

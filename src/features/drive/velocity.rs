@@ -5,8 +5,11 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Mode, Setpoint};
 
 use crate::{
-    features::drive::panel::{loop_panel, why_not_in, why_not_with},
-    model::{desk::use_desk, guards::why_not_stop, tab::Tab},
+    features::drive::{
+        actions::Drive,
+        loop_panel::{loop_panel, why_not_in, why_not_with},
+    },
+    model::{guards::why_not_stop, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -33,14 +36,14 @@ fn hint() -> String {
 }
 
 #[component]
-pub(crate) fn VelocityTab() -> impl IntoView {
-    let desk = use_desk();
-    let targets = desk.targets;
-    let why_not = why_not_in(desk, MODE);
-    let why_not_start = why_not_with(desk, MODE, [targets.speed, targets.acceleration]);
-    let why_not_preset = why_not_with(desk, MODE, [targets.acceleration]);
-    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
-    let mirrored = desk.of_motor(|session, id| session.mirror(id).is_mirrored());
+pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
+    let page = drive.page;
+    let targets = drive.targets;
+    let why_not = why_not_in(page, MODE);
+    let why_not_start = why_not_with(page, MODE, [targets.speed, targets.acceleration]);
+    let why_not_preset = why_not_with(page, MODE, [targets.acceleration]);
+    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let direction = Signal::derive(move || {
         let words = if mirrored.get() {
             tr!("mirrored: + turns clockwise, seen from the face")
@@ -64,7 +67,7 @@ pub(crate) fn VelocityTab() -> impl IntoView {
                 name=name
                 class="button preset"
                 why_not=why_not_preset
-                on_press=move || desk.drive_at(rpm)
+                on_press=move || drive.drive_at(rpm)
             />
         }
     };
@@ -76,7 +79,7 @@ pub(crate) fn VelocityTab() -> impl IntoView {
             hint=direction
             target=targets.speed
             entry=entry::SPEED
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <Slider
             name=tr!("Target speed")
@@ -84,7 +87,7 @@ pub(crate) fn VelocityTab() -> impl IntoView {
             target=targets.speed
             entry=entry::SPEED
             marks=ends
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <NumberField
             id="acceleration"
@@ -92,7 +95,7 @@ pub(crate) fn VelocityTab() -> impl IntoView {
             hint=tr!("Larger is gentler: about 3.6 ms per rpm for each unit")
             target=targets.acceleration
             entry=entry::ACCELERATION
-            on_edit=move || desk.adjust(MODE)
+            on_edit=move || drive.adjust(MODE)
         />
         <div class="button-row seven">
             {preset(-100, "-100")}
@@ -102,24 +105,24 @@ pub(crate) fn VelocityTab() -> impl IntoView {
                 class="button halt"
                 hint=tr!("Brakes to a standstill, then lets go")
                 why_not=why_not_halt
-                on_press=move || desk.stop_motor(Tab::Loop(MODE))
+                on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Start")
                 class="button primary"
                 why_not=why_not_start
-                on_press=move || desk.start(MODE)
+                on_press=move || drive.start(MODE)
             />
             <PressButton
                 label=tr!("Brake")
                 class="button brake"
                 hint=tr!("Brakes and holds the brake")
                 why_not=why_not
-                on_press=move || desk.drive(Setpoint::Brake)
+                on_press=move || drive.drive(Setpoint::Brake)
             />
             {preset(50, "+50")}
             {preset(100, "+100")}
         </div>
     };
-    loop_panel(MODE, why_not_start, hint(), body)
+    loop_panel(drive, MODE, why_not_start, hint(), body)
 }

@@ -9,6 +9,7 @@ use crate::{
     features::graph::{
         legend, picture,
         plot::{trace::Trace, view::WINDOWS},
+        stage::StageCell,
         state::Chart,
     },
     ui::{
@@ -18,7 +19,7 @@ use crate::{
 };
 
 #[component]
-pub(crate) fn Controls(chart: Chart) -> impl IntoView {
+pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
     let view = chart.view;
     let paused = move || view.with(|view| view.is_paused());
     let label = Signal::derive(move || {
@@ -75,7 +76,7 @@ pub(crate) fn Controls(chart: Chart) -> impl IntoView {
                     class="button small"
                     label="PNG"
                     hint=tr!("Saves a picture of the chart.")
-                    on_press=move || picture::save(chart)
+                    on_press=move || picture::save(chart, stage)
                 />
             </div>
         </div>

@@ -8,12 +8,12 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, HtmlInputElement};
 
 use crate::features::graph::{
-    overlay::Text,
     plot::{
         comparison::{COMPARABLE, Comparison, MOTORS_MAX},
         ink::{Ink, ink},
         trace::Trace,
     },
+    text::Text,
 };
 
 /// The class that gives a place its colour.

@@ -28,50 +28,47 @@ pub(crate) mod reading;
 pub(crate) mod spoken;
 pub(crate) mod stage;
 pub(crate) mod state;
+pub(crate) mod text;
 pub(crate) mod traces;
 pub(crate) mod watchers;
+
+use std::rc::Rc;
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
 use self::{controls::Controls, state::Chart};
 use crate::{
-    features::graph::plot::texts as words,
-    model::desk::Desk,
+    features::graph::{plot::texts, stage::StageCell},
     ui::reactive::{heard, live, memo},
 };
 
-/// Makes the graph of this page, for every [`Graph`] that another language brings.
-pub(crate) fn provide_graph(desk: Desk) {
-    provide_context(Chart::new(desk));
-}
-
 /// The section `Speed and current` with its graph, the img of the same name.
 #[component]
-pub(crate) fn Graph() -> impl IntoView {
-    let chart: Chart = expect_context();
+pub(crate) fn Graph(chart: Chart) -> impl IntoView {
     chart.begin_anew();
     let place = NodeRef::<Div>::new();
+    let stage: StageCell = StoredValue::new_local(Rc::default());
     let (view, traces) = (chart.view, chart.traces);
     // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
     Effect::new(move |_| {
         if let Some(place) = place.get() {
-            stage::raise(chart, &place);
+            stage::mount(chart, stage, &place);
         }
     });
     let name = move || {
-        words::name(traces.get().compared, view.get(), &|at_us| {
+        texts::name(traces.get().compared, view.get(), &|at_us| {
             chart.day_us(at_us) / 1_000
         })
     };
     let empty = memo(move || {
-        chart.desk.shown.track();
-        let history = chart.desk.history;
+        chart.page.shown.track();
+        let history = chart.page.history;
         history.with_value(|history| history.reported().is_empty())
     });
     view! {
         <section class="panel graph-panel" aria-label=tr!("Speed and current")>
-            <Controls chart />
+            <Controls chart stage />
             <div class="graph-box" node_ref=place>
                 <div
                     class="graph-plot"
@@ -90,7 +87,7 @@ pub(crate) fn Graph() -> impl IntoView {
                     inner_html=overlay::PLOT
                 ></div>
                 <p class="graph-none quiet" hidden=live(move || !empty.get())>
-                    {words::no_graph()}
+                    {texts::no_graph()}
                 </p>
                 // Not in the img, of which nobody reads the inside aloud.
                 <output

@@ -9,6 +9,7 @@ use crate::{
     features::graph::{
         legend,
         plot::{comparison::MOTORS_MAX, trace::Trace},
+        text::Text,
     },
     ui::attribute::Attribute,
 };
@@ -42,28 +43,6 @@ pub(crate) fn rows() -> String {
 pub(crate) enum Said {
     Trace(Trace, String),
     Motor(usize, String),
-}
-
-/// One text of the page, written only when it changes.
-pub(crate) struct Text {
-    element: Element,
-    written: String,
-}
-
-impl Text {
-    pub(crate) fn of(element: Element) -> Self {
-        Self {
-            element,
-            written: String::new(),
-        }
-    }
-
-    pub(crate) fn set(&mut self, text: String) {
-        if self.written != text {
-            self.element.set_text_content(Some(&text));
-            self.written = text;
-        }
-    }
 }
 
 /// The crosshair of a mounted graph.

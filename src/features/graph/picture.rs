@@ -11,10 +11,10 @@ use crate::{
             comparison::Subject,
             ink::{Ink, Inks, css},
             layout::in_rows,
-            texts::{self as words, LocalTime},
+            texts::{self, LocalTime},
             trace::Trace,
         },
-        stage::Stage,
+        stage::{Stage, StageCell},
         state::Chart,
     },
     ui::download::save_blob,
@@ -28,13 +28,14 @@ const STROKE: f64 = 18.0;
 const AIR: f64 = 8.0;
 
 /// Has the browser save the graph as it is now.
-pub(crate) fn save(chart: Chart) {
+pub(crate) fn save(chart: Chart, cell: StageCell) {
     let now = local_now();
     let subject = chart
-        .desk
+        .page
         .history
         .with_value(|history| chart.subject(history));
-    let mut stage = chart.stage.borrow_mut();
+    let cell = cell.get_value();
+    let mut stage = cell.borrow_mut();
     let picture = stage.as_mut().and_then(|stage| {
         stage.draw_first(chart);
         let (title, entries) = legend(chart, &subject, stage.inks);
@@ -45,7 +46,7 @@ pub(crate) fn save(chart: Chart) {
     };
     let named = Closure::once_into_js(move |blob: Option<Blob>| {
         if let Some(blob) = blob {
-            save_blob(&blob, &words::file_name(now));
+            save_blob(&blob, &texts::file_name(now));
         }
     });
     // It fails for pictures with parts from elsewhere, and this one has none.
@@ -111,7 +112,7 @@ fn paint(
     let font = stage.axes.font(pixel);
     context.set_font(&font);
     let length = |text: &str| context.measure_text(text).map_or(0.0, |text| text.width());
-    let title = format!("{title}, {}", words::date_and_time(now));
+    let title = format!("{title}, {}", texts::date_and_time(now));
     let (left, right) = (
         f64::from(layout.plot.left),
         f64::from(layout.plot.left + layout.plot.width),

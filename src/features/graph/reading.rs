@@ -8,7 +8,7 @@ use crate::{
         plot::{
             columns::Grid,
             comparison::{Subject, marked},
-            crosshair, texts as words, ticks,
+            crosshair, texts, ticks,
             trace::Trace,
             view::View,
         },
@@ -44,7 +44,7 @@ impl Stage {
             _ => grid.moment_us(column),
         };
         let when = if view.is_live() {
-            words::ago(now_us.saturating_sub(at_us))
+            texts::ago(now_us.saturating_sub(at_us))
         } else {
             ticks::time_of_day(chart.day_us(at_us) / 1_000, 1)
         };

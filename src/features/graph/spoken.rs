@@ -6,13 +6,13 @@ use web_sys::Element;
 
 use crate::{
     features::graph::{
-        overlay::Text,
         plot::{
             comparison::{Subject, marked},
-            crosshair, texts as words, ticks,
+            crosshair, texts, ticks,
             view::View,
         },
         state::Chart,
+        text::Text,
     },
     model::history::History,
     ui::animation::Next,
@@ -63,14 +63,14 @@ impl Spoken {
                 let values = |track| crosshair::values(track, *mirror, at);
                 let values = history.track(*id).map(values);
                 let when = marked(when, *mirror);
-                words::sentence(&when, values.as_ref(), *traces)
+                texts::sentence(&when, values.as_ref(), *traces)
             }
             Subject::Compared(comparison) => {
                 let motors = crosshair::compared(history, comparison, at);
                 let named = motors
                     .into_iter()
                     .map(|(_, id, value)| (chart.motor_name(id), value));
-                words::compared_sentence(&when, comparison, &named.collect::<Vec<_>>())
+                texts::compared_sentence(&when, comparison, &named.collect::<Vec<_>>())
             }
         });
         Next::Woken

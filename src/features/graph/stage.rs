@@ -1,7 +1,7 @@
 //! The canvases, and when they are drawn: with the screen, at most 60 times a second, and only when
 //! something to be seen has changed.
 
-use std::rc::Rc;
+use std::{cell::RefCell, rc::Rc};
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
@@ -26,9 +26,11 @@ use crate::{
         traces::TraceCanvas,
         watchers::{self, Watchers},
     },
-    link::clock::page_now_ms,
     model::history::History,
-    ui::animation::{Frames, Next},
+    ui::{
+        animation::{Frames, Next},
+        clock::page_now_ms,
+    },
 };
 
 /// Two drawings are at least this far apart: a little less than a frame at 60 Hz, whose clock is not
@@ -73,19 +75,23 @@ pub(crate) struct Stage {
     _watchers: Watchers,
 }
 
-/// Brings the graph in this element to life, for as long as its owner lives.
-pub(crate) fn raise(chart: Chart, place: &HtmlElement) {
+/// The graph while it is mounted. It is drawn from frames and from the picture, never from both at once.
+pub(crate) type StageCell = StoredValue<Rc<RefCell<Option<Stage>>>, LocalStorage>;
+
+/// Mounts the graph in this element, for as long as its owner lives.
+pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
+    let cell = mounted.get_value();
     let Some(stage) = Stage::of(chart, place) else {
         return;
     };
-    *chart.stage.borrow_mut() = Some(stage);
-    let frames = Frames::new(move |frame_ms| step(chart, frame_ms));
+    *cell.borrow_mut() = Some(stage);
+    let frames = Frames::new(move |frame_ms| step(chart, &cell, frame_ms));
     let waker = Rc::new(frames.waker());
     chart.on_change({
         let waker = Rc::clone(&waker);
         move || waker()
     });
-    chart.desk.history.update_value(|history| {
+    chart.page.history.update_value(|history| {
         history.on_news(Rc::new(move || {
             if chart.asleep.get() {
                 waker();
@@ -94,8 +100,8 @@ pub(crate) fn raise(chart: Chart, place: &HtmlElement) {
     });
     // Another motor, another theme, another name.
     Effect::new(move |_| {
-        let _ = (chart.desk.selected.get(), chart.desk.preferences.get());
-        chart.desk.together.fleet.track();
+        let _ = (chart.page.selected.get(), chart.page.preferences.get());
+        chart.page.motors.fleet.track();
         chart.looks_stale.set(true);
         chart.wake();
     });
@@ -104,18 +110,18 @@ pub(crate) fn raise(chart: Chart, place: &HtmlElement) {
         let _ = frames.try_update_value(Option::take);
         // It would ask a graph that is not there any more whether it sleeps.
         let forget = |history: &mut History| history.on_news(Rc::new(|| ()));
-        let _ = chart.desk.history.try_update_value(forget);
+        let _ = chart.page.history.try_update_value(forget);
         // With it the observers.
-        let _ = chart.stage.take();
+        let _ = mounted.try_get_value().and_then(|cell| cell.take());
     });
 }
 
-fn step(chart: Chart, frame_ms: f64) -> Next {
+fn step(chart: Chart, cell: &RefCell<Option<Stage>>, frame_ms: f64) -> Next {
     chart.asleep.set(false);
     if !chart.in_sight.get() || document().hidden() {
         return Next::Woken;
     }
-    let Ok(mut stage) = chart.stage.try_borrow_mut() else {
+    let Ok(mut stage) = cell.try_borrow_mut() else {
         return Next::Woken;
     };
     let next = stage.as_mut().map(|stage| stage.step(chart, frame_ms));
@@ -171,7 +177,7 @@ impl Stage {
         let view = chart.view.get_untracked();
         let grid = Grid::new(view.span_us, view.right_us(now_us), self.layout.columns());
         chart.grid.set(grid);
-        chart.desk.history.with_value(|history| {
+        chart.page.history.with_value(|history| {
             let subject = chart.subject(history);
             self.name(chart, &subject, looks_stale);
             let scene = Scene {

@@ -10,22 +10,19 @@ use leptos::prelude::*;
 use motorlink_messages::protocol::{Instant, MotorId};
 
 use crate::{
-    features::graph::{
-        plot::{
-            columns::Grid,
-            comparison::{Subject, motor_name},
-            keys::Act,
-            layout::Layout,
-            trace::Traces,
-            view::{Reach, View},
-        },
-        stage::Stage,
+    features::graph::plot::{
+        columns::Grid,
+        comparison::{Subject, motor_name},
+        keys::Act,
+        layout::Layout,
+        trace::Traces,
+        view::{Reach, View},
     },
-    link::clock::page_now_ms,
     model::{
-        desk::Desk,
         history::{History, ZERO_US},
+        page::Page,
     },
+    ui::clock::page_now_ms,
 };
 
 /// Where the crosshair is.
@@ -47,7 +44,7 @@ pub(crate) struct Drag {
     pub(crate) begun: bool,
 }
 
-/// The graph: a pointer, as the desk is one. A page has one, for as long as it lives, whichever language it is
+/// The graph: a pointer, as the page is one. A page has one, for as long as it lives, whichever language it is
 /// drawn in. It stays on the thread of the page, which is what the store is for.
 #[derive(Clone, Copy)]
 pub(crate) struct Chart(StoredValue<&'static Parts, LocalStorage>);
@@ -62,7 +59,7 @@ impl Deref for Chart {
 
 /// What makes up the graph. What changes with the pointer or with the time is no signal.
 pub(crate) struct Parts {
-    pub(crate) desk: Desk,
+    pub(crate) page: Page,
     pub(crate) view: RwSignal<View>,
     pub(crate) traces: RwSignal<Traces>,
     pub(crate) crosshair: Cell<Crosshair>,
@@ -79,16 +76,15 @@ pub(crate) struct Parts {
     pub(crate) looks_stale: Cell<bool>,
     /// Whether nothing but news can change it.
     pub(crate) asleep: Cell<bool>,
-    pub(crate) stage: RefCell<Option<Stage>>,
     wake: RefCell<Option<Box<dyn Fn()>>>,
 }
 
 impl Chart {
-    pub(crate) fn new(desk: Desk) -> Self {
+    pub(crate) fn new(page: Page) -> Self {
         let parts: &'static Parts = Box::leak(Box::new(Parts {
-            desk,
-            view: desk.graph_view,
-            traces: desk.graph_traces,
+            page,
+            view: RwSignal::new(View::default()),
+            traces: RwSignal::new(Traces::default()),
             crosshair: Cell::new(Crosshair::None),
             drag: Cell::new(None),
             layout: Cell::new(Layout::default()),
@@ -97,7 +93,6 @@ impl Chart {
             size_stale: Cell::new(true),
             looks_stale: Cell::new(true),
             asleep: Cell::new(false),
-            stage: RefCell::new(None),
             wake: RefCell::new(None),
         }));
         Self(StoredValue::new_local(parts))
@@ -134,13 +129,13 @@ impl Chart {
 
     /// A moment of the page's `performance.now()` on the clock of the history, in microseconds.
     pub(crate) fn at_us(self, page_ms: f64) -> u64 {
-        let clock = self.desk.clock.get_value();
+        let clock = self.page.worker.clock.get_value();
         ZERO_US + clock.instant(page_ms).as_micros()
     }
 
     /// The local time of day of a moment of the history, in microseconds since midnight.
     pub(crate) fn day_us(self, at_us: u64) -> u64 {
-        let clock = self.desk.clock.get_value();
+        let clock = self.page.worker.clock.get_value();
         match at_us.checked_sub(ZERO_US) {
             Some(at_us) => clock.day_us(Instant::from_micros(at_us)),
             None => clock.day_us_before(Duration::from_micros(ZERO_US - at_us)),
@@ -150,23 +145,23 @@ impl Chart {
     /// What is drawn.
     pub(crate) fn subject(self, history: &History) -> Subject {
         let (id, traces) = (
-            self.desk.selected.get_untracked(),
+            self.page.selected.get_untracked(),
             self.traces.get_untracked(),
         );
-        let fleet = self.desk.together.fleet;
+        let fleet = self.page.motors.fleet;
         fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
     }
 
     /// What a motor is called.
     pub(crate) fn motor_name(self, id: MotorId) -> String {
-        let fleet = self.desk.together.fleet;
+        let fleet = self.page.motors.fleet;
         fleet.with_untracked(|fleet| motor_name(id, fleet))
     }
 
     /// What there is to see of what is drawn.
     pub(crate) fn reach(self) -> Reach {
         let now_us = self.now_us();
-        let oldest_us = self.desk.history.with_value(|history| {
+        let oldest_us = self.page.history.with_value(|history| {
             let oldest = self.subject(history).oldest(history);
             oldest.map_or(now_us, Instant::as_micros)
         });

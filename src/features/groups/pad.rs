@@ -4,6 +4,8 @@
 //! A hold begins by a press and by nothing else. When it has ended, for whatever reason, the same
 //! stick has to be let go and pressed anew: a finger that still moves starts nothing.
 
+use crate::model::fleet::Wheels;
+
 /// Whatever is nearer to the middle, of the whole way, is the middle: no stick comes back exactly.
 const DEAD: f64 = 0.08;
 
@@ -12,13 +14,6 @@ pub(crate) const GAMEPADS_MAX: u8 = 4;
 
 /// The arrow keys, in the order of [`DrivePad::arrows`].
 const ARROWS: [&str; 4] = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
-
-/// Speeds of a vehicle's sides in rpm; + is forward on both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Wheels {
-    pub(crate) left: i32,
-    pub(crate) right: i32,
-}
 
 /// Where the stick is, each -1 to 1 of the way to the edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

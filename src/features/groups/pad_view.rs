@@ -13,10 +13,14 @@ use web_sys::{
 };
 
 use crate::{
-    features::groups::pad::{By, Stick},
-    model::{desk::Desk, drawer::Drawer, fleet::Fleet, guards::why_not_steer},
+    features::groups::{
+        actions::Groups,
+        pad::{By, Stick},
+    },
+    model::{fleet::Fleet, guards::why_not_steer},
     ui::{
         animation::Frames,
+        drawer::Drawer,
         format::signed,
         listener::on_window,
         reactive::{follow, memo},
@@ -63,40 +67,43 @@ const HEARD: [&str; 12] = [
 const FIRST_BUTTON: u16 = 1;
 
 /// Has the pad work from now on.
-pub(crate) fn keep_working(desk: Desk) {
-    let frames = Frames::new(move |now_ms| desk.pad_frame(now_ms));
-    desk.together
-        .waker
-        .set_value(Some(Box::new(frames.waker())));
+pub(crate) fn keep_working(groups: Groups) {
+    let frames = Frames::new(move |now_ms| groups.pad_frame(now_ms));
+    groups.waker.set_value(Some(Box::new(frames.waker())));
     StoredValue::new_local(frames);
     for name in HEARD {
-        on_window(name, move |event| hear(desk, &event));
+        on_window(name, move |event| hear(groups, &event));
     }
     let why_not = memo(move || {
-        let crew = desk.together.fleet.with(Fleet::crew);
-        desk.shown.with(|session| why_not_steer(session, &crew))
+        let crew = groups.page.motors.fleet.with(Fleet::crew);
+        groups
+            .page
+            .shown
+            .with(|session| why_not_steer(session, &crew))
     });
-    follow(move || show(desk, why_not.get()));
+    follow(move || show(groups, why_not.get()));
     follow(move || {
-        let open = desk.drawer.get() == Some(Drawer::Together);
-        if !open || desk.dialog.with(Option::is_some) {
-            desk.leave_pad();
+        let open = groups.page.drawer.get() == Some(Drawer::Together);
+        if !open || groups.page.dialog.with(Option::is_some) {
+            groups.leave_pad();
         }
-        desk.wake_pad();
+        groups.wake_pad();
     });
     // Without the pad nobody holds it, and its box stands empty when it is back.
     on_cleanup(move || {
-        desk.leave_pad();
-        desk.look_at_gamepads(false);
+        groups.leave_pad();
+        groups.look_at_gamepads(false);
     });
 }
 
 /// Shows where the stick is, and why it does not drive or what it is sent; one place for both.
-fn show(desk: Desk, why_not: Option<String>) {
-    let driving = desk.together.driving.get();
-    let page = document();
-    let (Some(pad), Some(words)) = (page.get_element_by_id(PAD), page.get_element_by_id(WORDS))
-    else {
+fn show(groups: Groups, why_not: Option<String>) {
+    let driving = groups.driving.get();
+    let (pad, words) = (
+        document().get_element_by_id(PAD),
+        document().get_element_by_id(WORDS),
+    );
+    let (Some(pad), Some(words)) = (pad, words) else {
         return;
     };
     // They fail for names that are none, and these are ours.
@@ -126,38 +133,38 @@ fn show(desk: Desk, why_not: Option<String>) {
     ));
 }
 
-fn hear(desk: Desk, event: &Event) {
+fn hear(groups: Groups, event: &Event) {
     let element = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = element.as_ref().map(Element::id).unwrap_or_default();
     let on_pad = id == PAD;
     match event.type_().as_str() {
         "contextmenu" if on_pad => event.prevent_default(),
         // The browser's menu keeps the keys to itself.
-        "contextmenu" => desk.leave_pad(),
+        "contextmenu" => groups.leave_pad(),
         // Elements that lose the focus are heard too: the pad itself counts, and the whole page.
-        "blur" if on_pad || element.is_none() => desk.leave_pad(),
+        "blur" if on_pad || element.is_none() => groups.leave_pad(),
         "visibilitychange" if document().visibility_state() == VisibilityState::Hidden => {
-            desk.leave_pad();
+            groups.leave_pad();
         }
-        "gamepaddisconnected" => desk.gamepad_unplugged(),
+        "gamepaddisconnected" => groups.gamepad_unplugged(),
         "change" if id == GAMEPAD => {
             let input = element.as_ref().and_then(|element| element.dyn_ref());
-            desk.look_at_gamepads(input.is_some_and(HtmlInputElement::checked));
+            groups.look_at_gamepads(input.is_some_and(HtmlInputElement::checked));
         }
         _ => {}
     }
     if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
-        hear_key(desk, event, on_pad);
+        hear_key(groups, event, on_pad);
     } else if let Some(event) = event.dyn_ref::<PointerEvent>() {
         let pad = element.filter(|_| on_pad);
-        hear_pointer(desk, event, pad.and_then(|pad| pad.dyn_into().ok()));
+        hear_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
     }
 }
 
-fn hear_pointer(desk: Desk, event: &PointerEvent, pad: Option<HtmlElement>) {
+fn hear_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
     let by = By::Pointer(event.pointer_id());
     match (event.type_().as_str(), pad) {
-        ("pointerup" | "pointercancel" | "lostpointercapture", _) => desk.pad_let_go(by),
+        ("pointerup" | "pointercancel" | "lostpointercapture", _) => groups.pad_let_go(by),
         ("pointerdown", Some(pad)) if event.button() == 0 => {
             // Without capture the window hears the end all the same.
             let _ = pad.set_pointer_capture(event.pointer_id());
@@ -165,28 +172,28 @@ fn hear_pointer(desk: Desk, event: &PointerEvent, pad: Option<HtmlElement>) {
             let options = FocusOptions::new();
             options.set_prevent_scroll(true);
             let _ = pad.focus_with_options(&options);
-            desk.pad_pressed(by, stick(&pad, event));
+            groups.pad_pressed(by, stick(&pad, event));
         }
         // It came up where nobody heard of it.
-        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => desk.pad_let_go(by),
-        ("pointermove", Some(pad)) => desk.pad_steered(by, stick(&pad, event)),
+        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => groups.pad_let_go(by),
+        ("pointermove", Some(pad)) => groups.pad_steered(by, stick(&pad, event)),
         _ => {}
     }
 }
 
-fn hear_key(desk: Desk, event: &KeyboardEvent, on_pad: bool) {
+fn hear_key(groups: Groups, event: &KeyboardEvent, on_pad: bool) {
     let key = event.key();
     let modified = event.ctrl_key() || event.alt_key();
     // While Meta is down, macOS tells of no other key that comes up.
     if event.meta_key() || key == "Meta" {
-        desk.leave_pad();
+        groups.leave_pad();
     } else if event.type_() == "keyup" {
-        desk.pad_arrow(&key, false);
+        groups.pad_arrow(&key, false);
     } else if on_pad && key.starts_with("Arrow") && !modified {
         event.prevent_default();
         // A key that repeats was pressed before, perhaps elsewhere.
         if !event.repeat() {
-            desk.pad_arrow(&key, true);
+            groups.pad_arrow(&key, true);
         }
     }
 }

@@ -7,23 +7,22 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
 use crate::{
-    features::groups::pad_view as drive_pad,
+    features::groups::{actions::Groups, pad_view},
     model::{
-        desk::{Desk, use_desk},
-        drawer::Drawer,
         fleet::{Fleet, Side, listed, rows_html},
         guards::{why_not_side, why_not_stop, why_not_together},
+        page::Page,
         snapshot::Session,
+        tool_entry,
     },
     ui::{
         button::PressButton,
-        drawer::panel_of_drawer,
+        drawer::{Drawer, panel_of_drawer},
         entry,
         list::replace_keeping_focus,
         listener::on_window,
         number_field::NumberField,
         reactive::{follow, memo},
-        tool_entry,
     },
 };
 
@@ -37,18 +36,18 @@ fn rows_markup() -> String {
 
 /// Panel `Drive together`.
 #[component]
-pub(crate) fn TogetherPanel() -> impl IntoView {
-    let desk = use_desk();
-    let together = desk.together;
+pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
+    let page = groups.page;
     let blocked = memo(move || {
-        let crew = together.fleet.with(Fleet::crew);
-        desk.shown.with(|session| why_not_together(session, &crew))
+        let crew = page.motors.fleet.with(Fleet::crew);
+        page.shown.with(|session| why_not_together(session, &crew))
     });
-    let why_not_start = Signal::derive(move || blocked.get().or_else(|| together.speed.trouble()));
-    let why_not_halt = desk.of_motor(|session, _| why_not_stop(session));
-    keep_rows(desk);
-    drive_pad::keep_working(desk);
+    let why_not_start = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
+    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    keep_rows(groups);
+    pad_view::keep_working(groups);
     panel_of_drawer(
+        page.drawer,
         Drawer::Together,
         tr!("Drive together"),
         view! {
@@ -59,18 +58,18 @@ pub(crate) fn TogetherPanel() -> impl IntoView {
                     name=tr!("Group speed")
                     unit="rpm"
                     hint=tr!("Right wheels turn the other way. At most this by the pad.")
-                    target=together.speed
+                    target=groups.speed
                     entry=entry::SPEED
-                    on_edit=move || desk.adjust_together()
+                    on_edit=move || groups.adjust_together()
                 />
                 <NumberField
                     id="ramp"
                     name=tr!("Ramp")
                     unit="rpm/s"
                     hint=tr!("0 is none. It never bounds a stop.")
-                    target=together.ramp
+                    target=page.settings.ramp
                     entry=tool_entry::RAMP
-                    on_edit=move || desk.set_ramp()
+                    on_edit=move || page.set_ramp()
                 />
                 <div class="button-row two">
                     <PressButton
@@ -78,37 +77,38 @@ pub(crate) fn TogetherPanel() -> impl IntoView {
                         class="button halt"
                         hint=tr!("Brakes all of them to a standstill, then lets go")
                         why_not=why_not_halt
-                        on_press=move || desk.stop_together()
+                        on_press=move || groups.stop_together()
                     />
                     <PressButton
                         label=tr!("Start together")
                         class="button primary"
                         why_not=why_not_start
-                        on_press=move || desk.start_together()
+                        on_press=move || groups.start_together()
                     />
                 </div>
-                <div inner_html=drive_pad::markup()></div>
+                <div inner_html=pad_view::markup()></div>
             </div>
         },
     )
 }
 
 /// Keeps a row a motor, and hears what is changed there.
-fn keep_rows(desk: Desk) {
-    let fleet = desk.together.fleet;
+fn keep_rows(groups: Groups) {
+    let page = groups.page;
+    let fleet = page.motors.fleet;
     let ids = memo(move || {
-        let found = desk.shown.with(Session::found);
+        let found = page.shown.with(Session::found);
         fleet.with(|fleet| listed(&found, fleet))
     });
     // Who is driven stays on its side.
     let held = memo::<Vec<MotorId>>(move || {
         let held = |session: &Session| session.in_hand().map(|motor| motor.id).collect();
-        desk.shown.with(held)
+        page.shown.with(held)
     });
     let mut made = None;
     follow(move || {
         held.track();
-        let wanted = (ids.get(), desk.together.replaced.get());
+        let wanted = (ids.get(), page.motors.replaced.get());
         let list = document().get_element_by_id(ROWS);
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
             // What is in a row changes by the row itself, and somebody is typing there.
@@ -116,7 +116,7 @@ fn keep_rows(desk: Desk) {
                 let html = fleet.with_untracked(|fleet| rows_html(&wanted.0, fleet));
                 replace_keeping_focus(&list, &html, "id");
             }
-            hold_sides(desk, &wanted.0);
+            hold_sides(page, &wanted.0);
             made = Some(wanted);
         }
     });
@@ -124,27 +124,28 @@ fn keep_rows(desk: Desk) {
         let control = event.target().and_then(|at| at.dyn_into::<Element>().ok());
         let ours = control.filter(|control| matches!(control.closest(".fleet-row"), Ok(Some(_))));
         if let Some(control) = ours {
-            take_in(desk, &control);
+            take_in(groups, &control);
         }
     });
 }
 
 /// Says at each list of sides whether it can be used, and why not.
-fn hold_sides(desk: Desk, ids: &[MotorId]) {
+fn hold_sides(page: Page, ids: &[MotorId]) {
     for id in ids {
         let list = document().get_element_by_id(&format!("side-{}", id.get()));
         let Some(list) = list.and_then(|list| list.dyn_into::<HtmlSelectElement>().ok()) else {
             continue;
         };
         let shown = |session: &Session| why_not_side(session, *id);
-        let reason = desk.shown.with_untracked(shown).unwrap_or_default();
+        let reason = page.shown.with_untracked(shown).unwrap_or_default();
         list.set_disabled(!reason.is_empty());
         list.set_title(&reason);
     }
 }
 
 /// A control of a row has changed: `drive-1`, `name-1` or `side-1`.
-fn take_in(desk: Desk, control: &Element) {
+fn take_in(groups: Groups, control: &Element) {
+    let page = groups.page;
     let name = control.id();
     let Some((what, id)) = name.split_once('-') else {
         return;
@@ -153,11 +154,11 @@ fn take_in(desk: Desk, control: &Element) {
         return;
     };
     if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
-        desk.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
-        let side = desk.together.fleet.with_untracked(|fleet| fleet.side(id));
+        groups.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
+        let side = page.motors.fleet.with_untracked(|fleet| fleet.side(id));
         list.set_value(side.key());
     } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {
-        desk.change_member(id, |member| {
+        page.change_member(id, |member| {
             if what == "drive" {
                 member.drives = input.checked();
             } else {

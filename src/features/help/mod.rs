@@ -13,10 +13,14 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, MouseEvent};
 
 use crate::{
-    features::help::{line_card::LineCard, texts as words},
+    features::help::{
+        line_card::LineCard,
+        texts as words,
+        tour::{Tour, Wanted},
+    },
     model::{
-        desk::{Desk, Dialog, use_desk},
         help_topic::HelpTopic,
+        page::{Dialog, Page, use_page},
     },
     ui::{
         button::PressButton,
@@ -41,36 +45,36 @@ enum Loaded {
 
 /// Dialog `Help`. STOP stays above it.
 #[component]
-pub(crate) fn HelpDialog() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
+    let page = use_page();
     let dialog = NodeRef::<Div>::new();
-    let page = NodeRef::<Div>::new();
+    let article = NodeRef::<Div>::new();
     let loaded = RwSignal::new(Loaded::Not);
-    let open = memo(move || matches!(desk.dialog.get(), Some(Dialog::Help(_))));
-    on_window("click", move |event| hear_link(desk, &event));
+    let open = memo(move || matches!(page.dialog.get(), Some(Dialog::Help(_))));
+    on_window("click", move |event| hear_link(page, &event));
     focus_when(open, dialog);
     follow(move || {
         // Another place may be asked for while it is open.
-        desk.dialog.track();
+        page.dialog.track();
         if open.get() {
-            load_or_show(desk, page, loaded);
+            load_or_show(page, article, loaded);
         } else if loaded.get_untracked() == Loaded::Failed {
             loaded.set(Loaded::Not);
         }
     });
-    show_frames(desk, open, loaded, page);
+    show_frames(page, open, loaded, article);
     let said = move || match loaded.get() {
         Loaded::Failed => words::not_loaded(),
         Loaded::Not | Loaded::Loading => words::loading(),
         Loaded::In(_) => "",
     };
     let take_tour = move || {
-        desk.dialog.set(None);
-        desk.start_tour();
+        page.dialog.set(None);
+        tour.set(Tour::new(Wanted::Asked));
     };
     let pressed = move |event: MouseEvent| {
-        if let Some(page) = page.get_untracked() {
-            page::press(&page, &event);
+        if let Some(article) = article.get_untracked() {
+            page::press(&article, &event);
         }
     };
     view! {
@@ -86,7 +90,7 @@ pub(crate) fn HelpDialog() -> impl IntoView {
                 <div class="dialog-head">
                     <h2>{tr!("Help")}</h2>
                     <PressButton label=tr!("Tour") hint=tr!("First spin, step by step") on_press=take_tour />
-                    <PressButton label=tr!("Close") on_press=move || desk.dialog.set(None) />
+                    <PressButton label=tr!("Close") on_press=move || page.dialog.set(None) />
                 </div>
                 <div class="help-missing" hidden=live(move || matches!(loaded.get(), Loaded::In(_)))>
                     <p role="status">{live(said)}</p>
@@ -99,73 +103,76 @@ pub(crate) fn HelpDialog() -> impl IntoView {
                         {tr!("Retry")}
                     </button>
                 </div>
-                <div class="help-page" node_ref=page on:click=heard(pressed)></div>
+                <div class="help-page" node_ref=article on:click=heard(pressed)></div>
             </div>
         </div>
     }
 }
 
 /// Whatever carries a topic leads to it: notices, the link doctor, the tour.
-fn hear_link(desk: Desk, event: &Event) {
+fn hear_link(page: Page, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let link = target.and_then(|target| target.closest("[data-help]").ok().flatten());
     let topic = link.and_then(|link| HelpTopic::from_id(&link.get_attribute("data-help")?));
     if topic.is_some() {
-        desk.dialog.set(Some(Dialog::Help(topic)));
+        page.dialog.set(Some(Dialog::Help(topic)));
     }
 }
 
 /// Once it is open: loads what is missing, or shows the place that was asked for.
-fn load_or_show(desk: Desk, page: NodeRef<Div>, loaded: RwSignal<Loaded>) {
+fn load_or_show(page: Page, article: NodeRef<Div>, loaded: RwSignal<Loaded>) {
     let language = words::help_language();
     match loaded.get() {
-        Loaded::In(there) if there == language => show_topic(desk, page),
+        Loaded::In(there) if there == language => show_topic(page, article),
         // The person says when it is tried again.
         Loaded::Loading | Loaded::Failed => {}
         Loaded::Not | Loaded::In(_) => {
             loaded.set(Loaded::Loading);
             spawn_local(async move {
                 let html = page::load(language).await;
-                let page = page.try_get_untracked().flatten();
-                let now = match (html, page) {
-                    (Some(html), Some(page)) => {
-                        page.set_inner_html(&html);
-                        let _ = page.set_attribute("lang", language);
+                let article = article.try_get_untracked().flatten();
+                let now = match (html, article) {
+                    (Some(html), Some(article)) => {
+                        article.set_inner_html(&html);
+                        let _ = article.set_attribute("lang", language);
                         Loaded::In(language)
                     }
                     _ => Loaded::Failed,
                 };
-                // The page may be gone by now.
+                // The article may be gone by now.
                 let _ = loaded.try_set(now);
             });
         }
     }
 }
 
-fn show_topic(desk: Desk, page: NodeRef<Div>) {
+fn show_topic(page: Page, article: NodeRef<Div>) {
     // By then the dialog is shown and has taken the focus.
     request_animation_frame(move || {
-        if let Some(Dialog::Help(Some(topic))) = desk.dialog.get_untracked()
-            && let Some(page) = page.try_get_untracked().flatten()
+        if let Some(Dialog::Help(Some(topic))) = page.dialog.get_untracked()
+            && let Some(article) = article.try_get_untracked().flatten()
         {
-            page::show(&page, topic);
+            page::show(&article, topic);
         }
     });
 }
 
 /// Has the protocol card show the motor's own frames. They are looked at while the dialog is closed too:
 /// whoever opens it wants to see what passed just now.
-fn show_frames(desk: Desk, open: Memo<bool>, loaded: RwSignal<Loaded>, page: NodeRef<Div>) {
+fn show_frames(page: Page, open: Memo<bool>, loaded: RwSignal<Loaded>, article: NodeRef<Div>) {
     let mut card = LineCard::default();
     follow(move || {
-        desk.shown.track();
-        let id = desk.selected.get();
-        desk.latest.with_value(|session| card.look(session, id));
+        page.shown.track();
+        let id = page.selected.get();
+        page.latest.with_value(|session| card.look(session, id));
         if open.get()
             && matches!(loaded.get(), Loaded::In(_))
-            && let Some(page) = page.get_untracked()
+            && let Some(article) = article.get_untracked()
         {
-            page::fill(&page, &card.frames());
+            page::fill(&article, &card.frames());
         }
     });
 }
+
+#[cfg(test)]
+mod files_tests;

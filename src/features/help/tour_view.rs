@@ -7,19 +7,19 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement};
 
 use crate::{
-    features::{
-        connect::view::{why_not_at_all, why_not_serial},
-        help::{
-            tour::{SPEED_RPM, Step, Tour, Wanted},
-            tour_texts as words,
-        },
+    features::help::{
+        tour::{SPEED_RPM, Step, Tour, Wanted},
+        tour_texts,
     },
     model::{
-        desk::Desk,
-        guards::{why_not_drive, why_not_stop},
+        guards::{why_not_at_all, why_not_drive, why_not_serial, why_not_stop},
+        page::Page,
         preferences::{remember, remembered},
     },
-    ui::{listener::on_window, reactive::follow},
+    ui::{
+        listener::on_window,
+        reactive::{follow, live},
+    },
 };
 
 const NAME: &str = "tour";
@@ -38,62 +38,83 @@ pub(crate) fn remembered_tour() -> Tour {
     Tour::new(if seen { Wanted::No } else { Wanted::Offered })
 }
 
-impl Desk {
-    /// From its beginning, because a person wants it.
-    pub(crate) fn start_tour(self) {
-        self.tour.set(Tour::new(Wanted::Asked));
-    }
+/// What the tour has done; other features do it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TourAct {
+    PickPort,
+    ConnectVirtual,
+    /// At this speed in rpm.
+    Spin(i32),
+    Stop,
+}
 
-    fn end_tour(self) {
-        remember(NAME, "seen");
-        self.tour.set(Tour::new(Wanted::No));
+/// What does it.
+pub(crate) type OnTourAct = &'static dyn Fn(TourAct);
+
+fn end_tour(tour: RwSignal<Tour>) {
+    remember(NAME, "seen");
+    tour.set(Tour::new(Wanted::No));
+}
+
+/// The tour, among the notices.
+#[component]
+pub(crate) fn TourNotice(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct) -> impl IntoView {
+    keep_working(page, tour, on_act);
+    let wanted = move || tour.with(|tour| tour.wanted);
+    view! {
+        <div
+            class="tour"
+            class:asked=live(move || wanted() == Wanted::Asked)
+            hidden=live(move || wanted() == Wanted::No)
+            inner_html=markup()
+        ></div>
     }
 }
 
 /// The steps, what there is to do in the present one, and its controls.
-pub(crate) fn markup() -> String {
+fn markup() -> String {
     let steps: String = Step::ALL
-        .map(|step| format!("<li><span>{}</span></li>", words::name(step)))
+        .map(|step| format!("<li><span>{}</span></li>", tour_texts::name(step)))
         .concat();
     let button = |id, label| {
         format!(r#"<button type="button" class="button small" id="{id}">{label}</button>"#)
     };
-    let title = words::title();
+    let title = tour_texts::title();
     [
         format!(r#"<div class="tour-head"><h2>{title}</h2>"#),
-        button(SKIP, words::skip()),
+        button(SKIP, tour_texts::skip()),
         format!(r#"</div><ol class="tour-steps">{steps}</ol>"#),
         format!(r#"<p class="tour-words" role="status" aria-label="{title}" id="{SAID}"></p>"#),
         format!(
             r#"<label class="check"><input type="checkbox" id="{FREE}">{}</label>"#,
-            words::free()
+            tour_texts::free()
         ),
         r#"<div class="tour-buttons">"#.to_owned(),
-        button(PICK, words::pick()),
-        button(VIRTUAL, words::go_virtual()),
-        button(SPIN, words::spin()),
-        button(STOP, words::stop()),
+        button(PICK, tour_texts::pick()),
+        button(VIRTUAL, tour_texts::go_virtual()),
+        button(SPIN, tour_texts::spin()),
+        button(STOP, tour_texts::stop()),
         format!(r#"<button type="button" class="help-link" id="{HELP}"></button></div>"#),
     ]
     .concat()
 }
 
 /// Has it show where a person is, and its controls work, from now on.
-pub(crate) fn keep_working(desk: Desk) {
-    on_window("click", move |event| hear(desk, &event));
+fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_act: OnTourAct) {
+    on_window("click", move |event| hear(page, tour_state, on_act, &event));
     let mut shown = None;
     follow(move || {
-        let id = desk.selected.get();
-        let mut tour = desk.tour.get();
+        let id = page.selected.get();
+        let mut tour = tour_state.get();
         let was = tour;
-        desk.shown.with(|session| tour.look(session, id));
+        page.shown.with(|session| tour.look(session, id));
         if tour != was {
-            desk.tour.set(tour);
+            tour_state.set(tour);
         }
         if tour.wanted == Wanted::No {
             return;
         }
-        let controls = Controls::now(desk, id, tour);
+        let controls = Controls::now(page, id, tour);
         if shown.as_ref() != Some(&controls) {
             if controls.now == Step::Done {
                 // Who has done it need not skip it.
@@ -118,13 +139,13 @@ struct Controls {
 }
 
 impl Controls {
-    fn now(desk: Desk, id: MotorId, tour: Tour) -> Self {
-        desk.shown.with(|session| Self {
+    fn now(page: Page, id: MotorId, tour: Tour) -> Self {
+        page.shown.with(|session| Self {
             now: tour.step(session, id),
             id,
             free: tour.free,
-            why_not_pick: why_not_serial(desk),
-            why_not_virtual: why_not_at_all(desk),
+            why_not_pick: why_not_serial(page.worker.state.get()),
+            why_not_virtual: why_not_at_all(page.worker.state.get()),
             why_not_spin: why_not_drive(session, id, Mode::Velocity),
             why_not_stop: why_not_stop(session),
         })
@@ -133,14 +154,14 @@ impl Controls {
 
 fn show(controls: &Controls) {
     let now = controls.now;
-    let (name, advice) = (words::name(now), words::advice(now, controls.id));
+    let (name, advice) = (tour_texts::name(now), tour_texts::advice(now, controls.id));
     write(SAID, &format!("{name}\n{advice}"));
     write(
         SKIP,
         if now == Step::Done {
-            words::end()
+            tour_texts::end()
         } else {
-            words::skip()
+            tour_texts::skip()
         },
     );
     mark_steps(now);
@@ -157,7 +178,7 @@ fn show(controls: &Controls) {
             tick.set_checked(controls.free);
         }
     }
-    let topic = words::topic(now);
+    let topic = tour_texts::topic(now);
     write(HELP, &topic.link());
     set(HELP, "data-help", topic.id());
 }
@@ -194,37 +215,32 @@ fn set_control(id: &str, shown: bool, why_not: Option<&str>) {
     }
 }
 
-fn hear(desk: Desk, event: &Event) {
+fn hear(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let Some(target) = target else { return };
-    let act: fn(Desk) = match target.id().as_str() {
-        SKIP => Desk::end_tour,
-        PICK => |desk| desk.choose_port(true),
-        VIRTUAL => Desk::connect_virtual,
+    // At once: what is done counts from the moment of the press, which is known only while it is handled.
+    match target.id().as_str() {
+        SKIP => end_tour(tour),
+        PICK => on_act(TourAct::PickPort),
+        VIRTUAL => on_act(TourAct::ConnectVirtual),
         SPIN => {
             // The next press of Space is to stop the wheel, and not this button again.
             if let Some(button) = target.dyn_ref::<HtmlElement>() {
                 let _ = button.blur();
             }
-            |desk| {
-                let id = desk.selected.get_untracked();
-                let tour = desk.tour.get_untracked();
-                if tour.step(&desk.present(), id) == Step::Spin {
-                    desk.drive_at(SPEED_RPM);
-                }
+            let id = page.selected.get_untracked();
+            if tour.get_untracked().step(&page.present(), id) == Step::Spin {
+                on_act(TourAct::Spin(SPEED_RPM));
             }
         }
-        STOP => |desk| desk.stop_motor(desk.tab.get_untracked()),
+        STOP => on_act(TourAct::Stop),
         FREE => {
             let ticked = target.dyn_ref::<HtmlInputElement>();
             let free = ticked.is_some_and(HtmlInputElement::checked);
-            desk.tour.update(|tour| tour.free = free);
-            return;
+            tour.update(|tour| tour.free = free);
         }
-        _ => return,
-    };
-    // At once: what is done counts from the moment of the press, which is known only while it is handled.
-    act(desk);
+        _ => {}
+    }
 }
 
 fn element(id: &str) -> Option<Element> {

@@ -13,17 +13,11 @@ use motorlink_messages::{
 
 use crate::model::{
     notice_board::{NoticeText, Remedy, Tone, Topic},
-    notice_texts as words, scan_texts as scan_words,
+    notice_texts,
+    page::IdChange,
+    scan_texts,
     snapshot::concerns_all,
 };
-
-/// An ID change that a person is asked about, or has agreed to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Change {
-    pub(crate) from: MotorId,
-    pub(crate) to: AssignableId,
-    pub(crate) frames: SetIdFrames,
-}
 
 /// How far an ID change has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,9 +33,9 @@ enum Wish {
         scanning: bool,
     },
     /// One motor was found, and a person is asked.
-    Asking(Change),
+    Asking(IdChange),
     /// A person has agreed, and the bus has been told.
-    Setting(Change),
+    Setting(IdChange),
 }
 
 /// What the tab `ID Manager` shows but the motors' readings.
@@ -95,7 +89,7 @@ impl IdManager {
     }
 
     /// What is to be asked of a person now.
-    pub(crate) const fn question(&self) -> Option<Change> {
+    pub(crate) const fn question(&self) -> Option<IdChange> {
         match self.wish {
             Wish::Asking(change) => Some(change),
             _ => None,
@@ -106,7 +100,7 @@ impl IdManager {
     pub(crate) fn agree(&mut self) -> Option<Command> {
         let change = self.question()?;
         self.wish = Wish::Setting(change);
-        let Change { from, to, frames } = change;
+        let IdChange { from, to, frames } = change;
         Some(Command::SetId { from, to, frames })
     }
 
@@ -127,7 +121,7 @@ impl IdManager {
     pub(crate) fn hear(&mut self, notice: &Notice) {
         match notice {
             Notice::IdQueryEnded(outcome) => {
-                self.said = Some(scan_words::of_id_query(*outcome));
+                self.said = Some(scan_texts::of_id_query(*outcome));
             }
             Notice::ScanEnded(report) => self.scan_ended(report),
             Notice::IdChangeEnded { from, to, outcome } => {
@@ -139,13 +133,13 @@ impl IdManager {
                     IdChangeOutcome::Kept { frames } => frames.more().map(|more| (*to, more)),
                     _ => None,
                 };
-                self.said = Some(scan_words::of_id_change(*from, *to, *outcome));
+                self.said = Some(scan_texts::of_id_change(*from, *to, *outcome));
             }
             Notice::Refused { command, .. } | Notice::TooLate(command)
-                if scan_words::is_survey(*command) =>
+                if scan_texts::is_survey(*command) =>
             {
                 self.wish = Wish::None;
-                self.said = words::of_notice(notice);
+                self.said = notice_texts::of_notice(notice);
             }
             Notice::StopBegan(reason) if concerns_all(*reason) => self.give_up(),
             _ => {}
@@ -162,13 +156,13 @@ impl IdManager {
             | Wish::Setting(_) => return,
             Wish::Proving { to, frames, .. } => {
                 if let Some(from) = proved(report).filter(|from| *from != to.id()) {
-                    self.wish = Wish::Asking(Change { from, to, frames });
+                    self.wish = Wish::Asking(IdChange { from, to, frames });
                     return;
                 }
-                scan_words::of_no_proof(report, to)
+                scan_texts::of_no_proof(report, to)
             }
             // Also another scan than the one that was agreed to be enough.
-            Wish::None | Wish::Asking(_) => scan_words::of_scan(report),
+            Wish::None | Wish::Asking(_) => scan_texts::of_scan(report),
         };
         self.wish = Wish::None;
         self.said = Some(said);
@@ -197,14 +191,14 @@ impl IdManager {
     /// What the tab says: what goes on, how the last ended, or what can be done here.
     pub(crate) fn words(&self) -> NoticeText {
         match (&self.wish, &self.said) {
-            (Wish::Proving { to, .. } | Wish::Asking(Change { to, .. }), _) => calm(
+            (Wish::Proving { to, .. } | Wish::Asking(IdChange { to, .. }), _) => calm(
                 tr!(
                     "Before {id} is set, a full scan proves that one motor is there",
                     id = to.id()
                 ),
                 tr!("What is driven is stopped first. Then you are asked."),
             ),
-            (Wish::Setting(Change { from, to, frames }), _) => calm(
+            (Wish::Setting(IdChange { from, to, frames }), _) => calm(
                 tr!("Motor {from} is being given ID {to}", from, to = to.id()),
                 &tr!(
                     "Leave its power on: {count} frames, then both IDs are asked.",

@@ -32,13 +32,13 @@ fn asking() -> IdManager {
     ids
 }
 
-fn change(frames: SetIdFrames) -> Change {
+fn change(frames: SetIdFrames) -> IdChange {
     let (from, to) = (id(1), new_id(5));
-    Change { from, to, frames }
+    IdChange { from, to, frames }
 }
 
 fn set_id(frames: SetIdFrames) -> Command {
-    let Change { from, to, frames } = change(frames);
+    let IdChange { from, to, frames } = change(frames);
     Command::SetId { from, to, frames }
 }
 
@@ -104,7 +104,7 @@ fn every_end_of_the_change_ends_the_wish_and_is_said() {
     ] {
         let mut ids = setting();
         ids.hear(&Notice::IdChangeEnded { from, to, outcome });
-        let words = scan_words::of_id_change(from, to, outcome);
+        let words = scan_texts::of_id_change(from, to, outcome);
         assert_eq!(ids.words(), words, "{outcome:?}");
         ended(&mut ids, report(&[1], &[]));
         assert_eq!(ids.question(), None, "{outcome:?}");

@@ -5,38 +5,37 @@ use motorlink_i18n::tr;
 use motorlink_messages::bus::SurveyStatus;
 
 use crate::{
-    features::{
-        drive::panel::tab_panel,
-        ids::{
-            found_motors::{found_motors, list_html, objection},
-            state::IdManager,
-        },
+    features::ids::{
+        actions::Ids,
+        found_motors::{found_motors, list_html, objection},
+        state::IdManager,
     },
     model::{
-        desk::use_desk,
         guards::{why_not_cancel, why_not_scan, why_not_stop},
         notice_board::{NoticeText, Tone},
+        page::use_page,
         scan_texts::of_progress,
         tab::Tab,
+        tool_entry::{self, assignable},
     },
     ui::{
         button::PressButton,
-        list::{choose_clicked, replace_keeping_focus},
+        list::{clicked_value, replace_keeping_focus},
         number_field::NumberField,
         reactive::{follow, heard, live, memo},
-        tool_entry::{self, assignable},
+        tab_panel::tab_panel,
     },
 };
 
 #[component]
-pub(crate) fn IdManagerTab() -> impl IntoView {
-    let desk = use_desk();
-    let new_id = desk.targets.new_id;
-    let blocked = desk.of_motor(|session, _| why_not_scan(session));
-    let why_not_cancel = desk.of_motor(|session, _| why_not_cancel(session));
+pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
+    let page = ids.page;
+    let new_id = ids.new_id;
+    let blocked = page.of_motor(|session, _| why_not_scan(session));
+    let why_not_cancel = page.of_motor(|session, _| why_not_cancel(session));
     let objection = memo(move || {
         let to = assignable(new_id.get())?;
-        desk.shown.with(|session| objection(session, to))
+        page.shown.with(|session| objection(session, to))
     });
     let why_not_set = Signal::derive(move || {
         let missing = || {
@@ -46,8 +45,8 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
         let entered = || new_id.trouble().or_else(|| objection.get());
         blocked.get().or_else(entered).or_else(missing)
     });
-    let offers_full_scan = memo(move || desk.ids.with(IdManager::offers_full_scan));
-    let more = memo(move || desk.ids.with(IdManager::offers_more));
+    let offers_full_scan = memo(move || ids.manager.with(IdManager::offers_full_scan));
+    let more = memo(move || ids.manager.with(IdManager::offers_more));
     let send_more = move || {
         let count = more.get().unwrap_or_default().count();
         tr!("Send {count} frames", count)
@@ -57,31 +56,32 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
         None => tr!("1 to 254, decimal or in hex with 0x").to_owned(),
     });
     tab_panel(
-        Tab::IdManager,
+        Tab::IdManager.key(),
+        move || ids.page.loops.tab.get() != Tab::IdManager,
         view! {
             <div class="button-row three" class:offers-full-scan=offers_full_scan>
                 <PressButton
                     label=tr!("Scan")
                     hint=tr!("Asks all motors at once: enough for one")
                     why_not=blocked
-                    on_press=move || desk.scan()
+                    on_press=move || ids.scan()
                 />
                 <PressButton
                     label=tr!("Full scan")
                     class="button full-scan"
                     hint=tr!("Asks each of 254 addresses")
                     why_not=blocked
-                    on_press=move || desk.full_scan()
+                    on_press=move || ids.full_scan()
                 />
                 <PressButton
                     label=tr!("Cancel")
                     why_not=why_not_cancel
-                    on_press=move || desk.cancel_scan()
+                    on_press=move || ids.cancel_scan()
                 />
             </div>
             <Progress />
-            <Said />
-            <FoundList />
+            <Said ids />
+            <FoundList ids />
             <div class="new-id">
                 <NumberField
                     id="new-id"
@@ -98,14 +98,14 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
                         class="button primary"
                         hint=tr!("Scans first, then asks")
                         why_not=why_not_set
-                        on_press=move || desk.set_id()
+                        on_press=move || ids.set_id()
                     />
                     <div hidden=live(move || more.get().is_none())>
                         <PressButton
                             label=Signal::derive(send_more)
                             hint=tr!("Scans first, then asks")
                             why_not=blocked
-                            on_press=move || desk.set_id_with_more()
+                            on_press=move || ids.set_id_with_more()
                         />
                     </div>
                 </div>
@@ -117,12 +117,12 @@ pub(crate) fn IdManagerTab() -> impl IntoView {
 /// Progressbar `Scan`, in its place while nothing is scanned.
 #[component]
 fn Progress() -> impl IntoView {
-    let desk = use_desk();
-    let asked = desk.of_motor(|session, _| match session.survey {
+    let page = use_page();
+    let asked = page.of_motor(|session, _| match session.survey {
         Some(SurveyStatus::Scanning { asked, .. }) => asked,
         _ => 0,
     });
-    let words = desk.of_motor(|session, _| of_progress(session.survey.as_ref()));
+    let words = page.of_motor(|session, _| of_progress(session.survey.as_ref()));
     view! {
         <div
             class="scan-progress"
@@ -144,10 +144,10 @@ fn Progress() -> impl IntoView {
 
 /// How the last scan or change ended, or what can be done here.
 #[component]
-fn Said() -> impl IntoView {
-    let desk = use_desk();
-    let unconnected = desk.of_motor(|session, _| why_not_stop(session));
-    let words = memo(move || desk.ids.with(IdManager::words));
+fn Said(ids: Ids) -> impl IntoView {
+    let page = ids.page;
+    let unconnected = page.of_motor(|session, _| why_not_stop(session));
+    let words = memo(move || ids.manager.with(IdManager::words));
     let of_words = move |read: fn(&NoticeText) -> String| live(move || words.with(read));
     let title = move || {
         let words = || words.with(|words| words.title.clone());
@@ -174,13 +174,13 @@ fn Said() -> impl IntoView {
 
 /// List `Motors found`.
 #[component]
-fn FoundList() -> impl IntoView {
-    let desk = use_desk();
+fn FoundList(ids: Ids) -> impl IntoView {
+    let page = ids.page;
     let list = NodeRef::<Ul>::new();
     let html = memo(move || {
-        let selected = desk.selected.get();
-        desk.ids.with(|ids| {
-            desk.shown
+        let selected = page.selected.get();
+        ids.manager.with(|ids| {
+            page.shown
                 .with(|session| list_html(&found_motors(session, ids.found(), selected)))
         })
     });
@@ -195,7 +195,11 @@ fn FoundList() -> impl IntoView {
             role="list"
             aria-label=tr!("Motors found")
             node_ref=list
-            on:click=heard(move |event| choose_clicked(desk, &event))
+            on:click=heard(move |event| {
+                if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
+                    page.choose(id);
+                }
+            })
         ></ul>
     }
 }

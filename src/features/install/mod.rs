@@ -15,12 +15,13 @@ use web_sys::{CustomEvent, VisibilityState};
 
 use crate::{
     features::install::{long_drive::LongDrive, texts as words},
-    link::clock::page_now_ms,
+    link::worker_link::WorkerState,
     model::{
-        desk::{Desk, WorkerState},
+        page::Page,
         preferences::{remember, remembered},
     },
     ui::{
+        clock::page_now_ms,
         listener::on_window,
         reactive::{follow, memo},
     },
@@ -42,7 +43,9 @@ pub(crate) enum Installation {
 const ADVISED: &str = "install-advised";
 
 /// What the page knows of it.
-pub(crate) struct Installing {
+#[derive(Clone, Copy)]
+pub(crate) struct Install {
+    page: Page,
     pub(crate) state: RwSignal<Installation>,
     /// Whether a new version of the page waits to be taken.
     pub(crate) new_version: RwSignal<bool>,
@@ -51,9 +54,10 @@ pub(crate) struct Installing {
     driven: StoredValue<LongDrive>,
 }
 
-impl Installing {
-    pub(crate) fn new() -> Self {
+impl Install {
+    pub(crate) fn new(page: Page) -> Self {
         Self {
+            page,
             state: RwSignal::new(Installation::default()),
             new_version: RwSignal::new(false),
             taken: RwSignal::new(false),
@@ -63,33 +67,33 @@ impl Installing {
 }
 
 /// Has the page kept, and hears what the browser says of it, from now on.
-pub(crate) fn watch(desk: Desk) {
+pub(crate) fn watch(install: Install) {
     on_window("installation", move |event| {
         let detail = event
             .dyn_ref::<CustomEvent>()
             .and_then(|event| event.detail().as_string());
-        hear(desk, detail.as_deref().unwrap_or_default());
+        hear(install, detail.as_deref().unwrap_or_default());
     });
     // A page whose worker died needs its next version more than any other.
-    let works = memo(move || desk.worker.get() != WorkerState::Starting);
+    let works = memo(move || install.page.worker.state.get() != WorkerState::Starting);
     follow(move || {
         // Only now: what is fetched to be kept must not hold up what is fetched to start.
         if works.get() {
             call("keepOffline");
         }
     });
-    desk.watch_versions();
-    desk.reload_when_taken();
+    install.watch_versions();
+    install.reload_when_taken();
 }
 
-fn hear(desk: Desk, detail: &str) {
+fn hear(install: Install, detail: &str) {
     match detail {
-        "new-version" => desk.installing.new_version.set(true),
-        "taken" => desk.installing.taken.set(true),
-        "others" => desk.refuse_new_version_beside_others(),
-        "installable" => desk.installing.state.set(Installation::Offered),
-        "installed" => desk.installing.state.set(Installation::Done),
-        "not-installable" => desk.installing.state.set(Installation::NotOffered),
+        "new-version" => install.new_version.set(true),
+        "taken" => install.taken.set(true),
+        "others" => install.refuse_new_version_beside_others(),
+        "installable" => install.state.set(Installation::Offered),
+        "installed" => install.state.set(Installation::Done),
+        "not-installable" => install.state.set(Installation::NotOffered),
         _ => {}
     }
 }
@@ -103,17 +107,18 @@ pub(crate) fn call(name: &str) {
     }
 }
 
-impl Desk {
+impl Install {
     /// Has the browser ask the person whether the page is to be installed.
     pub(crate) fn install(self) {
-        self.notices
+        self.page
+            .notices
             .update(|board| board.withdraw(crate::model::notice_board::Topic::Installing));
         call("installPage");
     }
 
     /// Why it cannot be installed now.
     pub(crate) fn why_not_install(self) -> Option<&'static str> {
-        match self.installing.state.get() {
+        match self.state.get() {
             Installation::Offered => None,
             Installation::Done => Some(words::installed()),
             Installation::NotOffered if is_own_window() => Some(words::installed()),
@@ -125,19 +130,21 @@ impl Desk {
     /// window of an installed page. Called every second, or as often as a hidden page's timers come.
     pub(crate) fn look_whether_to_advise(self) {
         let drives = self
+            .page
             .latest
             .with_value(|session| session.in_hand().next().is_some());
         let hidden = document().visibility_state() == VisibilityState::Hidden;
         let long = self
-            .installing
             .driven
             .try_update_value(|driven| driven.look(page_now_ms(), drives, hidden));
         if long == Some(true)
-            && self.installing.state.get_untracked() == Installation::Offered
+            && self.state.get_untracked() == Installation::Offered
             && remembered(ADVISED).is_none()
         {
             remember(ADVISED, "yes");
-            self.notices.update(|board| board.post(words::advice()));
+            self.page
+                .notices
+                .update(|board| board.post(words::advice()));
         }
     }
 }

@@ -16,8 +16,6 @@ use motorlink_messages::{
     protocol::MotorId,
 };
 
-pub(crate) use crate::features::link_doctor::record::Record;
-
 /// So few, and all answered, do not prove a line good: of 40 requests on a line that loses one of five, one
 /// at most is lost once in 700 times.
 const ASKED_TO_BE_KNOWN: u32 = 40;

@@ -10,6 +10,7 @@ use motorlink_messages::{
 use motorlink_simulator::{LineCase, WireFaults, World, WorldConfig};
 
 use super::*;
+use crate::features::link_doctor::record::Record;
 use crate::model::snapshot::Session;
 
 const ID: MotorId = MotorId::FIRST;

@@ -5,7 +5,7 @@ use motorlink_messages::VirtualWire;
 
 use crate::features::link_doctor::{
     doctor::Verdict,
-    texts::{self as link, no_virtual_wire, of_diagnosis},
+    texts::{self, no_virtual_wire, of_diagnosis},
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
@@ -74,7 +74,7 @@ pub(crate) fn panel() -> String {
     push(&mut html, &[no_virtual_wire(), "\">"]);
     // The value of each is its place.
     for (place, wire) in VirtualWire::ALL.into_iter().enumerate() {
-        let (place, name) = (place.to_string(), link::wire(wire));
+        let (place, name) = (place.to_string(), texts::wire(wire));
         push(
             &mut html,
             &["<option value=\"", &place, "\">", name, "</option>"],
@@ -88,15 +88,15 @@ pub(crate) fn panel() -> String {
 pub(crate) fn verdict(verdict: &Verdict) -> String {
     let mut html = String::new();
     let (class, text) = match verdict {
-        Verdict::NotConnected => ("", link::not_connected()),
-        Verdict::TooLittle => ("", link::too_little()),
-        Verdict::Well => ("good", link::well()),
-        Verdict::Some => ("", link::some_lost()),
+        Verdict::NotConnected => ("", texts::not_connected()),
+        Verdict::TooLittle => ("", texts::too_little()),
+        Verdict::Well => ("good", texts::well()),
+        Verdict::Some => ("", texts::some_lost()),
         Verdict::Ill(found) => {
             for diagnosis in found {
-                let cause = link::cause(*diagnosis);
+                let cause = texts::cause(*diagnosis);
                 push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
-                for line in link::remedy(*diagnosis) {
+                for line in texts::remedy(*diagnosis) {
                     push(&mut html, &["<p>", line, "</p>"]);
                 }
                 let topic = of_diagnosis(*diagnosis);

@@ -8,21 +8,21 @@ use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use crate::{
-    features::link_doctor::{doctor::Record, figures, markup, texts::no_virtual_wire},
-    model::{
-        desk::{Desk, use_desk},
-        drawer::Drawer,
-    },
+    features::link_doctor::{figures, markup, record::Record, texts::no_virtual_wire},
+    model::page::Page,
     ui::{
-        drawer::panel_of_drawer,
+        drawer::{Drawer, panel_of_drawer},
         reactive::{follow, heard},
     },
 };
 
 /// Panel `Link`.
 #[component]
-pub(crate) fn LinkPanel() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn LinkPanel(
+    page: Page,
+    /// Which virtual line was chosen, by its place.
+    virtual_wire: StoredValue<usize>,
+) -> impl IntoView {
     let panel = NodeRef::<html::Div>::new();
     // What the doctor has seen says nothing of another wire.
     let rewired = StoredValue::new(false);
@@ -35,17 +35,18 @@ pub(crate) fn LinkPanel() -> impl IntoView {
             rewired.set_value(false);
             record.clear();
         }
-        elements.show(desk, &mut record);
+        elements.show(page, virtual_wire, &mut record);
     });
     let rewire = move |event| {
         let place: Option<usize> = event_target_value(&event).parse().ok();
         if let Some(wire) = place.and_then(|place| VirtualWire::ALL.get(place)) {
             rewired.set_value(true);
-            desk.virtual_wire.set_value(place.unwrap_or_default());
-            desk.post(&ToWorker::VirtualWire(*wire));
+            virtual_wire.set_value(place.unwrap_or_default());
+            page.post(&ToWorker::VirtualWire(*wire));
         }
     };
     panel_of_drawer(
+        page.drawer,
         Drawer::Link,
         tr!("Link"),
         view! {
@@ -79,15 +80,15 @@ impl Elements {
 
     /// Shows the line as it is. The doctor looks while the panel is closed too: whoever opens it wants
     /// to know what was.
-    fn show(&mut self, desk: Desk, record: &mut Record) {
-        let is_open = desk.drawer.get() == Some(Drawer::Link);
-        desk.shown.with(|session| {
+    fn show(&mut self, page: Page, virtual_wire: StoredValue<usize>, record: &mut Record) {
+        let is_open = page.drawer.get() == Some(Drawer::Link);
+        page.shown.with(|session| {
             if record.look(session)
                 && let Some(doctor) = &mut self.doctor
             {
                 doctor.write(markup::verdict(record.verdict()));
             }
-            let asked_hz = desk.preferences.with(|chosen| chosen.rate.hertz());
+            let asked_hz = page.preferences.with(|chosen| chosen.rate.hertz());
             if is_open {
                 let figures = figures::of(session, asked_hz);
                 for (element, html) in self.figures.iter_mut().flatten().zip(figures) {
@@ -97,14 +98,14 @@ impl Elements {
             let is_virtual = session.connection == Connection::Connected(Adapter::Virtual);
             if !is_virtual {
                 // A virtual line begins good.
-                desk.virtual_wire.set_value(0);
+                virtual_wire.set_value(0);
             }
             if let Some(wire) = &self.wire
                 && wire.disabled() == is_virtual
             {
                 wire.set_disabled(!is_virtual);
                 wire.set_title(if is_virtual { "" } else { no_virtual_wire() });
-                wire.set_value(&desk.virtual_wire.get_value().to_string());
+                wire.set_value(&virtual_wire.get_value().to_string());
             }
         });
     }

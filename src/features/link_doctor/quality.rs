@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::{
-    model::desk::use_desk,
+    model::page::use_page,
     ui::{
         format::{UNKNOWN, milliseconds, percent},
         reactive::live,
@@ -14,8 +14,8 @@ use crate::{
 /// Output `Link`.
 #[component]
 pub(crate) fn LinkQuality() -> impl IntoView {
-    let desk = use_desk();
-    let parts = desk.of_motor(|session, id| {
+    let page = use_page();
+    let parts = page.of_motor(|session, id| {
         let link = session.motor(id).map(|motor| motor.link);
         let rate = link.map(|link| link.command_hz.to_string());
         let round_trip = link.and_then(|link| link.round_trip_us).map(milliseconds);

@@ -5,7 +5,7 @@ use motorlink_messages::VirtualWire;
 
 use crate::{
     features::link_doctor::doctor::Diagnosis,
-    model::{help_topic::HelpTopic, notice_texts::wiring},
+    model::{help_topic::HelpTopic, scan_texts::wiring},
 };
 
 /// Nothing is connected.

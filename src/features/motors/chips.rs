@@ -6,12 +6,14 @@ use std::fmt::Write;
 use motorlink_messages::protocol::{Faults, MotorId};
 
 use crate::{
-    features::raw::cells::escaped,
     model::{
         fleet::{Fleet, Side},
         snapshot::{Reading, Session},
     },
-    ui::format::{self, UNKNOWN},
+    ui::{
+        escape::escaped,
+        format::{self, UNKNOWN},
+    },
 };
 
 /// What stands behind each name of [`FIGURES`], in the same order.

@@ -7,15 +7,15 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
 
 use crate::{
-    model::{desk::use_desk, preferences::Model, snapshot::Session},
+    model::{page::use_page, preferences::Model, snapshot::Session},
     ui::reactive::{heard, live, memo},
 };
 
 /// Combobox `Motor`: those that have answered first, then every other ID.
 #[component]
 pub(crate) fn MotorChoice() -> impl IntoView {
-    let desk = use_desk();
-    let found = memo(move || desk.shown.with(Session::found));
+    let page = use_page();
+    let found = memo(move || page.shown.with(Session::found));
     // A browser gives each of 254 options its style, which holds the page up while it starts.
     let wanted = RwSignal::new(false);
     view! {
@@ -26,12 +26,12 @@ pub(crate) fn MotorChoice() -> impl IntoView {
             <select
                 aria-label=tr!("Motor")
                 class="select motor-select"
-                inner_html=live(move || options(&found.get(), desk.selected.get(), wanted.get()))
+                inner_html=live(move || options(&found.get(), page.selected.get(), wanted.get()))
                 on:pointerdown=heard(move |_| wanted.set(true))
                 on:focus=heard(move |_| wanted.set(true))
                 on:change=heard(move |event| {
                     if let Ok(id) = event_target_value(&event).parse() {
-                        desk.choose(id);
+                        page.choose(id);
                     }
                 })
             ></select>
@@ -72,7 +72,7 @@ fn push_group(
 /// Combobox `Model`.
 #[component]
 pub(crate) fn ModelChoice() -> impl IntoView {
-    let desk = use_desk();
+    let page = use_page();
     let options = [Model::M0601, Model::Ddsm115]
         .map(|model| {
             format!(
@@ -92,10 +92,10 @@ pub(crate) fn ModelChoice() -> impl IntoView {
                 class="select model-select"
                 inner_html=options
                 // Behind the options, of which it chooses one.
-                prop:value=live(move || desk.preferences.with(|chosen| chosen.model.key()))
+                prop:value=live(move || page.preferences.with(|chosen| chosen.model.key()))
                 on:change=heard(move |event| {
                     if let Some(model) = Model::from_key(&event_target_value(&event)) {
-                        desk.prefer(|preferences| preferences.model = model);
+                        page.prefer(|preferences| preferences.model = model);
                     }
                 })
             ></select>

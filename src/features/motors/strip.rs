@@ -8,9 +8,10 @@ use web_sys::{Element, HtmlElement};
 
 use crate::{
     features::motors::chips::{FIGURES, Figure, chips_html, figures},
-    model::{desk::use_desk, drawer::Drawer, snapshot::Session},
+    model::{page::use_page, snapshot::Session},
     ui::{
-        list::{choose_clicked, replace_keeping_focus},
+        drawer::Drawer,
+        list::{clicked_value, replace_keeping_focus},
         reactive::{heard, live, memo},
     },
 };
@@ -20,11 +21,11 @@ const CHIPS: &str = "motor-chips";
 /// Region `Motors`.
 #[component]
 pub(crate) fn MotorStrip() -> impl IntoView {
-    let desk = use_desk();
-    let found = memo(move || desk.shown.with(Session::found));
+    let page = use_page();
+    let found = memo(move || page.shown.with(Session::found));
     let html = memo(move || {
-        let selected = desk.selected.get();
-        let fleet = desk.together.fleet;
+        let selected = page.selected.get();
+        let fleet = page.motors.fleet;
         found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))
     });
     // The chips are made when there are other ones; what they read is written into them.
@@ -37,7 +38,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
                     chips = found.with(|found| Chips::make(&row, html, found));
                 }
             });
-            desk.shown.with(|session| chips.write(session));
+            page.shown.with(|session| chips.write(session));
         }
         chips
     });
@@ -46,7 +47,11 @@ pub(crate) fn MotorStrip() -> impl IntoView {
             <div
                 class="motor-chips"
                 id=CHIPS
-                on:click=heard(move |event| choose_clicked(desk, &event))
+                on:click=heard(move |event| {
+                    if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
+                        page.choose(id);
+                    }
+                })
             ></div>
             <div class="motor-strip-end">
                 <DrawerButton which=Drawer::Together label=tr!("Drive together") />
@@ -117,16 +122,16 @@ impl Place {
 /// Opens and closes a panel of the drawer.
 #[component]
 fn DrawerButton(which: Drawer, label: &'static str) -> impl IntoView {
-    let desk = use_desk();
-    let is_open = move || desk.drawer.get() == Some(which);
+    let page = use_page();
+    let is_open = move || page.drawer.get() == Some(which);
     view! {
         <button
             type="button"
             class="button small"
             aria-expanded=live(move || if is_open() { "true" } else { "false" })
             on:click=heard(move |_| {
-                let open = desk.drawer.get_untracked() == Some(which);
-                desk.drawer.set(if open { None } else { Some(which) });
+                let open = page.drawer.get_untracked() == Some(which);
+                page.drawer.set(if open { None } else { Some(which) });
             })
         >
             {label}

@@ -9,14 +9,10 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::{
-        help::{tour::Wanted, tour_view as tour},
-        saved_session::{actions::Offer, view as kept_session},
-    },
     model::{
-        desk::use_desk,
         help_topic::HelpTopic,
-        notice_board::{NoticeBoard, Posted, Tone},
+        notice_board::{NoticeBoard, Posted, Remedy, Tone},
+        page::use_page,
         snapshot::{Reading, Session},
     },
     ui::{
@@ -25,38 +21,36 @@ use crate::{
     },
 };
 
+/// What a notice's button does; other features do it.
+pub(crate) type OnRemedy = &'static dyn Fn(Remedy);
+
 /// The notices in a place of their own, so that nothing moves when one comes; while there is none
 /// it says what comes next, for a first visit as a tour.
 #[component]
-pub(crate) fn Notices() -> impl IntoView {
-    let desk = use_desk();
-    let none = move || desk.notices.with(|board| board.posted().next().is_none());
-    let next = desk.of_motor(|session, id| next_steps(session, id).join("\n"));
+pub(crate) fn Notices(
+    /// Whether nothing beside the notices wants the place.
+    is_alone: Signal<bool>,
+    /// Whether the tour takes the place of the next steps.
+    is_tour_shown: Signal<bool>,
+    on_remedy: OnRemedy,
+    saved_session: impl IntoView + 'static,
+    tour: impl IntoView + 'static,
+) -> impl IntoView {
+    let page = use_page();
+    let none = move || page.notices.with(|board| board.posted().next().is_none());
+    let next = page.of_motor(|session, id| next_steps(session, id).join("\n"));
     let slots: Vec<_> = (0..NoticeBoard::SLOTS)
-        .map(|place| view! { <Slot place /> })
+        .map(|place| view! { <Slot place on_remedy /> })
         .collect();
-    let nothing_kept = move || desk.recorder.kept.with(|offer| *offer == Offer::None);
-    let tour = move || desk.tour.with(|tour| tour.wanted);
-    kept_session::keep_working(desk);
-    tour::keep_working(desk);
     view! {
         <section
             class="panel notices"
             aria-label=tr!("Notices")
-            class:empty=live(move || none() && nothing_kept() && tour() != Wanted::Asked)
+            class:empty=live(move || none() && is_alone.get())
         >
-            <div
-                class="notice kept"
-                hidden=live(nothing_kept)
-                inner_html=kept_session::markup()
-            ></div>
-            <div
-                class="tour"
-                class:asked=live(move || tour() == Wanted::Asked)
-                hidden=live(move || tour() == Wanted::No)
-                inner_html=tour::markup()
-            ></div>
-            <div hidden=live(move || !none() || tour() != Wanted::No)>
+            {saved_session}
+            {tour}
+            <div hidden=live(move || !none() || is_tour_shown.get())>
                 <h2>{tr!("Next")}</h2>
                 <p class="next-steps">
                     {live(move || if none() { next.get() } else { String::new() })}
@@ -69,20 +63,20 @@ pub(crate) fn Notices() -> impl IntoView {
 
 /// A place for one notice.
 #[component]
-fn Slot(place: usize) -> impl IntoView {
-    let desk = use_desk();
+fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
+    let page = use_page();
     let notice = move |read: fn(&Posted) -> String| {
         live(move || {
-            desk.notices
+            page.notices
                 .with(|board| board.slot(place).map(read).unwrap_or_default())
         })
     };
     let remedy = move || {
-        desk.notices
+        page.notices
             .with(|board| board.slot(place).and_then(|posted| posted.words.remedy))
     };
     let topic = move || {
-        desk.notices
+        page.notices
             .with(|board| board.slot(place).and_then(|posted| posted.words.help))
     };
     view! {
@@ -101,7 +95,7 @@ fn Slot(place: usize) -> impl IntoView {
             })
             // The newest on top.
             style=("order", notice(|posted| format!("-{}", posted.number)))
-            hidden=live(move || desk.notices.with(|board| board.slot(place).is_none()))
+            hidden=live(move || page.notices.with(|board| board.slot(place).is_none()))
         >
             <p class="notice-title">{notice(|posted| posted.words.title.clone())}</p>
             <p class="notice-advice">{notice(|posted| posted.words.advice.join("\n"))}</p>
@@ -111,7 +105,7 @@ fn Slot(place: usize) -> impl IntoView {
                 hidden=live(move || remedy().is_none())
                 on:click=heard(move |_| {
                     if let Some(remedy) = remedy() {
-                        desk.remedy(remedy);
+                        on_remedy(remedy);
                     }
                 })
             >
@@ -131,7 +125,7 @@ fn Slot(place: usize) -> impl IntoView {
                 aria-label=tr!("Dismiss")
                 title=tr!("Dismiss")
                 on:click=heard(move |_| {
-                    desk.notices
+                    page.notices
                         .update(|board| {
                             let number = board.slot(place).map(|posted| posted.number);
                             board.dismiss(number.unwrap_or_default());

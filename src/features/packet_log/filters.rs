@@ -7,11 +7,8 @@ use motorlink_i18n::tr;
 use motorlink_messages::{protocol::MotorId, recorder::Kind};
 
 use crate::{
-    features::recording::texts::no_recorder,
-    model::{
-        desk::{Desk, use_desk},
-        snapshot::Session,
-    },
+    features::packet_log::actions::Log,
+    model::{recorder_texts::no_recorder, snapshot::Session},
     ui::reactive::{heard, live, memo},
 };
 
@@ -41,16 +38,16 @@ fn kind_name(kind: Option<Kind>) -> &'static str {
 /// Searchbox `Filter`, comboboxes `Log ID` and `Log direction`, checkboxes `Collapse status polls`
 /// and `Auto-scroll`.
 #[component]
-pub(crate) fn Filters() -> impl IntoView {
-    let desk = use_desk();
-    let found = memo(move || desk.shown.with(Session::found));
+pub(crate) fn Filters(log: Log) -> impl IntoView {
+    let page = log.page;
+    let found = memo(move || page.shown.with(Session::found));
     // What was chosen before stands in the controls when they are made anew.
-    let filter = desk.recorder.feed.with_value(|feed| feed.filter().clone());
+    let filter = log.feed.with_value(|feed| feed.filter().clone());
     let id = RwSignal::new(filter.id);
     let typed = StoredValue::new(0_u32);
-    let collapse = move || desk.preferences.with(|chosen| chosen.collapse_polls);
-    let following = memo(move || desk.recorder.log.with(|log| log.following));
-    let stopped = move || !desk.recorder.alive.get();
+    let collapse = move || page.preferences.with(|chosen| chosen.collapse_polls);
+    let following = memo(move || log.state.with(|state| state.following));
+    let stopped = move || !page.recorder.alive.get();
     let title = |hint: &'static str| live(move || if stopped() { no_recorder() } else { hint });
     view! {
         <div class="packet-filters">
@@ -64,7 +61,7 @@ pub(crate) fn Filters() -> impl IntoView {
                 autocomplete="off"
                 spellcheck="false"
                 disabled=live(stopped)
-                on:input=heard(move |event| type_in(desk, typed, event_target_value(&event)))
+                on:input=heard(move |event| type_in(log, typed, event_target_value(&event)))
             />
             <select
                 class="select"
@@ -75,7 +72,7 @@ pub(crate) fn Filters() -> impl IntoView {
                 on:change=heard(move |event| {
                     let chosen = event_target_value(&event).parse().ok();
                     id.set(chosen);
-                    desk.refilter(|filter| filter.id = chosen);
+                    log.refilter(|filter| filter.id = chosen);
                 })
             ></select>
             <select
@@ -86,7 +83,7 @@ pub(crate) fn Filters() -> impl IntoView {
                 inner_html=kind_options(filter.kind)
                 on:change=heard(move |event| {
                     let chosen = kind_at(&event_target_value(&event));
-                    desk.refilter(|filter| filter.kind = chosen);
+                    log.refilter(|filter| filter.kind = chosen);
                 })
             ></select>
             <label
@@ -98,8 +95,8 @@ pub(crate) fn Filters() -> impl IntoView {
                     prop:checked=live(collapse)
                     on:change=heard(move |event| {
                         let checked = event_target_checked(&event);
-                        desk.prefer(|preferences| preferences.collapse_polls = checked);
-                        desk.refilter(|filter| filter.collapse = checked);
+                        page.prefer(|preferences| preferences.collapse_polls = checked);
+                        log.refilter(|filter| filter.collapse = checked);
                     })
                 />
                 {tr!("Collapse status polls")}
@@ -108,7 +105,7 @@ pub(crate) fn Filters() -> impl IntoView {
                 <input
                     type="checkbox"
                     prop:checked=live(move || following.get())
-                    on:change=heard(move |event| desk.follow_log(event_target_checked(&event)))
+                    on:change=heard(move |event| log.follow(event_target_checked(&event)))
                 />
                 {tr!("Auto-scroll")}
             </label>
@@ -117,7 +114,7 @@ pub(crate) fn Filters() -> impl IntoView {
 }
 
 /// Sends what is typed once the person pauses.
-fn type_in(desk: Desk, typed: StoredValue<u32>, text: String) {
+fn type_in(log: Log, typed: StoredValue<u32>, text: String) {
     let Some(mine) = typed.try_update_value(|count| {
         *count = count.wrapping_add(1);
         *count
@@ -127,7 +124,7 @@ fn type_in(desk: Desk, typed: StoredValue<u32>, text: String) {
     set_timeout(
         move || {
             if typed.try_get_value() == Some(mine) {
-                desk.refilter(|filter| filter.text = text);
+                log.refilter(|filter| filter.text = text);
             }
         },
         TYPED_OUT,

@@ -8,18 +8,11 @@ use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{HtmlElement, ResizeObserver};
 
 use crate::{
-    features::{
-        packet_log::{
-            feed::LogFeed,
-            painter::{Painter, scroll_px},
-        },
-        recording::texts as words,
-    },
-    link::clock::page_now_ms,
-    model::desk::{Desk, use_desk},
+    features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
     ui::{
         animation::{Frames, Next},
         button::PressButton,
+        clock::page_now_ms,
         format::grouped,
         reactive::{follow, heard, live, memo},
     },
@@ -30,9 +23,7 @@ const IN_HAND_MS: f64 = 250.0;
 
 /// Log `Packets` and button `Back to the newest`.
 #[component]
-pub(crate) fn PacketList() -> impl IntoView {
-    let desk = use_desk();
-    let recorder = desk.recorder;
+pub(crate) fn PacketList(log: Log) -> impl IntoView {
     let scroller = NodeRef::<Div>::new();
     let extent = NodeRef::<Div>::new();
     let rows = NodeRef::<Div>::new();
@@ -48,17 +39,17 @@ pub(crate) fn PacketList() -> impl IntoView {
         };
         let scroller: HtmlElement = scroller.into();
         // The view may be that of a list that was here before.
-        recorder.feed.update_value(|feed| feed.view.mounted());
-        size.set_value(SizeWatch::of(&scroller, desk));
+        log.feed.update_value(|feed| feed.view.mounted());
+        size.set_value(SizeWatch::of(&scroller, log));
         let mut painter = Painter::new(scroller, extent.into(), rows.into());
         let running = Frames::new(move |_| {
             let idle_ms = page_now_ms() - touched_ms.try_get_value().unwrap_or_default();
             let paint = |feed: &mut LogFeed| painter.paint(feed, idle_ms < IN_HAND_MS);
-            let Some(behind) = recorder.feed.try_update_value(paint) else {
+            let Some(behind) = log.feed.try_update_value(paint) else {
                 return Next::Woken;
             };
-            desk.show_log();
-            desk.look();
+            log.show();
+            log.look();
             if behind {
                 Next::After(IN_HAND_MS - idle_ms)
             } else {
@@ -66,8 +57,7 @@ pub(crate) fn PacketList() -> impl IntoView {
             }
         });
         let (waker, in_step) = (running.waker(), running.waker_in_step());
-        recorder
-            .feed
+        log.feed
             .update_value(|feed| feed.on_news(Rc::new(waker), Rc::new(in_step)));
         frames.set_value(Some(running));
     });
@@ -75,16 +65,16 @@ pub(crate) fn PacketList() -> impl IntoView {
     let touch = move || touched_ms.set_value(page_now_ms());
     let scroll = move |_| {
         if let Some(scroller) = scroller.get_untracked()
-            && desk.log_scrolled(&scroller)
+            && log.scrolled(&scroller)
         {
             touch();
         }
     };
     let nothing = move || {
-        let alive = recorder.alive.get();
-        recorder.log.with(|log| words::of_no_rows(log, alive))
+        let alive = log.page.recorder.alive.get();
+        log.state.with(|state| texts::of_no_rows(state, alive))
     };
-    let back = memo(move || recorder.log.with(|log| (log.following, log.new_rows)));
+    let back = memo(move || log.state.with(|state| (state.following, state.new_rows)));
     let back_reads = move || match back.get() {
         (_, 0) => tr!("Back to the newest").to_owned(),
         (_, new) => tr!("Back to the newest · {count} new", count = grouped(new)),
@@ -118,71 +108,24 @@ pub(crate) fn PacketList() -> impl IntoView {
                     label=Signal::derive(back_reads)
                     name=tr!("Back to the newest")
                     class="button small"
-                    on_press=move || desk.follow_log(true)
+                    on_press=move || log.follow(true)
                 />
             </span>
         </div>
     }
 }
 
-impl Desk {
-    /// Stays with the newest rows, or where it is.
-    pub(crate) fn follow_log(self, follow: bool) {
-        self.recorder.feed.update_value(|feed| {
-            if follow {
-                feed.view.follow();
-            } else {
-                feed.view.let_go();
-            }
-            feed.wake();
-        });
-    }
-
-    /// The scroll bar was moved, or the list was given another size, which moves it too. Whether a
-    /// person did it.
-    fn log_scrolled(self, scroller: &HtmlElement) -> bool {
-        let hear = |feed: &mut LogFeed| {
-            let place_px = scroll_px(scroller);
-            let by_person = if feed.view.resize(width_of(scroller), height_of(scroller)) {
-                feed.view.stands_at(place_px);
-                false
-            } else {
-                feed.view.scrolled(place_px)
-            };
-            feed.wake();
-            by_person
-        };
-        self.recorder.feed.try_update_value(hear).unwrap_or(false)
-    }
-
-    /// Says of the log what it is now.
-    fn show_log(self) {
-        let state = self.recorder.feed.with_value(LogFeed::state);
-        if self.recorder.log.get_untracked() != state {
-            self.recorder.log.set(state);
-        }
-    }
-}
-
-fn width_of(element: &HtmlElement) -> u32 {
-    u32::try_from(element.client_width()).unwrap_or(0)
-}
-
-fn height_of(element: &HtmlElement) -> u32 {
-    u32::try_from(element.client_height()).unwrap_or(0)
-}
-
-/// Tells the desk of every size of the list, from the first on.
+/// Tells the log every size of the list, from the first on.
 struct SizeWatch {
     observer: ResizeObserver,
     _on_size: Closure<dyn FnMut()>,
 }
 
 impl SizeWatch {
-    fn of(scroller: &HtmlElement, desk: Desk) -> Option<Self> {
+    fn of(scroller: &HtmlElement, log: Log) -> Option<Self> {
         let watched = scroller.clone();
         let on_size = Closure::<dyn FnMut()>::new(move || {
-            desk.log_scrolled(&watched);
+            log.scrolled(&watched);
         });
         let observer = ResizeObserver::new(on_size.as_ref().unchecked_ref()).ok()?;
         observer.observe(scroller);

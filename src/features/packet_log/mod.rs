@@ -1,10 +1,12 @@
 //! The packet log: what was said on the line, to the millisecond.
 
+pub(crate) mod actions;
 pub(crate) mod feed;
 pub(crate) mod filters;
 pub(crate) mod list;
 pub(crate) mod painter;
 pub(crate) mod slot;
+pub(crate) mod texts;
 pub(crate) mod view;
 
 use leptos::prelude::*;
@@ -13,8 +15,8 @@ use motorlink_messages::recorder::Export;
 
 use self::{filters::Filters, list::PacketList};
 use crate::{
-    features::recording::texts::{self as words, no_recorder},
-    model::desk::use_desk,
+    features::packet_log::actions::Log,
+    model::recorder_texts::no_recorder,
     ui::{
         button::PressButton,
         export_button::ExportButton,
@@ -24,20 +26,25 @@ use crate::{
 
 /// Region `Packet log`.
 #[component]
-pub(crate) fn PacketLog() -> impl IntoView {
-    let desk = use_desk();
-    let log = desk.recorder.log;
-    let lines = memo(move || log.with(words::of_entries));
-    let title = memo(move || log.with(words::of_entries_at_length));
-    let empty = memo(move || log.with(|log| log.kept == 0));
+pub(crate) fn PacketLog(log: Log) -> impl IntoView {
+    let recorder = log.page.recorder();
+    let state = log.state;
+    let lines = memo(move || state.with(texts::of_entries));
+    let title = memo(move || state.with(texts::of_entries_at_length));
+    let empty = memo(move || state.with(|state| state.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
     let why_empty = move || {
         empty
             .get()
             .then(|| tr!("There are no entries yet.").to_owned())
     };
+    let why_not_export = move || {
+        let why_not = recorder.why_not_export(Export::Log);
+        let writes = recorder.per_mille(Export::Log).is_some();
+        why_not.or_else(|| why_empty().filter(|_| !writes))
+    };
     let why_not_clear = move || {
-        if desk.recorder.alive.get() {
+        if recorder.alive.get() {
             why_empty()
         } else {
             Some(no_recorder().to_owned())
@@ -62,17 +69,18 @@ pub(crate) fn PacketLog() -> impl IntoView {
                     class="button small"
                     hint=tr!("Forget every entry of the log")
                     why_not=Signal::derive(why_not_clear)
-                    on_press=move || desk.ask_to_clear_log()
+                    on_press=move || log.ask_to_clear()
                 />
                 <ExportButton
-                    what=Export::Log
                     label=tr!("Export CSV")
                     hint=tr!("Every entry that is kept, shown or not")
-                    why_empty=Signal::derive(why_empty)
+                    per_mille=Signal::derive(move || log.page.recorder.per_mille(Export::Log))
+                    why_not=Signal::derive(why_not_export)
+                    on_press=move || log.page.recorder.export_or_cancel(Export::Log)
                 />
             </div>
-            <Filters />
-            <PacketList />
+            <Filters log />
+            <PacketList log />
         </section>
     }
 }

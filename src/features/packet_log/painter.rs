@@ -150,3 +150,11 @@ fn set_style(element: &HtmlElement, name: &str, value: &str) {
     // It fails for values that are none, and these are ours.
     let _ = element.style().set_property(name, value);
 }
+
+pub(crate) fn width_of(element: &HtmlElement) -> u32 {
+    u32::try_from(element.client_width()).unwrap_or(0)
+}
+
+pub(crate) fn height_of(element: &HtmlElement) -> u32 {
+    u32::try_from(element.client_height()).unwrap_or(0)
+}

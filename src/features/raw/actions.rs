@@ -1,13 +1,12 @@
 //! What an operator does in the tab `Raw Hex`, and what the page does about it.
 
 use crate::{
-    app::questions::RawOrder,
     model::{
-        desk::{Desk, Dialog},
-        target::Target,
+        page::{Dialog, Page, RawOrder},
         terms,
+        tool_entry::interval,
     },
-    ui::{format, tool_entry::interval},
+    ui::{format, target::Target},
 };
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -23,9 +22,10 @@ const FIRST_COUNT: i32 = 10;
 /// As often as a motor is driven at first, so that a drive frame that is repeated turns it evenly.
 const FIRST_INTERVAL_MS: i32 = 20;
 
-/// What was entered for a frame, and what is known of the last one beside what the bus tells.
+/// The tab `Raw Hex`: what was entered for a frame, and what is known of the last one beside what the bus tells.
 #[derive(Clone, Copy)]
-pub(crate) struct RawEntry {
+pub(crate) struct Raw {
+    pub(crate) page: Page,
     /// What stands in the textbox.
     pub(crate) text: RwSignal<String>,
     pub(crate) repeats: RwSignal<bool>,
@@ -42,9 +42,10 @@ pub(crate) struct RawEntry {
     agreed: StoredValue<Option<(RawOrder, Mode)>>,
 }
 
-impl RawEntry {
-    pub(crate) fn new() -> Self {
+impl Raw {
+    pub(crate) fn new(page: Page) -> Self {
         Self {
+            page,
             text: RwSignal::new(String::new()),
             repeats: RwSignal::new(false),
             count: Target::new(FIRST_COUNT),
@@ -75,16 +76,16 @@ impl RawEntry {
     }
 }
 
-impl Desk {
+impl Raw {
     /// Sends a frame as often as entered; one that can move a wheel after a question, unless just this
     /// was agreed to.
     pub(crate) fn send_raw(self, frame: Frame) {
-        let repeat = self.raw.repeat();
+        let repeat = self.repeat();
         let order = RawOrder { frame, repeat };
         let meant = self.what_is_meant(order);
-        let agreed = meant.is_some() && self.raw.agreed.get_value() == meant;
+        let agreed = meant.is_some() && self.agreed.get_value() == meant;
         if is_hazardous(&frame) && !agreed {
-            self.dialog.set(Some(Dialog::Hazard(order)));
+            self.page.dialog.set(Some(Dialog::Hazard(order)));
         } else {
             self.send_order(order, Consent::None);
         }
@@ -94,21 +95,21 @@ impl Desk {
     /// or the frame is not for one motor: then it is asked about each time.
     fn what_is_meant(self, order: RawOrder) -> Option<(RawOrder, Mode)> {
         let id = Request::parse(&order.frame).ok()?.addressee()?;
-        let mode = self.latest.with_value(|session| session.mode(id))?;
+        let mode = self.page.latest.with_value(|session| session.mode(id))?;
         Some((order, mode.value))
     }
 
     /// The operator means it, and is not asked again about the same.
     pub(crate) fn send_hazard(self, order: RawOrder) {
-        self.raw.agreed.set_value(self.what_is_meant(order));
+        self.agreed.set_value(self.what_is_meant(order));
         self.send_order(order, Consent::None);
     }
 
     pub(crate) fn send_order(self, order: RawOrder, consent: Consent) {
         let RawOrder { frame, repeat } = order;
-        self.raw.refused.set(None);
-        self.raw.awaited.set_value(Some(order));
-        self.command(Command::SendRaw {
+        self.refused.set(None);
+        self.awaited.set_value(Some(order));
+        self.page.command(Command::SendRaw {
             frame,
             repeat,
             consent,
@@ -117,22 +118,22 @@ impl Desk {
 
     /// Sends the frame no more, and stops what it may have moved.
     pub(crate) fn stop_raw(self) {
-        self.raw.await_nothing();
-        self.command(Command::StopRaw);
+        self.await_nothing();
+        self.page.command(Command::StopRaw);
     }
 
     /// Writes an example into the textbox: the query with this answer.
     pub(crate) fn write_example(self, answered_in: Layout) {
-        let id: MotorId = self.selected.get_untracked();
+        let id: MotorId = self.page.selected.get_untracked();
         let request = match answered_in {
             Layout::Query => Request::Query { id },
             Layout::Drive => Request::IdQuery,
         };
-        self.raw.text.set(request.frame().to_string());
+        self.text.set(request.frame().to_string());
     }
 
     /// What the worker tells of a frame that was not sent.
-    pub(crate) fn hear_of_raw(self, notice: &Notice) {
+    pub(crate) fn notice(self, notice: &Notice) {
         let (frame, repeat, refusal) = match notice {
             Notice::Refused {
                 command: Command::SendRaw { frame, repeat, .. },
@@ -140,24 +141,27 @@ impl Desk {
             } => (*frame, *repeat, *refusal),
             Notice::TooLate(Command::SendRaw { .. }) => {
                 let words = tr!("It came too late: the page was busy. Press Send again.");
-                return self.raw.refused.set(Some(words.to_owned()));
+                return self.refused.set(Some(words.to_owned()));
             }
             _ => return,
         };
         let order = RawOrder { frame, repeat };
-        let awaited = self.raw.awaited.get_value() == Some(order);
+        let awaited = self.awaited.get_value() == Some(order);
         match refusal {
             // Asked about each time, unless a stop came between.
-            Refusal::NeedsConsent(current) if awaited && self.dialog.get_untracked().is_none() => {
-                self.dialog
+            Refusal::NeedsConsent(current)
+                if awaited && self.page.dialog.get_untracked().is_none() =>
+            {
+                self.page
+                    .dialog
                     .set(Some(Dialog::HighRawCurrent { order, current }));
             }
             Refusal::NeedsConsent(current) => {
                 let amps = format::amps_of(current);
                 let words = tr!("{amps} is above 6.1 A. Press Send again to be asked.", amps);
-                self.raw.refused.set(Some(words));
+                self.refused.set(Some(words));
             }
-            refusal => self.raw.refused.set(Some(terms::refusal(refusal))),
+            refusal => self.refused.set(Some(terms::refusal(refusal))),
         }
     }
 }

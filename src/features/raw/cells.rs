@@ -5,7 +5,10 @@ use std::fmt::Write;
 
 use motorlink_messages::protocol::{FRAME_LEN, Frame, Request, RequestError};
 
-use crate::features::raw::editor::{Entered, Outcome, Piece, SET_ID, SWITCH_MODE, Tenth};
+use crate::{
+    features::raw::editor::{Entered, Outcome, Piece, SET_ID, SWITCH_MODE, Tenth},
+    ui::escape::escaped,
+};
 
 const DRIVE: u8 = 0x64;
 const QUERY: u8 = 0x74;
@@ -148,21 +151,6 @@ fn place_of_doubt(frame: &Frame) -> Option<usize> {
         RequestError::UnknownCommand(_) => 1,
         RequestError::BadCrc { .. } | RequestError::BadMode(_) => FRAME_LEN - 1,
     })
-}
-
-/// As text within HTML: what a person typed is shown and never taken for a tag.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut html = String::new();
-    for character in text.chars() {
-        match character {
-            '&' => html.push_str("&amp;"),
-            '<' => html.push_str("&lt;"),
-            '>' => html.push_str("&gt;"),
-            '"' => html.push_str("&quot;"),
-            other => html.push(other),
-        }
-    }
-    html
 }
 
 #[cfg(test)]

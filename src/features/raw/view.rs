@@ -8,37 +8,34 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::{
-        drive::panel::tab_panel,
-        raw::{
-            cells as raw_cells,
-            editor::{Entered, Outcome},
-            texts as raw_words,
-        },
+    features::raw::{
+        actions::Raw,
+        cells,
+        editor::{Entered, Outcome},
+        texts,
     },
     model::{
-        desk::use_desk,
         guards::{why_not_send, why_not_stop},
         snapshot::Reading,
         tab::Tab,
-        terms,
+        terms, tool_entry,
     },
     ui::{
         button::PressButton,
         number_field::NumberField,
         reactive::{heard, live, memo},
-        tool_entry,
+        tab_panel::tab_panel,
     },
 };
 
 #[component]
-pub(crate) fn RawHexTab() -> impl IntoView {
-    let raw = use_desk().raw;
+pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
     let entered = memo(move || raw.text.with(|text| Entered::read(text)));
     tab_panel(
-        Tab::RawHex,
+        Tab::RawHex.key(),
+        move || raw.page.loops.tab.get() != Tab::RawHex,
         view! {
-            <Bytes entered />
+            <Bytes raw entered />
             <div class="repeat">
                 <label class="check">
                     <input
@@ -67,8 +64,8 @@ pub(crate) fn RawHexTab() -> impl IntoView {
                 />
             </div>
             <div class="send-and-answer">
-                <Sending entered />
-                <Answer />
+                <Sending raw entered />
+                <Answer raw />
             </div>
         },
     )
@@ -76,15 +73,15 @@ pub(crate) fn RawHexTab() -> impl IntoView {
 
 /// The textbox, and what it holds: every byte with its meaning, and the frame in words.
 #[component]
-fn Bytes(entered: Memo<Entered>) -> impl IntoView {
-    let desk = use_desk();
-    let text = desk.raw.text;
+fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
+    let page = raw.page;
+    let text = raw.text;
     let wrong = memo(move || matches!(entered.get().outcome(), Outcome::Wrong(_)));
-    let chosen = desk.of_motor(|session, id| {
+    let chosen = page.of_motor(|session, id| {
         let mode = session.mode(id).filter(Reading::is_fresh)?;
         Some((id, mode.value))
     });
-    let words = move || entered.with(|entered| raw_words::meaning(entered, chosen.get()));
+    let words = move || entered.with(|entered| texts::meaning(entered, chosen.get()));
     view! {
         <div class="raw-head">
             <label class="field-name" for="frame-bytes" aria-hidden="true">
@@ -94,13 +91,13 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
                 label=tr!("Feedback query")
                 class="button small"
                 hint=tr!("Writes the query of the chosen motor into the field")
-                on_press=move || desk.write_example(Layout::Query)
+                on_press=move || raw.write_example(Layout::Query)
             />
             <PressButton
                 label=tr!("ID query")
                 class="button small"
                 hint=tr!("Writes the query that every motor answers into the field")
-                on_press=move || desk.write_example(Layout::Drive)
+                on_press=move || raw.write_example(Layout::Drive)
             />
         </div>
         <textarea
@@ -121,7 +118,7 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
             class="cells"
             aria-label=tr!("Frame with CRC")
             aria-live="off"
-            inner_html=live(move || entered.with(raw_cells::cells))
+            inner_html=live(move || entered.with(cells::cells))
         ></output>
         // Somebody who types is not interrupted by how many bytes are missing.
         <p
@@ -139,13 +136,12 @@ fn Bytes(entered: Memo<Entered>) -> impl IntoView {
 
 /// Buttons `Send` and `Stop`.
 #[component]
-fn Sending(entered: Memo<Entered>) -> impl IntoView {
-    let desk = use_desk();
-    let raw = desk.raw;
+fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
+    let page = raw.page;
     let frame = memo(move || entered.with(Entered::frame));
-    let blocked = desk.of_motor(|session, _| why_not_send(session, false));
-    let blocked_hazard = desk.of_motor(|session, _| why_not_send(session, true));
-    let why_not_stop = desk.of_motor(|session, _| why_not_stop(session));
+    let blocked = page.of_motor(|session, _| why_not_send(session, false));
+    let blocked_hazard = page.of_motor(|session, _| why_not_send(session, true));
+    let why_not_stop = page.of_motor(|session, _| why_not_stop(session));
     let why_not = Signal::derive(move || {
         let Some(frame) = frame.get() else {
             let missing = || Some(tr!("Type nine or ten bytes.").to_owned());
@@ -171,7 +167,7 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
                 why_not=why_not
                 on_press=move || {
                     if let Some(frame) = frame.get_untracked() {
-                        desk.send_raw(frame);
+                        raw.send_raw(frame);
                     }
                 }
             />
@@ -180,7 +176,7 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
                 class="button halt"
                 hint=tr!("Sends it no more and stops the motor that it may have moved")
                 why_not=why_not_stop
-                on_press=move || desk.stop_raw()
+                on_press=move || raw.stop_raw()
             />
         </div>
     }
@@ -188,12 +184,12 @@ fn Sending(entered: Memo<Entered>) -> impl IntoView {
 
 /// What became of the last frame.
 #[component]
-fn Answer() -> impl IntoView {
-    let desk = use_desk();
-    let refused = desk.raw.refused;
-    let unconnected = desk.of_motor(|session, _| why_not_send(session, false));
-    let sent = desk.of_motor(|session, _| session.raw.map(|raw| raw_words::sent(&raw)));
-    let answer = desk.of_motor(|session, _| session.raw.map(|raw| raw_words::answer(&raw)));
+fn Answer(raw: Raw) -> impl IntoView {
+    let page = raw.page;
+    let refused = raw.refused;
+    let unconnected = page.of_motor(|session, _| why_not_send(session, false));
+    let sent = page.of_motor(|session, _| session.raw.map(|raw| texts::sent(&raw)));
+    let answer = page.of_motor(|session, _| session.raw.map(|raw| texts::answer(&raw)));
     let not_sent = move || refused.with(Option::is_some);
     let title = move || {
         if not_sent() {

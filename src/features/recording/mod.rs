@@ -1,15 +1,14 @@
 //! What is kept of the telemetry, and the file that is made of it.
 
-pub(crate) mod recorder;
 pub(crate) mod texts;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::recorder::{Export, RecordingStatus};
+use motorlink_messages::recorder::{Export, RecordingStatus, ToRecorder};
 
 use crate::{
-    features::recording::texts::{self as words, no_recorder},
-    model::desk::use_desk,
+    features::recording::texts as words,
+    model::{page::use_page, recorder_texts::no_recorder},
     ui::{
         export_button::ExportButton,
         reactive::{heard, live, memo},
@@ -19,9 +18,10 @@ use crate::{
 /// Region `Recording`: one line.
 #[component]
 pub(crate) fn Recording() -> impl IntoView {
-    let desk = use_desk();
-    let alive = desk.recorder.alive;
-    let status = desk.recorder.recording;
+    let page = use_page();
+    let recorder = page.recorder();
+    let alive = recorder.alive;
+    let status = recorder.recording;
     let records = memo(move || status.with(|status| status.recording));
     let says = memo(move || {
         if alive.get() {
@@ -44,7 +44,11 @@ pub(crate) fn Recording() -> impl IntoView {
             tr!("Keep every sample from now on; without it, those of the last 10 minutes are kept")
         })
     };
-    let why_empty = move || status.with(why_nothing_to_export);
+    let why_not_export = move || {
+        let why_not = recorder.why_not_export(Export::Telemetry);
+        let writes = recorder.per_mille(Export::Telemetry).is_some();
+        why_not.or_else(|| status.with(why_nothing_to_export).filter(|_| !writes))
+    };
     view! {
         <section class="panel recording" aria-label=tr!("Recording")>
             <button
@@ -53,7 +57,7 @@ pub(crate) fn Recording() -> impl IntoView {
                 aria-pressed=live(move || if records.get() { "true" } else { "false" })
                 title=live(hint)
                 disabled=live(move || why_not_record().is_some())
-                on:click=heard(move |_| desk.record(!records.get_untracked()))
+                on:click=heard(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))
             >
                 {tr!("Record telemetry")}
             </button>
@@ -67,12 +71,13 @@ pub(crate) fn Recording() -> impl IntoView {
                 <span>{live(move || says.with(|(_, much)| much.clone()))}</span>
             </output>
             <ExportButton
-                what=Export::Telemetry
                 label=tr!("Export telemetry CSV")
                 hint=tr!(
                     "One row a sample: of the recording, or where nothing was recorded, of the last 10 minutes"
                 )
-                why_empty=Signal::derive(why_empty)
+                per_mille=Signal::derive(move || page.recorder.per_mille(Export::Telemetry))
+                why_not=Signal::derive(why_not_export)
+                on_press=move || page.recorder.export_or_cancel(Export::Telemetry)
             />
         </section>
     }

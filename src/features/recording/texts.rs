@@ -1,100 +1,9 @@
-//! The packet log, the recording and their files in words.
+//! The texts of the recording.
 
 use motorlink_i18n::tr;
-use motorlink_messages::recorder::{Export, RecordingStatus};
+use motorlink_messages::recorder::RecordingStatus;
 
-use crate::{
-    features::packet_log::feed::LogState,
-    model::{
-        help_topic::HelpTopic,
-        notice_board::{NoticeText, Tone, Topic},
-    },
-    ui::format::{grouped, stopwatch},
-};
-
-/// Why nothing can be done with the log any more.
-pub(crate) fn no_recorder() -> &'static str {
-    tr!("The packet log has stopped. Reload the page to begin anew.")
-}
-
-/// The recorder has failed, or did not start.
-pub(crate) fn of_dead_recorder() -> NoticeText {
-    NoticeText::new(
-        Topic::Recorder,
-        Tone::Error,
-        tr!("The packet log and the recording have stopped"),
-        &[
-            tr!("Driving goes on untouched. What was logged and recorded is lost."),
-            tr!("To log again, stop the motors and reload the page."),
-        ],
-    )
-    .explained_at(HelpTopic::Troubleshooting)
-}
-
-/// A file was asked for and there is nothing to write into it.
-pub(crate) fn of_nothing_to_export(what: Export) -> NoticeText {
-    let (title, advice) = match what {
-        Export::Log => (
-            tr!("The packet log is empty: no file was made"),
-            tr!("Connect a motor; every frame will be logged."),
-        ),
-        Export::Telemetry => (
-            tr!("There is no sample yet: no file was made"),
-            tr!("Connect a motor; every reply of the last 10 minutes is kept."),
-        ),
-    };
-    NoticeText::new(Topic::Export, Tone::Calm, title, &[advice])
-}
-
-/// Two lines about the entries of the log: how many, and what became of the others.
-pub(crate) fn of_entries(log: &LogState) -> (String, String) {
-    let entries = entries(log.kept);
-    let mut others = Vec::new();
-    if log.kept > 0 && log.looked_at_per_mille < 1000 {
-        others.push(tr!(
-            "filtering: {percent} %",
-            percent = log.looked_at_per_mille / 10
-        ));
-    } else if log.collapsed > 0 {
-        others.push(tr!(
-            "{count} routine hidden",
-            count = grouped(log.collapsed)
-        ));
-    }
-    if log.gone > 0 {
-        others.push(tr!("{count} gave way", count = grouped(log.gone)));
-    }
-    (entries, others.join(", "))
-}
-
-/// The same at length.
-pub(crate) fn of_entries_at_length(log: &LogState) -> String {
-    let (entries, others) = of_entries(log);
-    let kept = tr!("{entries} kept", entries);
-    match (others.is_empty(), log.gone) {
-        (true, _) => kept,
-        (false, 0) => format!("{kept}, {others}"),
-        (false, _) => tr!("{kept}, {others} to newer ones", kept, others),
-    }
-}
-
-/// What stands in the place of rows while there are none; empty where there are some.
-pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
-    if !alive {
-        tr!("The packet log has stopped. Driving goes on without it.")
-    } else if log.kept == 0 {
-        tr!(
-            "Every frame that is sent or heard will stand here, and what the page says, to the \
-         millisecond."
-        )
-    } else if log.shown > 0 || log.looked_at_per_mille < 1000 {
-        ""
-    } else if log.collapsed == log.kept {
-        tr!("Nothing but status polls so far. Untick Collapse status polls to see them.")
-    } else {
-        tr!("No entry fits the filter.")
-    }
-}
+use crate::ui::format::{grouped, stopwatch};
 
 /// What an export of the telemetry holds now: which part of it, and how much that is.
 pub(crate) fn of_recording(status: &RecordingStatus) -> (&'static str, String) {
@@ -114,19 +23,6 @@ pub(crate) fn of_recording(status: &RecordingStatus) -> (&'static str, String) {
     (what, format!("{time}, {samples}"))
 }
 
-/// What clearing so many entries is called.
-pub(crate) fn of_clearing(entries: u64) -> String {
-    tr!("Clear {entries}", entries = self::entries(entries))
-}
-
-/// `1 entry`, `18 402 entries`
-fn entries(number: u64) -> String {
-    match number {
-        1 => tr!("1 entry").to_owned(),
-        count => tr!("{count} entries", count = grouped(count)),
-    }
-}
-
 /// `1 sample`, `9 000 samples`
 fn samples(number: u64) -> String {
     match number {
@@ -139,67 +35,8 @@ fn samples(number: u64) -> String {
 mod tests {
     use super::*;
 
-    const LOG: LogState = LogState {
-        kept: 18_402,
-        collapsed: 17_950,
-        gone: 3,
-        looked_at_per_mille: 1000,
-        shown: 452,
-        following: true,
-        new_rows: 0,
-    };
-
     fn plain(text: &str) -> String {
         text.replace('\u{202F}', " ")
-    }
-
-    #[test]
-    fn the_entries_are_counted_with_what_is_not_shown() {
-        let (entries, others) = of_entries(&LOG);
-        assert_eq!(plain(&entries), "18 402 entries");
-        assert_eq!(plain(&others), "17 950 routine hidden, 3 gave way");
-        assert_eq!(
-            plain(&of_entries_at_length(&LOG)),
-            "18 402 entries kept, 17 950 routine hidden, 3 gave way to newer ones"
-        );
-        let one = LogState {
-            kept: 1,
-            looked_at_per_mille: 1000,
-            ..LogState::default()
-        };
-        assert_eq!(of_entries(&one), ("1 entry".to_owned(), String::new()));
-        assert_eq!(of_entries_at_length(&one), "1 entry kept");
-        assert_eq!(plain(&of_clearing(18_402)), "Clear 18 402 entries");
-    }
-
-    #[test]
-    fn a_filter_under_way_says_how_far_it_is() {
-        let half = LogState {
-            looked_at_per_mille: 456,
-            gone: 0,
-            ..LOG
-        };
-        assert_eq!(of_entries(&half).1, "filtering: 45 %");
-        assert_eq!(of_entries(&LogState::default()).1, "");
-    }
-
-    #[test]
-    fn an_empty_list_says_why() {
-        assert!(of_no_rows(&LogState::default(), true).contains("will stand here"));
-        assert!(of_no_rows(&LOG, false).contains("has stopped"));
-        assert_eq!(of_no_rows(&LOG, true), "");
-        let nothing_shown = LogState { shown: 0, ..LOG };
-        assert!(of_no_rows(&nothing_shown, true).contains("No entry fits"));
-        let all_routine = LogState {
-            collapsed: 18_402,
-            ..nothing_shown
-        };
-        assert!(of_no_rows(&all_routine, true).contains("Collapse status polls"));
-        let looking = LogState {
-            looked_at_per_mille: 10,
-            ..nothing_shown
-        };
-        assert_eq!(of_no_rows(&looking, true), "");
     }
 
     #[test]
@@ -226,15 +63,5 @@ mod tests {
         );
         assert!(says(|status| status.full = true).starts_with("Recording is full: 00"));
         assert!(says(|status| status.exported = true).starts_with("Recorded and exported"));
-    }
-
-    #[test]
-    fn a_dead_recorder_says_that_driving_goes_on() {
-        let words = of_dead_recorder();
-        assert_eq!(words.topic, Topic::Recorder);
-        assert!(words.advice.join(" ").contains("Driving goes on"));
-        for what in [Export::Log, Export::Telemetry] {
-            assert!(of_nothing_to_export(what).title.contains("no file"));
-        }
     }
 }

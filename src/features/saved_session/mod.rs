@@ -1,5 +1,6 @@
 //! The session that the browser keeps.
 
 pub(crate) mod actions;
+pub(crate) mod offer;
 pub(crate) mod texts;
 pub(crate) mod view;

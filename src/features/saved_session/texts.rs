@@ -4,20 +4,13 @@ use motorlink_i18n::tr;
 use motorlink_messages::recorder::{KeptSession, NotKept};
 
 use crate::{
-    features::saved_session::actions::Offer,
-    link::clock::{local_date, local_time},
+    features::saved_session::offer::Offer,
     model::log_lines::Line,
-    ui::format::grouped,
+    ui::{
+        clock::{local_date, local_time},
+        format::grouped,
+    },
 };
-
-/// What became of what was kept.
-pub(crate) fn of_erased(all: bool) -> &'static str {
-    if all {
-        tr!("Erased. What is done from now on is kept anew.")
-    } else {
-        tr!("Erased, but for what other tabs of this page have open. Close them and erase again.")
-    }
-}
 
 /// What is said of the session that is kept. `now_ms` is on the wall clock.
 pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {

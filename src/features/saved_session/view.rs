@@ -7,10 +7,12 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event};
 
 use crate::{
-    features::saved_session::{actions::Offer, texts as words},
-    link::clock::{page_now_ms, page_origin_ms},
-    model::desk::Desk,
-    ui::{listener::on_window, reactive::follow},
+    features::saved_session::{actions::SavedSession, offer::Offer, texts},
+    ui::{
+        clock::{page_now_ms, page_origin_ms},
+        listener::on_window,
+        reactive::{follow, live},
+    },
 };
 
 const RESTORE: &str = "restore-session";
@@ -19,7 +21,7 @@ const LEAVE: &str = "leave-session";
 const SAID: &str = "kept-words";
 
 /// Status `Kept session`, and what can be done with it.
-pub(crate) fn markup() -> String {
+fn markup() -> String {
     [
         r#"<p class="notice-title">"#,
         tr!("Kept session"),
@@ -41,14 +43,32 @@ pub(crate) fn markup() -> String {
     .concat()
 }
 
+/// Whether none is offered.
+pub(crate) fn is_hidden(saved: SavedSession) -> bool {
+    saved.offer.with(|offer| *offer == Offer::None)
+}
+
+/// The offer, among the notices.
+#[component]
+pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
+    keep_working(saved);
+    view! {
+        <div
+            class="notice kept"
+            hidden=live(move || is_hidden(saved))
+            inner_html=markup()
+        ></div>
+    }
+}
+
 /// Has it show what there is, and its buttons work, from now on.
-pub(crate) fn keep_working(desk: Desk) {
-    on_window("click", move |event| hear(desk, &event));
+fn keep_working(saved: SavedSession) {
+    on_window("click", move |event| hear(saved, &event));
     follow(move || {
-        let offer = desk.recorder.kept.get();
+        let offer = saved.offer.get();
         if let Some(said) = document().get_element_by_id(SAID) {
             let now_ms = page_origin_ms() + page_now_ms();
-            said.set_text_content(Some(&words::of_offer(&offer, now_ms)));
+            said.set_text_content(Some(&texts::of_offer(&offer, now_ms)));
         }
         for id in [RESTORE, FORGET, LEAVE] {
             if let Some(button) = document().get_element_by_id(id) {
@@ -59,15 +79,15 @@ pub(crate) fn keep_working(desk: Desk) {
     });
 }
 
-fn hear(desk: Desk, event: &Event) {
+fn hear(saved: SavedSession, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = target.map(|target| target.id()).unwrap_or_default();
-    let act: fn(Desk) = match id.as_str() {
-        RESTORE => Desk::restore_session,
-        FORGET => Desk::forget_session,
-        LEAVE => |desk| desk.recorder.kept.set(Offer::None),
+    let act: fn(SavedSession) = match id.as_str() {
+        RESTORE => SavedSession::restore,
+        FORGET => SavedSession::forget,
+        LEAVE => |saved| saved.offer.set(Offer::None),
         _ => return,
     };
     // Afterwards: what hides a button must not do so while it is being pressed.
-    spawn_local(async move { act(desk) });
+    spawn_local(async move { act(saved) });
 }

@@ -7,11 +7,12 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 
 use crate::{
-    features::settings::texts as words,
+    features::settings::texts::{self, of_erased},
     model::{
-        desk::Desk,
         guards::why_not_import,
         log_lines,
+        page::{Dialog, Page},
+        recorder_texts::no_recorder,
         setup::{SETUP_BYTES_MAX, Setup, SetupError},
         snapshot::Session,
     },
@@ -21,25 +22,25 @@ use crate::{
 /// Under this name the file is saved.
 const FILE_NAME: &str = "motorlink-setup.json";
 
-impl Desk {
-    /// What stands on the desk now.
-    fn setup(self) -> Setup {
-        let preferences = self.preferences.get_untracked();
-        Setup {
-            model: Some(preferences.model),
-            rate: Some(preferences.rate),
-            keep_driving: Some(preferences.keep_driving),
-            ramp: u16::try_from(self.together.ramp.get_untracked()).ok(),
-            speed_limit: Some(preferences.limits.speed_rpm()),
-            current_limit: Some(preferences.limits.current_ma()),
-            temperature_limit: Some(preferences.limits.temperature_c()),
-            fleet: Some(self.together.fleet.get_untracked()),
+/// The panel `Settings`.
+#[derive(Clone, Copy)]
+pub(crate) struct Settings {
+    pub(crate) page: Page,
+    /// What became of the wish to erase everything that is kept.
+    pub(crate) erased: RwSignal<&'static str>,
+}
+
+impl Settings {
+    pub(crate) fn new(page: Page) -> Self {
+        Self {
+            page,
+            erased: RwSignal::new(""),
         }
     }
 
     /// Gives the person the setup as a file.
     pub(crate) fn export_setup(self) {
-        let text = Array::of1(&self.setup().to_json().into());
+        let text = Array::of1(&self.page.setup().to_json().into());
         if let Ok(file) = Blob::new_with_str_sequence(&text) {
             save_blob(&file, FILE_NAME);
         }
@@ -47,65 +48,59 @@ impl Desk {
 
     /// Why no file can be taken in now.
     pub(crate) fn why_not_import(self, session: &Session) -> Option<String> {
-        why_not_import(session, self.together.driving.get().is_some())
+        why_not_import(session, self.page.motors.steered.get())
     }
 
     /// Takes in a file, and says what became of it.
     pub(crate) async fn import_setup(self, file: &File) -> String {
         let words = match read(file).await {
             Some(read) => self.take_file(read),
-            None => words::of_refusal(tr!("The file cannot be read. Choose it again.")),
+            None => texts::of_refusal(tr!("The file cannot be read. Choose it again.")),
         };
-        self.log(self.now(), log_lines::calm(tr!("Setup: {words}", words)));
+        self.page.log(
+            self.page.now(),
+            log_lines::calm(tr!("Setup: {words}", words)),
+        );
         words
     }
 
     fn take_file(self, read: Result<Setup, SetupError>) -> String {
         // Driving may have begun while the file was chosen and read.
-        let pad_is_held = self.together.driving.get_untracked().is_some();
-        let reason = why_not_import(&self.present(), pad_is_held);
-        if let Some(reason) = reason.or_else(|| self.why_not_turn_sides()) {
-            return words::of_refusal(&reason);
+        let pad_is_held = self.page.motors.steered.get_untracked();
+        let reason = why_not_import(&self.page.present(), pad_is_held);
+        if let Some(reason) = reason.or_else(|| self.page.why_not_turn_sides()) {
+            return texts::of_refusal(&reason);
         }
         match read {
             Ok(setup) => {
-                let words = words::of_taken(&setup);
-                self.take_setup(setup);
+                let words = texts::of_taken(&setup);
+                self.page.take_setup(setup);
                 words
             }
-            Err(error) => words::of_misfit(&error),
+            Err(error) => texts::of_misfit(&error),
         }
     }
 
-    /// Nothing of it starts or stops a wheel.
-    pub(crate) fn take_setup(self, setup: Setup) {
-        self.prefer(|preferences| {
-            preferences.model = setup.model.unwrap_or(preferences.model);
-            preferences.keep_driving = setup.keep_driving.unwrap_or(preferences.keep_driving);
-        });
-        if let Some(rate) = setup.rate {
-            let hertz = rate.hertz().into();
-            self.targets.rate.set(hertz);
-            self.set_rate(hertz);
+    /// Why nothing can be erased now, where a setup could not be taken in for this reason either.
+    pub(crate) fn why_not_erase(self, in_use: Option<String>) -> Option<String> {
+        if !self.page.recorder.alive.get() {
+            return Some(no_recorder().to_owned());
         }
-        if let Some(ramp) = setup.ramp {
-            self.together.ramp.set(ramp.into());
-            self.set_ramp();
-        }
-        let limits = [
-            (self.targets.speed_limit, setup.speed_limit),
-            (self.targets.current_limit, setup.current_limit),
-            (self.targets.temperature_limit, setup.temperature_limit),
-        ];
-        if limits.iter().any(|(_, limit)| limit.is_some()) {
-            for (target, limit) in limits {
-                target.set(limit.map_or_else(|| target.get_untracked(), Into::into));
-            }
-            self.set_limits();
-        }
-        if let Some(fleet) = setup.fleet {
-            self.replace_fleet(fleet);
-        }
+        let records = self.page.recorder.recording.with(|status| status.recording);
+        let records = records.then(|| tr!("End the recording first.").to_owned());
+        records.or(in_use)
+    }
+
+    pub(crate) fn ask_to_erase(self) {
+        self.erased.set("");
+        self.page.dialog.set(Some(Dialog::EraseKept));
+    }
+
+    /// What was kept is erased, or not all of it.
+    pub(crate) fn was_erased(self, all: bool) {
+        let text = of_erased(all);
+        self.erased.set(text);
+        self.page.log_now(log_lines::calm(text));
     }
 }
 

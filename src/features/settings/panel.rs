@@ -8,13 +8,12 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlInputElement};
 
 use crate::{
-    features::install::texts as installation,
-    model::{
-        desk::{Desk, use_desk},
-        drawer::Drawer,
-    },
+    features::settings::actions::Settings,
     ui::{
-        drawer::panel_of_drawer, entry, listener::on_window, number_field::NumberField,
+        drawer::{Drawer, panel_of_drawer},
+        entry,
+        listener::on_window,
+        number_field::NumberField,
         reactive::follow,
     },
 };
@@ -76,11 +75,19 @@ fn button(id: &str, label: &str) -> String {
     format!(r#"<button type="button" class="button" id="{id}">{label}</button>"#)
 }
 
+/// What the button `Install` does; another feature knows how.
+pub(crate) struct InstallButton {
+    /// Why it cannot be pressed.
+    pub(crate) why_not: Box<dyn Fn() -> Option<&'static str>>,
+    pub(crate) hint: &'static str,
+    pub(crate) on_press: Box<dyn Fn()>,
+}
+
 /// Panel `Settings`.
 #[component]
-pub(crate) fn SettingsPanel() -> impl IntoView {
-    let desk = use_desk();
-    let targets = desk.targets;
+pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton) -> impl IntoView {
+    let page = settings.page;
+    let targets = page.settings;
     let limits = [
         (
             tr!("Speed limit"),
@@ -104,8 +111,9 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
             entry::TEMPERATURE_LIMIT,
         ),
     ];
-    keep_working(desk);
+    keep_working(settings, install);
     panel_of_drawer(
+        page.drawer,
         Drawer::Settings,
         tr!("Settings"),
         view! {
@@ -114,7 +122,7 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
                 {limits
                     .map(|(name, id, unit, target, entry)| {
                         view! {
-                            <NumberField name unit target entry id on_edit=move || desk.set_limits() />
+                            <NumberField name unit target entry id on_edit=move || page.set_limits() />
                         }
                     })}
                 <div inner_html=files()></div>
@@ -124,11 +132,12 @@ pub(crate) fn SettingsPanel() -> impl IntoView {
 }
 
 /// Has the buttons work from now on.
-fn keep_working(desk: Desk) {
+fn keep_working(settings: Settings, install: &'static InstallButton) {
+    let page = settings.page;
     for name in ["click", "change"] {
-        on_window(name, move |event| hear(desk, &event));
+        on_window(name, move |event| hear(settings, install, &event));
     }
-    let why_not = desk.of_motor(move |session, _| desk.why_not_import(session));
+    let why_not = page.of_motor(move |session, _| settings.why_not_import(session));
     follow(move || {
         let reason = why_not.get();
         say_why(
@@ -137,10 +146,10 @@ fn keep_working(desk: Desk) {
             tr!("From a file that was exported"),
         );
         let erases = tr!("Everything that this browser keeps of this page: sessions and choices");
-        say_why(ERASE, desk.why_not_erase(reason).as_deref(), erases);
+        say_why(ERASE, settings.why_not_erase(reason).as_deref(), erases);
     });
-    follow(move || say_why(INSTALL, desk.why_not_install(), installation::hint()));
-    follow(move || say(desk.recorder.erased.get()));
+    follow(move || say_why(INSTALL, (install.why_not)(), install.hint));
+    follow(move || say(settings.erased.get()));
 }
 
 /// A button that cannot be pressed for this reason, or that does this.
@@ -159,7 +168,7 @@ fn say(words: &str) {
     }
 }
 
-fn hear(desk: Desk, event: &Event) {
+fn hear(settings: Settings, install: &InstallButton, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = target.map(|target| target.id()).unwrap_or_default();
     let asked = match (event.type_().as_str(), id.as_str()) {
@@ -167,13 +176,13 @@ fn hear(desk: Desk, event: &Event) {
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
         // At once: the browser asks only while it is being pressed.
-        ("click", INSTALL) => return desk.install(),
+        ("click", INSTALL) => return (install.on_press)(),
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,
     };
     // Afterwards: what is done presses something in its turn, and this listener hears one press at a
     // time.
-    spawn_local(answer(desk, asked));
+    spawn_local(answer(settings, asked));
 }
 
 enum Asked {
@@ -183,10 +192,10 @@ enum Asked {
     ToErase,
 }
 
-async fn answer(desk: Desk, asked: Asked) {
+async fn answer(settings: Settings, asked: Asked) {
     match asked {
-        Asked::ForFile => return desk.export_setup(),
-        Asked::ToErase => return desk.ask_to_erase(),
+        Asked::ForFile => return settings.export_setup(),
+        Asked::ToErase => return settings.ask_to_erase(),
         Asked::ToChoose | Asked::ToTakeIn => {}
     }
     let chooser = document().get_element_by_id(CHOOSER);
@@ -202,5 +211,5 @@ async fn answer(desk: Desk, asked: Asked) {
     // The same file can be chosen again when it was mended.
     chooser.set_value("");
     let Some(file) = file else { return };
-    say(&desk.import_setup(&file).await);
+    say(&settings.import_setup(&file).await);
 }

@@ -44,6 +44,15 @@ pub(crate) fn of_refusal(reason: &str) -> String {
     tr!("Nothing was changed. {reason}", reason)
 }
 
+/// What became of what was kept.
+pub(crate) fn of_erased(all: bool) -> &'static str {
+    if all {
+        tr!("Erased. What is done from now on is kept anew.")
+    } else {
+        tr!("Erased, but for what other tabs of this page have open. Close them and erase again.")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

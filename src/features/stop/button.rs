@@ -2,13 +2,14 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::bus::StopReason;
 
-use crate::{model::desk::use_desk, ui::reactive::heard};
+use crate::ui::reactive::heard;
 
 #[component]
-pub(crate) fn StopButton() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn StopButton(
+    /// Stops all motors.
+    on_stop: &'static dyn Fn(),
+) -> impl IntoView {
     view! {
         <button
             type="button"
@@ -17,11 +18,11 @@ pub(crate) fn StopButton() -> impl IntoView {
             aria-keyshortcuts="Space Escape"
             title=tr!("Brakes every motor. The power switch is the only emergency stop.")
             // When it is touched, not when the finger is lifted again.
-            on:pointerdown=heard(move |_| desk.stop_all(StopReason::Operator))
+            on:pointerdown=heard(move |_| on_stop())
             on:click=heard(move |click: web_sys::MouseEvent| {
                 // By keyboard or a screen reader: no pointer went down before.
                 if click.detail() == 0 {
-                    desk.stop_all(StopReason::Operator);
+                    on_stop();
                 }
             })
         >

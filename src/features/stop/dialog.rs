@@ -2,12 +2,13 @@
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
+use motorlink_messages::bus::Command;
 use motorlink_messages::{bus::Activity, protocol::MotorId};
 
 use crate::{
     model::{
-        desk::use_desk,
-        notice_texts as words,
+        notice_texts,
+        page::use_page,
         snapshot::{Reading, Session},
     },
     ui::{
@@ -22,17 +23,17 @@ use crate::{
 /// nothing until Release.
 #[component]
 pub(crate) fn StoppedDialog() -> impl IntoView {
-    let desk = use_desk();
+    let page = use_page();
     let dialog = NodeRef::<Div>::new();
-    let halted = memo(move || desk.shown.with(|session| session.halted));
+    let halted = memo(move || page.shown.with(|session| session.halted));
     focus_when(halted, dialog);
     let reason = move || {
-        desk.shown.with(|session| {
+        page.shown.with(|session| {
             let reason = session.stop.as_ref().map(|stop| stop.reason);
-            reason.map_or(tr!("All motors are stopped."), words::of_stop_reason)
+            reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
         })
     };
-    let rows = move || desk.shown.with(|session| table_rows(&stop_lines(session)));
+    let rows = move || page.shown.with(|session| table_rows(&stop_lines(session)));
     view! {
         <div
             class="stopped"
@@ -57,7 +58,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
                 <PressButton
                     label=tr!("Release")
                     class="button primary"
-                    on_press=move || desk.release()
+                    on_press=move || page.command(Command::Release)
                 />
             </div>
         </div>

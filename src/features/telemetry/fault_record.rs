@@ -5,11 +5,13 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
 
 use crate::{
-    features::telemetry::fault_history::{End, FaultHistory, Occurrence},
-    link::clock::local_time,
-    model::desk::use_desk,
+    features::telemetry::{
+        fault_history::{End, FaultHistory, Occurrence},
+        readings::Readings,
+    },
     ui::{
         button::PressButton,
+        clock::local_time,
         reactive::{live, memo},
     },
 };
@@ -19,22 +21,24 @@ const LINES_MAX: usize = 3;
 
 /// The faults that came and went, and a button by which a person says that they have seen them.
 #[component]
-pub(crate) fn FaultRecord() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
+    let page = readings.page;
     let lines = memo(move || {
-        let id = desk.selected.get();
-        desk.fault_history
+        let id = page.selected.get();
+        readings
+            .faults
             .with(|history| lines(history, id, local_time).join("\n"))
     });
     let unseen = memo(move || {
-        let id = desk.selected.get();
-        desk.fault_history.with(|history| history.has_unseen(id))
+        let id = page.selected.get();
+        readings.faults.with(|history| history.has_unseen(id))
     });
     let why_not =
         move || (!unseen.get()).then(|| tr!("There is no fault that was not seen").to_owned());
     let mark_seen = move || {
-        let id = desk.selected.get_untracked();
-        desk.fault_history
+        let id = page.selected.get_untracked();
+        readings
+            .faults
             .maybe_update(|history| history.mark_seen(id));
     };
     view! {

@@ -6,19 +6,17 @@ use motorlink_messages::protocol::Celsius;
 use web_sys::Element;
 
 use crate::{
-    features::{
-        telemetry::{
-            angle_dial::Sweep,
-            gauge::{self, Band},
-            recent::{Recent, Report},
-            scale::Scale,
-            sparkline::{self, COLUMN_WIDTH, HALF_HEIGHT},
-        },
-        twin::Drawn,
+    features::telemetry::{
+        angle_dial::Sweep,
+        gauge::{self, Band},
+        readings::Readings,
+        recent::{Recent, Report},
+        scale::Scale,
+        sparkline::{self, COLUMN_WIDTH, HALF_HEIGHT},
+        twin::{Drawn, TwinFeed},
     },
-    link::clock::page_now_ms,
-    model::{desk::Desk, mirror::Mirror},
-    ui::{attribute::Attribute, reactive::follow},
+    model::mirror::Mirror,
+    ui::{attribute::Attribute, clock::page_now_ms, reactive::follow},
 };
 
 /// Columns of a sparkline, about as many as it has pixels on the desk.
@@ -42,15 +40,15 @@ pub(crate) fn sparkline_markup() -> String {
 
 /// Draws the instruments with every newly shown state, which comes ten times a second while the page
 /// is seen.
-pub(crate) fn keep_drawing(desk: Desk, section: NodeRef<html::Section>) {
+pub(crate) fn keep_drawing(readings: Readings, section: NodeRef<html::Section>) {
     follow(move || {
         let Some(section) = section.get() else { return };
         let Some(mut instruments) = Instruments::of(&section) else {
             return;
         };
         follow(move || {
-            desk.shown.track();
-            instruments.draw(desk);
+            readings.page.shown.track();
+            instruments.draw(readings);
         });
     });
 }
@@ -75,10 +73,11 @@ impl Instruments {
         })
     }
 
-    fn draw(&mut self, desk: Desk) {
+    fn draw(&mut self, readings: Readings) {
+        let page = readings.page;
         let now_ms = page_now_ms();
-        let id = desk.selected.get_untracked();
-        let (alone, temperature, mirror) = desk.shown.with_untracked(|session| {
+        let id = page.selected.get_untracked();
+        let (alone, temperature, mirror) = page.shown.with_untracked(|session| {
             let temperature = session.temperature(id).map(|reading| reading.value);
             (session.motors.is_empty(), temperature, session.mirror(id))
         });
@@ -89,11 +88,11 @@ impl Instruments {
             return;
         }
         self.drawn_ms = now_ms;
-        desk.recent.with_value(|recent| {
+        readings.recent.with_value(|recent| {
             self.speed.draw(recent, mirror, now_ms);
             self.current.draw(recent, mirror, now_ms);
         });
-        let drawn = desk.feed.with_value(crate::features::twin::TwinFeed::drawn);
+        let drawn = readings.twin.with_value(TwinFeed::drawn);
         self.dial.draw(drawn, now_ms);
         self.gauge.draw(temperature);
     }

@@ -6,9 +6,11 @@ pub(crate) mod fault_record;
 pub(crate) mod gauge;
 pub(crate) mod instruments;
 pub(crate) mod read_out;
+pub(crate) mod readings;
 pub(crate) mod recent;
 pub(crate) mod scale;
 pub(crate) mod sparkline;
+pub mod twin;
 
 use leptos::{html, prelude::*};
 use motorlink_i18n::{
@@ -23,41 +25,41 @@ use self::{
     read_out::{ReadOut, Shown},
 };
 use crate::{
-    features::twin::{TwinFeed, panel::loop_name},
+    features::telemetry::{readings::Readings, twin::TwinFeed},
     model::{
-        desk::use_desk,
         snapshot::{Angle, Reading, Session},
+        terms::loop_name,
     },
     ui::{format, reactive::memo},
 };
 
 /// Region `Telemetry`.
 #[component]
-pub(crate) fn Telemetry() -> impl IntoView {
-    let desk = use_desk();
+pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
+    let page = readings.page;
     let mode = memo(move || {
-        let (id, asked) = (desk.selected.get(), desk.asked.get());
-        desk.shown.with(|session| mode(session, id, asked))
+        let (id, asked) = (page.selected.get(), page.loops.asked.get());
+        page.shown.with(|session| mode(session, id, asked))
     });
-    let position = desk.of_motor(move |session, id| {
+    let position = page.of_motor(move |session, id| {
         // Counted where the wheel is drawn, so that the page shows one number of turns.
-        let drawn = desk.feed.with_value(TwinFeed::drawn);
+        let drawn = readings.twin.with_value(TwinFeed::drawn);
         position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
     });
     let section = NodeRef::<html::Section>::new();
-    instruments::keep_drawing(desk, section);
+    instruments::keep_drawing(readings, section);
     view! {
         <section class="telemetry" aria-label=tr!("Telemetry") node_ref=section>
             <ReadOut
                 name=tr!("Speed")
                 class="speed"
-                shown=desk.of_motor(speed)
+                shown=page.of_motor(speed)
                 drawing=instruments::sparkline_markup()
             />
             <ReadOut
                 name=tr!("Current" as "electric")
                 class="current"
-                shown=desk.of_motor(current)
+                shown=page.of_motor(current)
                 drawing=instruments::sparkline_markup()
             />
             <ReadOut
@@ -69,11 +71,11 @@ pub(crate) fn Telemetry() -> impl IntoView {
             <ReadOut
                 name=tr!("Temperature")
                 class="temperature"
-                shown=desk.of_motor(temperature)
+                shown=page.of_motor(temperature)
                 drawing=gauge::MARKUP
             />
-            <ReadOut name=tr!("Faults") class="faults" shown=desk.of_motor(faults) drawing="" />
-            <FaultRecord />
+            <ReadOut name=tr!("Faults") class="faults" shown=page.of_motor(faults) drawing="" />
+            <FaultRecord readings />
             <ReadOut name=tr!("Mode") class="mode" shown=mode drawing="" />
         </section>
     }

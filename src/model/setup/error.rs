@@ -4,7 +4,8 @@ use std::fmt;
 
 use motorlink_i18n::tr;
 
-use crate::model::setup::SETUP_BYTES_MAX;
+/// Bytes of the largest file: twice that of 254 motors with the longest names.
+pub const SETUP_BYTES_MAX: usize = 65_536;
 
 /// Why a file is no setup. Its text names the place and says what is allowed there.
 #[derive(Clone, Debug, PartialEq, Eq)]

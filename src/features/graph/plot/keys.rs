@@ -50,7 +50,7 @@ pub(crate) fn act(key: &str, modified: bool, shift: bool, paused: bool) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::keys::{self, Focus};
+    use crate::model::keys::{self, Focus};
 
     #[test]
     fn arrows_pan_and_while_paused_move_the_crosshair() {

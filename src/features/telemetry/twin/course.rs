@@ -7,7 +7,7 @@
 //! Times are milliseconds on the page's clock.
 
 use crate::{
-    features::twin::motion::{Heading, Way},
+    features::telemetry::twin::motion::{Heading, Way},
     ui::animation::STEP_MS,
 };
 

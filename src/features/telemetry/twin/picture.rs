@@ -1,6 +1,6 @@
 //! The whole picture as markup, and the names by which its moving parts are found.
 
-use crate::features::twin::{artwork, dial, gradients::gradients, markup::Markup};
+use crate::features::telemetry::twin::{artwork, dial, gradients::gradients, markup::Markup};
 
 /// Left, top, width and height of the picture in millimetres: the scale is open at the bottom, so
 /// there the picture ends with the wheel's shadow.
@@ -66,7 +66,7 @@ mod tests {
     fn every_class_has_a_style() {
         // What only the painter asks for.
         let handles = ["twin-turning", "twin-wheel"];
-        let sheet = include_str!("../../../style/30-twin.css");
+        let sheet = include_str!("../../../../style/30-twin.css");
         let picture = picture();
         for class in all_between(&picture, "class=\"", '"') {
             let styled = handles.contains(&class) || sheet.contains(&format!(".{class}"));

@@ -4,10 +4,10 @@ use leptos::web_sys::{Element, SvgElement};
 use motorlink_messages::protocol::Setpoint;
 
 use crate::{
-    features::twin::{
+    features::telemetry::twin::{
         blur::{sharpness, trail_deg},
         feed::View,
-        measures as mm,
+        measures,
         scale::{bearing_deg, dash},
         texts::{Motion, description},
         turning::Turning,
@@ -76,10 +76,10 @@ impl Painter {
         let rpm = view.pose.speed_rpm;
         // Frozen, the wheel is seen as it is.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
-        let tread = sharpness(blurred_rpm, mm::TREAD_BLOCKS);
+        let tread = sharpness(blurred_rpm, measures::TREAD_BLOCKS);
         self.tread.set(opacity(tread));
         self.tread_band.set(opacity(1.0 - tread));
-        let holes = sharpness(blurred_rpm, mm::HOLE_COUNT);
+        let holes = sharpness(blurred_rpm, measures::HOLE_COUNT);
         self.holes.set(opacity(holes));
         self.hole_band.set(opacity(1.0 - holes));
         // In steps of two degrees, as above.

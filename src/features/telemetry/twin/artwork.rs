@@ -3,16 +3,16 @@
 //! Only the group `twin-turning` turns. What lies under and over it is round and holds the light,
 //! which stays where it is. The axle stays too: in a hub motor it is what the chassis holds.
 
-use crate::features::twin::{
+use crate::features::telemetry::twin::{
     geometry::{TreadBlock, annulus, arc, bearings, circle, d_shaft, hexagon, holes, sector},
     markup::Markup,
-    measures as mm,
+    measures,
 };
 
 /// Blocks that reach over the shoulder.
 const BLOCK: TreadBlock = TreadBlock {
-    inner: mm::SHOULDER,
-    outer: mm::TYRE,
+    inner: measures::SHOULDER,
+    outer: measures::TYRE,
     root_deg: 3.2,
     tip_deg: 6.2,
     lean_deg: 6.5,
@@ -26,11 +26,17 @@ const FAN_LAYER_DEG: f64 = 7.5;
 /// The whole wheel.
 pub fn wheel(art: &mut Markup) {
     art.group("twin-wheel", |art| {
-        art.shaded("twin-shadow", circle(180.0, mm::SHADOW_DROP, mm::SHADOW));
-        art.path("twin-rim-light", circle(0.0, 0.0, mm::CARCASS));
-        art.shaded("twin-carcass", circle(0.0, 0.0, mm::CARCASS));
+        art.shaded(
+            "twin-shadow",
+            circle(180.0, measures::SHADOW_DROP, measures::SHADOW),
+        );
+        art.path("twin-rim-light", circle(0.0, 0.0, measures::CARCASS));
+        art.shaded("twin-carcass", circle(0.0, 0.0, measures::CARCASS));
         art.group("twin-tread-band", |art| {
-            art.shaded("twin-tread-band", annulus(mm::SHOULDER, mm::TYRE));
+            art.shaded(
+                "twin-tread-band",
+                annulus(measures::SHOULDER, measures::TYRE),
+            );
             // Small differences between the blocks draw rings at speed.
             for radius in [45.3, 46.1, 47.7, 48.6] {
                 art.path("twin-streak", circle(0.0, 0.0, radius));
@@ -40,64 +46,79 @@ pub fn wheel(art: &mut Markup) {
         hub(art);
         cover(art);
         art.group("twin-turning", turning);
-        art.shaded("twin-tyre-light", annulus(mm::HUB, mm::TYRE));
+        art.shaded("twin-tyre-light", annulus(measures::HUB, measures::TYRE));
         axle(art);
-        art.shaded("twin-gloss", circle(0.0, 0.0, mm::FACE));
+        art.shaded("twin-gloss", circle(0.0, 0.0, measures::FACE));
     });
 }
 
 fn sidewall(art: &mut Markup) {
-    art.shaded("twin-sidewall", annulus(mm::HUB, mm::SIDEWALL));
+    art.shaded("twin-sidewall", annulus(measures::HUB, measures::SIDEWALL));
     art.path("twin-rib", circle(0.0, 0.0, 39.3));
     art.path("twin-rib", circle(0.0, 0.0, 43.9));
 }
 
 fn hub(art: &mut Markup) {
-    art.shaded("twin-chamfer", annulus(mm::LIP, mm::HUB));
-    art.shaded("twin-chamfer-inner", annulus(mm::FACE, mm::LIP));
-    art.shaded("twin-hub-face", annulus(mm::COVER, mm::FACE));
-    turned_metal(art, mm::COVER, mm::FACE, "twin-fans-bright");
-    art.path("twin-groove", circle(0.0, 0.0, mm::FACE));
+    art.shaded("twin-chamfer", annulus(measures::LIP, measures::HUB));
+    art.shaded("twin-chamfer-inner", annulus(measures::FACE, measures::LIP));
+    art.shaded("twin-hub-face", annulus(measures::COVER, measures::FACE));
+    turned_metal(art, measures::COVER, measures::FACE, "twin-fans-bright");
+    art.path("twin-groove", circle(0.0, 0.0, measures::FACE));
     art.group("twin-hole-band", |art| {
         art.shaded(
             "twin-hole-band",
-            annulus(mm::HOLES - mm::HOLE, mm::HOLES + mm::HOLE),
+            annulus(
+                measures::HOLES - measures::HOLE,
+                measures::HOLES + measures::HOLE,
+            ),
         );
     });
 }
 
 fn cover(art: &mut Markup) {
-    art.path("twin-gap", circle(0.0, 0.0, mm::COVER + 0.7));
-    art.shaded("twin-cover-edge", circle(0.0, 0.0, mm::COVER));
-    art.shaded("twin-cover", circle(0.0, 0.0, mm::COVER_FACE));
-    turned_metal(art, mm::STEP, mm::COVER_FACE, "twin-fans-dim");
-    art.shaded("twin-cover-step", annulus(mm::STEP - 0.7, mm::STEP));
+    art.path("twin-gap", circle(0.0, 0.0, measures::COVER + 0.7));
+    art.shaded("twin-cover-edge", circle(0.0, 0.0, measures::COVER));
+    art.shaded("twin-cover", circle(0.0, 0.0, measures::COVER_FACE));
+    turned_metal(art, measures::STEP, measures::COVER_FACE, "twin-fans-dim");
+    art.shaded(
+        "twin-cover-step",
+        annulus(measures::STEP - 0.7, measures::STEP),
+    );
 }
 
 /// What turns: everything by which one sees that it turns.
 fn turning(art: &mut Markup) {
     art.group("twin-tread", |art| {
-        art.path("twin-block-edge", BLOCK.ring(mm::TREAD_BLOCKS, -0.55));
-        art.path("twin-block", BLOCK.ring(mm::TREAD_BLOCKS, 0.0));
+        art.path("twin-block-edge", BLOCK.ring(measures::TREAD_BLOCKS, -0.55));
+        art.path("twin-block", BLOCK.ring(measures::TREAD_BLOCKS, 0.0));
     });
     art.group("twin-holes", |art| {
-        let offset_deg = 180.0 / f64::from(mm::HOLE_COUNT);
-        let ring = |radius| holes(mm::HOLE_COUNT, offset_deg, mm::HOLES, radius);
-        art.path("twin-hole-edge", ring(mm::HOLE));
-        art.path("twin-hole", ring(mm::HOLE - 0.28));
+        let offset_deg = 180.0 / f64::from(measures::HOLE_COUNT);
+        let ring = |radius| holes(measures::HOLE_COUNT, offset_deg, measures::HOLES, radius);
+        art.path("twin-hole-edge", ring(measures::HOLE));
+        art.path("twin-hole", ring(measures::HOLE - 0.28));
     });
     for bearing in bearings(3, 60.0) {
-        art.path("twin-sink", circle(bearing, mm::SCREWS, mm::SCREW + 0.75));
-        art.path("twin-screw-edge", circle(bearing, mm::SCREWS, mm::SCREW));
-        art.path("twin-screw", circle(bearing, mm::SCREWS, mm::SCREW - 0.35));
-        art.path("twin-socket", hexagon(bearing, mm::SCREWS, 1.25));
+        art.path(
+            "twin-sink",
+            circle(bearing, measures::SCREWS, measures::SCREW + 0.75),
+        );
+        art.path(
+            "twin-screw-edge",
+            circle(bearing, measures::SCREWS, measures::SCREW),
+        );
+        art.path(
+            "twin-screw",
+            circle(bearing, measures::SCREWS, measures::SCREW - 0.35),
+        );
+        art.path("twin-socket", hexagon(bearing, measures::SCREWS, 1.25));
     }
     mark(art);
 }
 
 /// The mark that shows the angle, and its trail at speed.
 fn mark(art: &mut Markup) {
-    let middle = f64::midpoint(mm::HUB, mm::SIDEWALL);
+    let middle = f64::midpoint(measures::HUB, measures::SIDEWALL);
     art.measured_path(
         "twin-trail",
         360.0,
@@ -113,9 +134,15 @@ fn mark(art: &mut Markup) {
 }
 
 fn axle(art: &mut Markup) {
-    art.shaded("twin-recess", circle(0.0, 0.0, mm::RECESS));
-    art.shaded("twin-steel-inner", d_shaft(mm::AXLE, mm::AXLE_FLAT));
-    art.shaded("twin-steel", d_shaft(mm::AXLE - 0.55, mm::AXLE_FLAT - 0.3));
+    art.shaded("twin-recess", circle(0.0, 0.0, measures::RECESS));
+    art.shaded(
+        "twin-steel-inner",
+        d_shaft(measures::AXLE, measures::AXLE_FLAT),
+    );
+    art.shaded(
+        "twin-steel",
+        d_shaft(measures::AXLE - 0.55, measures::AXLE_FLAT - 0.3),
+    );
     art.path("twin-lathe", circle(0.0, 0.0, 5.2));
     art.path("twin-lathe", circle(0.0, 0.0, 3.8));
     art.shaded("twin-steel-inner", circle(0.0, 0.0, 2.3));

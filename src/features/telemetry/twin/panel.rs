@@ -2,18 +2,21 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::{terms, tr};
-use motorlink_messages::{bus::Activity, protocol::Mode};
+use motorlink_messages::bus::Activity;
 
 use crate::{
-    features::twin::{DigitalTwin, texts::no_motor},
-    model::desk::use_desk,
+    features::telemetry::{
+        readings::Readings,
+        twin::{DigitalTwin, texts::no_motor},
+    },
+    model::terms::loop_name,
     ui::{format, reactive::live},
 };
 
 #[component]
-pub(crate) fn WheelPanel() -> impl IntoView {
-    let desk = use_desk();
-    let chip = desk.of_motor(|session, id| {
+pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
+    let page = readings.page;
+    let chip = page.of_motor(|session, id| {
         let motor = session.motor(id)?;
         let words = match motor.activity {
             Activity::Driven { setpoint } => tr!("Goal {goal}", goal = format::goal(setpoint)),
@@ -29,7 +32,7 @@ pub(crate) fn WheelPanel() -> impl IntoView {
             words
         })
     });
-    let driven = desk.of_motor(|session, id| {
+    let driven = page.of_motor(|session, id| {
         let activity = session.motor(id).map(|motor| motor.activity);
         matches!(activity, Some(Activity::Driven { .. }))
     });
@@ -38,16 +41,7 @@ pub(crate) fn WheelPanel() -> impl IntoView {
             <p class="chip wheel-chip" class:active=driven>
                 {live(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
             </p>
-            <DigitalTwin feed=desk.feed />
+            <DigitalTwin feed=readings.twin />
         </section>
-    }
-}
-
-/// As a heading.
-pub(crate) fn loop_name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Current => tr!("Current loop"),
-        Mode::Velocity => tr!("Velocity loop"),
-        Mode::Position => tr!("Position loop"),
     }
 }

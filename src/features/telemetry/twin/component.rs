@@ -8,9 +8,10 @@ use leptos::web_sys::Element;
 use motorlink_i18n::tr;
 
 use crate::{
-    features::twin::{
+    features::telemetry::twin::{
+        TwinFeed,
         course::LOOK_EVERY_MS,
-        feed::{TwinFeed, View},
+        feed::View,
         painter::Painter,
         picture::{VIEW_BOX, picture},
         texts::{Figures, Motion},

@@ -5,7 +5,7 @@ use js_sys::{Array, Object, Reflect};
 use leptos::wasm_bindgen::JsCast;
 use leptos::web_sys::{Animation, Element, FillMode, KeyframeEffect, KeyframeEffectOptions};
 
-use crate::features::twin::{course::Course, motion::Heading};
+use crate::features::telemetry::twin::{course::Course, motion::Heading};
 
 /// What turns the wheel: the one thing that differs in every frame.
 pub struct Turning {

@@ -3,12 +3,12 @@
 //! The light stands still in the room while the wheel turns, so nothing here turns. Colours are
 //! classes that the style sheet gives to `stop-color`.
 
-use crate::features::twin::{
+use crate::features::telemetry::twin::{
     markup::{
         Gradient::{AgainstLight, AlongLight, Domed, Outwards},
         Markup,
     },
-    measures as mm,
+    measures,
 };
 
 /// The gradients that [`artwork`](super::artwork) names.
@@ -23,7 +23,7 @@ pub fn gradients(defs: &mut Markup) {
 fn shadow(defs: &mut Markup) {
     defs.gradient(
         "twin-shadow",
-        Outwards(mm::SHADOW),
+        Outwards(measures::SHADOW),
         &[
             (0.80, "twin-shade", 0.38),
             (0.88, "twin-shade", 0.17),
@@ -34,43 +34,43 @@ fn shadow(defs: &mut Markup) {
 }
 
 fn tyre(defs: &mut Markup) {
-    let at = |radius: f64| radius / mm::TYRE;
+    let at = |radius: f64| radius / measures::TYRE;
     defs.gradient(
         "twin-carcass",
-        Outwards(mm::TYRE),
+        Outwards(measures::TYRE),
         &[
-            (at(mm::SHOULDER), "twin-rubber-deep", 1.0),
-            (at(mm::CARCASS), "twin-rubber-black", 1.0),
+            (at(measures::SHOULDER), "twin-rubber-deep", 1.0),
+            (at(measures::CARCASS), "twin-rubber-black", 1.0),
         ],
     );
     // What the eye sees of blocks and gaps that run together. Beyond the carcass gaps are air.
     defs.gradient(
         "twin-tread-band",
-        Outwards(mm::TYRE),
+        Outwards(measures::TYRE),
         &[
-            (at(mm::SHOULDER), "twin-rubber-deep", 1.0),
+            (at(measures::SHOULDER), "twin-rubber-deep", 1.0),
             (at(45.0), "twin-rubber", 1.0),
             (at(47.4), "twin-rubber-lit", 1.0),
-            (at(mm::CARCASS - 0.3), "twin-rubber", 1.0),
-            (at(mm::CARCASS), "twin-rubber", 0.75),
+            (at(measures::CARCASS - 0.3), "twin-rubber", 1.0),
+            (at(measures::CARCASS), "twin-rubber", 0.75),
             (1.0, "twin-rubber", 0.45),
         ],
     );
     // The sidewall bulges: dark at the bead, lit where it stands out, dark into the shoulder.
     defs.gradient(
         "twin-sidewall",
-        Outwards(mm::TYRE),
+        Outwards(measures::TYRE),
         &[
-            (at(mm::HUB), "twin-rubber-black", 1.0),
+            (at(measures::HUB), "twin-rubber-black", 1.0),
             (at(39.0), "twin-rubber-deep", 1.0),
             (at(41.6), "twin-rubber-lit", 1.0),
             (at(43.2), "twin-rubber", 1.0),
-            (at(mm::SIDEWALL), "twin-rubber-deep", 1.0),
+            (at(measures::SIDEWALL), "twin-rubber-deep", 1.0),
         ],
     );
     defs.gradient(
         "twin-tyre-light",
-        AlongLight(mm::TYRE),
+        AlongLight(measures::TYRE),
         &[
             (0.0, "twin-light", 0.24),
             (0.30, "twin-light", 0.09),
@@ -86,7 +86,7 @@ fn tyre(defs: &mut Markup) {
 fn hub(defs: &mut Markup) {
     defs.gradient(
         "twin-chamfer",
-        AlongLight(mm::HUB),
+        AlongLight(measures::HUB),
         &[
             (0.0, "twin-alu-bright", 1.0),
             (0.35, "twin-alu-lit", 1.0),
@@ -96,7 +96,7 @@ fn hub(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-chamfer-inner",
-        AgainstLight(mm::HUB),
+        AgainstLight(measures::HUB),
         &[
             (0.0, "twin-alu-bright", 1.0),
             (0.3, "twin-alu", 1.0),
@@ -105,24 +105,24 @@ fn hub(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-hub-face",
-        AlongLight(mm::HUB),
+        AlongLight(measures::HUB),
         &[
             (0.0, "twin-alu-lit", 1.0),
             (0.5, "twin-alu", 1.0),
             (1.0, "twin-alu-deep", 1.0),
         ],
     );
-    let at = |radius: f64| radius / mm::HUB;
-    let reach = mm::HOLE * 0.95;
+    let at = |radius: f64| radius / measures::HUB;
+    let reach = measures::HOLE * 0.95;
     defs.gradient(
         "twin-hole-band",
-        Outwards(mm::HUB),
+        Outwards(measures::HUB),
         &[
-            (at(mm::HOLES - reach), "twin-pit", 0.0),
-            (at(mm::HOLES - reach * 0.5), "twin-pit", 0.30),
-            (at(mm::HOLES), "twin-pit", 0.36),
-            (at(mm::HOLES + reach * 0.5), "twin-pit", 0.30),
-            (at(mm::HOLES + reach), "twin-pit", 0.0),
+            (at(measures::HOLES - reach), "twin-pit", 0.0),
+            (at(measures::HOLES - reach * 0.5), "twin-pit", 0.30),
+            (at(measures::HOLES), "twin-pit", 0.36),
+            (at(measures::HOLES + reach * 0.5), "twin-pit", 0.30),
+            (at(measures::HOLES + reach), "twin-pit", 0.0),
         ],
     );
 }
@@ -130,7 +130,7 @@ fn hub(defs: &mut Markup) {
 fn cover(defs: &mut Markup) {
     defs.gradient(
         "twin-cover",
-        Domed(mm::COVER),
+        Domed(measures::COVER),
         &[
             (0.0, "twin-cover-lit", 1.0),
             (0.55, "twin-cover", 1.0),
@@ -139,7 +139,7 @@ fn cover(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-cover-edge",
-        AlongLight(mm::COVER),
+        AlongLight(measures::COVER),
         &[
             (0.0, "twin-cover-bright", 1.0),
             (0.45, "twin-cover", 1.0),
@@ -148,7 +148,7 @@ fn cover(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-cover-step",
-        AgainstLight(mm::STEP),
+        AgainstLight(measures::STEP),
         &[
             (0.0, "twin-cover-bright", 1.0),
             (0.5, "twin-cover", 1.0),
@@ -157,7 +157,7 @@ fn cover(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-gloss",
-        Domed(mm::COVER),
+        Domed(measures::COVER),
         &[
             (0.0, "twin-light", 0.20),
             (0.45, "twin-light", 0.04),
@@ -169,7 +169,7 @@ fn cover(defs: &mut Markup) {
 fn axle(defs: &mut Markup) {
     defs.gradient(
         "twin-recess",
-        AgainstLight(mm::RECESS),
+        AgainstLight(measures::RECESS),
         &[
             (0.0, "twin-cover-lit", 1.0),
             (0.35, "twin-pit", 1.0),
@@ -178,7 +178,7 @@ fn axle(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-steel",
-        AlongLight(mm::AXLE),
+        AlongLight(measures::AXLE),
         &[
             (0.0, "twin-steel-bright", 1.0),
             (0.45, "twin-steel", 1.0),
@@ -188,7 +188,7 @@ fn axle(defs: &mut Markup) {
     );
     defs.gradient(
         "twin-steel-inner",
-        AgainstLight(mm::AXLE),
+        AgainstLight(measures::AXLE),
         &[
             (0.0, "twin-steel-bright", 1.0),
             (0.5, "twin-steel-lit", 1.0),

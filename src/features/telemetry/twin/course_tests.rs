@@ -1,7 +1,7 @@
 //! The course beside a wheel whose true angle is known, looked at as seldom as the page does.
 
 use super::*;
-use crate::features::twin::motion::{AngleQuality, Estimator, ReportedAngle};
+use crate::features::telemetry::twin::motion::{AngleQuality, Estimator, ReportedAngle};
 
 /// What was drawn, sixty times a second, with how often the wheel was sent on.
 struct Drawn {

@@ -1,56 +1,28 @@
-//! The frame of a tab's panel.
+//! The panel of a loop.
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::Mode;
 
 use crate::{
-    features::drive::loop_head::LoopHead,
-    model::{
-        desk::{Desk, use_desk},
-        guards::why_not_drive,
-        tab::Tab,
-        target::Target,
-    },
-    ui::reactive::live,
+    features::drive::{actions::Drive, loop_head::LoopHead},
+    model::{guards::why_not_drive, page::Page, tab::Tab},
+    ui::{reactive::live, tab_panel::tab_panel, target::Target},
 };
-
-pub(crate) fn tab_id(tab: Tab) -> String {
-    format!("tab-{}", tab.key())
-}
-
-pub(crate) fn panel_id(tab: Tab) -> String {
-    format!("panel-{}", tab.key())
-}
-
-/// A tab's panel. While another tab is chosen it is out of sight and out of reach; it keeps its
-/// place, so that nothing moves when the tab changes.
-pub(crate) fn tab_panel(tab: Tab, body: impl IntoView) -> impl IntoView {
-    let desk = use_desk();
-    view! {
-        <div
-            class="tab-panel"
-            role="tabpanel"
-            id=panel_id(tab)
-            aria-labelledby=tab_id(tab)
-            class:closed=live(move || desk.tab.get() != tab)
-        >
-            {body}
-        </div>
-    }
-}
 
 /// The panel of a loop: what the motor reports and the switch, what the loop has of its own, and
 /// why it cannot drive now or else a hint, as HTML.
 pub(crate) fn loop_panel(
+    drive: Drive,
     mode: Mode,
     why_not: Signal<Option<String>>,
     hint: String,
     body: impl IntoView,
 ) -> impl IntoView {
     tab_panel(
-        Tab::Loop(mode),
+        Tab::Loop(mode).key(),
+        move || drive.page.loops.tab.get() != Tab::Loop(mode),
         view! {
-            <LoopHead mode />
+            <LoopHead drive mode />
             {body}
             <Foot why_not hint />
         },
@@ -58,18 +30,18 @@ pub(crate) fn loop_panel(
 }
 
 /// Why the chosen motor cannot be driven in this loop now.
-pub(crate) fn why_not_in(desk: Desk, mode: Mode) -> Signal<Option<String>> {
-    desk.of_motor(move |session, id| why_not_drive(session, id, mode))
+pub(crate) fn why_not_in(page: Page, mode: Mode) -> Signal<Option<String>> {
+    page.of_motor(move |session, id| why_not_drive(session, id, mode))
         .into()
 }
 
 /// The same, or what is wrong with what is entered.
 pub(crate) fn why_not_with(
-    desk: Desk,
+    page: Page,
     mode: Mode,
     targets: impl IntoIterator<Item = Target>,
 ) -> Signal<Option<String>> {
-    let why_not = why_not_in(desk, mode);
+    let why_not = why_not_in(page, mode);
     let targets: Vec<Target> = targets.into_iter().collect();
     Signal::derive(move || {
         let trouble = || targets.iter().find_map(|target| target.trouble());

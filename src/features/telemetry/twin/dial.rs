@@ -2,10 +2,10 @@
 
 use motorlink_i18n::tr;
 
-use crate::features::twin::{
+use crate::features::telemetry::twin::{
     geometry::{arc, circle, polar, spokes},
     markup::Markup,
-    measures as mm,
+    measures,
     scale::{END_DEG, LIMIT_RPM, bearing_deg},
 };
 
@@ -16,26 +16,43 @@ const FIGURE_RPM: u16 = 100;
 
 /// The ring with its scale, drawn under the wheel.
 pub fn ring(art: &mut Markup) {
-    art.path("twin-track", arc(mm::RING, -END_DEG, END_DEG));
-    let ticks =
-        |step: u16, end: f64| spokes(scale(step).into_iter().map(bearing_deg), mm::TICKS, end);
-    art.path("twin-tick", ticks(TICK_RPM, mm::TICKS_SHORT));
-    art.path("twin-tick-long", ticks(FIGURE_RPM, mm::TICKS_LONG));
+    art.path("twin-track", arc(measures::RING, -END_DEG, END_DEG));
+    let ticks = |step: u16, end: f64| {
+        spokes(
+            scale(step).into_iter().map(bearing_deg),
+            measures::TICKS,
+            end,
+        )
+    };
+    art.path("twin-tick", ticks(TICK_RPM, measures::TICKS_SHORT));
+    art.path("twin-tick-long", ticks(FIGURE_RPM, measures::TICKS_LONG));
     art.path(
         "twin-tick-long",
-        spokes([-END_DEG, END_DEG].into_iter(), mm::TICKS, mm::TICKS_LONG),
+        spokes(
+            [-END_DEG, END_DEG].into_iter(),
+            measures::TICKS,
+            measures::TICKS_LONG,
+        ),
     );
     art.group("twin-scale", |art| {
         for rpm in scale(FIGURE_RPM) {
             art.text(
                 "twin-figure",
-                polar(bearing_deg(rpm), mm::FIGURES),
+                polar(bearing_deg(rpm), measures::FIGURES),
                 &signed(rpm),
             );
         }
         // Below the ends, where no pointer comes.
-        art.text("twin-way", polar(-END_DEG - 8.0, mm::FIGURES), tr!("CCW"));
-        art.text("twin-way", polar(END_DEG + 8.0, mm::FIGURES), tr!("CW"));
+        art.text(
+            "twin-way",
+            polar(-END_DEG - 8.0, measures::FIGURES),
+            tr!("CCW"),
+        );
+        art.text(
+            "twin-way",
+            polar(END_DEG + 8.0, measures::FIGURES),
+            tr!("CW"),
+        );
     });
 }
 
@@ -45,9 +62,9 @@ pub fn needles(art: &mut Markup) {
     art.measured_path(
         "twin-speed",
         2.0 * LIMIT_RPM,
-        arc(mm::RING, END_DEG, -END_DEG),
+        arc(measures::RING, END_DEG, -END_DEG),
     );
-    art.path("twin-knob", circle(0.0, mm::RING, 2.1));
+    art.path("twin-knob", circle(0.0, measures::RING, 2.1));
     art.path(
         "twin-goal-speed",
         "M-2.4 -63.6H2.4V-61.8L0 -58.7L-2.4 -61.8Z",

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
-use crate::features::twin::{
+use crate::features::telemetry::twin::{
     motion::{AngleQuality, Estimator, FRESH_MS, Pose, ReportedAngle},
     texts::{Figures, Motion},
 };

@@ -2,16 +2,15 @@
 
 use motorlink_messages::protocol::{Frame, Layout, Reply, Request};
 
-use super::*;
-use crate::features::help::line_card;
+use crate::{features::help::line_card, model::help_topic::HelpTopic};
 
 const FILES: [(&str, &str); 3] = [
-    ("en", include_str!("../../public/help/en.html")),
-    ("zh", include_str!("../../public/help/zh.html")),
-    ("de", include_str!("../../public/help/de.html")),
+    ("en", include_str!("../../../public/help/en.html")),
+    ("zh", include_str!("../../../public/help/zh.html")),
+    ("de", include_str!("../../../public/help/de.html")),
 ];
 
-const DRAWING: &str = include_str!("../../public/help/wiring.svg");
+const DRAWING: &str = include_str!("../../../public/help/wiring.svg");
 
 /// What stands behind each `before`, up to the next `"`.
 fn all<'a>(text: &'a str, before: &'a str) -> impl Iterator<Item = &'a str> {

@@ -1,0 +1,139 @@
+//! What a person does that reaches several features.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    bus::{Command, CommandRate, Consent, Limits, StopReason},
+    protocol::Setpoint,
+    recorder::ToRecorder,
+};
+
+use crate::{
+    app::features::Features,
+    features::{help::tour_view::TourAct, saved_session::offer::Offer},
+    model::{
+        fleet::Fleet,
+        keys::Act,
+        notice_board::Remedy,
+        page::Dialog,
+        preferences::{Model, Preferences, forget_all},
+        setup::Setup,
+        tab::Tab,
+    },
+};
+
+impl Features {
+    /// Stops all motors. The message is posted before anything else is done.
+    pub(crate) fn stop_all(self, reason: StopReason) {
+        if reason == StopReason::Operator && self.page.worker.link.with_value(Option::is_none) {
+            self.page.worker.stopped_early.set_value(true);
+        }
+        self.page.command(Command::StopAll(reason));
+        self.page.loops.asked.set(None);
+        self.page.dialog.set(None);
+        self.ids.give_up();
+        self.raw.await_nothing();
+        self.groups.forget();
+    }
+
+    /// A stop that was asked for before the worker was there stands before anything can be driven.
+    pub(crate) fn stop_if_asked_early(self) {
+        if self.page.worker.stopped_early.get_value() {
+            self.page.command(Command::StopAll(StopReason::Operator));
+        }
+    }
+
+    /// The operator agrees to what the open dialog asks. Once: the dialog is closed by it.
+    pub(crate) fn agree(self) {
+        let asked = self.page.dialog.get_untracked();
+        self.page.dialog.set(None);
+        match asked {
+            Some(Dialog::HighCurrent { id, target }) => {
+                self.drive
+                    .drive_with(id, Setpoint::Current(target), Consent::HighCurrent);
+            }
+            Some(Dialog::ChangeId(_)) => self.ids.agree(),
+            Some(Dialog::Hazard(order)) => self.raw.send_hazard(order),
+            Some(Dialog::HighRawCurrent { order, .. }) => {
+                self.raw.send_order(order, Consent::HighCurrent);
+            }
+            Some(Dialog::ClearLog(_)) => self.log.clear(),
+            Some(Dialog::EraseKept) => self.erase_kept(),
+            Some(Dialog::Help(_)) | None => {}
+        }
+    }
+
+    /// Does what a key asks for.
+    pub(crate) fn act(self, act: Act) {
+        match act {
+            Act::Forward => self.drive.drive_at(self.drive.targets.preset_rpm()),
+            Act::Backward => self.drive.drive_at(-self.drive.targets.preset_rpm()),
+            Act::Preset(rpm) => self.drive.drive_at(rpm),
+            Act::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+            Act::Brake => self.drive.drive(Setpoint::Brake),
+            Act::Switch(mode) => self.drive.switch(mode),
+            Act::Help => self.page.dialog.set(Some(Dialog::Help(None))),
+        }
+    }
+
+    pub(crate) fn remedy(self, remedy: Remedy) {
+        match remedy {
+            Remedy::ShowAllPorts => self.connect.choose_port(false),
+            Remedy::FullScan => {
+                self.page.open_tab(Tab::IdManager);
+                self.ids.full_scan();
+            }
+            Remedy::TakeNewVersion => self.install.take_new_version(),
+            Remedy::Install => self.install.install(),
+            Remedy::Reload => {
+                if let Some(window) = web_sys::window() {
+                    // A page that cannot be reloaded stays as it is; there is nobody else to tell.
+                    let _ = window.location().reload();
+                }
+            }
+        }
+    }
+
+    /// Erases what is kept, and goes on as a page that is visited for the first time.
+    pub(crate) fn erase_kept(self) {
+        // Driving or recording may have begun while the question was open.
+        let in_use = untrack(|| self.settings.why_not_import(&self.page.present()));
+        let in_use = in_use.or_else(|| self.page.why_not_turn_sides());
+        if let Some(reason) = untrack(|| self.settings.why_not_erase(in_use)) {
+            self.page
+                .refuse(tr!("Nothing was erased").to_owned(), reason);
+            return;
+        }
+        self.saved_session.offer.set(Offer::None);
+        let limits = Limits::default();
+        self.page.take_setup(Setup {
+            model: Some(Model::default()),
+            rate: Some(CommandRate::default()),
+            keep_driving: Some(true),
+            ramp: Some(0),
+            speed_limit: Some(limits.speed_rpm()),
+            current_limit: Some(limits.current_ma()),
+            temperature_limit: Some(limits.temperature_c()),
+            fleet: Some(Fleet::default()),
+        });
+        let first = Preferences::default();
+        self.page.preferences.set(first);
+        self.log
+            .refilter(|filter| filter.collapse = first.collapse_polls);
+        // Last of all: what was done before has been remembered.
+        forget_all();
+        self.log.renumbered();
+        self.page.recorder.post(&ToRecorder::Erase);
+        self.log.look();
+    }
+
+    /// Does what the tour asks for.
+    pub(crate) fn act_for_tour(self, act: TourAct) {
+        match act {
+            TourAct::PickPort => self.connect.choose_port(true),
+            TourAct::ConnectVirtual => self.connect.connect_virtual(),
+            TourAct::Spin(rpm) => self.drive.drive_at(rpm),
+            TourAct::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The messages of the recorder, passed on to the features.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::{FromRecorder, RecordingStatus};
+use web_sys::Blob;
+
+use crate::{
+    app::features::Features,
+    features::saved_session::{offer::Offer, texts},
+    link::{recorder_link::RecorderLink, worker_link::WorkerState},
+    model::{log_lines, recorder::Exporting, recorder_texts},
+    ui::{clock::page_origin_ms, download::save_blob, format::grouped},
+};
+
+impl Features {
+    /// Starts the recorder and lays the line from the worker that owns the port.
+    pub(crate) fn start_recorder(self) {
+        let started = RecorderLink::spawn(
+            move |message, file| self.hear_recorder(message, file),
+            move || self.recorder_lost(),
+        );
+        let Ok(recorder) = started else {
+            self.recorder_lost();
+            return;
+        };
+        self.page.worker.link.with_value(|worker| {
+            if let Some(worker) = worker {
+                recorder.connect(worker);
+            }
+        });
+        self.page.recorder.link.set_value(Some(recorder));
+        if self.page.worker.state.get_untracked() == WorkerState::Dead {
+            // No worker tells its epoch, and the page's moments are on its own clock.
+            self.page.set_epoch(page_origin_ms());
+        }
+        let collapse = self
+            .page
+            .preferences
+            .with_untracked(|chosen| chosen.collapse_polls);
+        self.log.speak(self.page.language.get_untracked());
+        self.log.refilter(|filter| filter.collapse = collapse);
+    }
+
+    fn hear_recorder(self, message: FromRecorder, file: Option<Blob>) {
+        let recorder = &self.page.recorder;
+        match message {
+            FromRecorder::Log(rows) => self.log.take(rows),
+            FromRecorder::Recording(status) => recorder.recording.set(status),
+            FromRecorder::Exporting { what, done, of } => {
+                let per_mille = (done * 1000).checked_div(of).unwrap_or(0);
+                recorder.exporting.set(Some(Exporting { what, per_mille }));
+            }
+            FromRecorder::Exported { name, rows, .. } => {
+                recorder.exporting.set(None);
+                if let Some(file) = file {
+                    save_blob(&file, &name);
+                    self.page.log_now(log_lines::calm(tr!(
+                        "Exported {rows} rows to {name}",
+                        rows = grouped(rows),
+                        name
+                    )));
+                }
+            }
+            FromRecorder::NotExported { what, cancelled } => {
+                recorder.exporting.set(None);
+                if cancelled {
+                    self.page
+                        .log_now(log_lines::calm(tr!("Export was cancelled")));
+                } else {
+                    self.page.say(recorder_texts::of_nothing_to_export(what));
+                }
+            }
+            FromRecorder::Kept(session) => self.saved_session.offer.set(Offer::Open(session)),
+            FromRecorder::Restored => {
+                self.log.renumbered();
+                self.saved_session.restored();
+                self.log.look();
+            }
+            FromRecorder::Past { zero_us, samples } => self.saved_session.recall(zero_us, &samples),
+            FromRecorder::Erased { all } => self.settings.was_erased(all),
+            FromRecorder::NotKept(why) => self.page.log_now(texts::of_not_kept(why)),
+            FromRecorder::Died => self.recorder_lost(),
+        }
+    }
+
+    /// The recorder has failed: the log is lost, and nothing else.
+    fn recorder_lost(self) {
+        let recorder = &self.page.recorder;
+        if !recorder.alive.get_untracked() {
+            return;
+        }
+        recorder.alive.set(false);
+        recorder.link.with_value(|link| {
+            if let Some(link) = link {
+                link.end();
+            }
+        });
+        self.log.lost();
+        recorder.recording.set(RecordingStatus::default());
+        recorder.exporting.set(None);
+        self.saved_session.offer.set(Offer::None);
+        // Where the other worker has failed too, the page says that instead.
+        if self.page.worker.state.get_untracked() != WorkerState::Dead {
+            self.page.say(recorder_texts::of_dead_recorder());
+        }
+    }
+}

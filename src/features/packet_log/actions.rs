@@ -1,0 +1,137 @@
+//! What an operator does with the packet log.
+
+use leptos::prelude::*;
+use motorlink_i18n::Language;
+use motorlink_messages::recorder::{Filter, LogPage};
+use web_sys::HtmlElement;
+
+use crate::{
+    features::packet_log::{
+        feed::{LogFeed, LogState},
+        painter::{height_of, scroll_px, width_of},
+    },
+    model::page::{Dialog, Page},
+};
+
+/// As many entries are not forgotten without a question.
+const ASKED_ABOVE: u64 = 1000;
+
+/// The packet log.
+#[derive(Clone, Copy)]
+pub(crate) struct Log {
+    pub(crate) page: Page,
+    /// The rows at hand. They change thirty times a second and are no signal.
+    pub(crate) feed: StoredValue<LogFeed, LocalStorage>,
+    /// What is said of the log; it changes when the list does, at most once a frame.
+    pub(crate) state: RwSignal<LogState>,
+}
+
+impl Log {
+    pub(crate) fn new(page: Page) -> Self {
+        Self {
+            page,
+            feed: StoredValue::new_local(LogFeed::default()),
+            state: RwSignal::new(LogState::default()),
+        }
+    }
+
+    /// Changes which entries the log shows.
+    pub(crate) fn refilter(self, change: impl FnOnce(&mut Filter)) {
+        let filter = self.feed.try_update_value(|feed| feed.refilter(change));
+        if let Some(filter) = filter.flatten() {
+            self.page.recorder.post(&filter);
+            self.look();
+        }
+    }
+
+    /// Asks for the rows that are seen now, where they are others than before.
+    pub(crate) fn look(self) {
+        let look = self.feed.try_update_value(LogFeed::look);
+        if let Some(look) = look.flatten() {
+            self.page.recorder.post(&look);
+        }
+    }
+
+    /// Forgets the log, after a question where it is long.
+    pub(crate) fn ask_to_clear(self) {
+        let kept = self.state.with_untracked(|log| log.kept);
+        if kept > ASKED_ABOVE {
+            self.page.dialog.set(Some(Dialog::ClearLog(kept)));
+        } else {
+            self.clear();
+        }
+    }
+
+    pub(crate) fn clear(self) {
+        self.page.dialog.set(None);
+        if let Some(clear) = self.feed.try_update_value(LogFeed::clear) {
+            self.page.recorder.post(&clear);
+            self.look();
+        }
+    }
+
+    /// Stays with the newest rows, or where it is.
+    pub(crate) fn follow(self, follow: bool) {
+        self.feed.update_value(|feed| {
+            if follow {
+                feed.view.follow();
+            } else {
+                feed.view.let_go();
+            }
+            feed.wake();
+        });
+    }
+
+    /// The scroll bar was moved, or the list was given another size, which moves it too. Whether a
+    /// person did it.
+    pub(crate) fn scrolled(self, scroller: &HtmlElement) -> bool {
+        let hear = |feed: &mut LogFeed| {
+            let place_px = scroll_px(scroller);
+            let by_person = if feed.view.resize(width_of(scroller), height_of(scroller)) {
+                feed.view.stands_at(place_px);
+                false
+            } else {
+                feed.view.scrolled(place_px)
+            };
+            feed.wake();
+            by_person
+        };
+        self.feed.try_update_value(hear).unwrap_or(false)
+    }
+
+    /// Says of the log what it is now.
+    pub(crate) fn show(self) {
+        let state = self.feed.with_value(LogFeed::state);
+        if self.state.get_untracked() != state {
+            self.state.set(state);
+        }
+    }
+
+    /// The log's entries are put into words by the recorder.
+    pub(crate) fn speak(self, language: Language) {
+        let speak = self.feed.try_update_value(|feed| feed.speak(language));
+        if let Some(speak) = speak {
+            self.page.recorder.post(&speak);
+            self.look();
+        }
+    }
+
+    /// A page of rows has come.
+    pub(crate) fn take(self, rows: LogPage) {
+        let again = self.feed.try_update_value(|feed| feed.take(rows));
+        if let Some(filter) = again.flatten() {
+            self.page.recorder.post(&filter);
+            self.look();
+        }
+    }
+
+    /// Every entry has another number now: a session was restored, or all of them were erased.
+    pub(crate) fn renumbered(self) {
+        self.feed.update_value(LogFeed::renumbered);
+    }
+
+    /// The recorder has failed.
+    pub(crate) fn lost(self) {
+        self.feed.update_value(LogFeed::lose);
+    }
+}

@@ -1,0 +1,108 @@
+//! What the cards and the twin are drawn from.
+
+use leptos::prelude::{Update as _, *};
+use motorlink_messages::{
+    Update,
+    bus::{Activity, Sample},
+    protocol::{Detail, MotorId},
+};
+
+use crate::{
+    features::telemetry::{
+        fault_history::FaultHistory,
+        recent::{Recent, Report},
+        twin::{AngleQuality, TwinFeed},
+    },
+    model::page::Page,
+    ui::clock::page_origin_ms,
+};
+
+/// What the chosen motor reported, as far as the cards and the twin need it.
+#[derive(Clone, Copy)]
+pub(crate) struct Readings {
+    pub(crate) page: Page,
+    /// What the twin is drawn from.
+    pub(crate) twin: StoredValue<TwinFeed, LocalStorage>,
+    /// What the sparklines are drawn from.
+    pub(crate) recent: StoredValue<Recent>,
+    /// Written when a fault comes, goes or is seen, and not otherwise.
+    pub(crate) faults: RwSignal<FaultHistory>,
+}
+
+impl Readings {
+    pub(crate) fn new(page: Page) -> Self {
+        Self {
+            page,
+            twin: StoredValue::new_local(TwinFeed::default()),
+            recent: StoredValue::new(Recent::default()),
+            faults: RwSignal::new(FaultHistory::default()),
+        }
+    }
+
+    /// Another motor, or none: what was read of the last says nothing of it.
+    pub(crate) fn forget(self) {
+        self.twin.update_value(TwinFeed::clear);
+        self.recent.update_value(Recent::clear);
+    }
+
+    /// Every sample counts here, also those between two frames of the screen.
+    pub(crate) fn keep_samples(self, update: &Update) {
+        let id = self.page.selected.get_untracked();
+        let clock = self.page.worker.clock.get_value();
+        let origin_ms = page_origin_ms();
+        self.recent.update_value(|recent| {
+            for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
+                recent.push(Report {
+                    at_ms: clock.page_ms(sample.at),
+                    speed: sample.reply.speed,
+                    current: sample.reply.current,
+                });
+            }
+        });
+        self.faults.maybe_update(|history| {
+            let mut changed = false;
+            for Sample { at, reply } in &update.samples {
+                let at_ms = origin_ms + clock.page_ms(*at);
+                changed |= history.hear(reply.id, reply.faults, at_ms);
+            }
+            changed
+        });
+    }
+
+    pub(crate) fn feed_twin(self, update: &Update) {
+        let id = self.page.selected.get_untracked();
+        let clock = self.page.worker.clock.get_value();
+        let activity = self
+            .page
+            .latest
+            .with_value(|session| session.motor(id).map(|motor| motor.activity));
+        let goal = match activity {
+            Some(Activity::Driven { setpoint }) => Some(setpoint),
+            _ => None,
+        };
+        self.twin.update_value(|feed| {
+            for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
+                let (angle, quality) = match sample.reply.detail {
+                    Detail::Drive { position } => (Some(position.degrees()), AngleQuality::Fine),
+                    Detail::Query { position, .. } => {
+                        (Some(position.degrees()), AngleQuality::Coarse)
+                    }
+                    Detail::Undetermined(_) => (None, AngleQuality::Coarse),
+                };
+                let at_ms = clock.page_ms(sample.at);
+                feed.sample(
+                    at_ms,
+                    angle.map(f64::from),
+                    quality,
+                    sample.reply.speed.rpm(),
+                );
+            }
+            feed.set_goal(goal);
+            feed.set_activity(activity);
+        });
+    }
+
+    pub(crate) fn faults_unheard(self, id: Option<MotorId>) {
+        self.faults.maybe_update(|history| history.unheard(id));
+    }
+}

@@ -1,0 +1,90 @@
+//! What is sent to the worker, and what a person is told.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{ToWorker, bus::Command, protocol::Instant};
+
+use crate::{
+    model::{
+        log_lines,
+        mirror::to_wire,
+        notice_board::{NoticeText, Tone, Topic, Until},
+        page::Page,
+        snapshot::Session,
+    },
+    ui::clock::{act_ms, page_now_ms},
+};
+
+/// The worker tells the effect of a command with the next frame of the screen; on a delayed page that may
+/// take a few.
+const TOLD_WITHIN_MS: f64 = 500.0;
+
+impl Page {
+    pub(crate) fn post(self, message: &ToWorker) {
+        self.worker.link.with_value(|link| {
+            if let Some(link) = link {
+                link.post(message);
+            }
+        });
+    }
+
+    /// Asks the bus for what an operator wants.
+    pub(crate) fn command(self, command: Command) {
+        let mirror = |id| self.motors.fleet.with_untracked(|fleet| fleet.mirror(id));
+        if matches!(
+            command,
+            Command::Drive { .. } | Command::DriveTogether { .. } | Command::SendRaw { .. }
+        ) {
+            self.worker.started_ms.set_value(page_now_ms());
+        }
+        self.post(&ToWorker::Command {
+            command: to_wire(command, mirror),
+            given_ms: act_ms(),
+        });
+    }
+
+    /// Why no motor can change its side now, whatever is shown of it: the effect of the last command may not
+    /// have been told yet, and a question may be open that has the sign of now.
+    pub(crate) fn why_not_turn_sides(self) -> Option<String> {
+        let just_asked = self.has_just_started();
+        let asks = self.dialog.with_untracked(Option::is_some);
+        (just_asked || asks).then(|| tr!("A motor is just being started. Try again.").to_owned())
+    }
+
+    /// Whether anything is driven, moves by what was driven, or may have been started a moment ago.
+    pub(crate) fn is_anything_driven(self) -> bool {
+        self.has_just_started() || self.latest.with_value(Session::is_anything_driven)
+    }
+
+    fn has_just_started(self) -> bool {
+        page_now_ms() - self.worker.started_ms.get_value() < TOLD_WITHIN_MS
+    }
+
+    /// Posts a notice and writes a line into the log.
+    pub(crate) fn say(self, text: NoticeText) {
+        self.say_until(self.now(), text, Until::Dismissed);
+    }
+
+    /// The same about something that happened a moment ago, and is true until then.
+    pub(crate) fn say_until(self, at: Instant, text: NoticeText, until: Until) {
+        self.log(at, log_lines::of_words(&text));
+        self.notices.update(|board| board.post_until(text, until));
+    }
+
+    /// Says why a command was not sent.
+    pub(crate) fn refuse(self, title: String, reason: String) {
+        self.say(NoticeText {
+            topic: Topic::Command,
+            tone: Tone::Warning,
+            title,
+            advice: vec![reason],
+            remedy: None,
+            help: None,
+        });
+    }
+
+    /// This moment on the worker's clock.
+    pub(crate) fn now(self) -> Instant {
+        self.worker.clock.get_value().instant(page_now_ms())
+    }
+}

@@ -1,0 +1,206 @@
+//! The texts about ports: their state, and why one did not open.
+
+use motorlink_i18n::tr;
+use motorlink_messages::{ConnectError, Connection};
+
+use crate::{
+    link::serial_ports::PickTrouble,
+    model::{
+        help_topic::HelpTopic,
+        notice_board::{NoticeText, Remedy, Tone, Topic},
+        terms,
+    },
+};
+
+/// The second line of the connection's state.
+pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
+    match connection {
+        Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
+        Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
+        Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
+        Connection::Reconnecting(adapter) => (
+            tr!("Reconnecting"),
+            tr!("Plug {adapter} in again", adapter = terms::adapter(adapter)),
+        ),
+        Connection::Failed(error) => (tr!("Failed"), failed_briefly(error).to_owned()),
+    }
+}
+
+fn failed_briefly(error: ConnectError) -> &'static str {
+    match error {
+        ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
+        ConnectError::PortGone => tr!("The port is gone: press Choose another port"),
+        ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
+        ConnectError::AlreadyOpen => tr!("Open already: press Disconnect, then Connect"),
+        ConnectError::Other => tr!("Unplug the adapter, plug it in and press Connect"),
+        ConnectError::OtherTab => tr!("Another tab of MotorLink uses this adapter"),
+    }
+}
+
+/// What a failed connection says at length.
+pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
+    let port = |title, advice| {
+        NoticeText::new(Topic::Port, Tone::Error, title, advice)
+            .explained_at(HelpTopic::PortDoesNotOpen)
+    };
+    match error {
+        ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
+        ConnectError::PortGone => port(
+            tr!("The port is not there any more"),
+            &[tr!(
+                "Plug the adapter in, then press Connect or Choose another port."
+            )],
+        )
+        .explained_at(HelpTopic::NoPortInList),
+        ConnectError::OpenFailed => port(
+            tr!("The port does not open"),
+            &[
+                tr!(
+                    "In use? Close other tabs and programs that hold it, such as a serial monitor."
+                ),
+                tr!(
+                    "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
+                 from snap or Flatpak may not see ports at all: use a packaged one."
+                ),
+                tr!(
+                    "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty."
+                ),
+                tr!(
+                    "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI)."
+                ),
+                tr!("Gone? Unplug the adapter and plug it in again."),
+            ],
+        ),
+        ConnectError::AlreadyOpen => port(
+            tr!("The port is open already"),
+            &[tr!("Press Disconnect, then Connect.")],
+        ),
+        ConnectError::Other => port(
+            tr!("The browser could not open the port"),
+            &[tr!(
+                "Unplug the adapter, plug it in again and press Connect."
+            )],
+        ),
+        ConnectError::OtherTab => port(
+            tr!("Another tab of MotorLink uses this adapter"),
+            &[tr!(
+                "Press Disconnect there, or close that tab; then press Connect here."
+            )],
+        ),
+    }
+}
+
+/// What went wrong with choosing a port.
+pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
+    let port = |tone, title, advice| {
+        NoticeText::new(Topic::Port, tone, title, advice).explained_at(HelpTopic::NoPortInList)
+    };
+    match trouble {
+        PickTrouble::NoWebSerial => port(
+            Tone::Warning,
+            tr!("This browser cannot open serial ports"),
+            &[
+                tr!(
+                    "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
+                 https or from localhost."
+                ),
+                tr!("The virtual motor works here: press Virtual motor."),
+            ],
+        )
+        .explained_at(HelpTopic::Ports),
+        PickTrouble::Dismissed { filtered: true } => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                tr!("No port was chosen"),
+                &[
+                    tr!(
+                        "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
+                     ports."
+                    ),
+                    tr!("Nothing in the list? Check the USB cable: some carry power only."),
+                ],
+            )
+        },
+        PickTrouble::Dismissed { filtered: false } => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Calm,
+                tr!("No port was chosen"),
+                &[tr!(
+                    "Is the adapter not in the list? Check the USB cable (some carry power only) and \
+                     the driver of its chip."
+                )],
+            )
+        },
+        PickTrouble::Forbidden => port(
+            Tone::Error,
+            tr!("The browser forbids serial ports to this page"),
+            &[tr!(
+                "Allow serial ports in the site settings (left of the address), or ask who manages \
+                 this browser."
+            )],
+        )
+        .explained_at(HelpTopic::Ports),
+        PickTrouble::Vanished => of_connect_error(ConnectError::PortGone),
+        PickTrouble::Unknown => NoticeText {
+            remedy: Some(Remedy::ShowAllPorts),
+            ..port(
+                Tone::Error,
+                tr!("The browser's list of ports did not open"),
+                &[tr!("Press Choose another port, or reload the page.")],
+            )
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::Adapter;
+
+    use super::*;
+
+    #[test]
+    fn every_trouble_says_what_to_do() {
+        for error in [
+            ConnectError::NoWebSerial,
+            ConnectError::PortGone,
+            ConnectError::OpenFailed,
+            ConnectError::AlreadyOpen,
+            ConnectError::Other,
+            ConnectError::OtherTab,
+        ] {
+            assert!(!of_connect_error(error).advice.is_empty(), "{error:?}");
+            let (state, brief) = of_connection(Connection::Failed(error));
+            assert_eq!(state, "Failed");
+            assert!(!brief.is_empty(), "{error:?}");
+        }
+        for trouble in [
+            PickTrouble::NoWebSerial,
+            PickTrouble::Dismissed { filtered: true },
+            PickTrouble::Dismissed { filtered: false },
+            PickTrouble::Forbidden,
+            PickTrouble::Vanished,
+            PickTrouble::Unknown,
+        ] {
+            assert!(!of_pick_trouble(trouble).advice.is_empty(), "{trouble:?}");
+        }
+    }
+
+    #[test]
+    fn a_port_that_does_not_open_names_every_cause() {
+        let all = of_connect_error(ConnectError::OpenFailed).advice.join(" ");
+        for cause in ["other tabs", "dialout", "snap", "brltty", "driver", "Gone?"] {
+            assert!(all.contains(cause), "{cause}");
+        }
+    }
+
+    #[test]
+    fn a_lost_adapter_is_to_be_plugged_in() {
+        let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
+        assert_eq!(
+            (state, detail.as_str()),
+            ("Reconnecting", "Plug Virtual motor in again")
+        );
+    }
+}

@@ -1,0 +1,69 @@
+//! Which motor is chosen, and who is who.
+
+use leptos::prelude::*;
+use motorlink_messages::{
+    ToWorker,
+    bus::{Activity, Command},
+    protocol::MotorId,
+};
+
+use crate::model::{
+    fleet::{Fleet, Member},
+    notice_board::{Topic, Until},
+    notice_texts::of_choice_while_driven,
+    page::{Change, Page},
+};
+
+impl Page {
+    /// Chooses a motor and remembers it. One that is driven is stopped first.
+    pub(crate) fn choose(self, id: MotorId) {
+        if id == self.selected.get_untracked() {
+            return;
+        }
+        let together = self.motors.driven_together.get_value();
+        let others: Vec<MotorId> = self.latest.with_value(|session| {
+            // Those that drive together do so whichever of them is looked at.
+            let driven = session.in_hand().filter(|motor| {
+                !matches!(motor.activity, Activity::Stopping { .. })
+                    && !together.contains(&motor.id)
+            });
+            driven.map(|motor| motor.id).collect()
+        });
+        for other in others {
+            self.command(Command::Stop(other));
+            let until = Until::AtRest {
+                motors: vec![other],
+                withdrawn: None,
+            };
+            self.say_until(self.now(), of_choice_while_driven(other, id), until);
+        }
+        self.prefer(|preferences| preferences.motor = id);
+        self.select(id);
+    }
+
+    /// Turns the page to a motor.
+    pub(crate) fn select(self, id: MotorId) {
+        self.withdraw_question();
+        self.selected.set(id);
+        self.loops.asked.set(None);
+        self.notices.update(|board| board.withdraw(Topic::Answer));
+        self.loops.tab_to_follow.set_value(true);
+        self.announce(Change::Motor);
+        self.post(&ToWorker::Select(id));
+        self.show();
+    }
+
+    pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut Member)) {
+        self.motors.fleet.update(|fleet| fleet.change(id, change));
+        self.motors.fleet.with_untracked(Fleet::save);
+    }
+
+    /// Takes another fleet in the place of the one there is.
+    pub(crate) fn replace_fleet(self, fleet: Fleet) {
+        fleet.save();
+        self.motors.fleet.set(fleet);
+        self.motors.replaced.update(|times| *times += 1);
+        // What is shown of it may have another sign from now on.
+        self.show();
+    }
+}

@@ -1,0 +1,48 @@
+//! The page's own lines in the packet log.
+
+use leptos::prelude::*;
+use motorlink_messages::{protocol::Instant, recorder::ToRecorder};
+
+use crate::{
+    link::clock::Clock,
+    model::{log_lines::Line, page::Page, recorder::Recorder},
+};
+
+/// Lines that are kept until there is a recorder: more than a person brings about in that second.
+const EARLY_LINES_MAX: usize = 32;
+
+impl Page {
+    /// The recorder, for as long as the page lives.
+    pub(crate) fn recorder(self) -> &'static Recorder {
+        &self.parts().recorder
+    }
+
+    /// The wall clock at the zero of every [`Instant`]. From now on lines have their place in the log.
+    pub(crate) fn set_epoch(self, unix_ms: f64) {
+        self.recorder.post(&ToRecorder::Epoch { unix_ms });
+        let early = self.recorder.early_lines.lock();
+        let early = early.ok().and_then(|mut early| early.take());
+        for (at, line) in early.unwrap_or_default() {
+            let page_ms = Clock::default().page_ms(at);
+            self.log(self.worker.clock.get_value().instant(page_ms), line);
+        }
+    }
+
+    /// Writes a line of the page's own into the log.
+    pub(crate) fn log(self, at: Instant, line: Line) {
+        if let Ok(mut early) = self.recorder.early_lines.lock()
+            && let Some(early) = early.as_mut()
+        {
+            if early.len() < EARLY_LINES_MAX {
+                early.push((at, line));
+            }
+            return;
+        }
+        let Line { error, text } = line;
+        self.recorder.post(&ToRecorder::Say { at, error, text });
+    }
+
+    pub(crate) fn log_now(self, line: Line) {
+        self.log(self.now(), line);
+    }
+}

@@ -1,0 +1,83 @@
+//! The worker that keeps the packet log and the recording, as the page sees it.
+
+use std::sync::Mutex;
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    protocol::Instant,
+    recorder::{Export, RecordingStatus, ToRecorder},
+};
+
+use crate::{
+    link::recorder_link::RecorderLink,
+    model::{log_lines::Line, recorder_texts::no_recorder},
+};
+
+/// A file that is being written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Exporting {
+    pub(crate) what: Export,
+    /// How much of it is written.
+    pub(crate) per_mille: u64,
+}
+
+/// The recorder, and what it has told of itself.
+pub(crate) struct Recorder {
+    pub(crate) link: StoredValue<Option<RecorderLink>, LocalStorage>,
+    /// Whether it runs, or is being started.
+    pub(crate) alive: RwSignal<bool>,
+    pub(crate) recording: RwSignal<RecordingStatus>,
+    /// The file that is being written; one at a time.
+    pub(crate) exporting: RwSignal<Option<Exporting>>,
+    /// Lines of the log on the page's clock, until the worker's clock is known.
+    pub(crate) early_lines: Mutex<Option<Vec<(Instant, Line)>>>,
+}
+
+impl Recorder {
+    pub(crate) fn new() -> Self {
+        Self {
+            link: StoredValue::new_local(None),
+            alive: RwSignal::new(true),
+            recording: RwSignal::new(RecordingStatus::default()),
+            exporting: RwSignal::new(None),
+            early_lines: Mutex::new(Some(Vec::new())),
+        }
+    }
+
+    pub(crate) fn post(&self, message: &ToRecorder) {
+        self.link.with_value(|link| {
+            if let Some(link) = link {
+                link.post(message);
+            }
+        });
+    }
+
+    /// Starts to write a file, or cancels the one that is being written.
+    pub(crate) fn export_or_cancel(&self, what: Export) {
+        if self.exporting.get_untracked().is_some() {
+            self.post(&ToRecorder::CancelExport);
+            return;
+        }
+        self.exporting.set(Some(Exporting { what, per_mille: 0 }));
+        self.post(&match what {
+            Export::Log => ToRecorder::ExportLog,
+            Export::Telemetry => ToRecorder::ExportTelemetry,
+        });
+    }
+
+    /// How much of this file is written, while it is.
+    pub(crate) fn per_mille(&self, what: Export) -> Option<u64> {
+        let exporting = self.exporting.get().filter(|one| one.what == what);
+        exporting.map(|one| one.per_mille)
+    }
+
+    /// Why this file cannot be exported now, unless because of what is in it.
+    pub(crate) fn why_not_export(&self, what: Export) -> Option<String> {
+        if !self.alive.get() {
+            return Some(no_recorder().to_owned());
+        }
+        let other = self.exporting.get().filter(|one| one.what != what);
+        other.map(|_| tr!("The other file is being written.").to_owned())
+    }
+}

@@ -1,0 +1,58 @@
+//! The texts about the recorder and its files.
+
+use motorlink_i18n::tr;
+use motorlink_messages::recorder::Export;
+
+use crate::model::{
+    help_topic::HelpTopic,
+    notice_board::{NoticeText, Tone, Topic},
+};
+
+/// Why nothing can be done with the log any more.
+pub(crate) fn no_recorder() -> &'static str {
+    tr!("The packet log has stopped. Reload the page to begin anew.")
+}
+
+/// The recorder has failed, or did not start.
+pub(crate) fn of_dead_recorder() -> NoticeText {
+    NoticeText::new(
+        Topic::Recorder,
+        Tone::Error,
+        tr!("The packet log and the recording have stopped"),
+        &[
+            tr!("Driving goes on untouched. What was logged and recorded is lost."),
+            tr!("To log again, stop the motors and reload the page."),
+        ],
+    )
+    .explained_at(HelpTopic::Troubleshooting)
+}
+
+/// A file was asked for and there is nothing to write into it.
+pub(crate) fn of_nothing_to_export(what: Export) -> NoticeText {
+    let (title, advice) = match what {
+        Export::Log => (
+            tr!("The packet log is empty: no file was made"),
+            tr!("Connect a motor; every frame will be logged."),
+        ),
+        Export::Telemetry => (
+            tr!("There is no sample yet: no file was made"),
+            tr!("Connect a motor; every reply of the last 10 minutes is kept."),
+        ),
+    };
+    NoticeText::new(Topic::Export, Tone::Calm, title, &[advice])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_dead_recorder_says_that_driving_goes_on() {
+        let words = of_dead_recorder();
+        assert_eq!(words.topic, Topic::Recorder);
+        assert!(words.advice.join(" ").contains("Driving goes on"));
+        for what in [Export::Log, Export::Telemetry] {
+            assert!(of_nothing_to_export(what).title.contains("no file"));
+        }
+    }
+}

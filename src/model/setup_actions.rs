@@ -1,0 +1,53 @@
+//! The setup, read from the page and applied to it.
+
+use leptos::prelude::*;
+
+use crate::model::{page::Page, setup::Setup};
+
+impl Page {
+    /// What is set now.
+    pub(crate) fn setup(self) -> Setup {
+        let preferences = self.preferences.get_untracked();
+        Setup {
+            model: Some(preferences.model),
+            rate: Some(preferences.rate),
+            keep_driving: Some(preferences.keep_driving),
+            ramp: u16::try_from(self.settings.ramp.get_untracked()).ok(),
+            speed_limit: Some(preferences.limits.speed_rpm()),
+            current_limit: Some(preferences.limits.current_ma()),
+            temperature_limit: Some(preferences.limits.temperature_c()),
+            fleet: Some(self.motors.fleet.get_untracked()),
+        }
+    }
+
+    /// Nothing of it starts or stops a wheel.
+    pub(crate) fn take_setup(self, setup: Setup) {
+        self.prefer(|preferences| {
+            preferences.model = setup.model.unwrap_or(preferences.model);
+            preferences.keep_driving = setup.keep_driving.unwrap_or(preferences.keep_driving);
+        });
+        if let Some(rate) = setup.rate {
+            let hertz = rate.hertz().into();
+            self.settings.rate.set(hertz);
+            self.set_rate(hertz);
+        }
+        if let Some(ramp) = setup.ramp {
+            self.settings.ramp.set(ramp.into());
+            self.set_ramp();
+        }
+        let limits = [
+            (self.settings.speed_limit, setup.speed_limit),
+            (self.settings.current_limit, setup.current_limit),
+            (self.settings.temperature_limit, setup.temperature_limit),
+        ];
+        if limits.iter().any(|(_, limit)| limit.is_some()) {
+            for (target, limit) in limits {
+                target.set(limit.map_or_else(|| target.get_untracked(), Into::into));
+            }
+            self.set_limits();
+        }
+        if let Some(fleet) = setup.fleet {
+            self.replace_fleet(fleet);
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Text within HTML.
+
+/// As text within HTML: what a person typed is shown and never taken for a tag.
+pub(crate) fn escaped(text: &str) -> String {
+    let mut html = String::new();
+    for character in text.chars() {
+        match character {
+            '&' => html.push_str("&amp;"),
+            '<' => html.push_str("&lt;"),
+            '>' => html.push_str("&gt;"),
+            '"' => html.push_str("&quot;"),
+            other => html.push(other),
+        }
+    }
+    html
+}
