@@ -9,7 +9,7 @@ use crate::{
     entry::{Entry, Verdict, What},
     routine::Routine,
     texts::Texts,
-    view::{View, Words},
+    view::{LOOK_BACK, View, Words},
     wall_clock::WallClock,
 };
 
@@ -19,10 +19,6 @@ pub const ENTRIES_MAX: u64 = 1_000_000;
 /// Bytes of all that the page has said. A million lines of it would be no log of packets; a line is a
 /// hundred bytes, so this is never reached.
 const TEXT_BYTES_MAX: usize = 16_000_000;
-
-/// How far back a late entry may be put. Frames come up to 100 ms late, in which the line carries 115
-/// frames at most (575 exchanges a second of two frames each).
-pub(crate) const LOOK_BACK: u64 = 256;
 
 /// The newest entries. The oldest give way, and are counted.
 #[derive(Debug)]

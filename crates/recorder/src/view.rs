@@ -12,12 +12,15 @@ use motorlink_messages::recorder::{Filter, LogPage, Row, Window};
 use crate::{
     chunks::{CHUNK, Chunks},
     entry::{Entry, Verdict},
-    log::LOOK_BACK,
     sieve::Sieve,
     texts::Texts,
     wall_clock::WallClock,
     words,
 };
+
+/// How far back a late entry may be put. Frames come up to 100 ms late, in which the line carries 115
+/// frames at most (575 exchanges a second of two frames each).
+pub(crate) const LOOK_BACK: u64 = 256;
 
 /// Entries that are counted together.
 const PIECE: u64 = CHUNK as u64;

@@ -7,16 +7,17 @@
 use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
-use motorlink_messages::{Adapter, ConnectError, Notice, PortRef};
+use motorlink_bus::{Command, Refusal, StopReason};
+use motorlink_messages::{Adapter, ConnectError, Notice, PortRef, ToWorker};
 use motorlink_protocol::MotorId;
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
     claim::{claim, give_back},
     line::Line,
-    serial::{self, ReadEnd, SharedInFlight},
-    session::{OpenSession, Session, Stage},
-    station::{self, Shared, leave, pump},
+    serial::{self, ReadEnd, ReadEvent, SharedInFlight},
+    session::{AfterClosing, OpenSession, Session, Stage},
+    station::Shared,
 };
 
 /// How long the wanted motor may take to answer before the next adapter is tried: three queries at
@@ -29,6 +30,76 @@ const TRIAL_STEP: Duration = Duration::from_millis(20);
 const REOPEN_TRIES: u32 = 10;
 /// Between two tries.
 const REOPEN_PAUSE: Duration = Duration::from_millis(300);
+
+/// Stops what is driven, closes the port, and then does what `then` asks.
+pub(crate) fn leave(shared: &Shared, then: AfterClosing) {
+    {
+        let mut station = shared.borrow_mut();
+        let now = station.now();
+        if let Session::Open(open) = &mut station.session
+            && open.bus.is_active(now)
+        {
+            open.stage = Stage::Closing(then);
+            // A stop is never refused.
+            let _: Result<(), Refusal> = open
+                .bus
+                .command(now, Command::StopAll(StopReason::Disconnect));
+            return;
+        }
+    }
+    close(shared, then);
+}
+
+/// Closes the port, and then does what `then` asks.
+fn close(shared: &Shared, then: AfterClosing) {
+    let (left, generation) = shared.borrow_mut().begin_session(Session::Closed);
+    let shared = Rc::clone(shared);
+    spawn_local(async move {
+        if let Session::Open(open) = left {
+            open.close().await;
+        }
+        if shared.borrow().generation != generation {
+            return;
+        }
+        // A tab that opens another port of the same make keeps its place.
+        if !matches!(then.0, Some(ToWorker::ConnectSerial { .. })) {
+            give_back();
+        }
+        match then.0 {
+            Some(ToWorker::ConnectVirtual) => open_virtual(&shared),
+            Some(ToWorker::ConnectSerial { candidates, wanted }) => {
+                open_serial(&shared, candidates, wanted).await;
+            }
+            _ => {}
+        }
+    });
+}
+
+/// Lets everything that is due happen, and sets the alarm for what is due next.
+pub(crate) fn pump(shared: &Shared) {
+    let left = shared.borrow_mut().turn();
+    if let Some(then) = left {
+        close(shared, then);
+        shared.borrow_mut().turn();
+    }
+}
+
+/// Takes what a port's reader tells, for as long as that port is the one in use.
+pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
+    {
+        let mut station = shared.borrow_mut();
+        if station.generation != generation {
+            return;
+        }
+        let now = station.now();
+        match (&mut station.session, event) {
+            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
+            (_, ReadEvent::LineError) => station.outbox.notice(Notice::LineError),
+            (_, ReadEvent::Bytes(_)) => {}
+        }
+    }
+    pump(shared);
+}
 
 /// Opens the built-in virtual bus.
 pub(crate) fn open_virtual(shared: &Shared) {
@@ -48,16 +119,16 @@ pub(crate) fn open_virtual(shared: &Shared) {
 
 /// What is done where the wanted motor answers on none of the candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Otherwise {
+enum IfNobodyAnswers {
     /// The first that opens is taken: a person, or a plug, has pointed at it.
-    TakeTheFirst,
+    TakeFirst,
     /// Nothing pointed at any of them: another adapter of the same make is not the one that was lost.
-    GoOnWaiting,
+    KeepWaiting,
 }
 
 /// Opens the first candidate on which the wanted motor answers, or else the first that opens.
 pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
-    let failure = open_any(shared, candidates, wanted, None, Otherwise::TakeTheFirst).await;
+    let failure = open_any(shared, candidates, wanted, None, IfNobodyAnswers::TakeFirst).await;
     if let Ok(Some(failure)) = failure {
         begin(shared, Session::Failed(failure));
         give_back();
@@ -71,12 +142,12 @@ async fn open_any(
     candidates: Vec<PortRef>,
     wanted: MotorId,
     lost: Option<Adapter>,
-    otherwise: Otherwise,
-) -> Result<Option<ConnectError>, Left> {
+    if_nobody_answers: IfNobodyAnswers,
+) -> Result<Option<ConnectError>, Superseded> {
     let mut generation = begin(shared, Session::Opening { lost });
     let mut first_that_opens = None;
     let mut failure = ConnectError::PortGone;
-    let alone = candidates.len() < 2 && otherwise == Otherwise::TakeTheFirst;
+    let alone = candidates.len() < 2 && if_nobody_answers == IfNobodyAnswers::TakeFirst;
     for candidate in candidates {
         let stage = if alone {
             Stage::Settled
@@ -96,7 +167,9 @@ async fn open_any(
             }
         }
     }
-    if let Some(candidate) = first_that_opens.filter(|_| otherwise == Otherwise::TakeTheFirst) {
+    if let Some(candidate) =
+        first_that_opens.filter(|_| if_nobody_answers == IfNobodyAnswers::TakeFirst)
+    {
         match open_one(shared, generation, candidate, Stage::Settled).await? {
             Ok(_) => {
                 settle(shared, lost);
@@ -111,10 +184,10 @@ async fn open_any(
 /// Something was plugged in: if it may be what was pulled out, it is opened again. Nothing drives
 /// then.
 pub(crate) fn adapter_plugged(shared: &Shared) {
-    reopen(shared, Otherwise::TakeTheFirst);
+    reopen(shared, IfNobodyAnswers::TakeFirst);
 }
 
-fn reopen(shared: &Shared, otherwise: Otherwise) {
+fn reopen(shared: &Shared, if_nobody_answers: IfNobodyAnswers) {
     let Session::Lost(lost) = shared.borrow().session else {
         return;
     };
@@ -138,9 +211,9 @@ fn reopen(shared: &Shared, otherwise: Otherwise) {
                 .collect();
             if !candidates.is_empty() {
                 let wanted = shared.borrow().selected;
-                match open_any(&shared, candidates, wanted, Some(lost), otherwise).await {
+                match open_any(&shared, candidates, wanted, Some(lost), if_nobody_answers).await {
                     Ok(Some(_)) => _ = begin(&shared, Session::Lost(lost)),
-                    Ok(None) | Err(Left) => return,
+                    Ok(None) | Err(Superseded) => return,
                 }
             }
             sleep(REOPEN_PAUSE).await;
@@ -149,7 +222,7 @@ fn reopen(shared: &Shared, otherwise: Otherwise) {
 }
 
 /// Another session has begun meanwhile: this task is not wanted any more.
-struct Left;
+struct Superseded;
 
 fn begin(shared: &Shared, session: Session) -> u32 {
     let (_, generation) = shared.borrow_mut().begin_session(session);
@@ -163,7 +236,7 @@ async fn open_one(
     generation: u32,
     candidate: PortRef,
     stage: Stage,
-) -> Result<Result<u32, ConnectError>, Left> {
+) -> Result<Result<u32, ConnectError>, Superseded> {
     let opened = if claim(candidate.place).await {
         serial::open(candidate).await
     } else {
@@ -173,7 +246,7 @@ async fn open_one(
         if let Ok(line) = opened {
             serial::close(line, None).await;
         }
-        return Err(Left);
+        return Err(Superseded);
     }
     let line = match opened {
         Ok(line) => line,
@@ -214,7 +287,7 @@ async fn read(
             }
             true
         },
-        move |event| station::heard(&tell, generation, event),
+        move |event| receive(&tell, generation, event),
     )
     .await;
     if ended == ReadEnd::Lost && shared.borrow().generation == generation {
@@ -222,21 +295,21 @@ async fn read(
         match leaving {
             Some(then) => leave(&shared, then),
             // It may be back already: a motor's noise can make USB lose and find it at once.
-            None => reopen(&shared, Otherwise::GoOnWaiting),
+            None => reopen(&shared, IfNobodyAnswers::KeepWaiting),
         }
         pump(&shared);
     }
 }
 
 /// Whether the wanted motor answers on the port that is on trial.
-async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Left> {
+async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Superseded> {
     let mut left = TRIAL.as_millis() / TRIAL_STEP.as_millis();
     loop {
         sleep(TRIAL_STEP).await;
         let station = shared.borrow();
         let open = match &station.session {
             Session::Open(open) if station.generation == generation => open,
-            _ => return Err(Left),
+            _ => return Err(Superseded),
         };
         if open.heard(station.now(), wanted) {
             return Ok(true);

@@ -30,6 +30,7 @@ mod recorder;
 mod scope;
 mod serial;
 mod session;
+mod start;
 mod station;
 mod telling;
 mod traffic;
@@ -47,7 +48,7 @@ pub fn start() {
     } else {
         // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
         on_panic(|| scope::post(&ToPage::Died));
-        station::start();
+        start::start();
     }
 }
 

@@ -55,7 +55,7 @@ pub(crate) struct OpenSession {
 
 /// What to do when a port is closed: open another, or nothing.
 #[derive(Debug, Default)]
-pub(crate) struct Then(pub(crate) Option<ToWorker>);
+pub(crate) struct AfterClosing(pub(crate) Option<ToWorker>);
 
 /// How settled an open port is.
 pub(crate) enum Stage {
@@ -68,7 +68,7 @@ pub(crate) enum Stage {
     /// The page may drive.
     Settled,
     /// The motors are being stopped; then the port is closed.
-    Closing(Then),
+    Closing(AfterClosing),
 }
 
 impl OpenSession {

@@ -2,20 +2,17 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{
-    Activity, Bus, Command, CommandRate, Event, Limits, Output, Ramp, Refusal, StopReason,
-};
-use motorlink_messages::{Notice, ToPage, ToWorker, decode};
+use motorlink_bus::{Activity, Bus, Command, CommandRate, Event, Limits, Output, Ramp, Refusal};
+use motorlink_messages::Notice;
 use motorlink_protocol::{Instant, MotorId};
+use web_sys::MessagePort;
 
 use crate::{
     alarm::Alarm,
     claim::give_back,
-    connecting,
     outbox::{Outbox, Present},
-    scope::{self, Arrived, Clock},
-    serial::{self, ReadEvent},
-    session::{Session, Stage, Then},
+    scope::Clock,
+    session::{AfterClosing, Session, Stage},
     telling::tell,
     traffic::TrafficTape,
 };
@@ -44,21 +41,9 @@ pub(crate) struct Station {
 /// The handle that the browser's callbacks share.
 pub(crate) type Shared = Rc<RefCell<Station>>;
 
-/// Starts the worker.
-pub(crate) fn start() {
-    let clock = Clock::new();
-    scope::post(&ToPage::Hello {
-        time_origin_ms: clock.origin_ms(),
-    });
-    let shared: Shared = Rc::new_cyclic(|station| {
-        let station = station.clone();
-        let ring = move || {
-            if let Some(shared) = station.upgrade() {
-                pump(&shared);
-            }
-        };
-        let alarm = Alarm::new(clock.clone(), ring);
-        RefCell::new(Station {
+impl Station {
+    pub(crate) fn new(clock: Clock, alarm: Alarm) -> Self {
+        Self {
             clock,
             alarm,
             outbox: Outbox::default(),
@@ -71,113 +56,14 @@ pub(crate) fn start() {
             limits: Limits::default(),
             halted: false,
             ahead_of_page_ms: f64::INFINITY,
-        })
-    });
-    let station = Rc::clone(&shared);
-    scope::on_message(move |arrived| match arrived {
-        Arrived::Message(bytes) => match decode(&bytes) {
-            Ok(message) => handle(&station, message),
-            Err(error) => {
-                let error = error.to_string().into();
-                scope::report("the page sent a message of another build", &error);
-            }
-        },
-        Arrived::Line(port) => {
-            station.borrow_mut().tape.connect(port);
-            pump(&station);
-        }
-    });
-    serial::on_plugged(move || connecting::adapter_plugged(&shared));
-}
-
-/// Carries out a message of the page. A stop is on the wire, or next on it, when this returns.
-fn handle(shared: &Shared, message: ToWorker) {
-    match message {
-        ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual => {
-            leave(shared, Then(Some(message)));
-        }
-        ToWorker::Disconnect => leave(shared, Then(None)),
-        ToWorker::Select(id) => shared.borrow_mut().select(id),
-        ToWorker::Command { command, given_ms } => {
-            shared.borrow_mut().command(command, given_ms);
-        }
-        ToWorker::VirtualWire(wire) => shared.borrow_mut().set_virtual_wire(wire),
-        ToWorker::Pong { page_ms } => shared.borrow_mut().page_answered(page_ms),
-    }
-    pump(shared);
-}
-
-/// Stops what is driven, closes the port, and then does what `then` asks.
-pub(crate) fn leave(shared: &Shared, then: Then) {
-    {
-        let mut station = shared.borrow_mut();
-        let now = station.now();
-        if let Session::Open(open) = &mut station.session
-            && open.bus.is_active(now)
-        {
-            open.stage = Stage::Closing(then);
-            // A stop is never refused.
-            let _: Result<(), Refusal> = open
-                .bus
-                .command(now, Command::StopAll(StopReason::Disconnect));
-            return;
         }
     }
-    close(shared, then);
-}
 
-/// Closes the port, and then does what `then` asks.
-fn close(shared: &Shared, then: Then) {
-    let (left, generation) = shared.borrow_mut().begin_session(Session::Closed);
-    let shared = Rc::clone(shared);
-    wasm_bindgen_futures::spawn_local(async move {
-        if let Session::Open(open) = left {
-            open.close().await;
-        }
-        if shared.borrow().generation != generation {
-            return;
-        }
-        // A tab that opens another port of the same make keeps its place.
-        if !matches!(then.0, Some(ToWorker::ConnectSerial { .. })) {
-            give_back();
-        }
-        match then.0 {
-            Some(ToWorker::ConnectVirtual) => connecting::open_virtual(&shared),
-            Some(ToWorker::ConnectSerial { candidates, wanted }) => {
-                connecting::open_serial(&shared, candidates, wanted).await;
-            }
-            _ => {}
-        }
-    });
-}
-
-/// Lets everything that is due happen, and sets the alarm for what is due next.
-pub(crate) fn pump(shared: &Shared) {
-    let left = shared.borrow_mut().turn();
-    if let Some(then) = left {
-        close(shared, then);
-        shared.borrow_mut().turn();
+    /// The recorder's end of the line on which frames are posted to it.
+    pub(crate) fn connect_recorder(&mut self, port: MessagePort) {
+        self.tape.connect(port);
     }
-}
 
-/// Takes what a port's reader tells, for as long as that port is the one in use.
-pub(crate) fn heard(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
-    {
-        let mut station = shared.borrow_mut();
-        if station.generation != generation {
-            return;
-        }
-        let now = station.now();
-        match (&mut station.session, event) {
-            (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
-            (_, ReadEvent::LineError) => station.outbox.notice(Notice::LineError),
-            (_, ReadEvent::Bytes(_)) => {}
-        }
-    }
-    pump(shared);
-}
-
-impl Station {
     pub(crate) fn now(&self) -> Instant {
         self.clock.now()
     }
@@ -226,7 +112,7 @@ impl Station {
     /// The adapter is gone: what was driven coasts, and the adapter is waited for.
     ///
     /// Gives back what was to be done after closing, where the port was being closed anyway.
-    pub(crate) fn adapter_lost(&mut self) -> Option<Then> {
+    pub(crate) fn adapter_lost(&mut self) -> Option<AfterClosing> {
         let now = self.now();
         let Session::Open(open) = &mut self.session else {
             return None;
@@ -257,7 +143,7 @@ impl Station {
 
     /// Lets everything that is due happen. Gives back what to do after closing, once the motors
     /// stand and the port can be closed.
-    fn turn(&mut self) -> Option<Then> {
+    pub(crate) fn turn(&mut self) -> Option<AfterClosing> {
         let now = self.now();
         let mut wake = None;
         let mut left = None;

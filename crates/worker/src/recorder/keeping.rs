@@ -1,35 +1,17 @@
 //! The session kept in the browser: begun, found again, and what the page wants of it.
 
-use std::{collections::VecDeque, rc::Rc};
+use std::rc::Rc;
 
 use motorlink_messages::recorder::{FromRecorder, NotKept, ToRecorder};
-use motorlink_recorder::kept::{Act, Segment};
+use motorlink_recorder::kept::Act;
 use wasm_bindgen_futures::spawn_local;
 
 use super::{
-    Desk, Shared,
     disk::{Dir, why},
-    found::{self, Found},
-    local_time,
+    found,
+    state::{Keeping, RecorderWorker, Shared, local_time, tell},
     store::{Done, Job, Jobs, Store},
-    tell, turn,
 };
-
-/// What stands between the recorder and its files.
-#[derive(Debug, Default)]
-pub(super) struct Keeping {
-    jobs: Jobs,
-    /// Not there until the browser has given its files, and while a job is being done.
-    store: Option<Store>,
-    /// The browser keeps no files.
-    is_in_memory_only: bool,
-    /// The session that is offered.
-    found: Option<Found>,
-    /// How often everything was erased: what was looked for before is not offered.
-    erased: u32,
-    /// The files of the session that is restored that have not been read yet.
-    to_read: Option<(Dir, VecDeque<Segment>)>,
-}
 
 impl Keeping {
     /// Has this done behind all that is to be done.
@@ -54,6 +36,7 @@ impl Keeping {
                 None => None,
             };
             shared.borrow_mut().recorder.next_kept(file);
+            let turn = shared.borrow().turn;
             turn(&shared);
         });
     }
@@ -65,10 +48,10 @@ pub(super) fn begin(shared: &Shared) {
     spawn_local(async move {
         let Some(sessions) = Dir::of_sessions().await else {
             // A browser that keeps no files: the recorder is in memory alone.
-            let desk = &mut *shared.borrow_mut();
-            desk.recorder.keep_no_more();
-            desk.keeping.jobs = Jobs::default();
-            desk.keeping.is_in_memory_only = true;
+            let worker = &mut *shared.borrow_mut();
+            worker.recorder.keep_no_more();
+            worker.keeping.jobs = Jobs::default();
+            worker.keeping.is_in_memory_only = true;
             return;
         };
         let now_ms = js_sys::Date::now();
@@ -91,10 +74,10 @@ pub(super) fn begin(shared: &Shared) {
 
 /// What the page wants of the files; the recorder handles the rest.
 pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
-    let mut desk = shared.borrow_mut();
-    let Desk {
+    let mut worker = shared.borrow_mut();
+    let RecorderWorker {
         recorder, keeping, ..
-    } = &mut *desk;
+    } = &mut *worker;
     match message {
         ToRecorder::Restore => {
             if let Some(found) = keeping.found.take() {
@@ -165,7 +148,7 @@ async fn work(shared: &Shared) {
 
 /// From now on the recorder is in memory alone. What was kept stays.
 fn give_up(shared: &Shared, why: NotKept) {
-    let Desk {
+    let RecorderWorker {
         recorder, keeping, ..
     } = &mut *shared.borrow_mut();
     keeping.jobs = Jobs::default();

@@ -6,21 +6,26 @@ mod disk;
 mod files;
 mod found;
 mod keeping;
+mod state;
 mod store;
 
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
-use js_sys::{Date, Uint8Array};
+use js_sys::Uint8Array;
 use motorlink_messages::{
     decode, encode,
     recorder::{FromRecorder, ToRecorder, traffic},
 };
-use motorlink_protocol::Instant;
-use motorlink_recorder::{LocalTime, Output, Recorder, WallClock};
+use motorlink_recorder::{Output, Recorder, WallClock};
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
-use self::{again::Again, files::Parts, keeping::Keeping, store::Job};
+use self::{
+    again::Again,
+    files::Parts,
+    state::{Keeping, RecorderWorker, Shared, local_time, tell},
+    store::Job,
+};
 use crate::scope::{self, Arrived, Clock, report};
 
 /// A turn ends after this long, so that messages and traffic are taken in.
@@ -30,36 +35,25 @@ const STEP: u64 = 500;
 /// Summer time begins and ends on the minute.
 const UTC_OFFSET_PERIOD: Duration = Duration::from_secs(60);
 
-/// Everything that this worker is. Each callback of the browser borrows it once, briefly.
-struct Desk {
-    clock: Clock,
-    recorder: Recorder,
-    parts: Parts,
-    again: Again,
-    keeping: Keeping,
-    utc_offset_asked: Instant,
-}
-
-type Shared = Rc<RefCell<Desk>>;
-
 /// Starts the worker.
 pub(crate) fn start() {
     let clock = Clock::new();
     let now = clock.now();
     let own_clock = WallClock::new(clock.origin_ms(), 0).with_local_time(local_time(i64::MAX));
-    let shared: Shared = Rc::new_cyclic(|desk| {
-        let desk = desk.clone();
+    let shared: Shared = Rc::new_cyclic(|worker| {
+        let worker = worker.clone();
         let again = Again::new(move || {
-            if let Some(shared) = desk.upgrade() {
+            if let Some(shared) = worker.upgrade() {
                 turn(&shared);
             }
         });
-        RefCell::new(Desk {
+        RefCell::new(RecorderWorker {
             clock,
             recorder: Recorder::new(own_clock).keeping(),
             parts: Parts::default(),
             again,
             keeping: Keeping::default(),
+            turn,
             utc_offset_asked: now,
         })
     });
@@ -86,13 +80,6 @@ pub(crate) fn start() {
 /// The page is told that nothing comes any more.
 pub(crate) fn died() {
     tell(&FromRecorder::Died);
-}
-
-fn tell(message: &FromRecorder) {
-    match encode(message) {
-        Ok(bytes) => scope::post_bytes(&bytes),
-        Err(error) => report("a message could not be encoded", &error.to_string().into()),
-    }
 }
 
 /// Gives the page a file. Where the browser has no room for it, there is none.
@@ -124,15 +111,16 @@ fn listen(shared: &Shared, port: &MessagePort) {
 
 /// Does what is to be done, as far as a turn goes, and sees to it that the rest is done.
 fn turn(shared: &Shared) {
-    let mut desk = shared.borrow_mut();
-    let Desk {
+    let mut worker = shared.borrow_mut();
+    let RecorderWorker {
         clock,
         recorder,
         parts,
         again,
         keeping,
         utc_offset_asked,
-    } = &mut *desk;
+        ..
+    } = &mut *worker;
     let began = clock.now();
     if began.since(*utc_offset_asked) > UTC_OFFSET_PERIOD {
         *utc_offset_asked = began;
@@ -157,16 +145,4 @@ fn turn(shared: &Shared) {
             Output::Wait(Some(at)) => return again.after(at.since(now)),
         }
     }
-}
-
-/// How far local time is ahead of UTC, from this moment until now, in milliseconds since 1970.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "milliseconds since 1970 are exact in a double, and no place is a day ahead"
-)]
-fn local_time(from_ms: i64) -> LocalTime {
-    LocalTime::between(from_ms, Date::now() as i64, |unix_ms| {
-        -Date::new(&(unix_ms as f64).into()).get_timezone_offset() as i32
-    })
 }

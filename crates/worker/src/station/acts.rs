@@ -10,7 +10,7 @@ use super::Station;
 use crate::session::{Session, Stage};
 
 impl Station {
-    pub(super) fn select(&mut self, id: MotorId) {
+    pub(crate) fn select(&mut self, id: MotorId) {
         let now = self.now();
         self.selected = id;
         self.outbox.touch();
@@ -29,7 +29,7 @@ impl Station {
         }
     }
 
-    pub(super) fn command(&mut self, command: Command, given_ms: f64) {
+    pub(crate) fn command(&mut self, command: Command, given_ms: f64) {
         let now = self.now();
         // Before the page has said what time it is, nothing is open to be driven.
         let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
@@ -78,7 +78,7 @@ impl Station {
     }
 
     /// Makes the virtual line ill or well. The bus is not told: it finds out, as on a real line.
-    pub(super) fn set_virtual_wire(&mut self, wire: VirtualWire) {
+    pub(crate) fn set_virtual_wire(&mut self, wire: VirtualWire) {
         let now = self.now();
         let Session::Open(open) = &mut self.session else {
             return;
@@ -106,7 +106,7 @@ impl Station {
         self.outbox.touch();
     }
 
-    pub(super) fn page_answered(&mut self, page_ms: f64) {
+    pub(crate) fn page_answered(&mut self, page_ms: f64) {
         let now = self.now();
         let ahead_ms = now_ms(now) - page_ms;
         self.ahead_of_page_ms = self.ahead_of_page_ms.min(ahead_ms);
