@@ -24,16 +24,16 @@ function explain(error) {
   words.setAttribute("role", "alert");
   if (typeof WebAssembly !== "object") {
     words.textContent =
-      "MotorLink needs WebAssembly, which this browser lacks or has switched off. " +
+      "MotorLink needs WebAssembly. It is missing or turned off in this browser. " +
       "Open this page in a current Chrome, Edge or Firefox.";
   } else if (loaded) {
     words.textContent =
-      "MotorLink was loaded but could not start. Reload the page; if that does not help, " +
+      "MotorLink loaded but could not start. Reload the page. If that does not help, " +
       `open it in a current Chrome, Edge or Firefox. (${error})`;
   } else {
     words.textContent =
-      "MotorLink could not be loaded. Check that you are online and reload the page; if that does " +
-      `not help, files are missing where it is hosted. (${error})`;
+      "MotorLink could not be loaded. Check your network connection and reload the page. If that " +
+      `does not help, files are missing on the server. (${error})`;
   }
   document.body.replaceChildren(words);
 }

@@ -100,8 +100,7 @@ impl Features {
         let in_use = untrack(|| self.settings.why_not_import(&self.page.present()));
         let in_use = in_use.or_else(|| self.page.why_not_turn_sides());
         if let Some(reason) = untrack(|| self.settings.why_not_erase(in_use)) {
-            self.page
-                .refuse(tr!("Nothing was erased").to_owned(), reason);
+            self.page.refuse(tr!("Nothing deleted").to_owned(), reason);
             return;
         }
         self.saved_session.offer.set(Offer::None);

@@ -119,10 +119,10 @@ fn ThemeButton() -> impl IntoView {
     let page = use_page();
     let theme = move || page.preferences.with(|chosen| chosen.theme);
     let title = move || match theme() {
-        Theme::Light => tr!("Light now; press for dark"),
-        Theme::Dark => tr!("Dark now; press for high contrast"),
-        Theme::Contrast => tr!("High contrast now; press for the system's choice"),
-        Theme::System => tr!("As the system now; press for light"),
+        Theme::Light => tr!("Light theme. Press for dark."),
+        Theme::Dark => tr!("Dark theme. Press for high contrast."),
+        Theme::Contrast => tr!("High contrast theme. Press for system."),
+        Theme::System => tr!("System theme. Press for light."),
     };
     // A sun, a moon, a half of each.
     let shape = move || match theme() {

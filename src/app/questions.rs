@@ -42,8 +42,8 @@ fn high_current(yes: String) -> Question {
         name: tr!("High current"),
         title: format!("{yes}?"),
         words: tr!(
-            "This is above 6.1 A. The motor stalls at 2.7 A, and its protection trips at 4.6 A in \
-             a phase. Fasten the motor and keep fingers clear."
+            "This is above 6.1 A. Stall current is 2.7 A, and the phase overcurrent protection \
+             trips at 4.6 A. Fasten the motor and keep fingers clear."
         )
         .to_owned(),
         yes,
@@ -56,10 +56,10 @@ fn change_id(IdChange { from, to, frames }: IdChange) -> Question {
         name: tr!("Change the ID?"),
         title: tr!("Change the ID?").to_owned(),
         words: tr!(
-            "Motor {from} will answer as {to} ({number}) from now on. It keeps that in its flash, through \
-             power-off.\nIt takes one new ID between two power-ups: to change it again, switch its power \
-             off and on first.\nOnly one motor may be connected. The scan has found one; others that \
-             are without power now would not be changed.\n{count} frames are sent in a row.",
+            "Motor {from} becomes {to} ({number}). The ID is stored in flash and survives \
+             power-off.\nThe motor accepts one new ID per power-up: power-cycle it before you \
+             change the ID again.\nOnly one motor may be connected. The scan found one; motors \
+             without power now keep their ID.\n{count} frames are sent in a row.",
             from,
             to,
             number = to.get(),
@@ -75,8 +75,8 @@ fn clear_log(entries: u64) -> Question {
         name: tr!("Clear the packet log"),
         title: format!("{yes}?"),
         words: tr!(
-            "They cannot be brought back, and no CSV file that is made later will have them. The \
-             recording stays."
+            "This cannot be undone: later CSV exports will not contain these entries. The \
+             recording is not affected."
         )
         .to_owned(),
         yes,
@@ -85,31 +85,31 @@ fn clear_log(entries: u64) -> Question {
 
 fn erase_kept() -> Question {
     Question {
-        name: tr!("Erase kept data"),
-        title: tr!("Erase kept data?").to_owned(),
+        name: tr!("Delete all data"),
+        title: tr!("Delete all data?").to_owned(),
         words: tr!(
-            "Every session that this browser keeps goes, with its packets and its recording, this \
-             one too: the packet log begins anew.\nSo do names, sides and groups of motors, ramp, rate, \
-             model, theme and the other choices. None of it can be brought back. Motors are not \
-             touched."
+            "This deletes every session stored in this browser, with packets and recordings, \
+             including the current one. The packet log starts empty.\nIt also deletes motor names, \
+             sides and groups, ramp, rate, model, theme and all other settings. This cannot be \
+             undone. Motors are not affected."
         )
         .to_owned(),
-        yes: tr!("Erase").to_owned(),
+        yes: tr!("Delete").to_owned(),
     }
 }
 
 fn hazard(order: RawOrder) -> Question {
     let often = match order.repeat {
-        Repeat::Times { count: 0, .. } => tr!(" It is repeated until you stop it."),
+        Repeat::Times { count: 0, .. } => tr!(" It repeats until you stop it."),
         Repeat::Times { .. } | Repeat::Once => "",
     };
     Question {
         name: tr!("Send this frame?"),
         title: tr!("Send this frame?").to_owned(),
         words: tr!(
-            "{frame}\nIt can move the wheel, change its loop or change an ID.{often} Fasten the motor and \
-             keep fingers clear.\nSTOP, Space and Escape stop it. Any other frame, and this one in \
-             another loop, is asked about again.",
+            "{frame}\nThis frame can turn the wheel, switch the loop or change an ID.{often} \
+             Fasten the motor and keep fingers clear.\nSTOP, Space and Escape stop it. MotorLink \
+             asks again for any other frame, and for this one in another loop.",
             frame = order.frame,
             often
         ),
@@ -142,7 +142,7 @@ mod tests {
         let asked = question(Dialog::ChangeId(change)).unwrap();
         assert_eq!(asked.yes, "Set ID 0x0A");
         for words in [
-            "Motor 0x01 will answer as 0x0A (10)",
+            "Motor 0x01 becomes 0x0A (10)",
             "flash",
             "power-off",
             "Only one motor may be connected",

@@ -65,8 +65,7 @@ impl Features {
             FromRecorder::NotExported { what, cancelled } => {
                 recorder.exporting.set(None);
                 if cancelled {
-                    self.page
-                        .log_now(log_lines::calm(tr!("Export was cancelled")));
+                    self.page.log_now(log_lines::calm(tr!("Export cancelled")));
                 } else {
                     self.page.say(recorder_texts::of_nothing_to_export(what));
                 }

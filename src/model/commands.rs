@@ -48,7 +48,7 @@ impl Page {
     pub(crate) fn why_not_turn_sides(self) -> Option<String> {
         let just_asked = self.has_just_started();
         let asks = self.dialog.with_untracked(Option::is_some);
-        (just_asked || asks).then(|| tr!("A motor is just being started. Try again.").to_owned())
+        (just_asked || asks).then(|| tr!("A motor is starting. Try again in a moment.").to_owned())
     }
 
     /// Whether anything is driven, moves by what was driven, or may have been started a moment ago.

@@ -20,7 +20,7 @@ pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
         Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
         Connection::Reconnecting(adapter) => (
             tr!("Reconnecting"),
-            tr!("Plug {adapter} in again", adapter = terms::adapter(adapter)),
+            tr!("Plug {adapter} back in", adapter = terms::adapter(adapter)),
         ),
         Connection::Failed(error) => (tr!("Failed"), failed_briefly(error).to_owned()),
     }
@@ -29,11 +29,11 @@ pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
 fn failed_briefly(error: ConnectError) -> &'static str {
     match error {
         ConnectError::NoWebSerial => tr!("No Web Serial: use Chrome, Edge or the virtual motor"),
-        ConnectError::PortGone => tr!("The port is gone: press Choose another port"),
+        ConnectError::PortGone => tr!("The port is gone: press Other port"),
         ConnectError::OpenFailed => tr!("Close other programs and tabs that use the port"),
-        ConnectError::AlreadyOpen => tr!("Open already: press Disconnect, then Connect"),
-        ConnectError::Other => tr!("Unplug the adapter, plug it in and press Connect"),
-        ConnectError::OtherTab => tr!("Another tab of MotorLink uses this adapter"),
+        ConnectError::AlreadyOpen => tr!("Already open: press Disconnect, then Connect"),
+        ConnectError::Other => tr!("Replug the adapter, then press Connect"),
+        ConnectError::OtherTab => tr!("Another MotorLink tab uses this adapter"),
     }
 }
 
@@ -46,9 +46,9 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
     match error {
         ConnectError::NoWebSerial => of_pick_trouble(PickTrouble::NoWebSerial),
         ConnectError::PortGone => port(
-            tr!("The port is not there any more"),
+            tr!("The port is no longer available"),
             &[tr!(
-                "Plug the adapter in, then press Connect or Choose another port."
+                "Plug in the adapter, then press Connect or Other port."
             )],
         )
         .explained_at(HelpTopic::NoPortInList),
@@ -56,35 +56,39 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
             tr!("The port does not open"),
             &[
                 tr!(
-                    "In use? Close other tabs and programs that hold it, such as a serial monitor."
+                    "In use? Close other tabs and programs that use the port, such as a serial \
+                     monitor."
                 ),
                 tr!(
-                    "Linux: no permission? Run sudo usermod -aG dialout $USER and log in again. A browser \
-                 from snap or Flatpak may not see ports at all: use a packaged one."
+                    "Linux: no permission? Run sudo usermod -aG dialout $USER, then log out and \
+                     in. A Snap or Flatpak browser may not see any ports: use the deb or rpm \
+                     package."
                 ),
                 tr!(
-                    "Linux: brltty takes CH340 adapters for Braille displays: sudo apt remove brltty."
+                    "Linux: brltty claims CH340 adapters as Braille displays. If you do not need \
+                     it: sudo apt remove brltty."
                 ),
                 tr!(
-                    "Windows, macOS: install the driver of the adapter's chip (CH34x, CP210x, FTDI)."
+                    "Windows, macOS: install the driver for the adapter's chip (CH34x, CP210x, \
+                     FTDI)."
                 ),
-                tr!("Gone? Unplug the adapter and plug it in again."),
+                tr!("Port missing? Unplug the adapter and plug it back in."),
             ],
         ),
         ConnectError::AlreadyOpen => port(
-            tr!("The port is open already"),
+            tr!("The port is already open"),
             &[tr!("Press Disconnect, then Connect.")],
         ),
         ConnectError::Other => port(
             tr!("The browser could not open the port"),
             &[tr!(
-                "Unplug the adapter, plug it in again and press Connect."
+                "Unplug the adapter, plug it back in and press Connect."
             )],
         ),
         ConnectError::OtherTab => port(
-            tr!("Another tab of MotorLink uses this adapter"),
+            tr!("Another MotorLink tab uses this adapter"),
             &[tr!(
-                "Press Disconnect there, or close that tab; then press Connect here."
+                "Press Disconnect in that tab or close it, then press Connect here."
             )],
         ),
     }
@@ -101,8 +105,8 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
             tr!("This browser cannot open serial ports"),
             &[
                 tr!(
-                    "For a real motor open this page in Chrome, Edge or Firefox 151 on a desktop, over \
-                 https or from localhost."
+                    "To drive a real motor, open this page in desktop Chrome, Edge or Firefox 151 \
+                     or later, over HTTPS or on localhost."
                 ),
                 tr!("The virtual motor works here: press Virtual motor."),
             ],
@@ -112,11 +116,11 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Calm,
-                tr!("No port was chosen"),
+                tr!("No port selected"),
                 &[
                     tr!(
-                        "The list shows usual USB-RS485 adapters first. If yours is not in it, show all \
-                     ports."
+                        "The list shows common USB-RS485 adapters first. If yours is missing, show \
+                         all ports."
                     ),
                     tr!("Nothing in the list? Check the USB cable: some carry power only."),
                 ],
@@ -126,19 +130,19 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Calm,
-                tr!("No port was chosen"),
+                tr!("No port selected"),
                 &[tr!(
-                    "Is the adapter not in the list? Check the USB cable (some carry power only) and \
-                     the driver of its chip."
+                    "Adapter not listed? Check the USB cable (some carry power only) and the \
+                     driver for the adapter's chip."
                 )],
             )
         },
         PickTrouble::Forbidden => port(
             Tone::Error,
-            tr!("The browser forbids serial ports to this page"),
+            tr!("The browser blocks serial ports for this page"),
             &[tr!(
-                "Allow serial ports in the site settings (left of the address), or ask who manages \
-                 this browser."
+                "Allow serial ports in the site settings (icon left of the address), or ask your \
+                 browser administrator."
             )],
         )
         .explained_at(HelpTopic::Ports),
@@ -147,8 +151,8 @@ pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
             remedy: Some(Remedy::ShowAllPorts),
             ..port(
                 Tone::Error,
-                tr!("The browser's list of ports did not open"),
-                &[tr!("Press Choose another port, or reload the page.")],
+                tr!("The browser's port picker did not open"),
+                &[tr!("Press Other port, or reload the page.")],
             )
         },
     }
@@ -190,7 +194,14 @@ mod tests {
     #[test]
     fn a_port_that_does_not_open_names_every_cause() {
         let all = of_connect_error(ConnectError::OpenFailed).advice.join(" ");
-        for cause in ["other tabs", "dialout", "snap", "brltty", "driver", "Gone?"] {
+        for cause in [
+            "other tabs",
+            "dialout",
+            "Snap",
+            "brltty",
+            "driver",
+            "Port missing?",
+        ] {
             assert!(all.contains(cause), "{cause}");
         }
     }
@@ -200,7 +211,7 @@ mod tests {
         let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
         assert_eq!(
             (state, detail.as_str()),
-            ("Reconnecting", "Plug Virtual motor in again")
+            ("Reconnecting", "Plug Virtual motor back in")
         );
     }
 }

@@ -45,8 +45,8 @@ fn why_not_connected(connection: Connection) -> Option<&'static str> {
         Connection::Disconnected | Connection::Failed(_) => {
             Some(tr!("Not connected. Press Connect or Virtual motor."))
         }
-        Connection::Connecting => Some(tr!("The port is being opened.")),
-        Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it in again.")),
+        Connection::Connecting => Some(tr!("Opening the port.")),
+        Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it back in.")),
     }
 }
 
@@ -55,7 +55,7 @@ fn why_not_yet(id: MotorId, activity: Activity) -> Option<String> {
     match activity {
         Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
         Activity::Switching { to } => Some(tr!(
-            "Motor {id} is changing to the {mode}.",
+            "Motor {id} is switching to the {mode}.",
             id,
             mode = terms::mode(to)
         )),
@@ -78,7 +78,7 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
     let reported = session.mode(id)?.value;
     (reported != mode).then(|| {
         tr!(
-            "Motor {id} reports the {reported}. Press Switch to {mode} first.",
+            "Motor {id} is in the {reported}. Press Switch to {mode} first.",
             id,
             reported = terms::mode(reported),
             mode = terms::mode(mode)
@@ -98,7 +98,7 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
         return Some(terms::refusal(Refusal::Surveying));
     }
     if crew.is_empty() {
-        return Some(tr!("Tick the motors that are to drive.").to_owned());
+        return Some(tr!("Select the motors to drive.").to_owned());
     }
     if crew.len() > Together::MAX {
         return Some(terms::not_together(NotTogether::TooMany));
@@ -118,7 +118,7 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
 pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
     why_not_together(session, crew).or_else(|| {
         let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
-        Some(tr!("To steer, choose the side of motor {id}.", id))
+        Some(tr!("To steer, set the side of motor {id}.", id))
     })
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn why_not_side(session: &Session, id: MotorId) -> Option<String> {
     let in_hand = session.motor(id).is_some_and(is_in_hand);
     in_hand.then(|| {
         tr!(
-            "Motor {id} is driven or being stopped. Its side is changed at a standstill.",
+            "Motor {id} is running or stopping. Stop it, then change its side.",
             id
         )
     })
@@ -142,7 +142,10 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
         return Some(reason);
     }
     if session.mode(id)?.value == mode {
-        return Some(tr!("The motor is in the {mode}.", mode = terms::mode(mode)));
+        return Some(tr!(
+            "The motor is already in the {mode}.",
+            mode = terms::mode(mode)
+        ));
     }
     if mode != Mode::Position {
         return None;
@@ -188,7 +191,7 @@ pub(crate) fn why_not_import(session: &Session, pad_is_held: bool) -> Option<Str
         return Some(tr!("Let go of the drive pad first.").to_owned());
     }
     let motor = session.in_hand().next()?;
-    Some(tr!("Stop motor {id} first: it is in use.", id = motor.id))
+    Some(tr!("Motor {id} is in use. Stop it first.", id = motor.id))
 }
 
 /// Whether a port is open, being opened, or waited for.
@@ -209,7 +212,8 @@ pub(crate) fn why_not_at_all(worker: WorkerState) -> Option<String> {
 pub(crate) fn why_not_serial(worker: WorkerState) -> Option<String> {
     if !serial_ports::is_supported() {
         let words = tr!(
-            "This browser has no Web Serial. Use Chrome, Edge or Firefox 151 on a desktop, over https; the virtual motor works here."
+            "This browser does not support Web Serial. Use desktop Chrome, Edge or Firefox 151 or \
+             later, over HTTPS. The virtual motor works in any browser."
         );
         return Some(words.to_owned());
     }

@@ -24,7 +24,7 @@ fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
     let session = session(1_000, status(1_000, Mode::Current, 0));
     assert_eq!(
         why_not_drive(&session, ID, Mode::Velocity).unwrap(),
-        "Motor 0x01 reports the current loop. Press Switch to velocity loop first."
+        "Motor 0x01 is in the current loop. Press Switch to velocity loop first."
     );
 }
 
@@ -42,20 +42,22 @@ fn nothing_drives_while_it_must_not() {
     case("Not connected", &|s| {
         s.connection = Connection::Disconnected;
     });
-    case("being opened", &|s| s.connection = Connection::Connecting);
+    case("Opening the port", &|s| {
+        s.connection = Connection::Connecting
+    });
     case("Press Release", &|s| s.halted = true);
-    case("being scanned", &|s| {
+    case("bus scan is running", &|s| {
         s.survey = Some(SurveyStatus::Stopping);
     });
     case("raw frame", &|s| s.motors[0].activity = Activity::DrivenRaw);
-    case("has not answered", &|s| s.motors.clear());
-    case("has not answered", &|s| {
+    case("has not replied", &|s| s.motors.clear());
+    case("has not replied", &|s| {
         s.motors = vec![status(400, Mode::Velocity, 0)];
     });
-    case("being stopped", &|s| {
+    case("is stopping", &|s| {
         s.motors[0].activity = Activity::Stopping { confirmed: false };
     });
-    case("changing to the current loop", &|s| {
+    case("switching to the current loop", &|s| {
         s.motors[0].activity = Activity::Switching { to: Mode::Current };
     });
     case("stall", &|s| {
@@ -84,7 +86,7 @@ fn a_setup_is_taken_in_while_no_motor_is_in_use() {
     ] {
         session.motors[0].activity = activity;
         let reason = why_not_import(&session, false).unwrap();
-        assert!(reason.contains("Stop motor 0x01"), "{reason}");
+        assert!(reason.contains("Motor 0x01 is in use"), "{reason}");
     }
 }
 
@@ -97,10 +99,10 @@ fn motors_drive_together_where_each_of_them_may() {
     let missing = MotorId::new(9).unwrap();
     let too_many: Crew = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
     for (words, crew) in [
-        ("Tick the motors", vec![]),
-        ("At most 16 motors", too_many),
+        ("Select the motors", vec![]),
+        ("at most 16 motors", too_many),
         (
-            "Motor 0x09 has not answered",
+            "Motor 0x09 has not replied",
             vec![(ID, Side::Left), (missing, Side::Right)],
         ),
     ] {
@@ -118,10 +120,10 @@ fn motors_drive_together_where_each_of_them_may() {
         s.connection = Connection::Disconnected;
     });
     case("Press Release", &|s| s.halted = true);
-    case("being scanned", &|s| {
+    case("bus scan is running", &|s| {
         s.survey = Some(SurveyStatus::Stopping);
     });
-    case("Motor 0x01 reports the current loop", &|s| {
+    case("Motor 0x01 is in the current loop", &|s| {
         s.motors = vec![status(1_000, Mode::Current, 0)];
     });
     for (words, session) in cases {

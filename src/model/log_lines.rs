@@ -83,13 +83,13 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
         Activity::Driven { .. } if driven_before => None,
         Activity::Driven {
             setpoint: Setpoint::Brake,
-        } => Some(calm(tr!("Motor {id} is held by its brake", id))),
+        } => Some(calm(tr!("Motor {id}: brake on", id))),
         Activity::Driven { setpoint } => {
             let goal = format::goal(setpoint);
-            Some(calm(tr!("Motor {id} is driven: {goal}", id, goal)))
+            Some(calm(tr!("Motor {id} is running: {goal}", id, goal)))
         }
         Activity::Switching { to } if before != Some(after) => Some(calm(tr!(
-            "Motor {id} is to change to the {mode}",
+            "Switching motor {id} to the {mode}",
             id,
             mode = terms::mode(to)
         ))),
@@ -101,13 +101,13 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
 pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
     Some(match notice {
         Notice::ModeSwitched { id, mode } => calm(tr!(
-            "Motor {id} reports the {mode}",
+            "Motor {id} is in the {mode}",
             id,
             mode = terms::mode(*mode)
         )),
-        Notice::MotorBack(id) => calm(tr!("Motor {id} answers again", id)),
+        Notice::MotorBack(id) => calm(tr!("Motor {id} is replying again", id)),
         Notice::IdQueryEnded(IdQueryOutcome::One(id)) => {
-            calm(tr!("Motor {id} answered the ID query", id))
+            calm(tr!("Motor {id} replied to the ID query", id))
         }
         Notice::StopBegan(reason) => of_stop_begun(*reason),
         Notice::StopEnded(report) => of_stop_ended(report),
@@ -117,8 +117,8 @@ pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
 
 fn of_stop_begun(reason: StopReason) -> Line {
     match reason {
-        StopReason::OneMotor => calm(tr!("Stop of one motor began")),
-        reason => calm(tr!("Stop began. {why}", why = of_stop_reason(reason))),
+        StopReason::OneMotor => calm(tr!("Stopping one motor")),
+        reason => calm(tr!("Stopping. {why}", why = of_stop_reason(reason))),
     }
 }
 
@@ -126,10 +126,10 @@ fn of_stop_begun(reason: StopReason) -> Line {
 fn of_stop_ended(report: &StopReport) -> Line {
     let motors: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
     if motors.is_empty() {
-        return calm(tr!("Stop ended: no motor was driven"));
+        return calm(tr!("Stopped: no motor was running"));
     }
     calm(tr!(
-        "Stop ended, standstill confirmed: {motors}",
+        "Stopped, standstill confirmed: {motors}",
         motors = named(&motors)
     ))
 }
@@ -202,27 +202,27 @@ mod tests {
         let port = Connection::Connected(Adapter::Virtual);
         let mut before = session(1_000, status(1_000, Mode::Velocity, 0));
         let begins = update(port, driven(100));
-        assert_eq!(texts(&before, &begins), ["Motor 0x01 is driven: +100 rpm"]);
+        assert_eq!(texts(&before, &begins), ["Motor 0x01 is running: +100 rpm"]);
         let braked = Activity::Driven {
             setpoint: Setpoint::Brake,
         };
         assert_eq!(
             texts(&before, &update(port, braked)),
-            ["Motor 0x01 is held by its brake"]
+            ["Motor 0x01: brake on"]
         );
         before.apply(&begins);
         assert!(texts(&before, &update(port, driven(150))).is_empty());
         let switching = Activity::Switching { to: Mode::Current };
         assert_eq!(
             texts(&before, &update(port, switching)),
-            ["Motor 0x01 is to change to the current loop"]
+            ["Switching motor 0x01 to the current loop"]
         );
     }
 
     #[test]
     fn a_stop_is_logged_from_its_beginning_to_its_end() {
         let began = text(&Notice::StopBegan(StopReason::Operator));
-        assert_eq!(began, "Stop began. You pressed Stop all motors.");
+        assert_eq!(began, "Stopping. You stopped all motors.");
         let report = |motors| {
             Notice::StopEnded(StopReport {
                 reason: StopReason::Operator,
@@ -236,9 +236,9 @@ mod tests {
         };
         assert_eq!(
             text(&report(vec![stands])),
-            "Stop ended, standstill confirmed: 0x01"
+            "Stopped, standstill confirmed: 0x01"
         );
-        assert_eq!(text(&report(vec![])), "Stop ended: no motor was driven");
+        assert_eq!(text(&report(vec![])), "Stopped: no motor was running");
     }
 
     #[test]
@@ -246,15 +246,15 @@ mod tests {
         let words = |topic, tone| NoticeText {
             topic,
             tone,
-            title: "Motor 0x01 was not driven".to_owned(),
+            title: "Motor 0x01 not started".to_owned(),
             advice: vec!["Press Release.".to_owned()],
             remedy: None,
             help: None,
         };
         let line = of_words(&words(Topic::Command, Tone::Warning));
-        assert_eq!(line, calm("Motor 0x01 was not driven. Press Release."));
+        assert_eq!(line, calm("Motor 0x01 not started. Press Release."));
         let line = of_words(&words(Topic::Port, Tone::Error));
-        assert_eq!(line.text, "Motor 0x01 was not driven");
+        assert_eq!(line.text, "Motor 0x01 not started");
         assert!(line.error);
     }
 }

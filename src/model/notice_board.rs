@@ -109,9 +109,9 @@ impl Remedy {
     pub(crate) fn label(self) -> &'static str {
         match self {
             Self::ShowAllPorts => tr!("Show all ports"),
-            Self::FullScan => tr!("Scan every address"),
+            Self::FullScan => tr!("Run full scan"),
             Self::Reload => tr!("Reload the page"),
-            Self::TakeNewVersion => tr!("Take it"),
+            Self::TakeNewVersion => tr!("Update"),
             Self::Install => tr!("Install"),
         }
     }

@@ -89,7 +89,7 @@ impl Story {
 fn no_motor_answers_until_one_does() {
     let mut story = Story::new();
     let nobody = Notice::IdQueryEnded(IdQueryOutcome::Nobody);
-    let said = ["No motor answers on this adapter"];
+    let said = ["No motors found on this adapter"];
     assert_eq!(story.tells(&[nobody]), said);
     assert_eq!(story.tells(&[]), said, "an update without an answer");
     assert!(story.replies(3, 100, 1).is_empty());
@@ -101,17 +101,17 @@ fn silent_motors_are_all_named_and_each_until_it_answers() {
     story.motor(2).silent = true;
     assert_eq!(
         story.tells(&[Notice::MotorSilent(id(2))]),
-        ["Motor 0x02 has not answered for 2 s"]
+        ["No reply from motor 0x02 for 2 s"]
     );
     story.motor(4).silent = true;
     assert_eq!(
         story.tells(&[Notice::MotorSilent(id(4))]),
-        ["Motors 0x02, 0x04 have not answered for 2 s"]
+        ["No reply from motors 0x02, 0x04 for 2 s"]
     );
     story.motor(2).silent = false;
     assert_eq!(
         story.tells(&[Notice::MotorBack(id(2))]),
-        ["Motor 0x04 has not answered for 2 s"]
+        ["No reply from motor 0x04 for 2 s"]
     );
     story.motor(4).silent = false;
     assert!(story.tells(&[Notice::MotorBack(id(4))]).is_empty());
@@ -125,14 +125,14 @@ fn a_withdrawn_setpoint_names_all_that_are_stopped_and_says_what_was_when_they_s
         id: id(3),
         reason: WithdrawReason::Fault(Faults::from_byte(8)),
     };
-    let braking = "Motors 0x01, 0x02, 0x03, 0x04 are being stopped because of motor 0x03: it \
-                   reports stall";
+    let braking =
+        "Stopping motors 0x01, 0x02, 0x03, 0x04 because of motor 0x03: it reports a fault (stall)";
     assert_eq!(story.tells(&[withdrawn]), [braking]);
     story.motor(1).activity = Activity::Idle;
     assert_eq!(story.tells(&[]), [braking], "three are not at rest");
     story.all(Activity::Idle);
-    let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer driven because of motor 0x03: it \
-                 reported stall";
+    let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer running because of motor 0x03: it \
+                 reported a fault (stall)";
     assert_eq!(story.tells(&[]), [ended]);
     assert_eq!(story.tells(&[]), [ended]);
     story.motor(2).activity = Activity::Driven {
@@ -150,7 +150,7 @@ fn a_connection_that_ends_leaves_no_motor_being_stopped() {
     story.update.motors.clear();
     assert_eq!(
         story.tells(&[]),
-        ["Motor 0x01 is no longer driven: it did not answer for 200 ms"]
+        ["Motor 0x01 is no longer running: no reply for 200 ms"]
     );
 }
 
@@ -173,14 +173,14 @@ fn a_standstill_is_not_confirmed_until_each_motor_has_reported_it() {
             },
         ],
     };
-    let both = "Standstill is not confirmed: motor 0x01 (30 rpm), motor 0x02 (speed unknown)";
+    let both = "Standstill not confirmed: motor 0x01 (30 rpm), motor 0x02 (speed unknown)";
     assert_eq!(story.tells(&[Notice::StopEnded(report)]), [both]);
     assert_eq!(story.replies(1, 0, 2), [both], "it may be reversing");
     assert_eq!(story.replies(1, -4, 1), [both]);
     assert_eq!(story.replies(1, 0, 2), [both]);
     assert_eq!(
         story.replies(1, 0, 1),
-        ["Standstill is not confirmed: motor 0x02 (speed unknown)"]
+        ["Standstill not confirmed: motor 0x02 (speed unknown)"]
     );
     assert!(story.replies(2, 0, 3).is_empty());
 }

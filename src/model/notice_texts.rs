@@ -28,14 +28,14 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         Notice::TooLate(_) => NoticeText::new(
             Topic::Command,
             Tone::Warning,
-            tr!("That was not done: it came too late"),
-            &[tr!("The page was busy when you pressed. Press again.")],
+            tr!("Not done: too late"),
+            &[tr!("The page was busy. Press again.")],
         )
         .explained_at(HelpTopic::Troubleshooting),
         Notice::NotConnected => NoticeText::new(
             Topic::Command,
             Tone::Calm,
-            tr!("Nothing is connected"),
+            tr!("Not connected"),
             &[tr!("Press Connect or Virtual motor.")],
         ),
         Notice::IdQueryEnded(
@@ -60,15 +60,16 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         Notice::AdapterBack => NoticeText::new(
             Topic::Port,
             Tone::Calm,
-            tr!("The adapter is back"),
-            &[tr!("Nothing drives. Press Start when you are ready.")],
+            tr!("Adapter reconnected"),
+            &[tr!("No motor is running. Press Start when you are ready.")],
         ),
         Notice::LineError => NoticeText::new(
             Topic::Line,
             Tone::Warning,
-            tr!("Damaged bytes on the line"),
+            tr!("Corrupted bytes on the bus"),
             &[tr!(
-                "Check A and B for a loose wire; beyond 1 m put 120 Ω across A and B."
+                "Check A and B for a loose wire. If the bus is longer than 1 m, add 120 Ω across A \
+                 and B."
             )],
         )
         .explained_at(HelpTopic::DamagedBytes),
@@ -103,16 +104,16 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
         return None;
     }
     let title = match command {
-        Command::Drive { id, .. } => tr!("Motor {id} was not driven", id),
-        Command::DriveTogether { .. } => tr!("The motors were not driven").to_owned(),
+        Command::Drive { id, .. } => tr!("Motor {id} not started", id),
+        Command::DriveTogether { .. } => tr!("Motors not started").to_owned(),
         Command::SwitchMode { mode, .. } => {
-            tr!("The {mode} was not asked for", mode = terms::mode(mode))
+            tr!("Not switched to the {mode}", mode = terms::mode(mode))
         }
         Command::IdQuery => tr!("The ID query was not sent").to_owned(),
         Command::FullScan => tr!("The bus was not scanned").to_owned(),
         Command::SetId { .. } => tr!("The ID was not changed").to_owned(),
         Command::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
-        _ => tr!("That was not done").to_owned(),
+        _ => tr!("Not done").to_owned(),
     };
     Some(NoticeText {
         help: HelpTopic::of_refusal(refusal),
@@ -128,8 +129,8 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
 /// Motors do not answer.
 pub(crate) fn of_silence(ids: &[MotorId]) -> NoticeText {
     let title = match ids {
-        [id] => tr!("Motor {id} has not answered for 2 s", id),
-        ids => tr!("Motors {ids} have not answered for 2 s", ids = named(ids)),
+        [id] => tr!("No reply from motor {id} for 2 s", id),
+        ids => tr!("No reply from motors {ids} for 2 s", ids = named(ids)),
     };
     NoticeText::new(Topic::Silence, Tone::Warning, title, &wiring())
         .explained_at(HelpTopic::NoAnswer)
@@ -139,14 +140,14 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
     let title = reported.map_or_else(
         || {
             tr!(
-                "Motor {id} reports no loop; the {asked} was asked for",
+                "Motor {id} did not confirm the switch to the {asked}",
                 id,
                 asked = terms::mode(asked)
             )
         },
         |reported| {
             tr!(
-                "Motor {id} stays in the {reported}; the {asked} was asked for",
+                "Motor {id} is still in the {reported}, not the {asked}",
                 id,
                 reported = terms::mode(reported),
                 asked = terms::mode(asked)
@@ -155,10 +156,10 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
     );
     let advice = match asked {
         Mode::Position => {
-            tr!("It refuses the position loop at 10 rpm and above: stop it, then switch.")
+            tr!("The position loop needs less than 10 rpm: stop the motor, then switch.")
         }
         Mode::Current | Mode::Velocity => {
-            tr!("Press Switch again. If it stays, turn its power off and on.")
+            tr!("Press Switch again. If that fails, power-cycle the motor.")
         }
     };
     NoticeText::new(Topic::Loop(id), Tone::Error, title, &[advice])
@@ -169,29 +170,32 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
 fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> NoticeText {
     let (why, advice) = match reason {
         WithdrawReason::Silent => (
-            tr!("it did not answer for 200 ms").to_owned(),
-            tr!("Check its power and the signal plug, then press Start."),
+            tr!("no reply for 200 ms").to_owned(),
+            tr!("Check the motor's power and signal plug, then press Start."),
         ),
         WithdrawReason::Fault(faults) => (
-            tr!("it reports {faults}", faults = terms::faults(faults)),
+            tr!(
+                "it reports a fault ({faults})",
+                faults = terms::faults(faults)
+            ),
             tr!("Wait until the fault clears, free the wheel if it is blocked, then press Start."),
         ),
         WithdrawReason::OtherLoop { reported } => (
             tr!(
-                "it reports the {reported}: it lost power, or another master spoke",
+                "it is now in the {reported} (power loss, or another master)",
                 reported = terms::mode(reported)
             ),
-            tr!("Check its power, then switch its loop and press Start."),
+            tr!("Check the motor's power, switch the loop back, then press Start."),
         ),
         WithdrawReason::Limit(crossed) => (
             terms::crossed(crossed),
-            tr!("Find out why. The limits stand under Settings; nothing starts by itself."),
+            tr!("Find the cause before you press Start. The limits are in Settings."),
         ),
     };
     let title = match stopping {
-        [_] => tr!("Motor {id} is being stopped: {why}", id, why),
+        [_] => tr!("Stopping motor {id}: {why}", id, why),
         ids => tr!(
-            "Motors {ids} are being stopped because of motor {id}: {why}",
+            "Stopping motors {ids} because of motor {id}: {why}",
             ids = named(ids),
             id,
             why
@@ -209,19 +213,22 @@ pub(crate) fn of_ended_drive(
 ) -> NoticeText {
     let why = match reason {
         WithdrawReason::Fault(faults) => {
-            tr!("it reported {faults}", faults = terms::faults(faults))
+            tr!(
+                "it reported a fault ({faults})",
+                faults = terms::faults(faults)
+            )
         }
         WithdrawReason::OtherLoop { reported } => tr!(
-            "it reported the {reported}: it lost power, or another master spoke",
+            "it was in the {reported} (power loss, or another master)",
             reported = terms::mode(reported)
         ),
-        WithdrawReason::Silent => tr!("it did not answer for 200 ms").to_owned(),
+        WithdrawReason::Silent => tr!("no reply for 200 ms").to_owned(),
         WithdrawReason::Limit(crossed) => terms::crossed(crossed),
     };
     let title = match stopped {
-        [_] => tr!("Motor {id} is no longer driven: {why}", id, why),
+        [_] => tr!("Motor {id} is no longer running: {why}", id, why),
         ids => tr!(
-            "Motors {ids} are no longer driven because of motor {id}: {why}",
+            "Motors {ids} are no longer running because of motor {id}: {why}",
             ids = named(ids),
             id,
             why
@@ -251,10 +258,10 @@ fn of_stop(report: &StopReport) -> Option<NoticeText> {
 pub(crate) fn of_unconfirmed(motors: impl Iterator<Item = StopOutcome>) -> NoticeText {
     let motors: Vec<String> = motors.map(of_unconfirmed_motor).collect();
     let title = tr!(
-        "Standstill is not confirmed: {motors}",
+        "Standstill not confirmed: {motors}",
         motors = motors.join(", ")
     );
-    let advice = tr!("Look at the wheel. If it turns, switch its power off.");
+    let advice = tr!("Check the wheel. If it is turning, switch off the power.");
     NoticeText::new(Topic::Stop, Tone::Error, title, &[advice])
         .explained_at(HelpTopic::StopNotConfirmed)
 }
@@ -274,36 +281,32 @@ fn of_lost_adapter(driven: &[MotorId]) -> NoticeText {
     let coasts = match driven {
         [] => None,
         [id] => Some(tr!(
-            "Motor {id} was driven: without frames its wheel coasts to a standstill. Keep clear.",
+            "Motor {id} was running: without frames, its wheel coasts to a standstill. Keep clear.",
             id
         )),
         ids => Some(tr!(
-            "{count} motors were driven: without frames their wheels coast to a standstill. Keep clear.",
+            "{count} motors were running: without frames, their wheels coast to a standstill. Keep \
+             clear.",
             count = ids.len()
         )),
     };
-    let mut words = NoticeText::new(
-        Topic::Port,
-        Tone::Error,
-        tr!("The adapter was pulled out"),
-        &[],
-    )
-    .explained_at(HelpTopic::StoppedByItself);
+    let mut words = NoticeText::new(Topic::Port, Tone::Error, tr!("Adapter unplugged"), &[])
+        .explained_at(HelpTopic::StoppedByItself);
     words.advice.extend(coasts);
     let plug =
-        tr!("Plug it in again: the page reconnects, and nothing drives until you press Start.");
+        tr!("Plug it back in. The page reconnects, but no motor runs until you press Start.");
     words.advice.push(plug.to_owned());
     words
 }
 
 /// The worker itself has failed.
 pub(crate) fn of_dead_worker(driven: bool) -> NoticeText {
-    let coasts = tr!("Its frames have ceased, so a wheel that was driven coasts to a standstill.");
+    let coasts = tr!("No frames are sent any more, so a running wheel coasts to a standstill.");
     let mut words = NoticeText::new(
         Topic::Worker,
         Tone::Error,
         tr!("The background worker has stopped"),
-        &[tr!("Reload the page to go on.")],
+        &[tr!("Reload the page to continue.")],
     );
     if driven {
         words.advice.insert(0, coasts.to_owned());
@@ -317,9 +320,9 @@ pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> Notice
     NoticeText::new(
         Topic::Choice,
         Tone::Calm,
-        tr!("Motor {before} is being stopped", before),
+        tr!("Stopping motor {before}", before),
         &[&tr!(
-            "You chose motor {chosen}; only the chosen motor is driven.",
+            "You selected motor {chosen}. This stops the motor that was running.",
             chosen
         )],
     )
@@ -328,17 +331,17 @@ pub(crate) fn of_choice_while_driven(before: MotorId, chosen: MotorId) -> Notice
 /// Why all motors are stopped, in the words of the dialog.
 pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
     match reason {
-        StopReason::Operator => tr!("You pressed Stop all motors."),
+        StopReason::Operator => tr!("You stopped all motors."),
         StopReason::PageHidden => tr!("The page was hidden, and Keep driving while hidden is off."),
         StopReason::PageGone => tr!("The page was closed, reloaded or frozen."),
-        StopReason::PageSilent => tr!("The page did not answer its worker for a second."),
+        StopReason::PageSilent => tr!("The page did not respond for 1 s."),
         StopReason::ComputerSlept => tr!("The computer slept; motors were stopped."),
         StopReason::LoopDelayed => {
-            tr!("The computer was too busy to keep driving; motors were stopped.")
+            tr!("The computer was too busy; motors were stopped.")
         }
         StopReason::Disconnect => tr!("The port was closed."),
         StopReason::OneMotor => tr!("A motor was stopped."),
-        StopReason::Survey => tr!("The bus is to be scanned."),
+        StopReason::Survey => tr!("A bus scan is starting."),
     }
 }
 

@@ -27,7 +27,7 @@ fn a_silent_motor_gets_the_checklist() {
         Notice::IdQueryEnded(IdQueryOutcome::Nobody),
     ] {
         let said = said(&notice).unwrap();
-        for check in ["18 V", "brown", "orange and white", "right ID"] {
+        for check in ["18 V", "brown", "orange and white", "ID correct"] {
             assert!(said.contains(check), "{said}");
         }
     }
@@ -67,7 +67,7 @@ fn a_stop_is_only_told_of_where_it_is_not_confirmed() {
     assert_eq!(said(&report(true, Some(Rpm::new(0)))), None);
     let words = said(&report(false, None)).unwrap();
     assert!(words.contains("motor 0x01 (speed unknown)"), "{words}");
-    assert!(words.contains("power off"), "{words}");
+    assert!(words.contains("off the power"), "{words}");
     let words = said(&report(false, Some(Rpm::new(-30)))).unwrap();
     assert!(words.contains("(30 rpm)"), "{words}");
 }
@@ -75,9 +75,11 @@ fn a_stop_is_only_told_of_where_it_is_not_confirmed() {
 #[test]
 fn a_withdrawn_setpoint_says_why() {
     let withdrawn = |reason| said(&Notice::Withdrawn { id: ID, reason }).unwrap();
-    assert!(withdrawn(WithdrawReason::Fault(Faults::from_byte(8))).contains("reports stall"));
+    assert!(
+        withdrawn(WithdrawReason::Fault(Faults::from_byte(8))).contains("reports a fault (stall)")
+    );
     let reported = Mode::Velocity;
-    assert!(withdrawn(WithdrawReason::OtherLoop { reported }).contains("lost power"));
+    assert!(withdrawn(WithdrawReason::OtherLoop { reported }).contains("power loss"));
     assert!(withdrawn(WithdrawReason::Silent).contains("200 ms"));
 }
 
@@ -87,18 +89,15 @@ fn a_drive_that_was_ended_says_what_was() {
     let stall = WithdrawReason::Fault(Faults::from_byte(8));
     assert_eq!(
         ended(stall, &[ID]),
-        "Motor 0x01 is no longer driven: it reported stall"
+        "Motor 0x01 is no longer running: it reported a fault (stall)"
     );
     let two = MotorId::new(2).unwrap();
     let both = ended(WithdrawReason::Silent, &[ID, two]);
     assert!(
-        both.starts_with("Motors 0x01, 0x02 are no longer driven"),
+        both.starts_with("Motors 0x01, 0x02 are no longer running"),
         "{both}"
     );
-    assert!(
-        both.contains("because of motor 0x01: it did not answer"),
-        "{both}"
-    );
+    assert!(both.contains("because of motor 0x01: no reply"), "{both}");
 }
 
 #[test]

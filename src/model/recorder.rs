@@ -78,6 +78,6 @@ impl Recorder {
             return Some(no_recorder().to_owned());
         }
         let other = self.exporting.get().filter(|one| one.what != what);
-        other.map(|_| tr!("The other file is being written.").to_owned())
+        other.map(|_| tr!("Another export is running.").to_owned())
     }
 }

@@ -10,7 +10,7 @@ use crate::model::{
 
 /// Why nothing can be done with the log any more.
 pub(crate) fn no_recorder() -> &'static str {
-    tr!("The packet log has stopped. Reload the page to begin anew.")
+    tr!("The packet log has stopped. Reload the page to restart it.")
 }
 
 /// The recorder has failed, or did not start.
@@ -20,8 +20,8 @@ pub(crate) fn of_dead_recorder() -> NoticeText {
         Tone::Error,
         tr!("The packet log and the recording have stopped"),
         &[
-            tr!("Driving goes on untouched. What was logged and recorded is lost."),
-            tr!("To log again, stop the motors and reload the page."),
+            tr!("Motors keep running. The log and the recording are lost."),
+            tr!("To restart the log, stop the motors and reload the page."),
         ],
     )
     .explained_at(HelpTopic::Troubleshooting)
@@ -31,12 +31,12 @@ pub(crate) fn of_dead_recorder() -> NoticeText {
 pub(crate) fn of_nothing_to_export(what: Export) -> NoticeText {
     let (title, advice) = match what {
         Export::Log => (
-            tr!("The packet log is empty: no file was made"),
-            tr!("Connect a motor; every frame will be logged."),
+            tr!("The packet log is empty: no file created"),
+            tr!("Connect a motor to log its frames."),
         ),
         Export::Telemetry => (
-            tr!("There is no sample yet: no file was made"),
-            tr!("Connect a motor; every reply of the last 10 minutes is kept."),
+            tr!("No samples yet: no file created"),
+            tr!("Connect a motor. Replies of the last 10 minutes are stored."),
         ),
     };
     NoticeText::new(Topic::Export, Tone::Calm, title, &[advice])
@@ -50,7 +50,7 @@ mod tests {
     fn a_dead_recorder_says_that_driving_goes_on() {
         let words = of_dead_recorder();
         assert_eq!(words.topic, Topic::Recorder);
-        assert!(words.advice.join(" ").contains("Driving goes on"));
+        assert!(words.advice.join(" ").contains("Motors keep running"));
         for what in [Export::Log, Export::Telemetry] {
             assert!(of_nothing_to_export(what).title.contains("no file"));
         }

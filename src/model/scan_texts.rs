@@ -20,7 +20,7 @@ const NAMED_MAX: usize = 8;
 
 /// Why an ID is only changed on a bus with one motor.
 fn one_motor_only() -> &'static str {
-    tr!("Every motor that hears a new ID takes it: leave only the one connected that is to get it.")
+    tr!("A new ID reaches every motor on the bus: connect only the motor to change.")
 }
 
 fn text(tone: Tone, title: impl Into<String>, advice: &[&str]) -> NoticeText {
@@ -61,31 +61,31 @@ pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> NoticeText {
     let said = match outcome {
         IdQueryOutcome::One(id) => text(
             Tone::Calm,
-            tr!("Motor {id} answers", id),
+            tr!("Motor {id} found", id),
             &[tr!(
-                "One clean answer. Full scan makes sure that there is no other."
+                "One valid reply. Run Full scan to rule out other motors."
             )],
         ),
         IdQueryOutcome::Cancelled => text(
             Tone::Calm,
-            tr!("The ID query was not sent: a stop came first"),
+            tr!("A stop cancelled the ID query"),
             &[tr!("Press Scan again.")],
         ),
         IdQueryOutcome::Nobody => text(
             Tone::Warning,
-            tr!("No motor answers on this adapter"),
+            tr!("No motors found on this adapter"),
             &wiring(),
         ),
         IdQueryOutcome::Garbled => NoticeText {
             remedy: Some(Remedy::FullScan),
             ..text(
                 Tone::Warning,
-                tr!("Several motors answered at once, or there is noise on the line"),
+                tr!("Several motors replied at once, or there is noise on the bus"),
                 &[
-                    tr!("Full scan asks every address on its own and finds them all."),
+                    tr!("Full scan queries each address in turn and finds every motor."),
                     tr!(
-                        "Only one motor on the line? Then check A and B, and put 120 Ω across them \
-                     beyond 1 m."
+                        "Only one motor on the bus? Check A and B. If the bus is longer than 1 m, \
+                         add 120 Ω across them."
                     ),
                 ],
             )
@@ -102,26 +102,26 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
     let found = found(&report.found);
     if !report.complete {
         let title = tr!(
-            "The scan was cancelled after {count} addresses",
+            "Scan cancelled after {count} addresses",
             count = report.asked
         );
-        return text(Tone::Calm, title, &[&tr!("Until then: {found}.", found)]);
+        return text(Tone::Calm, title, &[&tr!("Before that: {found}.", found)]);
     }
     if !report.noisy.is_empty() {
         let title = tr!(
-            "Noise, but no clean answer at {ids}",
+            "Noise, but no valid reply at {ids}",
             ids = ids(&report.noisy)
         );
-        let shared =
-            tr!("Two motors may share an ID there: connect one of them alone and give it another.");
-        let line = tr!("Else check A and B, and put 120 Ω across them beyond 1 m.");
-        let rest = tr!("Besides: {found}.", found);
+        let shared = tr!("Two motors may share an ID. Connect only one of them and change its ID.");
+        let line =
+            tr!("Otherwise check A and B. If the bus is longer than 1 m, add 120 Ω across them.");
+        let rest = tr!("Also: {found}.", found);
         return text(Tone::Warning, title, &[shared, line, &rest]);
     }
     if report.found.is_empty() {
         return text(
             Tone::Warning,
-            tr!("No motor answers at any address"),
+            tr!("No motors found at any address"),
             &wiring(),
         );
     }
@@ -131,7 +131,7 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
         Tone::Calm,
         title,
         &[&tr!(
-            "All {count} addresses were asked, in {took}.",
+            "Queried all {count} addresses in {took}.",
             count = report.asked,
             took
         )],
@@ -142,7 +142,7 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
 pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
     let unchanged = |why: &str| tr!("The ID was not changed: {why}", why);
     if !report.complete {
-        let advice = tr!("Only a whole scan proves that one motor is there. Press Set ID again.");
+        let advice = tr!("Only a complete scan can confirm a single motor. Press Set ID again.");
         return text(
             Tone::Calm,
             unchanged(tr!("the scan was cancelled")),
@@ -151,7 +151,7 @@ pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
     }
     if !report.noisy.is_empty() {
         let noise = tr!("noise at {ids}", ids = ids(&report.noisy));
-        let advice = tr!("Two motors may share an ID there, or the line is bad.");
+        let advice = tr!("Two motors may share an ID, or the bus is faulty.");
         return text(
             Tone::Warning,
             unchanged(&noise),
@@ -159,12 +159,12 @@ pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
         );
     }
     match report.found.as_slice() {
-        [] => text(Tone::Warning, unchanged(tr!("no motor answers")), &wiring()),
+        [] => text(Tone::Warning, unchanged(tr!("no motors found")), &wiring()),
         [only] => text(
             Tone::Calm,
-            tr!("Motor {only} has this ID already", only),
+            tr!("Motor {only} already has this ID", only),
             &[&tr!(
-                "{number} is {only}: there is nothing to change.",
+                "{number} is {only}: nothing to change.",
                 number = to.id().get(),
                 only
             )],
@@ -187,24 +187,25 @@ pub(crate) fn of_id_change(
     match outcome {
         IdChangeOutcome::Changed => text(
             Tone::Calm,
-            tr!("Motor {from} is motor {to} now", from, to),
+            tr!("Motor {from} now has ID {to}", from, to),
             &[
                 tr!(
-                    "The new ID answers and the old one is silent. The motor keeps it through power-off."
+                    "The motor replies to the new ID and no longer to the old one. The ID survives \
+                     power-off."
                 ),
-                tr!("To change it again, switch the motor's power off and on first."),
+                tr!("To change the ID again, power-cycle the motor first."),
             ],
         ),
         IdChangeOutcome::Kept { frames } => {
             let why = tr!(
-                "It has taken an ID since power-up already (its firmware allows one), or {count} frames \
-                 in a row are too few for it.",
+                "The ID was already changed since power-up (the firmware allows one change), or \
+                 the motor needs more than {count} frames in a row.",
                 count = frames.count()
             );
-            let power = tr!("Switch its power off and on, then press Set ID again.");
+            let power = tr!("Power-cycle the motor, then press Set ID again.");
             let more = frames.more().map(|more| {
                 tr!(
-                    "Or press Send {count} frames: some motors take more.",
+                    "Or press Send {count} frames: some motors need more.",
                     count = more.count()
                 )
             });
@@ -212,59 +213,56 @@ pub(crate) fn of_id_change(
             let advice: Vec<&str> = advice.collect();
             text(
                 Tone::Warning,
-                tr!("Motor {from} kept its ID", from),
+                tr!("Motor {from} did not change its ID", from),
                 &advice,
             )
         }
         IdChangeOutcome::Lost => text(
             Tone::Error,
-            tr!("Neither {from} nor {to} answers", from, to),
+            tr!("No reply from {from} or {to}", from, to),
             &[tr!(
-                "Check the motor's power and plugs, then press Full scan to see which ID it has."
+                "Check the motor's power and plugs, then press Full scan to find its ID."
             )],
         )
         .explained_at(HelpTopic::NoAnswer),
         IdChangeOutcome::Both => text(
             Tone::Error,
             tr!(
-                "Both {from} and {to} answer: there is more than one motor",
+                "Both {from} and {to} reply: more than one motor is connected",
                 from,
                 to
             ),
-            &[
-                tr!("Press Full scan to see who is there."),
-                one_motor_only(),
-            ],
+            &[tr!("Press Full scan to find all motors."), one_motor_only()],
         ),
         IdChangeOutcome::NotAlone => text(
             Tone::Warning,
-            unchanged(tr!("the line is not as the scan found it")),
+            unchanged(tr!("the bus has changed since the scan")),
             &[
-                tr!("Nothing was sent. A motor was added or removed, or the answer was lost."),
+                tr!("Nothing was sent. A motor was added or removed, or a reply was lost."),
                 one_motor_only(),
             ],
         ),
         IdChangeOutcome::NotStopped => text(
             Tone::Error,
-            unchanged(tr!("a motor did not confirm its stop")),
+            unchanged(tr!("a motor did not confirm the stop")),
             &[tr!(
-                "Nothing was sent. Look at the wheel; if it turns, switch its power off."
+                "Nothing was sent. Check the wheel: if it is turning, switch off the power."
             )],
         )
         .explained_at(HelpTopic::StopNotConfirmed),
         IdChangeOutcome::Cancelled { frames_sent: 0 } => text(
             Tone::Calm,
-            unchanged(tr!("it was cancelled")),
+            unchanged(tr!("cancelled")),
             &[tr!("Nothing was sent.")],
         ),
         IdChangeOutcome::Cancelled { frames_sent } => text(
             Tone::Warning,
             tr!(
-                "The ID change was cut short after {frames_sent} frames",
+                "ID change cancelled after {frames_sent} frames",
                 frames_sent
             ),
             &[&tr!(
-                "The motor may have either ID, {from} or {to}: press Full scan to see which.",
+                "The ID may be {from} or {to}. Press Full scan to check.",
                 from,
                 to
             )],
@@ -275,8 +273,8 @@ pub(crate) fn of_id_change(
 /// How far a scan or ID change is.
 pub(crate) fn of_progress(survey: Option<&SurveyStatus>) -> String {
     match survey {
-        None => tr!("No scan is running; a scan first stops what is driven").to_owned(),
-        Some(SurveyStatus::Stopping) => tr!("What is driven is stopped first").to_owned(),
+        None => tr!("No scan running. A scan stops all motors first.").to_owned(),
+        Some(SurveyStatus::Stopping) => tr!("Stopping motors first").to_owned(),
         Some(SurveyStatus::Scanning {
             asked, of, left_ms, ..
         }) => {
@@ -285,23 +283,23 @@ pub(crate) fn of_progress(survey: Option<&SurveyStatus>) -> String {
             tr!("{asked} of {of}, about {left} s left", asked, of, left)
         }
         Some(SurveyStatus::SettingId { from, to }) => {
-            tr!("Motor {from} is being given ID {to}", from, to = to.id())
+            tr!("Changing motor {from} to ID {to}", from, to = to.id())
         }
     }
 }
 
-/// `motor 0x01 answers`, `3 motors answer, 0x01, 0x02, 0x07`.
+/// `motor 0x01 found`, `3 motors found (0x01, 0x02, 0x07)`.
 fn found(motors: &[MotorId]) -> String {
     match motors {
-        [] => tr!("no motor answers").to_owned(),
-        [only] => tr!("motor {only} answers", only),
+        [] => tr!("no motors found").to_owned(),
+        [only] => tr!("motor {only} found", only),
         several => several_answer(several),
     }
 }
 
 fn several_answer(motors: &[MotorId]) -> String {
     tr!(
-        "{count} motors answer, {ids}",
+        "{count} motors found ({ids})",
         count = motors.len(),
         ids = ids(motors)
     )
@@ -333,8 +331,8 @@ pub(crate) fn wiring() -> [&'static str; 4] {
     [
         tr!("Is the motor's 18 V supply on?"),
         tr!("Is the brown wire tied to GND?"),
-        tr!("Swap orange and white: adapters label A and B both ways."),
-        tr!("Is it the right ID? Choose another in the list Motor."),
+        tr!("Swap orange and white: some adapters label A and B the other way round."),
+        tr!("Is the ID correct? Select another one in the Motor list."),
     ]
 }
 

@@ -30,12 +30,12 @@ fn text(words: &NoticeText) -> String {
 fn a_scan_names_who_answers_and_where_there_is_noise() {
     assert_eq!(
         text(&of_scan(&report(&[1, 2, 7], &[]))),
-        "Full scan: 3 motors answer, 0x01, 0x02, 0x07 | All 254 addresses were asked, in 2.1 s."
+        "Full scan: 3 motors found (0x01, 0x02, 0x07) | Queried all 254 addresses in 2.1 s."
     );
     let noisy = text(&of_scan(&report(&[1], &[5])));
-    assert!(noisy.starts_with("Noise, but no clean answer at 0x05"));
+    assert!(noisy.starts_with("Noise, but no valid reply at 0x05"));
     assert!(noisy.contains("share an ID"), "{noisy}");
-    assert!(noisy.contains("motor 0x01 answers"), "{noisy}");
+    assert!(noisy.contains("motor 0x01 found"), "{noisy}");
     let none = text(&of_scan(&report(&[], &[])));
     assert!(none.contains("orange and white"), "{none}");
     let cancelled = ScanReport {
@@ -45,7 +45,7 @@ fn a_scan_names_who_answers_and_where_there_is_noise() {
     };
     assert_eq!(
         text(&of_scan(&cancelled)),
-        "The scan was cancelled after 118 addresses | Until then: motor 0x01 answers."
+        "Scan cancelled after 118 addresses | Before that: motor 0x01 found."
     );
 }
 
@@ -53,7 +53,7 @@ fn a_scan_names_who_answers_and_where_there_is_noise() {
 fn a_crowd_is_counted() {
     let crowd: Vec<u8> = (1..=12).collect();
     let words = text(&of_scan(&report(&crowd, &[])));
-    assert!(words.contains("12 motors answer"), "{words}");
+    assert!(words.contains("12 motors found"), "{words}");
     assert!(words.contains("0x08 and 4 more"), "{words}");
 }
 
@@ -64,8 +64,8 @@ fn an_id_that_is_not_changed_says_why_and_names_the_motors() {
         ..report(&[1], &[])
     };
     for (report, why) in [
-        (report(&[1, 2], &[]), "2 motors answer, 0x01, 0x02"),
-        (report(&[], &[]), "no motor answers"),
+        (report(&[1, 2], &[]), "2 motors found (0x01, 0x02)"),
+        (report(&[], &[]), "no motors found"),
         (report(&[1], &[9]), "noise at 0x09"),
         (cancelled, "the scan was cancelled"),
     ] {
@@ -74,28 +74,24 @@ fn an_id_that_is_not_changed_says_why_and_names_the_motors() {
         assert!(words.contains(why), "{words}");
     }
     let words = text(&of_no_proof(&report(&[5], &[]), new_id(5)));
-    assert!(words.starts_with("Motor 0x05 has this ID already"));
+    assert!(words.starts_with("Motor 0x05 already has this ID"));
 }
 
 #[test]
 fn every_end_of_an_id_change_says_what_to_do() {
     for (outcome, tone, what) in [
-        (IdChangeOutcome::Changed, Tone::Calm, "motor 0x05 now"),
+        (IdChangeOutcome::Changed, Tone::Calm, "now has ID 0x05"),
         (
             IdChangeOutcome::Kept {
                 frames: SetIdFrames::Five,
             },
             Tone::Warning,
-            "Switch its power off and on",
+            "Power-cycle the motor",
         ),
         (IdChangeOutcome::Lost, Tone::Error, "Full scan"),
         (IdChangeOutcome::Both, Tone::Error, "Full scan"),
         (IdChangeOutcome::NotAlone, Tone::Warning, "Nothing was sent"),
-        (
-            IdChangeOutcome::NotStopped,
-            Tone::Error,
-            "Look at the wheel",
-        ),
+        (IdChangeOutcome::NotStopped, Tone::Error, "Check the wheel"),
         (
             IdChangeOutcome::Cancelled { frames_sent: 0 },
             Tone::Calm,
@@ -104,7 +100,7 @@ fn every_end_of_an_id_change_says_what_to_do() {
         (
             IdChangeOutcome::Cancelled { frames_sent: 3 },
             Tone::Warning,
-            "either ID",
+            "The ID may be",
         ),
     ] {
         let words = of_id_change(id(1), new_id(5), outcome);
@@ -117,11 +113,11 @@ fn every_end_of_an_id_change_says_what_to_do() {
 fn two_motors_at_once_are_offered_the_full_scan() {
     let words = of_id_query(IdQueryOutcome::Garbled);
     assert_eq!(words.remedy, Some(Remedy::FullScan));
-    assert!(text(&words).contains("Full scan asks every address"));
+    assert!(text(&words).contains("Full scan queries each address"));
     let words = of_id_query(IdQueryOutcome::One(id(7)));
     assert_eq!(
         (words.remedy, words.title.as_str()),
-        (None, "Motor 0x07 answers")
+        (None, "Motor 0x07 found")
     );
 }
 
@@ -136,6 +132,6 @@ fn progress_is_said_with_an_estimate() {
     let words = |survey| of_progress(Some(&survey));
     assert_eq!(words(scanning(118, 900)), "118 of 254, about 1 s left");
     assert_eq!(words(scanning(0, 6_001)), "0 of 254, about 7 s left");
-    assert!(words(SurveyStatus::Stopping).contains("stopped first"));
-    assert!(of_progress(None).contains("first stops what is driven"));
+    assert!(words(SurveyStatus::Stopping).contains("Stopping motors first"));
+    assert!(of_progress(None).contains("stops all motors first"));
 }

@@ -91,13 +91,13 @@ fn a_mark_of_an_editor_and_other_orders_are_read() {
 
 #[test]
 fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
-    const MODEL: &str = "model: allowed is \"m0601\" or \"ddsm115\".";
-    const RATE: &str = "command_rate_hz: allowed is a whole number from 1 to 500.";
-    const KEEP: &str = "keep_driving_while_hidden: allowed is true or false.";
-    const SPEED: &str = "speed_limit_rpm: allowed is a whole number from 1 to 330.";
-    const CURRENT: &str = "current_limit_ma: allowed is a whole number from 100 to 8000.";
-    const TEMPERATURE: &str = "temperature_limit_c: allowed is a whole number from 30 to 80.";
-    const RAMP: &str = "ramp_rpm_per_s: allowed is a whole number from 0 to 10000.";
+    const MODEL: &str = "model: expected \"m0601\" or \"ddsm115\".";
+    const RATE: &str = "command_rate_hz: expected a whole number from 1 to 500.";
+    const KEEP: &str = "keep_driving_while_hidden: expected true or false.";
+    const SPEED: &str = "speed_limit_rpm: expected a whole number from 1 to 330.";
+    const CURRENT: &str = "current_limit_ma: expected a whole number from 100 to 8000.";
+    const TEMPERATURE: &str = "temperature_limit_c: expected a whole number from 30 to 80.";
+    const RAMP: &str = "ramp_rpm_per_s: expected a whole number from 0 to 10000.";
     for (field, refusal) in [
         ("\"model\": \"M0601\"", MODEL),
         ("\"model\": 1", MODEL),
@@ -116,19 +116,20 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"speed_limit_rpm\": 331", SPEED),
         ("\"current_limit_ma\": 2.7", CURRENT),
         ("\"temperature_limit_c\": 29", TEMPERATURE),
-        ("\"motors\": {}", "motors: allowed is a list of motors."),
-        ("\"motors\": [1]", "motors[0]: allowed is fields in braces."),
+        ("\"motors\": {}", "motors: expected a list of motors."),
+        ("\"motors\": [1]", "motors[0]: expected a JSON object."),
         (
             "\"speed_max_rpm\": 100",
-            "speed_max_rpm: unknown; there are motorlink_setup, model, command_rate_hz, \
-             keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, \
-             temperature_limit_c, motors.",
+            "speed_max_rpm: unknown field; known fields: motorlink_setup, model, command_rate_hz, keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, temperature_limit_c, motors.",
         ),
         (
             "\"model\": \"m0601\", \"m\\u006fdel\": \"m0601\"",
-            "model: is there twice.",
+            "model: duplicate field.",
         ),
-        ("\"motorlink_setup\": 1", "motorlink_setup: is there twice."),
+        (
+            "\"motorlink_setup\": 1",
+            "motorlink_setup: duplicate field.",
+        ),
     ] {
         assert_eq!(refused(&with(field)), refusal, "{field}");
     }
@@ -136,10 +137,9 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
 
 #[test]
 fn a_motor_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
-    const ID: &str = "id: allowed is a whole number from 1 to 254.";
-    const NAME: &str =
-        "name: allowed is a text of at most 16 characters, without line breaks and the like.";
-    const SIDE: &str = "side: allowed is \"none\", \"left\" or \"right\".";
+    const ID: &str = "id: expected a whole number from 1 to 254.";
+    const NAME: &str = "name: expected text of at most 16 characters, no control characters.";
+    const SIDE: &str = "side: expected \"none\", \"left\" or \"right\".";
     for (fields, refusal) in [
         ("\"id\": 0", ID),
         ("\"id\": 255", ID),
@@ -147,9 +147,9 @@ fn a_motor_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"id\": \"1\"", ID),
         (
             "\"name\": \"x\"",
-            "id: is missing; allowed is a whole number from 1 to 254.",
+            "id: missing; expected a whole number from 1 to 254.",
         ),
-        ("\"id\": 1", "id: a motor before it has this ID."),
+        ("\"id\": 1", "id: duplicate ID."),
         ("\"id\": 3, \"name\": \"12345678901234567\"", NAME),
         ("\"id\": 3, \"name\": \"a\\nb\"", NAME),
         ("\"id\": 3, \"name\": \"\\u0000\"", NAME),
@@ -159,19 +159,19 @@ fn a_motor_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"id\": 3, \"side\": true", SIDE),
         (
             "\"id\": 3, \"drives_together\": \"no\"",
-            "drives_together: allowed is true or false.",
+            "drives_together: expected true or false.",
         ),
         (
             "\"id\": 3, \"side\": \"left\", \"side\": \"right\"",
-            "side: is there twice.",
+            "side: duplicate field.",
         ),
         (
             "\"id\": 3, \"colour\\n\": 1",
-            "colour: unknown; there are id, name, side, drives_together.",
+            "colour: unknown field; known fields: id, name, side, drives_together.",
         ),
         (
             "\"id\": 3, \"a_name_that_goes_on_and_on_and_on_and_on\": 1",
-            "a_name_that_goes_on_and_on_and_o: unknown; there are id, name, side, drives_together.",
+            "a_name_that_goes_on_and_on_and_o: unknown field; known fields: id, name, side, drives_together.",
         ),
     ] {
         let file = with(&format!("\"motors\": [{{\"id\": 1}}, {{{fields}}}]"));
@@ -181,16 +181,16 @@ fn a_motor_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
 
 #[test]
 fn a_file_of_another_version_is_refused_whatever_else_is_in_it() {
-    let allowed = "allowed is 1, the version that this page reads.";
+    let allowed = "expected 1 (the supported version).";
     for version in ["2", "0", "\"1\"", "1.0", "true"] {
         let file = format!("{{\"new\": [], \"motorlink_setup\": {version}}}");
         assert_eq!(refused(&file), format!("motorlink_setup: {allowed}"));
     }
-    let missing = format!("motorlink_setup: is missing; {allowed}");
+    let missing = format!("motorlink_setup: missing; {allowed}");
     assert_eq!(refused("{}"), missing);
     assert_eq!(refused("{\"package\": \"x\"}"), missing);
     for none in ["[]", "1", "null", "\"motorlink_setup\""] {
-        assert_eq!(refused(none), "The file: allowed is fields in braces.");
+        assert_eq!(refused(none), "The file: expected a JSON object.");
     }
 }
 
@@ -235,7 +235,7 @@ fn the_longest_setup_fits_and_a_larger_file_is_not_even_read() {
     assert!(file.len() < SETUP_BYTES_MAX * 6 / 10, "{}", file.len());
     assert_eq!(Setup::from_json(file.as_bytes()), Ok(all));
     let file = " ".repeat(SETUP_BYTES_MAX + 1);
-    assert_eq!(refused(&file), "A setup has at most 64 KB.");
+    assert_eq!(refused(&file), "File too large: a setup has at most 64 KB.");
 }
 
 #[test]

@@ -46,12 +46,9 @@ pub(crate) fn crossed(crossed: Crossed) -> String {
 /// Why motors cannot be driven as one.
 pub(crate) fn not_together(why: NotTogether) -> String {
     match why {
-        NotTogether::Nobody => tr!("No motor is chosen.").to_owned(),
-        NotTogether::TooMany => tr!(
-            "At most {count} motors are driven together.",
-            count = Together::MAX
-        ),
-        NotTogether::Twice(id) => tr!("Motor {id} is named twice.", id),
+        NotTogether::Nobody => tr!("No motor is selected.").to_owned(),
+        NotTogether::TooMany => tr!("A group has at most {count} motors.", count = Together::MAX),
+        NotTogether::Twice(id) => tr!("Motor {id} is listed twice.", id),
     }
 }
 
@@ -60,7 +57,7 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
     match refusal {
         Refusal::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
         Refusal::NotHeard(id) => tr!(
-            "Motor {id} has not answered, so its loop is not known. Check its power and ID.",
+            "Motor {id} has not replied, so its loop is unknown. Check its power and ID.",
             id
         ),
         Refusal::OtherLoop {
@@ -68,75 +65,73 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             asked,
             reported,
         } => tr!(
-            "Motor {id} reports the {reported}. Switch it to the {asked} first.",
+            "Motor {id} is in the {reported}. Switch it to the {asked} first.",
             id,
             reported = mode(reported),
             asked = mode(asked)
         ),
         Refusal::SpeedUnknown(id) => tr!(
-            "The position loop needs a known speed, and motor {id} has reported none in the last 500 ms.",
+            "The position loop needs a known speed. Motor {id} has reported none for 500 ms: check \
+             the link.",
             id
         ),
         Refusal::TooFast(speed) => tr!(
-            "The position loop needs less than 10 rpm; the wheel turns at {speed}. Stop it first.",
+            "The wheel turns at {speed}. The position loop needs less than 10 rpm: stop the motor \
+             first.",
             speed = format!("{} rpm", format::speed(speed))
         ),
         Refusal::FaultActive { id, faults } => tr!(
-            "Motor {id} reports {faults} and ignores commands until that clears. Press again then.",
+            "Motor {id} reports a fault ({faults}) and ignores commands. When the fault clears, \
+             press again.",
             id,
             faults = motorlink_i18n::terms::faults(faults)
         ),
         Refusal::NeedsConsent(current) => tr!(
-            "{current} is above 6.1 A: confirm that it is meant.",
+            "{current} is above 6.1 A. Confirm to continue.",
             current = format::amps_of(current)
         ),
         Refusal::AboveSpeedLimit(limit) => tr!(
-            "That is above your speed limit of {limit} rpm. Ask for less, or raise the limit.",
+            "Above your speed limit of {limit} rpm. Lower the target, or raise the limit.",
             limit
         ),
         Refusal::TooHot { id, crossed } => tr!(
-            "Motor {id} has {crossed}. Let it cool, or raise the limit.",
+            "Motor {id} is at {crossed}. Let it cool, or raise the limit.",
             id,
             crossed = self::crossed(crossed)
         ),
         Refusal::Stopping(id) => tr!(
-            "Motor {id} is being stopped. Press again when it stands.",
+            "Motor {id} is stopping. Press again when it has stopped.",
             id
         ),
         Refusal::NotHolding(id) => tr!(
-            "Motor {id} is not driven in the position loop: there is nothing to stop.",
+            "Motor {id} is not running in the position loop: nothing to stop.",
             id
         ),
-        Refusal::NotDriven(id) => tr!("Motor {id} is not driven. Press Start.", id),
-        Refusal::PageSilent => {
-            tr!("The page had stopped answering when this was pressed. Press again.").to_owned()
-        }
+        Refusal::NotDriven(id) => tr!("Motor {id} is not running. Press Start.", id),
+        Refusal::PageSilent => tr!("The page was not responding. Press again.").to_owned(),
         Refusal::Together(id) => tr!(
-            "Motor {id} is driven together with others. Stop them first.",
+            "Motor {id} is running in a group. Stop the group first.",
             id
         ),
-        Refusal::Switching(id) => tr!(
-            "Motor {id} is changing its loop. Press again when it has.",
-            id
-        ),
-        Refusal::Driven(id) => tr!("Motor {id} is driven. Stop it first.", id),
+        Refusal::Switching(id) => tr!("Motor {id} is switching loops. Press again afterwards.", id),
+        Refusal::Driven(id) => tr!("Motor {id} is running. Stop it first.", id),
         Refusal::Surveying => {
-            tr!("The bus is being scanned. Wait for its end, or cancel it.").to_owned()
+            tr!("A bus scan is running. Wait until it ends, or cancel it.").to_owned()
         }
         Refusal::NotProvedAlone => tr!(
-            "An ID is set on every motor that hears it. Make a full scan first: it has to find exactly one motor."
+            "Setting an ID affects every motor on the bus. Run a full scan first: it must find \
+             exactly one motor."
         )
         .to_owned(),
-        Refusal::SameId(id) => tr!("The motor has ID {id} already.", id),
-        Refusal::RawRunning => {
-            tr!("A raw frame is being repeated. Stop that first.").to_owned()
-        }
+        Refusal::SameId(id) => tr!("The motor already has ID {id}.", id),
+        Refusal::RawRunning => tr!("A raw frame is repeating. Stop it first.").to_owned(),
         Refusal::ReversesTorque(id) => tr!(
-            "Motor {id} may still follow the opposite current. Send it 0 first.",
+            "Motor {id} may still run at the opposite current. Send 0 first.",
             id
         ),
         Refusal::NotAssignable(id) => tr!(
-            "No motor may have ID {id}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another.",
+            "ID {id} is not allowed: a scan cannot find 0x00 or 0xFF, and 0xC8 is reserved for the \
+             ID query. Use another ID.",
             id = format!("0x{id:02X}")
         ),
     }

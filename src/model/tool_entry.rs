@@ -37,7 +37,8 @@ pub(crate) const COUNT: Entry = Entry {
     read: |text| {
         whole(text, |count| {
             let fits = (0..=COUNT_MAX).contains(&count);
-            fits.then_some(count).ok_or(tr!("Type 0 to 1,000,000."))
+            fits.then_some(count)
+                .ok_or(tr!("Enter 0 to 1\u{202F}000\u{202F}000."))
         })
     },
     show: |count| count.to_string(),
@@ -53,7 +54,8 @@ pub(crate) const INTERVAL: Entry = Entry {
     read: |text| {
         whole(text, |millis| {
             let fits = interval(millis).is_some();
-            fits.then_some(millis).ok_or(tr!("Type 2 to 60,000."))
+            fits.then_some(millis)
+                .ok_or(tr!("Enter 2 to 60\u{202F}000."))
         })
     },
     show: |millis| millis.to_string(),
@@ -72,7 +74,7 @@ pub(crate) const RAMP: Entry = Entry {
         }
         whole(text, |rpm| {
             let fits = (0..=Ramp::MAX.into()).contains(&rpm);
-            fits.then_some(rpm).ok_or(tr!("Type 0 to 10,000."))
+            fits.then_some(rpm).ok_or(tr!("Enter 0 to 10\u{202F}000."))
         })
     },
     show: |rpm| rpm.to_string(),
@@ -105,7 +107,7 @@ fn new_id(text: &str) -> Typed {
         return if number.bytes().all(|digit| digit.is_ascii_digit()) {
             whole(&text, |id| check(id).map(|_| id))
         } else {
-            Typed::Wrong(tr!("Type a number, such as 5 or 0x05.").to_owned())
+            Typed::Wrong(tr!("Enter a number, such as 5 or 0x05.").to_owned())
         };
     };
     if digits.is_empty() {
@@ -117,7 +119,7 @@ fn new_id(text: &str) -> Typed {
             check(id).map_or_else(|error| Typed::Wrong(error.to_owned()), |_| Typed::Value(id))
         }
         Err(_) if is_hex => Typed::Wrong(terms::no_motor_id(MotorIdError::TooLarge).to_owned()),
-        _ => Typed::Wrong(tr!("Behind 0x come hex digits, as in 0x0A.").to_owned()),
+        _ => Typed::Wrong(tr!("Enter hex digits after 0x, such as 0x0A.").to_owned()),
     }
 }
 
@@ -153,8 +155,8 @@ mod tests {
     #[test]
     fn an_id_that_no_motor_may_get_is_refused_with_the_reason() {
         for (text, why) in [
-            ("0", "0 is no motor's ID"),
-            ("0x00", "0 is no motor's ID"),
+            ("0", "0 is not a valid ID"),
+            ("0x00", "0 is not a valid ID"),
             ("255", "1 to 254"),
             ("0xFF", "1 to 254"),
             ("0x100000000", "1 to 254"),
@@ -197,13 +199,13 @@ mod tests {
         assert_eq!((COUNT.read)("0"), Typed::Value(0));
         assert_eq!(
             (COUNT.read)("1000001"),
-            Typed::Wrong("Type 0 to 1,000,000.".to_owned())
+            Typed::Wrong("Enter 0 to 1\u{202F}000\u{202F}000.".to_owned())
         );
         assert_eq!((INTERVAL.read)("60000"), Typed::Value(60_000));
         for text in ["1", "60001", "-5", "99999999999"] {
             assert_eq!(
                 (INTERVAL.read)(text),
-                Typed::Wrong("Type 2 to 60,000.".to_owned()),
+                Typed::Wrong("Enter 2 to 60\u{202F}000.".to_owned()),
                 "{text}"
             );
         }

@@ -228,11 +228,8 @@ fn milliamps(text: &str) -> Typed {
     let (least, most) = Limits::CURRENT_MA;
     match tenths.map(|tenths| tenths.saturating_mul(100)) {
         Some(value) if (least.into()..=most.into()).contains(&value) => Typed::Value(value),
-        Some(_) => Typed::Wrong(tr!(
-            "Current limit goes from 0.1 to 8 A; {text} is outside.",
-            text
-        )),
-        None => Typed::Wrong(tr!("Type a number of amps.").to_owned()),
+        Some(_) => Typed::Wrong(tr!("Current limit must be 0.1 to 8 A, not {text}.", text)),
+        None => Typed::Wrong(tr!("Enter the current in amps.").to_owned()),
     }
 }
 
@@ -241,7 +238,7 @@ fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String>
         Ok(value)
     } else {
         Err(tr!(
-            "{quantity} goes from {min} to {max}; {value} is outside.",
+            "{quantity} must be {min} to {max}, not {value}.",
             quantity,
             min,
             max,
@@ -285,7 +282,7 @@ pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, 
             };
             check(far).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
         }
-        Err(_) => Typed::Wrong(tr!("Type a whole number.").to_owned()),
+        Err(_) => Typed::Wrong(tr!("Enter a whole number.").to_owned()),
     }
 }
 
@@ -303,11 +300,8 @@ fn degrees(text: &str) -> Typed {
         Some(angle) if (0.0..=360.0).contains(&angle) => {
             Typed::Value(PositionTarget::from_degrees(angle).into())
         }
-        Some(_) => Typed::Wrong(tr!(
-            "Angle goes from 0 to 360 degrees; {text} is outside.",
-            text
-        )),
-        None => Typed::Wrong(tr!("Type a number of degrees.").to_owned()),
+        Some(_) => Typed::Wrong(tr!("Angle must be 0 to 360 degrees, not {text}.", text)),
+        None => Typed::Wrong(tr!("Enter the angle in degrees.").to_owned()),
     }
 }
 
@@ -399,10 +393,10 @@ mod tests {
         }
         assert_eq!(
             (SPEED.read)("12a"),
-            Typed::Wrong(tr!("Type a whole number.").to_owned())
+            Typed::Wrong(tr!("Enter a whole number.").to_owned())
         );
         for text in ["NaN", "1e2", "1.2.3", ".", "--1", "inf"] {
-            let words = tr!("Type a number of degrees.").to_owned();
+            let words = tr!("Enter the angle in degrees.").to_owned();
             assert_eq!((ANGLE.read)(text), Typed::Wrong(words), "{text}");
         }
     }

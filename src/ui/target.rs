@@ -74,7 +74,7 @@ impl Target {
                         *draft = None;
                         good = true;
                     }
-                    Typed::Unfinished => typing.trouble = Some(tr!("Type a number.").to_owned()),
+                    Typed::Unfinished => typing.trouble = Some(tr!("Enter a number.").to_owned()),
                     Typed::Wrong(words) => typing.trouble = Some(words),
                 }
             }

@@ -8,13 +8,13 @@ use crate::bench::Bench;
 /// What is there whichever tab is open.
 const ALWAYS: [(&str, &str); 40] = [
     ("button", "Connect"),
-    ("button", "Choose another port"),
+    ("button", "Other port"),
     ("button", "Virtual motor"),
     ("status", "Connection"),
     ("combobox", "Motor"),
     ("combobox", "Model"),
     ("status", "Link"),
-    ("button", "Stop all motors"),
+    ("button", "STOP all motors"),
     ("spinbutton", "Command rate"),
     ("checkbox", "Keep driving while hidden"),
     ("button", "Theme"),
@@ -160,7 +160,7 @@ async fn a_control_that_does_not_apply_says_why() {
     let start = bench.find("button", "Start");
     assert!(start.has_attribute("disabled"));
     assert!(start.title().contains("Not connected"), "{}", start.title());
-    let stop = bench.find("button", "Stop all motors");
+    let stop = bench.find("button", "STOP all motors");
     assert!(!stop.has_attribute("disabled"));
 }
 

@@ -14,7 +14,7 @@ use web_sys::{Element, HtmlButtonElement};
 
 use crate::bench::{Bench, motor};
 
-const NO_FAULT: &str = "No fault on record";
+const NO_FAULT: &str = "No faults recorded";
 const STALL: Faults = Faults::NONE.with(Fault::Stall);
 
 /// Milliseconds of the page's clock, which in these tests is the worker's too.

@@ -42,15 +42,15 @@ async fn until_nothing_is_offered(bench: &Bench) {
 #[wasm_bindgen_test]
 async fn a_kept_session_is_offered_in_words_and_restored_once() {
     let (recorder, bench) = offered("kept-restored").await;
-    let words = bench.text("status", "Kept session");
-    assert!(words.contains("is kept in this browser"), "{words}");
+    let words = bench.text("status", "Previous session");
+    assert!(words.contains("Session from"), "{words}");
     assert!(words.contains("packets, 3 min recorded"), "{words}");
     bench.click("Restore session");
     bench.click("Restore session");
     let told = recorder.told().await;
     assert_eq!(told, [ToRecorder::Restore]);
-    let words = bench.text("status", "Kept session");
-    assert!(words.contains("being restored"), "{words}");
+    let words = bench.text("status", "Previous session");
+    assert!(words.contains("Restoring"), "{words}");
     assert!(bench.commands().await.is_empty(), "nothing is driven");
     recorder.say(&FromRecorder::Restored);
     until_nothing_is_offered(&bench).await;
@@ -59,7 +59,7 @@ async fn a_kept_session_is_offered_in_words_and_restored_once() {
 #[wasm_bindgen_test]
 async fn a_kept_session_is_forgotten_or_left() {
     let (recorder, bench) = offered("kept-forgotten").await;
-    bench.click("Forget session");
+    bench.click("Delete session");
     until_nothing_is_offered(&bench).await;
     let told = recorder.told().await;
     assert!(told.contains(&ToRecorder::Forget), "{told:?}");
@@ -69,7 +69,7 @@ async fn a_kept_session_is_forgotten_or_left() {
             !bench.find_all("button", "Restore session").is_empty()
         })
         .await;
-    bench.click("Dismiss kept session");
+    bench.click("Dismiss previous session");
     until_nothing_is_offered(&bench).await;
     assert!(recorder.told().await.is_empty());
 }
@@ -81,7 +81,7 @@ async fn a_browser_without_room_is_a_line_of_the_log() {
     recorder.told().await;
     recorder.say(&FromRecorder::NotKept(NotKept::NoRoom));
     let told = recorder.told().await;
-    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::Say { error: true, text, .. } if text.contains("no room"));
+    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::Say { error: true, text, .. } if text.contains("storage is full"));
     assert!(told.iter().any(is_line), "{told:?}");
 }
 
@@ -100,24 +100,24 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
     };
     recorder.say(&FromRecorder::Recording(status));
     bench.open("Settings").await;
-    let button = bench.find("button", "Erase kept data");
+    let button = bench.find("button", "Delete all data");
     bench
         .until("the button to say why", || button.has_attribute("disabled"))
         .await;
     let title = button.get_attribute("title").unwrap();
-    assert!(title.contains("End the recording"), "{title}");
+    assert!(title.contains("Stop the recording"), "{title}");
     recorder.say(&FromRecorder::Recording(RecordingStatus::default()));
     bench
         .until("the button", || !button.has_attribute("disabled"))
         .await;
-    bench.click("Erase kept data");
+    bench.click("Delete all data");
     bench
         .until("the question", || {
-            !bench.find_all("button", "Erase").is_empty()
+            !bench.find_all("button", "Delete").is_empty()
         })
         .await;
     recorder.told().await;
-    bench.click("Erase");
+    bench.click("Delete");
     let told = recorder.told().await;
     assert!(told.contains(&ToRecorder::Erase), "{told:?}");
     let storage = web_sys::window().unwrap().local_storage().unwrap().unwrap();
@@ -126,6 +126,8 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
     assert_eq!(kept("motorlink.fleet"), None);
     recorder.say(&FromRecorder::Erased { all: true });
     bench
-        .until("words", || bench.text("status", "Setup").contains("Erased"))
+        .until("words", || {
+            bench.text("status", "Setup").contains("Deleted")
+        })
         .await;
 }

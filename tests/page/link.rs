@@ -17,7 +17,7 @@ use crate::{
 async fn open(name: &str) -> Bench {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
     bench.click("Link");
-    let there = || !bench.find_all("combobox", "Virtual wire").is_empty();
+    let there = || !bench.find_all("combobox", "Simulated fault").is_empty();
     bench.until("the panel", there).await;
     bench
 }
@@ -47,43 +47,44 @@ fn silent(bench: &Bench, requests: u64) {
 #[wasm_bindgen_test]
 async fn the_line_is_shown_and_the_doctor_says_what_is_wrong() {
     let bench = open("link-doctor").await;
-    let doctor = || bench.text("", "Link doctor");
+    let doctor = || bench.text("", "Link diagnosis");
     bench
         .until("nothing said", || doctor().starts_with("Connect"))
         .await;
     silent(&bench, 0);
     bench
         .until("the figures", || {
-            bench.text("status", "Exchanges") == "87 a second"
+            bench.text("status", "Exchanges") == "87/s"
         })
         .await;
     assert_eq!(
-        bench.text("status", "Bus time"),
+        bench.text("status", "Bus load"),
         "0 % drive 0 % queries 0 % other 41 % waiting"
     );
     assert_eq!(bench.text("status", "Round trip"), "2.4 ms median – ms p99");
     let bars = bench.find("img", "Round trip histogram");
     assert_eq!(bars.query_selector_all("text").unwrap().length(), 11);
-    assert_eq!(doctor(), "Too little was heard yet to say anything.");
+    assert_eq!(doctor(), "Not enough data for a diagnosis yet.");
     silent(&bench, 30);
     bench
         .until("the table", || {
             bench
-                .text("", "Motors on the line")
+                .text("", "Motors on the bus")
                 .contains("0x01030000Others")
         })
         .await;
     bench
-        .until("the diagnosis", || doctor().starts_with("Nothing at all"))
+        .until("the diagnosis", || doctor().starts_with("No bytes"))
         .await;
     let panel = bench.find("region", "Link");
-    assert!(text_of(&panel).contains("The line carries 54 Hz for each driven motor"));
+    assert!(text_of(&panel).contains("The bus allows only 54 Hz per motor"));
 }
 
 #[wasm_bindgen_test]
 async fn the_virtual_wire_is_chosen_and_a_real_one_is_not() {
     let bench = open("link-wire").await;
-    let wire = || -> HtmlSelectElement { bench.find("combobox", "Virtual wire").unchecked_into() };
+    let wire =
+        || -> HtmlSelectElement { bench.find("combobox", "Simulated fault").unchecked_into() };
     assert!(!wire().disabled());
     wire().set_value("3");
     let init = EventInit::new();

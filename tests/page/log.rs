@@ -26,15 +26,14 @@ async fn what_is_said_before_there_is_a_recorder_is_logged_once_there_is() {
     let recorder = FakeRecorder::new("log-early");
     let bench = Bench::after("log-early", || press("1")).await;
     let said = bench.text("region", "Notices");
-    assert!(said.contains("was not driven"), "{said}");
+    assert!(said.contains("not started"), "{said}");
     let time_origin_ms = performance().time_origin();
     bench.say(&ToPage::Hello { time_origin_ms });
     let told = recorder.told().await;
     let place = |is: fn(&ToRecorder) -> bool| told.iter().position(is);
     let epoch = place(|told| matches!(told, ToRecorder::Epoch { .. })).unwrap();
-    let line = place(
-        |told| matches!(told, ToRecorder::Say { text, .. } if text.contains("was not driven")),
-    );
+    let line =
+        place(|told| matches!(told, ToRecorder::Say { text, .. } if text.contains("not started")));
     assert!(line.unwrap() > epoch, "{told:?}");
 }
 
@@ -112,7 +111,7 @@ async fn what_happens_on_the_page_is_logged() {
     let [(false, text)] = said.as_slice() else {
         panic!("{said:?}");
     };
-    assert!(text.starts_with("Motor 0x01 was not driven. "), "{text}");
+    assert!(text.starts_with("Motor 0x01 not started. "), "{text}");
 }
 
 #[wasm_bindgen_test]
@@ -308,7 +307,7 @@ async fn a_dead_recorder_is_told_and_driving_goes_on() {
     assert!(
         bench
             .text("region", "Packet log")
-            .contains("Driving goes on")
+            .contains("Motors keep running")
     );
     for name in [
         "Clear",

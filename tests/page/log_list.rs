@@ -81,7 +81,7 @@ async fn a_long_log_has_no_more_elements_than_rows_that_are_seen() {
 async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back() {
     let (recorder, bench, _style) = page("auto-scroll", 500).await;
     assert!(auto_scrolls(&bench));
-    assert!(bench.find_all("button", "Back to the newest").is_empty());
+    assert!(bench.find_all("button", "Jump to newest").is_empty());
 
     scroll_by(&bench, -66.0).await;
     assert!(!auto_scrolls(&bench));
@@ -89,14 +89,14 @@ async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back(
     let top = rows(&bench)[0].top();
     recorder.log(12);
     let back = || {
-        let button = bench.find_all("button", "Back to the newest");
+        let button = bench.find_all("button", "Jump to newest");
         button.first().map(text_of).unwrap_or_default()
     };
     bench.until("the count", || back().contains("12 new")).await;
     assert_eq!(numbers(&bench), (487..497).collect::<Vec<_>>());
     assert!((rows(&bench)[0].top() - top).abs() < 0.5);
 
-    bench.click("Back to the newest");
+    bench.click("Jump to newest");
     bench
         .until("the newest", || numbers(&bench).last() == Some(&511))
         .await;
@@ -131,7 +131,7 @@ async fn what_is_read_does_not_move_when_old_rows_give_way() {
         assert!((rows(&bench)[0].top() - top).abs() < 0.5);
     }
     let entries = bench.text("status", "Entries");
-    assert_eq!(entries, "700 entries, 300 gave way");
+    assert_eq!(entries, "700 entries, 300 dropped");
     let scroll_height = scroller(&bench).scroll_height();
     assert_eq!(scroll_height, 700 * 22);
 }

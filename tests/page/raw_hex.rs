@@ -97,16 +97,12 @@ async fn what_is_wrong_is_shown_at_its_byte_and_is_not_sent() {
     bench
         .until("words", || words().contains("Byte 2: “0G” is not hex"))
         .await;
-    assert!(cells(&bench).contains("no byte 2 0G"), "{}", cells(&bench));
+    assert!(cells(&bench).contains("invalid 2 0G"), "{}", cells(&bench));
     assert_eq!(field.get_attribute("aria-invalid").unwrap(), "true");
     assert_eq!(field.value(), "01 74 0G 00");
     let send: HtmlElement = bench.find("button", "Send");
     assert!(send.has_attribute("disabled"));
-    assert!(
-        send.title().contains("nine or ten bytes"),
-        "{}",
-        send.title()
-    );
+    assert!(send.title().contains("9 or 10 bytes"), "{}", send.title());
 }
 
 #[wasm_bindgen_test]
@@ -127,7 +123,7 @@ async fn a_query_is_sent_at_once_and_its_answer_is_shown() {
         ),
         (
             RawAnswer::Silence { waited_us: 8_000 },
-            "No answer within 8.0 ms.",
+            "No reply within 8.0 ms.",
         ),
     ] {
         tell(&bench, |update| {
@@ -140,7 +136,7 @@ async fn a_query_is_sent_at_once_and_its_answer_is_shown() {
                 last: Some(last),
             });
         });
-        let answer = || bench.text("status", "Answer");
+        let answer = || bench.text("status", "Reply");
         bench.until(shown, || answer().contains(shown)).await;
     }
 }
@@ -252,7 +248,7 @@ async fn a_refusal_that_comes_after_a_stop_asks_nothing() {
         let command = once(DRIVE);
         update.notices = vec![Notice::Refused { command, refusal }];
     });
-    let answer = || bench.text("status", "Answer");
+    let answer = || bench.text("status", "Reply");
     bench
         .until("words", || answer().contains("above 6.1 A"))
         .await;
@@ -284,12 +280,12 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
     bench.find("tab", "Raw Hex").click();
     bench
         .until("how often it was sent", || {
-            let answers = bench.find_all("status", "Answer");
+            let answers = bench.find_all("status", "Reply");
             answers.first().is_some_and(|answer| {
                 answer
                     .text_content()
                     .unwrap()
-                    .contains("sent 7, answered 6")
+                    .contains("sent 7, replies: 6")
             })
         })
         .await;
@@ -299,7 +295,10 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
     bench.enter("Interval", "1");
     bench
         .until("a refusal", || {
-            bench.find("button", "Send").title().contains("2 to 60,000")
+            bench
+                .find("button", "Send")
+                .title()
+                .contains("2 to 60\u{202F}000")
         })
         .await;
 }
@@ -338,7 +337,7 @@ async fn the_key_for_a_stop_works_beside_a_repeated_frame() {
             last: None,
         });
     });
-    let answer = || bench.text("status", "Answer");
+    let answer = || bench.text("status", "Reply");
     bench
         .until("the repeat", || answer().contains("Repeating"))
         .await;

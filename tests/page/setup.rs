@@ -100,7 +100,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let words = import(&bench, ROVER).await;
     assert_eq!(
         words,
-        "Imported: model, command rate, keep driving, ramp, limits, 2 motors."
+        "Imported: model, command rate, keep driving while hidden, ramp, limits, 2 motors."
     );
     let told = [
         Command::SetRate(CommandRate::new(120).unwrap()),
@@ -138,7 +138,7 @@ async fn a_file_that_does_not_fit_changes_nothing() {
     let file = ROVER.replace("\"right\"", "\"up\"");
     assert_eq!(
         import(&bench, &file).await,
-        "Nothing was changed. motors[1].side: allowed is \"none\", \"left\" or \"right\"."
+        "Nothing was changed. motors[1].side: expected \"none\", \"left\" or \"right\"."
     );
     let words = import(&bench, "{\n  \"motorlink_setup\": 1,\n}").await;
     assert!(words.contains("Line 3, column 1"), "{words}");
@@ -166,11 +166,11 @@ async fn while_a_motor_is_driven_no_setup_is_taken_in() {
         .until("the button to say why", || button.has_attribute("disabled"))
         .await;
     let title = button.get_attribute("title").unwrap();
-    assert!(title.contains("Stop motor 0x01 first"), "{title}");
+    assert!(title.contains("Motor 0x01 is in use"), "{title}");
     // The file was being chosen when driving began.
     let before = kept();
     let words = import(&bench, ROVER).await;
-    assert!(words.contains("Stop motor 0x01 first"), "{words}");
+    assert!(words.contains("Motor 0x01 is in use"), "{words}");
     assert_eq!(kept(), before);
     bench.open("Settings").await;
     let export = bench.find("button", "Export setup");

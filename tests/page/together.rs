@@ -139,11 +139,11 @@ fn both(bench: &Bench, activity: Activity) {
 #[wasm_bindgen_test]
 async fn every_member_is_driven_in_its_direction_and_a_stop_is_one() {
     let bench = rover("together").await;
-    until_enabled(&bench, "Start together").await;
+    until_enabled(&bench, "Start group").await;
     bench.enter("Group speed", "60");
-    bench.click("Start together");
+    bench.click("Start group");
     assert_eq!(bench.commands().await, [start(60, -60)]);
-    bench.click("Stop together");
+    bench.click("Stop group");
     assert_eq!(bench.commands().await, [Command::Stop(id(1))]);
 }
 
@@ -156,7 +156,7 @@ async fn a_group_follows_the_entered_speed_and_is_not_started_by_it() {
     };
     enter();
     assert_eq!(bench.commands().await, []);
-    bench.click("Start together");
+    bench.click("Start group");
     both(
         &bench,
         Activity::Driven {
@@ -209,13 +209,13 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         .await;
     assert_eq!(bench.text("status", "Current"), "+0.50 A mirrored");
     let wheel = bench.text("region", "Wheel");
-    assert!(wheel.starts_with("Goal +100 rpm · mirrored"), "{wheel}");
+    assert!(wheel.starts_with("Target +100 rpm · mirrored"), "{wheel}");
     let chip = bench.find("button", "Motor 0x02, Starboard, right, mirrored");
     assert!(text_of(&chip).contains("+98 rpm"), "{}", text_of(&chip));
     let field = bench.find("spinbutton", "Target speed");
     let field: HtmlElement = field.closest(".field").unwrap().unwrap().unchecked_into();
     let words = text_of(&field);
-    assert!(words.contains("+ turns clockwise"), "{words}");
+    assert!(words.contains("+ is clockwise"), "{words}");
 
     // What is adjusted has the same sign.
     bench.enter("Target speed", "40").focus().unwrap();
@@ -236,7 +236,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         .await;
     let side: HtmlSelectElement = bench.find("combobox", "Side of 0x02").unchecked_into();
     bench.until("the side to be held", || side.disabled()).await;
-    assert!(side.title().contains("driven"), "{}", side.title());
+    assert!(side.title().contains("running"), "{}", side.title());
     side.set_value("left");
     entered(&side);
     bench.find("button", "Motor 0x02, Starboard, right, mirrored");
@@ -436,7 +436,7 @@ async fn a_move_after_a_stop_starts_nothing() {
     // And nothing by a new press, until they stand.
     bench
         .until("the pad to be disabled", || {
-            pad(&bench).title().contains("being stopped")
+            pad(&bench).title().contains("is stopping")
         })
         .await;
     pointer(&bench, "pointerdown", 0.0, 1.0);
@@ -487,9 +487,11 @@ async fn what_cannot_drive_says_why() {
     assert_eq!(bench.commands().await, []);
     bench.find("checkbox", "Drive 0x01").click();
     bench.find("checkbox", "Drive 0x02").click();
-    let button = || bench.find("button", "Start together");
+    let button = || bench.find("button", "Start group");
     bench
-        .until("nobody to drive", || button().title().contains("Tick"))
+        .until("nobody to drive", || {
+            button().title().contains("Select the motors")
+        })
         .await;
     assert!(button().has_attribute("disabled"));
     storage().remove_item("motorlink.fleet").unwrap();
@@ -525,7 +527,7 @@ async fn the_strip_has_a_chip_for_each_motor_with_the_name_it_was_given() {
 #[wasm_bindgen_test]
 async fn another_motor_is_looked_at_while_all_drive_on() {
     let bench = rover("look").await;
-    bench.click("Start together");
+    bench.click("Start group");
     both(
         &bench,
         Activity::Driven {

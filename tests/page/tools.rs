@@ -158,7 +158,7 @@ async fn a_scan_shows_how_far_it_is_and_can_be_cancelled() {
         bench
             .find("button", "Full scan")
             .title()
-            .contains("scanned")
+            .contains("bus scan")
     );
     bench.click("Cancel");
     assert_eq!(bench.commands().await, [Command::CancelSurvey]);
@@ -201,7 +201,7 @@ async fn several_answers_at_once_offer_the_full_scan() {
     bench
         .until("words", || result(&bench).contains("Several motors"))
         .await;
-    assert!(result(&bench).contains("Full scan asks every address"));
+    assert!(result(&bench).contains("Full scan queries each address"));
     // It is said once, not on the board of notices too.
     assert!(!bench.text("region", "Notices").contains("Several motors"));
 }
@@ -212,13 +212,13 @@ async fn what_a_scan_finds_is_on_the_board_for_those_who_are_elsewhere() {
     tell(&bench, |update| update.notices = vec![scanned(&[1, 2])]);
     let board = || bench.text("region", "Notices");
     bench
-        .until("a notice", || board().contains("2 motors answer"))
+        .until("a notice", || board().contains("2 motors found"))
         .await;
     bench.find("tab", "ID Manager").click();
     bench
-        .until("the tab to say it", || !board().contains("2 motors answer"))
+        .until("the tab to say it", || !board().contains("2 motors found"))
         .await;
-    assert!(result(&bench).contains("2 motors answer, 0x01, 0x02"));
+    assert!(result(&bench).contains("2 motors found (0x01, 0x02)"));
 }
 
 #[wasm_bindgen_test]
@@ -250,7 +250,7 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
     });
     bench
         .until("the end", || {
-            result(&bench).contains("Motor 0x01 is motor 0x05 now")
+            result(&bench).contains("Motor 0x01 now has ID 0x05")
         })
         .await;
     assert!(bench.told().await.contains(&ToWorker::Select(id(5))));
@@ -261,7 +261,7 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
 async fn two_motors_are_named_and_nothing_is_asked() {
     let bench = id_manager("two").await;
     wish(&bench, &[1, 2]).await;
-    assert!(result(&bench).contains("2 motors answer, 0x01, 0x02"));
+    assert!(result(&bench).contains("2 motors found (0x01, 0x02)"));
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
     assert_eq!(bench.commands().await, []);
 }
@@ -305,11 +305,11 @@ async fn a_stop_closes_the_question() {
 async fn an_id_that_no_motor_may_get_is_refused_at_the_field() {
     let bench = id_manager("refused-id").await;
     for (text, why) in [
-        ("0", "0 is no motor's ID"),
+        ("0", "0 is not a valid ID"),
         ("255", "1 to 254"),
         ("0xC8", "ID query"),
         ("x", "such as 5 or 0x05"),
-        ("1", "0x01 already"),
+        ("1", "already has ID 0x01"),
     ] {
         let field = bench.enter("New ID", text);
         let words = || {

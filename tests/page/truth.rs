@@ -77,10 +77,10 @@ async fn no_motor_answers_is_withdrawn_when_one_does() {
         update.notices = vec![Notice::IdQueryEnded(IdQueryOutcome::Nobody)];
     });
     bench
-        .until("the alert", || notices().contains("No motor answers"))
+        .until("the alert", || notices().contains("No motors found"))
         .await;
     tell(&bench, |update| update.samples = vec![answer()]);
     bench
-        .until("it to go", || !notices().contains("No motor answers"))
+        .until("it to go", || !notices().contains("No motors found"))
         .await;
 }

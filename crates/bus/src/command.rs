@@ -256,7 +256,7 @@ impl fmt::Display for Refusal {
             Self::NotHeard(id) => {
                 write!(
                     f,
-                    "Motor {id} has not answered, so its loop is not known. Check its power and ID."
+                    "Motor {id} has not replied, so its loop is unknown. Check its power and ID."
                 )
             }
             Self::OtherLoop {
@@ -266,68 +266,68 @@ impl fmt::Display for Refusal {
             } => {
                 write!(
                     f,
-                    "Motor {id} reports the {reported}. Switch it to the {asked} first."
+                    "Motor {id} is in the {reported}. Switch it to the {asked} first."
                 )
             }
             Self::SpeedUnknown(id) => write!(
                 f,
-                "The position loop needs a known speed, and motor {id} has reported none in the last 500 ms."
+                "The position loop needs a known speed. Motor {id} has reported none for 500 ms: check the link."
             ),
             Self::TooFast(speed) => write!(
                 f,
-                "The position loop needs less than 10 rpm; the wheel turns at {speed}. Stop it first."
+                "The wheel turns at {speed}. The position loop needs less than 10 rpm: stop the motor first."
             ),
             Self::FaultActive { id, faults } => write!(
                 f,
-                "Motor {id} reports {faults} and ignores commands until that clears. Press again then."
+                "Motor {id} reports a fault ({faults}) and ignores commands. When the fault clears, press again."
             ),
             Self::NeedsConsent(current) => {
-                write!(f, "{current} is above 6.1 A: confirm that it is meant.")
+                write!(f, "{current} is above 6.1 A. Confirm to continue.")
             }
             Self::AboveSpeedLimit(limit) => write!(
                 f,
-                "That is above your speed limit of {limit} rpm. Ask for less, or raise the limit."
+                "Above your speed limit of {limit} rpm. Lower the target, or raise the limit."
             ),
             Self::TooHot { id, crossed } => write!(
                 f,
-                "Motor {id} has {crossed}. Let it cool, or raise the limit."
+                "Motor {id} is at {crossed}. Let it cool, or raise the limit."
             ),
             Self::Stopping(id) => write!(
                 f,
-                "Motor {id} is being stopped. Press again when it stands."
+                "Motor {id} is stopping. Press again when it has stopped."
             ),
             Self::NotHolding(id) => {
                 write!(
                     f,
-                    "Motor {id} is not driven in the position loop: there is nothing to stop."
+                    "Motor {id} is not running in the position loop: nothing to stop."
                 )
             }
-            Self::NotDriven(id) => write!(f, "Motor {id} is not driven. Press Start."),
+            Self::NotDriven(id) => write!(f, "Motor {id} is not running. Press Start."),
             Self::PageSilent => {
-                f.write_str("The page had stopped answering when this was pressed. Press again.")
+                f.write_str("The page was not responding. Press again.")
             }
             Self::Together(id) => write!(
                 f,
-                "Motor {id} is driven together with others. Stop them first."
+                "Motor {id} is running in a group. Stop the group first."
             ),
             Self::Switching(id) => write!(
                 f,
-                "Motor {id} is changing its loop. Press again when it has."
+                "Motor {id} is switching loops. Press again afterwards."
             ),
-            Self::Driven(id) => write!(f, "Motor {id} is driven. Stop it first."),
-            Self::Surveying => f.write_str("The bus is being scanned. Wait for its end, or cancel it."),
+            Self::Driven(id) => write!(f, "Motor {id} is running. Stop it first."),
+            Self::Surveying => f.write_str("A bus scan is running. Wait until it ends, or cancel it."),
             Self::NotProvedAlone => f.write_str(
-                "An ID is set on every motor that hears it. Make a full scan first: it has to find exactly one motor.",
+                "Setting an ID affects every motor on the bus. Run a full scan first: it must find exactly one motor.",
             ),
-            Self::SameId(id) => write!(f, "The motor has ID {id} already."),
-            Self::RawRunning => f.write_str("A raw frame is being repeated. Stop that first."),
+            Self::SameId(id) => write!(f, "The motor already has ID {id}."),
+            Self::RawRunning => f.write_str("A raw frame is repeating. Stop it first."),
             Self::ReversesTorque(id) => write!(
                 f,
-                "Motor {id} may still follow the opposite current. Send it 0 first."
+                "Motor {id} may still run at the opposite current. Send 0 first."
             ),
             Self::NotAssignable(id) => write!(
                 f,
-                "No motor may have ID 0x{id:02X}: no scan finds 0x00 and 0xFF, and 0xC8 starts the ID query. Use another."
+                "ID 0x{id:02X} is not allowed: a scan cannot find 0x00 or 0xFF, and 0xC8 is reserved for the ID query. Use another ID."
             ),
         }
     }

@@ -85,9 +85,9 @@ impl From<Together> for Vec<(MotorId, Setpoint)> {
 impl fmt::Display for NotTogether {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nobody => f.write_str("no motor is chosen"),
-            Self::TooMany => write!(f, "at most {} motors are driven together", Together::MAX),
-            Self::Twice(id) => write!(f, "motor {id} is named twice"),
+            Self::Nobody => f.write_str("no motor is selected"),
+            Self::TooMany => write!(f, "a group has at most {} motors", Together::MAX),
+            Self::Twice(id) => write!(f, "motor {id} is listed twice"),
         }
     }
 }

@@ -9,7 +9,7 @@
 //! use motorlink_i18n::{Language, speak, tr};
 //!
 //! assert_eq!(tr!("Help"), "Help");
-//! assert_eq!(tr!("Motor {id} is silent", id = 7), "Motor 7 is silent");
+//! assert_eq!(tr!("No reply from motor {id}", id = 7), "No reply from motor 7");
 //! speak(Language::German);
 //! assert_eq!(tr!("Help"), "Hilfe");
 //! ```
@@ -104,9 +104,9 @@ mod tests {
     #[test]
     fn places_are_filled_wherever_a_language_has_them() {
         let id = 7;
-        assert_eq!(tr!("Motor {id} is silent", id), "Motor 7 is silent");
+        assert_eq!(tr!("No reply from motor {id}", id), "No reply from motor 7");
         speak(Language::Chinese);
-        let said = tr!("Motor {id} is silent", id = "0x07");
+        let said = tr!("No reply from motor {id}", id = "0x07");
         assert!(said.contains("0x07") && !said.contains('{'), "{said}");
     }
 

@@ -57,15 +57,15 @@ pub fn faults(faults: Faults) -> String {
 #[must_use]
 pub fn no_motor_id(error: MotorIdError) -> &'static str {
     match error {
-        MotorIdError::Zero => tr!("0 is no motor's ID: use 1 to 254."),
-        MotorIdError::TooLarge => tr!("Not a motor's ID: use a whole number from 1 to 254."),
+        MotorIdError::Zero => tr!("0 is not a valid ID: use 1 to 254."),
+        MotorIdError::TooLarge => tr!("Not a valid ID: use a whole number from 1 to 254."),
     }
 }
 
 /// Why a motor cannot be given an ID.
 #[must_use]
 pub fn not_assignable(NotAssignable: NotAssignable) -> &'static str {
-    tr!("200 (0xC8) starts the ID query that every motor hears: choose another ID.")
+    tr!("200 (0xC8) is reserved for the ID query: use another ID.")
 }
 
 /// A frame in words.
@@ -90,8 +90,8 @@ fn sent(request: Request, loop_of: Option<Mode>) -> String {
         Request::Drive { drive, .. } => driven(drive, loop_of),
         Request::Query { .. } => tr!("feedback query").to_owned(),
         Request::SwitchMode { mode, .. } => tr!("switch to the {mode}", mode = self::mode(mode)),
-        Request::IdQuery => tr!("ID query, heard by every motor").to_owned(),
-        Request::SetId { id } => tr!("set ID {id}, heard by every motor", id = id.id()),
+        Request::IdQuery => tr!("ID query to all motors").to_owned(),
+        Request::SetId { id } => tr!("set ID {id} on all motors", id = id.id()),
         Request::Raw(frame) => frame.to_string(),
     }
 }
@@ -112,7 +112,7 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
     };
     match (mode, drive.acceleration.byte()) {
         (Some(Mode::Velocity) | None, units @ 1..) => {
-            tr!("{driven}, acceleration {units}", driven, units)
+            tr!("{driven}, accel {units}", driven, units)
         }
         _ => driven,
     }
@@ -156,12 +156,12 @@ fn no_request(error: RequestError) -> String {
         RequestError::BadId(error) => uncapped(no_motor_id(error)),
         RequestError::NotAssignable => uncapped(not_assignable(NotAssignable)),
         RequestError::UnknownCommand(byte) => tr!(
-            "byte 1 is {byte}, which is none of 64 drive, 74 query, A0 mode",
+            "byte 1 is {byte}; expected 64 (drive), 74 (query) or A0 (mode)",
             byte = hex(byte)
         ),
         RequestError::BadMode(error) => bad_mode(error),
         RequestError::NotZero { place } => {
-            tr!("byte {place} is always 00 in this frame", place)
+            tr!("byte {place} must be 00 in this frame", place)
         }
     }
 }
@@ -176,7 +176,7 @@ fn no_reply(error: ReplyError) -> String {
 
 fn bad_crc(expected: u8, found: u8) -> String {
     tr!(
-        "CRC is {found}, should be {expected}",
+        "CRC {found}, expected {expected}",
         found = hex(found),
         expected = hex(expected)
     )
@@ -184,7 +184,7 @@ fn bad_crc(expected: u8, found: u8) -> String {
 
 fn bad_mode(UnknownMode(byte): UnknownMode) -> String {
     tr!(
-        "mode byte {byte} is none of 01 current, 02 velocity, 03 position",
+        "mode byte is {byte}; expected 01 (current), 02 (velocity) or 03 (position)",
         byte = hex(byte)
     )
 }

@@ -6,8 +6,8 @@ use crate::{Detail, Drive, Frame, Layout, Mode, Reply, ReplyError, Request, Requ
 
 /// A frame in words: what a host asked, what a motor answered, or why it is neither.
 ///
-/// Displays as `drive +100 rpm, acceleration 1`, as `+100 rpm, +0.175 A, 66.96°`, or as what is
-/// wrong: `CRC is 5B, should be 1B`.
+/// Displays as `drive +100 rpm, accel 1`, as `+100 rpm, +0.175 A, 66.96°`, or as what is
+/// wrong: `CRC 5B, expected 1B`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explained {
     /// What a host asked.
@@ -59,8 +59,8 @@ fn sent(f: &mut fmt::Formatter<'_>, request: &Request, mode: Option<Mode>) -> fm
         Request::Drive { drive, .. } => driven(f, *drive, mode),
         Request::Query { .. } => f.write_str("feedback query"),
         Request::SwitchMode { mode, .. } => write!(f, "switch to the {mode}"),
-        Request::IdQuery => f.write_str("ID query, heard by every motor"),
-        Request::SetId { id } => write!(f, "set ID {}, heard by every motor", id.id()),
+        Request::IdQuery => f.write_str("ID query to all motors"),
+        Request::SetId { id } => write!(f, "set ID {} on all motors", id.id()),
         Request::Raw(frame) => write!(f, "{frame}"),
     }
 }
@@ -80,7 +80,7 @@ fn driven(f: &mut fmt::Formatter<'_>, drive: Drive, mode: Option<Mode>) -> fmt::
         }
     }
     match (mode, drive.acceleration.byte()) {
-        (Some(Mode::Velocity) | None, units @ 1..) => write!(f, ", acceleration {units}"),
+        (Some(Mode::Velocity) | None, units @ 1..) => write!(f, ", accel {units}"),
         _ => Ok(()),
     }
 }

@@ -62,7 +62,7 @@ impl fmt::Display for UnknownMode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "mode byte {:02X} is none of 01 current, 02 velocity, 03 position",
+            "mode byte is {:02X}; expected 01 (current), 02 (velocity) or 03 (position)",
             self.0
         )
     }

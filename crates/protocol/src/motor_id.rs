@@ -106,8 +106,8 @@ impl fmt::Debug for MotorId {
 impl fmt::Display for MotorIdError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Zero => "0 is no motor's ID: use 1 to 254",
-            Self::TooLarge => "not a motor's ID: use a whole number from 1 to 254",
+            Self::Zero => "0 is not a valid ID: use 1 to 254",
+            Self::TooLarge => "not a valid ID: use a whole number from 1 to 254",
         })
     }
 }
@@ -160,7 +160,7 @@ impl From<AssignableId> for MotorId {
 
 impl fmt::Display for NotAssignable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("200 (0xC8) starts the ID query that every motor hears: choose another ID")
+        f.write_str("200 (0xC8) is reserved for the ID query: use another ID")
     }
 }
 

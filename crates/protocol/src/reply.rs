@@ -143,7 +143,7 @@ impl fmt::Display for ReplyError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BadCrc { expected, found } => {
-                write!(f, "CRC is {found:02X}, should be {expected:02X}")
+                write!(f, "CRC {found:02X}, expected {expected:02X}")
             }
             Self::BadId(error) => error.fmt(f),
             Self::BadMode(error) => error.fmt(f),

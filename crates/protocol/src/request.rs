@@ -216,18 +216,18 @@ impl fmt::Display for RequestError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::BadCrc { expected, found } => {
-                write!(f, "CRC is {found:02X}, should be {expected:02X}")
+                write!(f, "CRC {found:02X}, expected {expected:02X}")
             }
             Self::BadId(error) => error.fmt(f),
             Self::NotAssignable => crate::NotAssignable.fmt(f),
             Self::UnknownCommand(byte) => {
                 write!(
                     f,
-                    "byte 1 is {byte:02X}, which is none of 64 drive, 74 query, A0 mode"
+                    "byte 1 is {byte:02X}; expected 64 (drive), 74 (query) or A0 (mode)"
                 )
             }
             Self::BadMode(error) => error.fmt(f),
-            Self::NotZero { place } => write!(f, "byte {place} is always 00 in this frame"),
+            Self::NotZero { place } => write!(f, "byte {place} must be 00 in this frame"),
         }
     }
 }

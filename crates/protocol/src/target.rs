@@ -25,7 +25,7 @@ impl fmt::Display for OutOfRange {
             max,
             quantity,
         } = self;
-        write!(f, "{quantity} goes from {min} to {max}; {value} is outside")
+        write!(f, "{quantity} must be {min} to {max}, not {value}")
     }
 }
 

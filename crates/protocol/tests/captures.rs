@@ -216,11 +216,11 @@ fn frames_explain_themselves() {
     );
     assert_eq!(
         sent("AA 55 53 01 00 00 00 00 00 00", None),
-        "set ID 0x01, heard by every motor"
+        "set ID 0x01 on all motors"
     );
     assert_eq!(
         sent("01 74 00 00 00 00 00 00 00 05", None),
-        "CRC is 05, should be 04"
+        "CRC 05, expected 04"
     );
     assert_eq!(
         heard("01 02 02 CD 00 64 17 CF 00 8F", Some(Layout::Drive)),
@@ -236,7 +236,7 @@ fn frames_explain_themselves() {
     );
     assert_eq!(
         heard("01 02 05 8A 00 64 0E 49 00 1B", Some(Layout::Drive)),
-        "CRC is 1B, should be 8D"
+        "CRC 1B, expected 8D"
     );
 }
 

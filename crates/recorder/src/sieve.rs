@@ -189,7 +189,7 @@ mod tests {
             ..heard(false)
         };
         let filter = Filter {
-            text: "no frame".into(),
+            text: "no valid".into(),
             ..Filter::default()
         };
         let verdict = Sieve::new(&filter).judge(&junk, &Texts::default(), CLOCK);

@@ -34,17 +34,17 @@ fn translated(passed: &Passed) -> String {
         Passed::Junk(junk) => match explained_junk(junk) {
             Some(explained) => tr!("{what}: dropped", what = terms::explained(explained)),
             None => match junk.bytes().len() {
-                1 => tr!("1 byte that is no frame").to_owned(),
-                count => tr!("{count} bytes that are no frame", count),
+                1 => tr!("1 byte, no valid frame").to_owned(),
+                count => tr!("{count} bytes, no valid frame", count),
             },
         },
         Passed::Silence { waited_us, .. } => {
             let (millis, tenth) = to_tenths(*waited_us);
             let ms = terms::in_language(format!("{millis}.{tenth}"));
-            tr!("no answer within {ms} ms", ms)
+            tr!("no reply within {ms} ms", ms)
         }
         Passed::Unsent { .. } => {
-            tr!("not sent: the adapter was still at the frame before").to_owned()
+            tr!("not sent: adapter still busy with the previous frame").to_owned()
         }
     }
 }
@@ -74,7 +74,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
         }
         What::Passed(Passed::Junk(junk)) => push_junk(out, junk),
         What::Passed(Passed::Silence { waited_us, .. }) => {
-            out.push_str("no answer within ");
+            out.push_str("no reply within ");
             let (millis, tenth) = to_tenths(*waited_us);
             push_decimal(out, millis);
             out.push('.');
@@ -82,7 +82,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             out.write_str(" ms")
         }
         What::Passed(Passed::Unsent { .. }) => {
-            out.write_str("not sent: the adapter was still at the frame before")
+            out.write_str("not sent: adapter still busy with the previous frame")
         }
     };
 }
@@ -94,9 +94,9 @@ fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
     }
     push_decimal(out, u64::try_from(bytes.len()).unwrap_or_default());
     out.write_str(if bytes.len() == 1 {
-        " byte that is no frame"
+        " byte, no valid frame"
     } else {
-        " bytes that are no frame"
+        " bytes, no valid frame"
     })
 }
 
@@ -179,10 +179,10 @@ mod tests {
     fn junk_says_what_is_wrong_with_it() {
         assert_eq!(
             junk("01 02 02 CD 00 64 17 CF 00 5B"),
-            "CRC is 5B, should be 8F: dropped"
+            "CRC 5B, expected 8F: dropped"
         );
-        assert_eq!(junk("01 02 03"), "3 bytes that are no frame");
-        assert_eq!(junk("FF"), "1 byte that is no frame");
+        assert_eq!(junk("01 02 03"), "3 bytes, no valid frame");
+        assert_eq!(junk("FF"), "1 byte, no valid frame");
     }
 
     #[test]
@@ -191,9 +191,9 @@ mod tests {
             let id = MotorId::FIRST;
             passed(Passed::Silence { id, waited_us })
         };
-        assert_eq!(silence(8_000), "no answer within 8.0 ms");
-        assert_eq!(silence(25_050), "no answer within 25.1 ms");
-        assert_eq!(silence(999), "no answer within 1.0 ms");
+        assert_eq!(silence(8_000), "no reply within 8.0 ms");
+        assert_eq!(silence(25_050), "no reply within 25.1 ms");
+        assert_eq!(silence(999), "no reply within 1.0 ms");
     }
 
     #[test]

@@ -73,8 +73,8 @@ fn a_log_is_written_line_by_line() {
 time,elapsed_s,direction,id,hex,meaning\r
 2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 64 FF 9C 00 00 00 00 00 9A,drive −100 rpm\r
 2026-11-21T13:15:36.964Z,0.002,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"'+100 rpm, +0.175 A, 66.96°\"\r
-2026-11-21T13:15:36.972Z,0.010,ERR,0x01,,no answer within 8.0 ms\r
-2026-11-21T13:15:37.962Z,1.000,ERR,,01 02 03,3 bytes that are no frame\r
+2026-11-21T13:15:36.972Z,0.010,ERR,0x01,,no reply within 8.0 ms\r
+2026-11-21T13:15:37.962Z,1.000,ERR,,01 02 03,\"3 bytes, no valid frame\"\r
 2026-11-21T13:16:37.963Z,61.001,SYS,,,\"said \"\"so\"\", twice\nor more\"\r
 2026-11-21T13:16:37.964Z,61.002,ERR,,,'=1+1\r
 ";

@@ -46,7 +46,7 @@ fn a_row_says_when_who_what_and_what_it_means() {
                 "13:15:36.970",
                 "0x01",
                 "",
-                "no answer within 8.0 ms"
+                "no reply within 8.0 ms"
             ),
             row(
                 2,
@@ -54,7 +54,7 @@ fn a_row_says_when_who_what_and_what_it_means() {
                 "13:16:37.962",
                 "",
                 "01 02 03",
-                "3 bytes that are no frame"
+                "3 bytes, no valid frame"
             ),
             row(3, Kind::System, "13:16:37.963", "", "", "connected"),
             row(

@@ -60,7 +60,7 @@ const fn key(connection: Connection) -> &'static str {
     }
 }
 
-/// Buttons `Connect` or `Disconnect`, `Choose another port` and `Virtual motor`.
+/// Buttons `Connect` or `Disconnect`, `Other port` and `Virtual motor`.
 #[component]
 pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let page = connect.page;
@@ -78,7 +78,7 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
         let connection = page.shown.with(|session| session.connection);
         match connection {
             Connection::Connected(Adapter::Virtual) => {
-                Some(tr!("The virtual motor is connected.").to_owned())
+                Some(tr!("The virtual motor is already connected.").to_owned())
             }
             _ => why_not_at_all(page.worker.state.get()),
         }
@@ -103,14 +103,14 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
             />
             <PressButton
                 label=tr!("Other port…")
-                name=tr!("Choose another port")
-                hint=tr!("Choose another port")
+                name=tr!("Other port")
+                hint=tr!("Other port")
                 why_not=why_no_serial
                 on_press=move || connect.choose_port(true)
             />
             <PressButton
                 label=tr!("Virtual motor")
-                hint=tr!("A simulated motor: no hardware, no permission")
+                hint=tr!("Simulated motor. Needs no hardware or permission.")
                 why_not=why_not_virtual
                 on_press=move || connect.connect_virtual()
             />

@@ -109,8 +109,7 @@ impl Drive {
     pub(crate) fn drive(self, setpoint: Setpoint) {
         let id = self.page.selected.get_untracked();
         if let Some(reason) = why_not_drive(&self.page.present(), id, setpoint.mode()) {
-            self.page
-                .refuse(tr!("Motor {id} was not driven", id), reason);
+            self.page.refuse(tr!("Motor {id} not started", id), reason);
             return;
         }
         if let (Setpoint::Current(target), Consent::HighCurrent) =
@@ -159,8 +158,7 @@ impl Drive {
     /// Stops the chosen motor as its loop allows: see [`stop_of`].
     pub(crate) fn stop_motor(self, tab: Tab) {
         if let Some(reason) = why_not_stop(&self.page.present()) {
-            self.page
-                .refuse(tr!("Nothing was stopped").to_owned(), reason);
+            self.page.refuse(tr!("Stop not sent").to_owned(), reason);
             return;
         }
         let id = self.page.selected.get_untracked();
@@ -183,7 +181,7 @@ impl Drive {
         let id = self.page.selected.get_untracked();
         if let Some(reason) = why_not_switch(&self.page.present(), id, mode) {
             self.page.refuse(
-                tr!("The {mode} was not asked for", mode = terms::mode(mode)),
+                tr!("Not switched to the {mode}", mode = terms::mode(mode)),
                 reason,
             );
             return;

@@ -46,11 +46,11 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
-            tr!("Above 6.1 A: Start asks first").to_owned()
+            tr!("Above 6.1 A: confirm on Start").to_owned()
         } else if mirrored.get() {
-            tr!("±32,767 is ±8 A; mirrored").to_owned()
+            tr!("±32\u{202F}767 = ±8 A; mirrored").to_owned()
         } else {
-            tr!("±32,767 is ±8 A").to_owned()
+            tr!("±32\u{202F}767 = ±8 A").to_owned()
         }
     });
     let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
@@ -108,6 +108,6 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             />
         </div>
     };
-    let hint = tr!("Stop sets 0 A, and the wheel coasts. Stop all motors brakes it.");
+    let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");
     loop_panel(drive, MODE, why_not_start, hint.to_owned(), body)
 }

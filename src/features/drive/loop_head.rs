@@ -20,13 +20,8 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
     let active = move || reported.get() == Some(mode);
     let words = move || {
         reported.get().map_or_else(
-            || tr!("No motor reports its loop.").to_owned(),
-            |reported| {
-                tr!(
-                    "The motor reports the {mode}.",
-                    mode = terms::mode(reported)
-                )
-            },
+            || tr!("Loop unknown.").to_owned(),
+            |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
         )
     };
     let why_not = page.of_motor(move |session, id| why_not_switch(session, id, mode));

@@ -51,7 +51,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
                     id="target-angle"
                     name=tr!("Target angle")
                     unit="°"
-                    hint=tr!("Falls at positive speed")
+                    hint=tr!("Decreases at speed > 0")
                     target=position
                     entry=entry::ANGLE
                     on_edit=move || drive.adjust(MODE)
@@ -60,7 +60,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
                     id="target-position"
                     name=tr!("Target position")
                     unit=tr!("raw")
-                    hint=tr!("32,767 is 360°")
+                    hint=tr!("32\u{202F}767 = 360°")
                     target=position
                     entry=entry::POSITION
                     on_edit=move || drive.adjust(MODE)
@@ -92,6 +92,6 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
             />
         </div>
     };
-    let hint = tr!("Stop holds the present angle. Stop all motors brakes and then lets go.");
+    let hint = tr!("Stop holds the present angle. STOP brakes, then lets the wheel coast.");
     loop_panel(drive, MODE, why_not_go, hint.to_owned(), body)
 }

@@ -46,9 +46,9 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let direction = Signal::derive(move || {
         let words = if mirrored.get() {
-            tr!("mirrored: + turns clockwise, seen from the face")
+            tr!("Mirrored: + is clockwise, facing the wheel")
         } else {
-            tr!("+ turns counter-clockwise, seen from the face")
+            tr!("+ is counter-clockwise, facing the wheel")
         };
         words.to_owned()
     });
@@ -92,7 +92,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         <NumberField
             id="acceleration"
             name=tr!("Acceleration")
-            hint=tr!("Larger is gentler: about 3.6 ms per rpm for each unit")
+            hint=tr!("Higher is gentler: about 3.6 ms per rpm per unit")
             target=targets.acceleration
             entry=entry::ACCELERATION
             on_edit=move || drive.adjust(MODE)
@@ -103,7 +103,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             <PressButton
                 label=tr!("Stop")
                 class="button halt"
-                hint=tr!("Brakes to a standstill, then lets go")
+                hint=tr!("Brakes to a standstill, then coasts")
                 why_not=why_not_halt
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
@@ -116,7 +116,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             <PressButton
                 label=tr!("Brake")
                 class="button brake"
-                hint=tr!("Brakes and holds the brake")
+                hint=tr!("Brakes and keeps braking")
                 why_not=why_not
                 on_press=move || drive.drive(Setpoint::Brake)
             />

@@ -32,7 +32,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
     });
     let live_already = Signal::derive(move || {
         let live = view.with(|view| view.is_live());
-        live.then(|| tr!("The graph shows now already.").to_owned())
+        live.then(|| tr!("The newest data is already shown.").to_owned())
     });
     let [ten, minute, five] = WINDOWS;
     view! {
@@ -63,7 +63,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                 <PressButton
                     class="button small graph-pause"
                     label
-                    hint=tr!("New values go on being kept.")
+                    hint=tr!("New values are still stored.")
                     on_press=move || chart.pause_or_resume()
                 />
                 <PressButton
@@ -75,7 +75,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                 <PressButton
                     class="button small"
                     label="PNG"
-                    hint=tr!("Saves a picture of the chart.")
+                    hint=tr!("Saves the graph as a PNG image.")
                     on_press=move || picture::save(chart, stage)
                 />
             </div>

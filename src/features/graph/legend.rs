@@ -24,7 +24,7 @@ pub(crate) fn class(place: usize) -> String {
 /// The list of what can be compared, and the legend: an item a place, and one for those that have none.
 pub(crate) fn markup(compared: Option<Trace>) -> String {
     let (compare, off) = (tr!("Compare"), tr!("Compare: off"));
-    let hint = tr!("Draws one trace of every motor that has reported");
+    let hint = tr!("Plots one trace for every motor with data");
     let mut html = format!(
         "<label class=\"graph-compare\"><span aria-hidden=\"true\">{compare}</span>\
          <select class=\"select\" aria-label=\"{compare}\" title=\"{hint}\">\
@@ -114,7 +114,7 @@ impl Legend {
         for checkbox in &self.boxes {
             checkbox.set_disabled(comparison.is_some());
             checkbox.set_title(comparison.map_or("", |_| {
-                tr!("While motors are compared, this one trace of them is drawn.")
+                tr!("While comparing motors, only the selected trace is shown.")
             }));
         }
         for (place, (item, text)) in self.items.iter_mut().enumerate() {

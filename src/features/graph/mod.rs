@@ -101,7 +101,9 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                 <p hidden id="graph-keys">
                     // Read aloud after the values.
                     {tr!(
-                        "Plus and minus zoom, the arrow keys move, Home shows the oldest and End the newest. While paused the arrow keys move a crosshair that reads values."
+                        "Plus and minus zoom, the arrow keys pan, Home shows the oldest data and \
+                         End the newest. While paused, the arrow keys move a crosshair that reads \
+                         values."
                     )}
                 </p>
             </div>

@@ -95,7 +95,7 @@ impl Groups {
         let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
         if let Some(reason) = why_not_together(&self.page.present(), &crew) {
             self.page
-                .refuse(tr!("Nothing was driven").to_owned(), reason);
+                .refuse(tr!("Group not started").to_owned(), reason);
             return;
         }
         let rpm = self.speed.get_untracked();

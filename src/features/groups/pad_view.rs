@@ -41,7 +41,7 @@ pub(crate) fn markup() -> String {
         r#"<label class="check"><input type="checkbox" id="use-gamepad">"#,
         tr!("Use gamepad"),
         r#"</label><p class="quiet pad-hint">"#,
-        tr!("The left stick drives while the lowest right button is held."),
+        tr!("Hold the bottom face button and drive with the left stick."),
         "</p>",
     ]
     .concat()

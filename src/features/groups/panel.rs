@@ -30,7 +30,7 @@ const ROWS: &str = "fleet";
 
 /// A list of a row a motor.
 fn rows_markup() -> String {
-    let name = tr!("Motors that drive together");
+    let name = tr!("Motors in the group");
     format!(r#"<ul class="fleet" id="fleet" role="list" aria-label="{name}"></ul>"#)
 }
 
@@ -57,7 +57,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                     id="group-speed"
                     name=tr!("Group speed")
                     unit="rpm"
-                    hint=tr!("Right wheels turn the other way. At most this by the pad.")
+                    hint=tr!("Right wheels are mirrored. Maximum for the drive pad.")
                     target=groups.speed
                     entry=entry::SPEED
                     on_edit=move || groups.adjust_together()
@@ -66,21 +66,21 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                     id="ramp"
                     name=tr!("Ramp")
                     unit="rpm/s"
-                    hint=tr!("0 is none. It never bounds a stop.")
+                    hint=tr!("0 = off. Never applied to stops.")
                     target=page.settings.ramp
                     entry=tool_entry::RAMP
                     on_edit=move || page.set_ramp()
                 />
                 <div class="button-row two">
                     <PressButton
-                        label=tr!("Stop together")
+                        label=tr!("Stop group")
                         class="button halt"
-                        hint=tr!("Brakes all of them to a standstill, then lets go")
+                        hint=tr!("Brakes the group to a standstill, then coasts")
                         why_not=why_not_halt
                         on_press=move || groups.stop_together()
                     />
                     <PressButton
-                        label=tr!("Start together")
+                        label=tr!("Start group")
                         class="button primary"
                         why_not=why_not_start
                         on_press=move || groups.start_together()

@@ -8,8 +8,8 @@ pub(crate) fn help_language() -> &'static str {
 }
 
 pub(crate) fn loading() -> &'static str {
-    tr!("The help is being loaded.")
+    tr!("Loading help.")
 }
 pub(crate) fn not_loaded() -> &'static str {
-    tr!("The help could not be loaded. Check that you are online, then try again.")
+    tr!("Help could not be loaded. Check your network connection, then try again.")
 }

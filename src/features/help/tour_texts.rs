@@ -15,13 +15,13 @@ pub(crate) fn end() -> &'static str {
     tr!("End the tour")
 }
 pub(crate) fn pick() -> &'static str {
-    tr!("Pick a port")
+    tr!("Select port")
 }
 pub(crate) fn go_virtual() -> &'static str {
     tr!("Go virtual")
 }
 pub(crate) fn free() -> &'static str {
-    tr!("The motor is fastened, the wheel turns freely, fingers are away.")
+    tr!("The motor is fastened, the wheel is free, hands are clear.")
 }
 pub(crate) fn spin() -> &'static str {
     tr!("Spin at 20 rpm")
@@ -34,10 +34,10 @@ pub(crate) fn stop() -> &'static str {
 pub(crate) fn name(step: Step) -> &'static str {
     match step {
         Step::PlugIn => tr!("Plug in"),
-        Step::PickPort => tr!("Pick the port"),
-        Step::Answer => tr!("See the motor answer"),
-        Step::Free => tr!("Free the wheel"),
-        Step::Spin => tr!("Spin it slowly"),
+        Step::PickPort => tr!("Select the port"),
+        Step::Answer => tr!("Wait for a reply"),
+        Step::Free => tr!("Secure the motor"),
+        Step::Spin => tr!("Spin the wheel"),
         Step::Stop => tr!("Stop it"),
         Step::Done => tr!("Done"),
     }
@@ -48,16 +48,18 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
     let words = match step {
         Step::PlugIn => {
             tr!(
-                "Signal plug to the adapter, power plug to 18 V, adapter to this computer. No hardware? \
-             Take the virtual motor."
+                "Signal plug to the adapter, power plug to 18 V, adapter to this computer. No \
+                 hardware? Use the virtual motor."
             )
         }
-        Step::PickPort => tr!("Pick the adapter in the browser’s list, or take the virtual motor."),
+        Step::PickPort => {
+            tr!("Select the adapter in the browser's list, or use the virtual motor.")
+        }
         Step::Answer => return tr!("Waiting for motor {id}. Is its 18 V supply on?", id),
-        Step::Free => tr!("2 N·m and no gearbox: fasten the motor, lift the wheel, then tick."),
-        Step::Spin => tr!("The wheel starts when you press. Space stops it."),
-        Step::Stop => tr!("It turns. Now stop it: here, by STOP, or by Space."),
-        Step::Done => tr!("That was it. Next: set a speed at the left and press Start."),
+        Step::Free => tr!("2 N·m direct drive: fasten the motor, lift the wheel, then tick."),
+        Step::Spin => tr!("The button starts the wheel. Space stops it."),
+        Step::Stop => tr!("The wheel is turning. Stop it here, with STOP or with Space."),
+        Step::Done => tr!("Next: set a target speed and press Start."),
     };
     words.to_owned()
 }

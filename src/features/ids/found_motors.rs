@@ -46,11 +46,11 @@ pub(crate) fn found_motors(
 
 fn reports(session: &Session, id: MotorId) -> String {
     let Some(mode) = session.mode(id) else {
-        return tr!("answered the scan").to_owned();
+        return tr!("found by scan").to_owned();
     };
     // Nobody else is asked while the bus is scanned.
     if !mode.is_fresh() && session.survey.is_none() {
-        return tr!("does not answer now").to_owned();
+        return tr!("not replying").to_owned();
     }
     let faults = session.faults(id).filter(Reading::is_fresh);
     match faults.filter(|faults| !faults.value.is_none()) {
@@ -74,7 +74,7 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
     {
         let number = id.get();
         let chip = if *chosen {
-            format!("<span class=\"chip active\">{}</span>", tr!("chosen"))
+            format!("<span class=\"chip active\">{}</span>", tr!("selected"))
         } else {
             String::new()
         };
@@ -86,7 +86,7 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
         );
     }
     if motors.is_empty() {
-        let words = tr!("No motor has answered yet.");
+        let words = tr!("No motors found yet.");
         let _ = write!(html, "<li class=\"quiet\">{words}</li>");
     }
     html
@@ -129,8 +129,8 @@ mod tests {
             listed,
             [
                 (1, true, "velocity loop".to_owned()),
-                (3, false, "answered the scan".to_owned()),
-                (7, false, "answered the scan".to_owned()),
+                (3, false, "found by scan".to_owned()),
+                (7, false, "found by scan".to_owned()),
             ]
         );
     }
@@ -143,7 +143,7 @@ mod tests {
         let mut session = session(1_000, faulty);
         assert_eq!(lines(&session, &[])[0].2, "current loop, fault: stall");
         session.now = session.now + std::time::Duration::from_secs(3);
-        assert_eq!(lines(&session, &[])[0].2, "does not answer now");
+        assert_eq!(lines(&session, &[])[0].2, "not replying");
         session.survey = Some(SurveyStatus::Stopping);
         assert_eq!(lines(&session, &[])[0].2, "current loop");
     }
@@ -157,8 +157,8 @@ mod tests {
             html.contains("value=\"2\" aria-pressed=\"false\""),
             "{html}"
         );
-        assert_eq!(html.matches("chosen").count(), 1);
-        assert!(list_html(&[]).contains("No motor has answered yet."));
+        assert_eq!(html.matches("selected").count(), 1);
+        assert!(list_html(&[]).contains("No motors found yet."));
     }
 
     #[test]
@@ -167,7 +167,7 @@ mod tests {
         assert!(
             objection(&alone, new_id(1))
                 .unwrap()
-                .contains("0x01 already")
+                .contains("already has ID 0x01")
         );
         assert_eq!(objection(&alone, new_id(2)), None);
         let mut two = alone.clone();

@@ -193,24 +193,24 @@ impl IdManager {
         match (&self.wish, &self.said) {
             (Wish::Proving { to, .. } | Wish::Asking(IdChange { to, .. }), _) => calm(
                 tr!(
-                    "Before {id} is set, a full scan proves that one motor is there",
+                    "Before setting ID {id}: full scan to confirm a single motor",
                     id = to.id()
                 ),
-                tr!("What is driven is stopped first. Then you are asked."),
+                tr!("Running motors are stopped first. You confirm before the ID changes."),
             ),
             (Wish::Setting(IdChange { from, to, frames }), _) => calm(
-                tr!("Motor {from} is being given ID {to}", from, to = to.id()),
+                tr!("Changing motor {from} to ID {to}", from, to = to.id()),
                 &tr!(
-                    "Leave its power on: {count} frames, then both IDs are asked.",
+                    "Keep the power on: {count} frames are sent, then both IDs are queried.",
                     count = frames.count()
                 ),
             ),
             (Wish::None, Some(said)) => said.clone(),
             (Wish::None, None) => calm(
-                tr!("Who is there?").to_owned(),
+                tr!("Find motors").to_owned(),
                 tr!(
-                    "Scan asks all at once, which is enough for one motor; Full scan asks each of 254 \
-                 addresses. Set ID begins with a full scan."
+                    "Scan sends one query to all: enough for a single motor. Full scan queries all \
+                     254 addresses. Set ID starts with a full scan."
                 ),
             ),
         }

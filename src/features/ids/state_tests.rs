@@ -59,11 +59,11 @@ fn one_motor_found_alone_is_asked_about_and_set_once() {
     assert_eq!(ids.agree(), Some(set_id(SetIdFrames::Five)));
     assert_eq!(ids.agree(), None, "a second click sets nothing");
     assert_eq!(ids.question(), None);
-    assert!(ids.words().title.contains("being given ID 0x05"));
+    assert!(ids.words().title.contains("to ID 0x05"));
 
     let outcome = IdChangeOutcome::Changed;
     ids.hear(&Notice::IdChangeEnded { from, to, outcome });
-    assert_eq!(ids.words().title, "Motor 0x01 is motor 0x05 now");
+    assert_eq!(ids.words().title, "Motor 0x01 now has ID 0x05");
     assert_eq!(ids.found(), [id(5)]);
 }
 
@@ -74,10 +74,10 @@ fn whatever_else_is_found_is_refused_with_the_reason() {
         ..report(&[1], &[])
     };
     for (report, why) in [
-        (report(&[1, 2], &[]), "2 motors answer"),
-        (report(&[], &[]), "no motor answers"),
+        (report(&[1, 2], &[]), "2 motors found"),
+        (report(&[], &[]), "no motors found"),
         (report(&[1], &[9]), "noise at 0x09"),
-        (report(&[5], &[]), "has this ID already"),
+        (report(&[5], &[]), "already has this ID"),
         (cancelled, "the scan was cancelled"),
     ] {
         let mut ids = proving(5);
@@ -137,7 +137,7 @@ fn a_report_of_a_scan_from_before_the_wish_proves_nothing() {
     assert!(ids.look(Some(&SCANNING)));
     ended(&mut ids, report(&[1, 2], &[]));
     assert_eq!(ids.question(), None);
-    assert!(ids.words().title.contains("2 motors answer"));
+    assert!(ids.words().title.contains("2 motors found"));
 }
 
 #[test]
@@ -195,7 +195,7 @@ fn a_refused_command_ends_the_wish_and_says_why() {
     let mut ids = IdManager::default();
     ids.wish_for(new_id(5));
     ids.hear(&refused(Command::FullScan, Refusal::Surveying));
-    assert!(ids.words().advice[0].contains("being scanned"));
+    assert!(ids.words().advice[0].contains("bus scan is running"));
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
 
@@ -206,7 +206,7 @@ fn a_refused_command_ends_the_wish_and_says_why() {
     ] {
         let mut ids = setting();
         ids.hear(&notice);
-        assert!(!ids.words().title.contains("being given"), "{notice:?}");
+        assert!(!ids.words().title.contains("Changing motor"), "{notice:?}");
     }
 
     // What another part of the page asked for is not ours.

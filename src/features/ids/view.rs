@@ -52,8 +52,8 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
         tr!("Send {count} frames", count)
     };
     let hint = Signal::derive(move || match assignable(new_id.get()) {
-        Some(to) => tr!("{decimal} is {hex}", decimal = to.id().get(), hex = to.id()),
-        None => tr!("1 to 254, decimal or in hex with 0x").to_owned(),
+        Some(to) => tr!("{decimal} = {hex}", decimal = to.id().get(), hex = to.id()),
+        None => tr!("1 to 254, decimal or 0x hex").to_owned(),
     });
     tab_panel(
         Tab::IdManager.key(),
@@ -62,14 +62,14 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
             <div class="button-row three" class:offers-full-scan=offers_full_scan>
                 <PressButton
                     label=tr!("Scan")
-                    hint=tr!("Asks all motors at once: enough for one")
+                    hint=tr!("One query to all motors: enough for a single motor")
                     why_not=blocked
                     on_press=move || ids.scan()
                 />
                 <PressButton
                     label=tr!("Full scan")
                     class="button full-scan"
-                    hint=tr!("Asks each of 254 addresses")
+                    hint=tr!("Queries all 254 addresses")
                     why_not=blocked
                     on_press=move || ids.full_scan()
                 />
@@ -96,14 +96,14 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                     <PressButton
                         label=tr!("Set ID")
                         class="button primary"
-                        hint=tr!("Scans first, then asks")
+                        hint=tr!("Scans, then asks to confirm")
                         why_not=why_not_set
                         on_press=move || ids.set_id()
                     />
                     <div hidden=live(move || more.get().is_none())>
                         <PressButton
                             label=Signal::derive(send_more)
-                            hint=tr!("Scans first, then asks")
+                            hint=tr!("Scans, then asks to confirm")
                             why_not=blocked
                             on_press=move || ids.set_id_with_more()
                         />

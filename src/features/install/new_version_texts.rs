@@ -16,7 +16,7 @@ pub(crate) fn is_ready() -> NoticeText {
     take_it(
         Tone::Calm,
         tr!("A new version is ready"),
-        tr!("Taking it loads the page anew. What is set and the session are kept."),
+        tr!("Updating reloads the page. Your settings and session are kept."),
     )
 }
 
@@ -24,7 +24,7 @@ pub(crate) fn is_ready() -> NoticeText {
 pub(crate) fn not_while_open() -> NoticeText {
     take_it(
         Tone::Warning,
-        tr!("The new version was not taken"),
+        tr!("Not updated"),
         tr!("A port is open. Press Disconnect first."),
     )
 }
@@ -33,7 +33,7 @@ pub(crate) fn not_while_open() -> NoticeText {
 pub(crate) fn not_beside_others() -> NoticeText {
     take_it(
         Tone::Warning,
-        tr!("The new version was not taken"),
-        tr!("Another tab of MotorLink is open, and may drive. Close it first."),
+        tr!("Not updated"),
+        tr!("Another MotorLink tab is open and may be driving a motor. Close it first."),
     )
 }

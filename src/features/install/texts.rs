@@ -6,15 +6,15 @@ use crate::model::notice_board::{NoticeText, Remedy, Tone, Topic};
 
 /// Why it cannot be installed.
 pub(crate) fn installed() -> &'static str {
-    tr!("It is installed.")
+    tr!("Already installed.")
 }
 /// Why it cannot be installed.
 pub(crate) fn not_offered() -> &'static str {
-    tr!("This browser does not offer it here; where it can, its own menu has it.")
+    tr!("This browser does not offer installation here. Check the browser menu.")
 }
 /// What the button does.
 pub(crate) fn hint() -> &'static str {
-    tr!("A window of its own, and a place among the programs")
+    tr!("Opens in its own window, like other apps")
 }
 
 /// For those who drive for long in a tab.
@@ -24,10 +24,10 @@ pub(crate) fn advice() -> NoticeText {
         ..NoticeText::new(
             Topic::Installing,
             Tone::Calm,
-            tr!("Install MotorLink for long drives"),
+            tr!("Install MotorLink for long runs"),
             &[tr!(
-                "A browser may discard a tab that is hidden for long, which stops the motors. It leaves the \
-               window of an installed page alone."
+                "The browser may discard a tab that stays hidden for long; the wheels then coast. \
+                 It never discards an installed app."
             )],
         )
     }

@@ -20,7 +20,7 @@ pub(crate) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
     let round_trip = line.map(|line| line.round_trip).unwrap_or_default();
     let carries = line.and_then(|line| line.carries_hz).map(|carried_hz| {
         tr!(
-            "The line carries {carried} Hz for each driven motor; {asked} Hz are asked.",
+            "The bus allows only {carried} Hz per motor. Lower the command rate ({asked} Hz).",
             carried = carried_hz,
             asked = asked_hz
         )
@@ -32,7 +32,7 @@ pub(crate) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
         tr!("{number} ms p99", number = p99),
     ]);
     let exchanges_hz = bold(line.map(|line| line.exchanges_hz.to_string()));
-    let exchanges = figures(&[tr!("{number} a second", number = exchanges_hz)]);
+    let exchanges = figures(&[tr!("{number}/s", number = exchanges_hz)]);
     [
         exchanges,
         bus_time(line),
@@ -115,12 +115,12 @@ fn histogram(round_trip: &RoundTripStatus) -> String {
 fn motors(session: &Session) -> String {
     let mut html = "<thead><tr><td></td>".to_owned();
     for (title, name) in [
-        (tr!("Requests answered in time"), tr!("Replies")),
-        (tr!("Requests after which nothing came"), tr!("Silences")),
-        (tr!("Replies with wrong bits, or cut short"), tr!("Bad CRC")),
-        (tr!("Requests that came back"), tr!("Echoes")),
+        (tr!("Requests with a valid reply in time"), tr!("Replies")),
+        (tr!("Requests without a reply in time"), tr!("Timeouts")),
+        (tr!("Corrupted or truncated replies"), tr!("Bad CRC")),
+        (tr!("Requests echoed back"), tr!("Echoes")),
         (
-            tr!("Good frames of a motor that was not asked"),
+            tr!("Valid frames from a motor that was not queried"),
             tr!("Foreign"),
         ),
     ] {
@@ -198,7 +198,7 @@ mod tests {
             },
             ..LineStatus::default()
         });
-        assert_eq!(exchanges, "<span><b>87</b> a second</span> ");
+        assert_eq!(exchanges, "<span><b>87</b>/s</span> ");
         assert_eq!(
             bus_time,
             "<span><b>41</b> % drive</span> <span><b>12</b> % queries</span> \
@@ -225,14 +225,14 @@ mod tests {
         });
         assert_eq!(
             carries,
-            "The line carries 54 Hz for each driven motor; 200 Hz are asked."
+            "The bus allows only 54 Hz per motor. Lower the command rate (200 Hz)."
         );
     }
 
     #[test]
     fn unknown_is_not_zero() {
         let [exchanges, bus_time, .., motors, _] = of(&Session::default(), 50);
-        assert_eq!(exchanges, "<span><b>–</b> a second</span> ");
+        assert_eq!(exchanges, "<span><b>–</b>/s</span> ");
         assert!(bus_time.contains("<b>–</b> % drive"));
         assert!(!motors.contains("Others"));
     }

@@ -25,15 +25,15 @@ fn head() -> String {
         &mut html,
         &[
             r#"<ul class="link-doctor" aria-label=""#,
-            tr!("Link doctor"),
+            tr!("Link diagnosis"),
             r#"" aria-live="polite"></ul><output class="link-carries" aria-label=""#,
-            tr!("What the line carries"),
+            tr!("Bus capacity"),
             r#""></output><div class="link-figures">"#,
         ],
     );
     for (class, name) in [
         ("link-exchanges", tr!("Exchanges")),
-        ("link-bus-time", tr!("Bus time")),
+        ("link-bus-time", tr!("Bus load")),
         ("link-round-trip", tr!("Round trip")),
     ] {
         push(
@@ -55,13 +55,13 @@ fn head() -> String {
             r#"</div><div class="link-histogram" role="img" aria-label=""#,
             tr!("Round trip histogram"),
             r#"" title=""#,
-            tr!("How long the last 256 replies took, in milliseconds"),
+            tr!("Round trips of the last 256 exchanges, in ms"),
             r#""></div><table class="link-motors" aria-label=""#,
-            tr!("Motors on the line"),
+            tr!("Motors on the bus"),
             r#""></table><label class="link-wire"><span class="label">"#,
-            tr!("Virtual wire"),
+            tr!("Simulated fault"),
             r#"</span><select class="select" aria-label=""#,
-            tr!("Virtual wire"),
+            tr!("Simulated fault"),
             r#"" disabled title=""#,
         ],
     );
@@ -156,9 +156,9 @@ mod tests {
             Diagnosis::Lossy,
             Diagnosis::LatencyTimer,
         ]));
-        assert!(html.find("lost or damaged") < html.find("16 ms"));
+        assert!(html.find("lost or corrupted") < html.find("16 ms"));
         assert_eq!(html.matches("<li").count(), 2);
-        assert!(verdict(&Verdict::Well).contains("All is well"));
+        assert!(verdict(&Verdict::Well).contains("Bus healthy"));
     }
 
     #[test]

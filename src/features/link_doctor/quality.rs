@@ -37,7 +37,7 @@ pub(crate) fn LinkQuality() -> impl IntoView {
             <output
                 aria-label=tr!("Link")
                 aria-live="off"
-                title=tr!("Drive frames a second · round trip · requests without a good reply")
+                title=tr!("Drive frames per second · round trip · requests without a valid reply")
                 inner_html=live(move || parts.get())
             ></output>
         </div>

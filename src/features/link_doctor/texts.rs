@@ -10,40 +10,42 @@ use crate::{
 
 /// Nothing is connected.
 pub(crate) fn not_connected() -> &'static str {
-    tr!("Connect a motor; the line is then looked at.")
+    tr!("Connect a motor to diagnose the bus.")
 }
 
 /// The line was not used enough.
 pub(crate) fn too_little() -> &'static str {
-    tr!("Too little was heard yet to say anything.")
+    tr!("Not enough data for a diagnosis yet.")
 }
 
 /// Nothing is wrong.
 pub(crate) fn well() -> &'static str {
-    tr!("All is well: nearly every request is answered, and at once.")
+    tr!("Bus healthy: nearly every request gets a prompt reply.")
 }
 
 /// Something is wrong, and nobody knows what.
 pub(crate) fn some_lost() -> &'static str {
-    tr!("Some replies are lost or damaged: too few to name a cause.")
+    tr!("Some replies are lost or corrupted: too few to find a cause.")
 }
 
 /// Why the virtual line cannot be made ill.
 pub(crate) fn no_virtual_wire() -> &'static str {
-    tr!("Connect to the virtual motor: a real line is as it is wired.")
+    tr!("Available only with the virtual motor.")
 }
 
 /// What is likely to be the cause.
 pub(crate) fn cause(diagnosis: Diagnosis) -> String {
     match diagnosis {
-        Diagnosis::Nothing => tr!("Nothing at all comes back").to_owned(),
-        Diagnosis::EchoOnly => tr!("Only our own echo comes back: the adapter works").to_owned(),
-        Diagnosis::SharedId(id) => tr!("Two motors seem to share the ID {id}", id),
-        Diagnosis::NoiseGrowsWithSpeed => tr!("Replies are damaged while a wheel turns").to_owned(),
-        Diagnosis::Lossy => tr!("Replies are lost or damaged").to_owned(),
-        Diagnosis::Stranger => tr!("A motor answers that was not asked").to_owned(),
-        Diagnosis::Silent(id) => tr!("Motor {id} is silent, and others answer", id),
-        Diagnosis::LatencyTimer => tr!("The adapter holds replies for 16 ms").to_owned(),
+        Diagnosis::Nothing => tr!("No bytes received").to_owned(),
+        Diagnosis::EchoOnly => tr!("Only echoes received: the adapter works").to_owned(),
+        Diagnosis::SharedId(id) => tr!("Two motors seem to share ID {id}", id),
+        Diagnosis::NoiseGrowsWithSpeed => {
+            tr!("Replies are corrupted while a wheel turns").to_owned()
+        }
+        Diagnosis::Lossy => tr!("Replies are lost or corrupted").to_owned(),
+        Diagnosis::Stranger => tr!("Frames from a motor that was not queried").to_owned(),
+        Diagnosis::Silent(id) => tr!("No reply from motor {id}, but others reply", id),
+        Diagnosis::LatencyTimer => tr!("The adapter delays replies by 16 ms").to_owned(),
     }
 }
 
@@ -52,43 +54,46 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
     match diagnosis {
         Diagnosis::Nothing | Diagnosis::EchoOnly => wiring().to_vec(),
         Diagnosis::SharedId(_) => vec![
-            tr!("Both answer at once, and what arrives is neither."),
-            tr!(
-                "Leave one connected, give it another ID in the tab ID Manager, then connect the other."
-            ),
+            tr!("Both reply at once, so their frames collide."),
+            tr!("Connect only one, change its ID in the ID Manager tab, then connect the other."),
         ],
         Diagnosis::NoiseGrowsWithSpeed => vec![
-            tr!("The motor's current is heard on the line."),
-            tr!("Put 120 Ω across A and B at both ends beyond 1 m."),
-            tr!("Join the grounds of adapter and supply by a short wire."),
-            tr!("Twist A with B, and keep them away from the motor's power wires."),
+            tr!("Motor current interferes with the bus."),
+            tr!("If the bus is longer than 1 m, add 120 Ω across A and B at both ends."),
+            tr!("Connect adapter GND and supply GND with a short wire."),
+            tr!("Use a twisted pair for A and B, away from the motor's power wires."),
         ],
         Diagnosis::Lossy => vec![
+            tr!("Stop the wheels for 5 s. Errors that disappear come from the motor current."),
             tr!(
-                "Let the wheels stand for five seconds: errors that go then come with the current."
+                "Errors at standstill too? Check for a loose wire. If the bus is longer than 1 m, \
+                 add 120 Ω across A and B."
             ),
-            tr!("Errors at rest too: look for a loose wire; beyond 1 m put 120 Ω across A and B."),
         ],
         Diagnosis::Stranger => vec![
-            tr!("Does another program or controller speak on these wires? Let only one speak."),
-            tr!("Full scan in the tab ID Manager names every motor on the line."),
+            tr!("Is another program or controller sending on this bus? Only one may send."),
+            tr!("Full scan in the ID Manager tab lists every motor on the bus."),
         ],
         Diagnosis::Silent(_) => vec![
             tr!(
-                "Others answer, so adapter and line work: look at its plug, its 18 V and its brown wire."
+                "Other motors reply, so the adapter and bus work. Check this motor's plug, 18 V \
+                 supply and brown wire."
             ),
-            tr!("Is it the right ID? Full scan in the tab ID Manager names those that are there."),
+            tr!("Is the ID correct? Full scan in the ID Manager tab lists every motor on the bus."),
         ],
         Diagnosis::LatencyTimer => vec![
             tr!(
-                "This is the latency timer of FTDI chips; 1 ms serves five times as many exchanges."
+                "This is the FTDI latency timer. Set to 1 ms, it allows five times as many \
+                 exchanges."
             ),
             "Linux: echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer",
             tr!(
-                "Windows: Device Manager, Ports, the adapter, Port Settings, Advanced, Latency Timer: 1."
+                "Windows: Device Manager → Ports → adapter → Port Settings → Advanced: set Latency \
+                 Timer to 1 ms."
             ),
             tr!(
-                "macOS: Apple's driver has no setting; install FTDI's, or use an adapter with a CH34x."
+                "macOS: the Apple driver has no such setting. Install the FTDI driver, or use a \
+                 CH34x adapter."
             ),
         ],
     }
@@ -97,13 +102,13 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
 /// The virtual lines by name.
 pub(crate) fn wire(wire: VirtualWire) -> &'static str {
     match wire {
-        VirtualWire::Good => tr!("Good"),
-        VirtualWire::Dead => tr!("Dead"),
+        VirtualWire::Good => tr!("None"),
+        VirtualWire::Dead => tr!("No replies"),
         VirtualWire::EchoOnly => tr!("Echo only"),
         VirtualWire::SharedId => tr!("Two motors share ID 1"),
-        VirtualWire::NoiseGrowsWithSpeed => tr!("CRC errors that grow with speed"),
-        VirtualWire::HoldsBytes => tr!("Adapter holds bytes 16 ms"),
-        VirtualWire::Stranger => tr!("A stranger answers"),
+        VirtualWire::NoiseGrowsWithSpeed => tr!("CRC errors rising with speed"),
+        VirtualWire::HoldsBytes => tr!("Adapter delay of 16 ms"),
+        VirtualWire::Stranger => tr!("Foreign frames"),
     }
 }
 

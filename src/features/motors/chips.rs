@@ -54,7 +54,7 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
             Side::Right => (tr!("R" as "right side"), tr!("right, mirrored")),
         };
         let title = if member.side.mirror().is_mirrored() {
-            let words = tr!("Mirrored: speed and current have the other sign than the wire's");
+            let words = tr!("Mirrored: speed and current have the opposite sign on the bus");
             format!(" title=\"{words}\"")
         } else {
             String::new()
@@ -82,7 +82,7 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
         html.push_str("</button>");
     }
     if html.is_empty() {
-        let words = tr!("Motors that answer stand here.");
+        let words = tr!("No motors found yet. Connect to see them here.");
         let _ = write!(html, "<span class=\"quiet\">{words}</span>");
     }
     html
@@ -161,7 +161,9 @@ mod tests {
         assert!(!html.contains("<i>"), "{html}");
         assert_eq!(html.matches("aria-pressed=\"true\"").count(), 1);
         assert_eq!(html.matches("data-figure").count(), 2 * FIGURES.len());
-        assert!(chips_html(&[], &fleet, ID).contains("Motors that answer stand here."));
+        assert!(
+            chips_html(&[], &fleet, ID).contains("No motors found yet. Connect to see them here.")
+        );
     }
 
     #[test]

@@ -47,7 +47,7 @@ fn options(found: &[MotorId], selected: MotorId, every: bool) -> String {
     if !found.is_empty() {
         push_group(&mut html, tr!("Found"), found.iter().copied(), selected);
     }
-    push_group(&mut html, tr!("Every ID"), others, selected);
+    push_group(&mut html, tr!("All IDs"), others, selected);
     html
 }
 

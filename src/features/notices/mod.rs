@@ -51,7 +51,7 @@ pub(crate) fn Notices(
             {saved_session}
             {tour}
             <div hidden=live(move || !none() || is_tour_shown.get())>
-                <h2>{tr!("Next")}</h2>
+                <h2>{tr!("Next steps")}</h2>
                 <p class="next-steps">
                     {live(move || if none() { next.get() } else { String::new() })}
                 </p>
@@ -144,16 +144,16 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
                 "1. Wire the motor: signal plug to the RS485 adapter, power plug to 18 V. Help (?) shows \
              each colour."
             ),
-            tr!("2. Press Connect and choose the adapter. No hardware? Press Virtual motor."),
+            tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
             tr!("3. Keep fingers clear of the wheel and press +100."),
         ],
-        Connection::Connecting => &[tr!("The port is being opened.")],
+        Connection::Connecting => &[tr!("Opening the port.")],
         Connection::Reconnecting(_) => &[tr!(
-            "Plug the adapter in again. Nothing drives until you press Start."
+            "Plug the adapter back in. No motor runs until you press Start."
         )],
-        Connection::Connected(_) if session.halted => &[tr!(
-            "Everything is stopped. Press Release when you want to drive again."
-        )],
+        Connection::Connected(_) if session.halted => {
+            &[tr!("All motors are stopped. Press Release to drive again.")]
+        }
         Connection::Connected(_) => return vec![next_with_motor(session, id)],
     };
     steps.iter().map(|step| (*step).to_owned()).collect()
@@ -161,33 +161,33 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
 
 fn next_with_motor(session: &Session, id: MotorId) -> String {
     let Some(mode) = session.mode(id).filter(Reading::is_fresh) else {
-        return tr!("Waiting for motor {id} to answer.", id);
+        return tr!("Waiting for a reply from motor {id}.", id);
     };
     let activity = session.motor(id).map(|motor| motor.activity);
     match (activity, mode.value) {
         (Some(Activity::Driven { setpoint }), _) => {
             tr!(
-                "Motor {id} is driven: {goal}. Space or Escape stops all motors.",
+                "Motor {id} is running: {goal}. Space or Escape stops all motors.",
                 id,
                 goal = format::goal(setpoint)
             )
         }
         (Some(Activity::DrivenRaw), _) => {
             tr!(
-                "Raw frames drive motor {id}. Space or Escape stops all motors.",
+                "Raw frames are driving motor {id}. Space or Escape stops all motors.",
                 id
             )
         }
-        (Some(Activity::Stopping { .. }), _) => tr!("Motor {id} is being braked.", id),
+        (Some(Activity::Stopping { .. }), _) => tr!("Braking motor {id}.", id),
         (_, Mode::Velocity) => {
             tr!("Keep fingers clear of the wheel and press +100, or set a speed and press Start.")
                 .to_owned()
         }
         (_, Mode::Current) => {
-            tr!("Set a current and press Start. A wheel without load runs up to full speed.")
+            tr!("Set a current and press Start. An unloaded wheel accelerates to full speed.")
                 .to_owned()
         }
-        (_, Mode::Position) => tr!("Set an angle and press Go.").to_owned(),
+        (_, Mode::Position) => tr!("Set a target angle and press Go.").to_owned(),
     }
 }
 

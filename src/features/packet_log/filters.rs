@@ -56,7 +56,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 class="packet-filter"
                 aria-label=tr!("Filter")
                 placeholder=tr!("Filter")
-                title=title(tr!("Shows entries with this in their time, ID, hex or meaning"))
+                title=title(tr!("Searches time, ID, hex bytes and meaning"))
                 prop:value=filter.text
                 autocomplete="off"
                 spellcheck="false"
@@ -66,7 +66,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
             <select
                 class="select"
                 aria-label=tr!("Log ID")
-                title=title(tr!("Entries of one motor"))
+                title=title(tr!("Filter by motor"))
                 disabled=live(stopped)
                 inner_html=live(move || id_options(&found.get(), id.get()))
                 on:change=heard(move |event| {
@@ -78,7 +78,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
             <select
                 class="select"
                 aria-label=tr!("Log direction")
-                title=title(tr!("Entries of one kind"))
+                title=title(tr!("Filter by type"))
                 disabled=live(stopped)
                 inner_html=kind_options(filter.kind)
                 on:change=heard(move |event| {
@@ -88,7 +88,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
             ></select>
             <label
                 class="check"
-                title=tr!("Hides queries, unchanged drive frames and their good replies")
+                title=tr!("Hides queries, unchanged drive frames and their valid replies")
             >
                 <input
                     type="checkbox"
@@ -101,7 +101,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 />
                 {tr!("Collapse status polls")}
             </label>
-            <label class="check" title=tr!("Stays with the newest entries")>
+            <label class="check" title=tr!("Keeps the newest entries in view")>
                 <input
                     type="checkbox"
                     prop:checked=live(move || following.get())

@@ -21,7 +21,7 @@ use crate::{
 /// A person who has not moved the scroll bar for so long, in milliseconds, has it in hand no more.
 const IN_HAND_MS: f64 = 250.0;
 
-/// Log `Packets` and button `Back to the newest`.
+/// Log `Packets` and button `Jump to newest`.
 #[component]
 pub(crate) fn PacketList(log: Log) -> impl IntoView {
     let scroller = NodeRef::<Div>::new();
@@ -76,8 +76,8 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
     };
     let back = memo(move || log.state.with(|state| (state.following, state.new_rows)));
     let back_reads = move || match back.get() {
-        (_, 0) => tr!("Back to the newest").to_owned(),
-        (_, new) => tr!("Back to the newest · {count} new", count = grouped(new)),
+        (_, 0) => tr!("Jump to newest").to_owned(),
+        (_, new) => tr!("Jump to newest · {count} new", count = grouped(new)),
     };
     view! {
         <div class="packet-list">
@@ -106,7 +106,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             <span class="packet-back" hidden=live(move || back.get().0)>
                 <PressButton
                     label=Signal::derive(back_reads)
-                    name=tr!("Back to the newest")
+                    name=tr!("Jump to newest")
                     class="button small"
                     on_press=move || log.follow(true)
                 />

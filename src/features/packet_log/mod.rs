@@ -33,11 +33,7 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
     let title = memo(move || state.with(texts::of_entries_at_length));
     let empty = memo(move || state.with(|state| state.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
-    let why_empty = move || {
-        empty
-            .get()
-            .then(|| tr!("There are no entries yet.").to_owned())
-    };
+    let why_empty = move || empty.get().then(|| tr!("No entries yet.").to_owned());
     let why_not_export = move || {
         let why_not = recorder.why_not_export(Export::Log);
         let writes = recorder.per_mille(Export::Log).is_some();
@@ -67,13 +63,13 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
                 <PressButton
                     label=tr!("Clear")
                     class="button small"
-                    hint=tr!("Forget every entry of the log")
+                    hint=tr!("Deletes all log entries")
                     why_not=Signal::derive(why_not_clear)
                     on_press=move || log.ask_to_clear()
                 />
                 <ExportButton
                     label=tr!("Export CSV")
-                    hint=tr!("Every entry that is kept, shown or not")
+                    hint=tr!("Exports all entries, including hidden ones")
                     per_mille=Signal::derive(move || log.page.recorder.per_mille(Export::Log))
                     why_not=Signal::derive(why_not_export)
                     on_press=move || log.page.recorder.export_or_cancel(Export::Log)

@@ -103,13 +103,13 @@ fn before(collapsed: u32) -> (String, String) {
         0 => (String::new(), String::new()),
         1 => (
             "+1".to_owned(),
-            tr!("1 routine frame before this").to_owned(),
+            tr!("1 collapsed frame before this").to_owned(),
         ),
         many => {
             let many = grouped(many.into());
             (
                 format!("+{many}"),
-                tr!("{count} routine frames before this", count = many),
+                tr!("{count} collapsed frames before this", count = many),
             )
         }
     }
@@ -122,11 +122,11 @@ mod tests {
     #[test]
     fn a_row_says_how_many_routine_frames_came_before_it() {
         assert_eq!(before(0), (String::new(), String::new()));
-        assert_eq!(before(1).1, "1 routine frame before this");
+        assert_eq!(before(1).1, "1 collapsed frame before this");
         let (chip, title) = before(48);
         assert_eq!(
             (chip.as_str(), title.as_str()),
-            ("+48", "48 routine frames before this")
+            ("+48", "48 collapsed frames before this")
         );
     }
 

@@ -14,13 +14,10 @@ pub(crate) fn of_entries(log: &LogState) -> (String, String) {
             percent = log.looked_at_per_mille / 10
         ));
     } else if log.collapsed > 0 {
-        others.push(tr!(
-            "{count} routine hidden",
-            count = grouped(log.collapsed)
-        ));
+        others.push(tr!("{count} collapsed", count = grouped(log.collapsed)));
     }
     if log.gone > 0 {
-        others.push(tr!("{count} gave way", count = grouped(log.gone)));
+        others.push(tr!("{count} dropped", count = grouped(log.gone)));
     }
     (entries, others.join(", "))
 }
@@ -28,29 +25,26 @@ pub(crate) fn of_entries(log: &LogState) -> (String, String) {
 /// The same at length.
 pub(crate) fn of_entries_at_length(log: &LogState) -> String {
     let (entries, others) = of_entries(log);
-    let kept = tr!("{entries} kept", entries);
+    let kept = tr!("{entries} in the log", entries);
     match (others.is_empty(), log.gone) {
         (true, _) => kept,
         (false, 0) => format!("{kept}, {others}"),
-        (false, _) => tr!("{kept}, {others} to newer ones", kept, others),
+        (false, _) => tr!("{kept}, {others} to make room", kept, others),
     }
 }
 
 /// What stands in the place of rows while there are none; empty where there are some.
 pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     if !alive {
-        tr!("The packet log has stopped. Driving goes on without it.")
+        tr!("The packet log has stopped. Motors keep running.")
     } else if log.kept == 0 {
-        tr!(
-            "Every frame that is sent or heard will stand here, and what the page says, to the \
-         millisecond."
-        )
+        tr!("No frames yet. Connect to log every frame, with millisecond timestamps.")
     } else if log.shown > 0 || log.looked_at_per_mille < 1000 {
         ""
     } else if log.collapsed == log.kept {
-        tr!("Nothing but status polls so far. Untick Collapse status polls to see them.")
+        tr!("Only status polls so far. Turn off Collapse status polls to show them.")
     } else {
-        tr!("No entry fits the filter.")
+        tr!("No entries match the filter.")
     }
 }
 
@@ -89,10 +83,10 @@ mod tests {
     fn the_entries_are_counted_with_what_is_not_shown() {
         let (entries, others) = of_entries(&LOG);
         assert_eq!(plain(&entries), "18 402 entries");
-        assert_eq!(plain(&others), "17 950 routine hidden, 3 gave way");
+        assert_eq!(plain(&others), "17 950 collapsed, 3 dropped");
         assert_eq!(
             plain(&of_entries_at_length(&LOG)),
-            "18 402 entries kept, 17 950 routine hidden, 3 gave way to newer ones"
+            "18 402 entries in the log, 17 950 collapsed, 3 dropped to make room"
         );
         let one = LogState {
             kept: 1,
@@ -100,7 +94,7 @@ mod tests {
             ..LogState::default()
         };
         assert_eq!(of_entries(&one), ("1 entry".to_owned(), String::new()));
-        assert_eq!(of_entries_at_length(&one), "1 entry kept");
+        assert_eq!(of_entries_at_length(&one), "1 entry in the log");
         assert_eq!(plain(&of_clearing(18_402)), "Clear 18 402 entries");
     }
 
@@ -117,11 +111,11 @@ mod tests {
 
     #[test]
     fn an_empty_list_says_why() {
-        assert!(of_no_rows(&LogState::default(), true).contains("will stand here"));
+        assert!(of_no_rows(&LogState::default(), true).contains("No frames yet"));
         assert!(of_no_rows(&LOG, false).contains("has stopped"));
         assert_eq!(of_no_rows(&LOG, true), "");
         let nothing_shown = LogState { shown: 0, ..LOG };
-        assert!(of_no_rows(&nothing_shown, true).contains("No entry fits"));
+        assert!(of_no_rows(&nothing_shown, true).contains("No entries match"));
         let all_routine = LogState {
             collapsed: 18_402,
             ..nothing_shown

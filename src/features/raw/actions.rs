@@ -140,7 +140,7 @@ impl Raw {
                 refusal,
             } => (*frame, *repeat, *refusal),
             Notice::TooLate(Command::SendRaw { .. }) => {
-                let words = tr!("It came too late: the page was busy. Press Send again.");
+                let words = tr!("Too late: the page was busy. Press Send again.");
                 return self.refused.set(Some(words.to_owned()));
             }
             _ => return,
@@ -158,7 +158,10 @@ impl Raw {
             }
             Refusal::NeedsConsent(current) => {
                 let amps = format::amps_of(current);
-                let words = tr!("{amps} is above 6.1 A. Press Send again to be asked.", amps);
+                let words = tr!(
+                    "{amps} is above 6.1 A. Press Send again, then confirm.",
+                    amps
+                );
                 self.refused.set(Some(words));
             }
             refusal => self.refused.set(Some(terms::refusal(refusal))),

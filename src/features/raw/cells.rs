@@ -108,7 +108,7 @@ pub(crate) fn cells(entered: &Entered) -> String {
             Some(Piece::Byte(byte)) => format!("{byte:02X}"),
             Some(Piece::Half(digit)) => format!("{digit}·"),
             Some(Piece::Wrong { text, .. }) => {
-                (class, label) = (" wrong", tr!("no byte"));
+                (class, label) = (" wrong", tr!("invalid"));
                 text.chars().take(SHOWN_MAX).collect()
             }
             None => "··".to_owned(),
@@ -123,7 +123,7 @@ pub(crate) fn cells(entered: &Entered) -> String {
             label = match tenth {
                 Some(Tenth::CrcAdded) => tr!("CRC added"),
                 Some(Tenth::ZeroAdded) => tr!("added" as "byte"),
-                Some(Tenth::WrongCrc { .. }) => tr!("wrong CRC"),
+                Some(Tenth::WrongCrc { .. }) => tr!("bad CRC"),
                 _ => label,
             };
         }
@@ -195,7 +195,7 @@ mod tests {
             ),
             (
                 "01 74 00 zz",
-                "ID,command,zero,no byte,zero,zero,zero,zero,zero,CRC",
+                "ID,command,zero,invalid,zero,zero,zero,zero,zero,CRC",
             ),
         ] {
             let html = cells(&Entered::read(text));
@@ -218,7 +218,7 @@ mod tests {
         assert!(added.contains("<b>4F</b>"), "{added}");
         let wrong = html("01 64 00 64 00 00 00 00 00 5B");
         assert!(
-            wrong.contains("doubtful") && wrong.contains("wrong CRC"),
+            wrong.contains("doubtful") && wrong.contains("bad CRC"),
             "{wrong}"
         );
     }

@@ -20,19 +20,20 @@ const SHOWN_MAX: usize = 12;
 /// read in that.
 pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> String {
     match entered.outcome() {
-        Outcome::Nothing => {
-            tr!("Nine bytes get their CRC here; ten are sent as they are. Lines of the log can be pasted.")
-                .to_owned()
-        }
-        Outcome::TooFew(9) => tr!("Byte 9 has one digit so far.").to_owned(),
+        Outcome::Nothing => tr!(
+            "Enter 9 bytes to have the CRC added, or 10 to send them unchanged. You can paste \
+                 log lines."
+        )
+        .to_owned(),
+        Outcome::TooFew(9) => tr!("Byte 9 needs one more digit.").to_owned(),
         Outcome::TooFew(bytes) => {
-            tr!("{bytes} of 9 bytes; the CRC is added behind them.", bytes)
+            tr!("{bytes} of 9 bytes; the CRC is added as byte 9.", bytes)
         }
-        Outcome::LoopMissing => {
-            tr!("A mode switch ends with its loop instead of a CRC. Type byte 9: 01 current, 02 velocity, \
-             03 position.")
-                .to_owned()
-        }
+        Outcome::LoopMissing => tr!(
+            "Byte 9 of a mode switch is the loop, not a CRC. Enter 01 (current), 02 (velocity) \
+                 or 03 (position)."
+        )
+        .to_owned(),
         Outcome::Wrong(place) => match entered.pieces().get(place) {
             Some(Piece::Wrong { text, why }) => what_is_wrong(place, text, *why),
             _ => String::new(),
@@ -44,13 +45,13 @@ pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> Str
 fn what_is_wrong(place: usize, text: &str, why: Why) -> String {
     let text: String = text.chars().take(SHOWN_MAX).collect();
     let why = match why {
-        Why::NotHex => tr!("is not hex: two of 0-9 and A-F make a byte"),
-        Why::OneDigit => tr!("is one digit: a byte has two"),
-        Why::NoDigits => tr!("has no digits behind it"),
-        Why::ManyDigits => tr!("has more than two digits: put spaces between the bytes"),
+        Why::NotHex => tr!("is not hex: use two digits, 0-9 or A-F"),
+        Why::OneDigit => tr!("has one digit: a byte has two"),
+        Why::NoDigits => tr!("needs hex digits after it"),
+        Why::ManyDigits => tr!("has more than two digits: separate bytes with spaces"),
         Why::NotOneLogLine => {
             return tr!(
-                "“{text}” is from the packet log: paste one whole line of it, or the bytes.",
+                "“{text}” is part of a log line: paste one whole line or only the bytes.",
                 text
             );
         }
@@ -71,9 +72,9 @@ fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String 
     let rest = match (request.is_ok(), tenth) {
         // The reason why it is not sent stands at the button.
         (false, _) if unassignable_id(frame).is_some() => return words,
-        (false, _) => tr!("It is sent as it is."),
-        (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("It carries no CRC and is not answered."),
-        (true, Tenth::Loop) => tr!("Byte 9 is the loop: it carries no CRC and is not answered."),
+        (false, _) => tr!("The frame is sent unchanged."),
+        (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("The frame has no CRC and gets no reply."),
+        (true, Tenth::Loop) => tr!("Byte 9 is the loop: the frame has no CRC and gets no reply."),
         (true, _) => return words,
     };
     words.push(' ');
@@ -91,8 +92,8 @@ pub(crate) fn sent(raw: &RawStatus) -> String {
     } = raw;
     if *count == 1 {
         let words = match (sent, raw.running) {
-            (0, true) => tr!("Is being sent"),
-            (0, false) => tr!("Stopped before it was sent"),
+            (0, true) => tr!("Sending"),
+            (0, false) => tr!("Stopped before sending"),
             _ => tr!("Sent once"),
         };
         return words.to_owned();
@@ -105,9 +106,9 @@ pub(crate) fn sent(raw: &RawStatus) -> String {
         tr!("Sent")
     };
     match count {
-        0 => tr!("{state} {sent}, answered {answered}", state, sent, answered),
+        0 => tr!("{state} {sent}, replies: {answered}", state, sent, answered),
         count => tr!(
-            "{state} {sent} of {count}, answered {answered}",
+            "{state} {sent} of {count}, replies: {answered}",
             state,
             sent,
             count,
@@ -135,15 +136,15 @@ pub(crate) fn answer(raw: &RawStatus) -> String {
             )
         }
         Some(RawAnswer::Garbled) => {
-            tr!("Bytes came, but no good reply: several motors at once, or noise.").to_owned()
+            tr!("Bytes received, but no valid reply: several motors at once, or noise.").to_owned()
         }
-        Some(RawAnswer::NoneExpected) => tr!("Sent. Such a frame has no answer.").to_owned(),
+        Some(RawAnswer::NoneExpected) => tr!("Sent. This frame gets no reply.").to_owned(),
         Some(RawAnswer::NotSent) => {
             tr!("Not sent: the adapter is busy. Press Send again.").to_owned()
         }
         Some(RawAnswer::Silence { waited_us }) => {
             tr!(
-                "No answer within {ms} ms.",
+                "No reply within {ms} ms.",
                 ms = format::milliseconds(waited_us)
             )
         }
@@ -177,26 +178,23 @@ mod tests {
                 "01 74 00 00 00 00 00 00 00",
                 "To motor 0x01: feedback query.",
             ),
-            (
-                "C8 64 00 00 00 00 00 00 00",
-                "ID query, heard by every motor.",
-            ),
+            ("C8 64 00 00 00 00 00 00 00", "ID query to all motors."),
             (
                 "AA 55 53 05 00 00 00 00 00",
-                "Set ID 0x05, heard by every motor. It carries no CRC and is not answered.",
+                "Set ID 0x05 on all motors. The frame has no CRC and gets no reply.",
             ),
             (
                 "01 A0 00 00 00 00 00 00 00 01",
-                "To motor 0x01: switch to the current loop. Byte 9 is the loop: it carries no CRC and \
-                 is not answered.",
+                "To motor 0x01: switch to the current loop. Byte 9 is the loop: the frame has no CRC and \
+                 gets no reply.",
             ),
             (
                 "01 64 00 64 00 00 00 00 00 5B",
-                "CRC is 5B, should be 4F. It is sent as it is.",
+                "CRC 5B, expected 4F. The frame is sent unchanged.",
             ),
             (
                 "AA 55 53 00 00 00 00 00 00",
-                "0 is no motor's ID: use 1 to 254.",
+                "0 is not a valid ID: use 1 to 254.",
             ),
         ] {
             assert_eq!(words(text), wanted);
@@ -207,14 +205,17 @@ mod tests {
     fn what_is_wrong_is_said_with_its_byte_and_characters() {
         for (text, wanted) in [
             ("01 74 0G", "Byte 2: “0G” is not hex"),
-            ("01 7 00", "Byte 1: “7” is one digit"),
+            ("01 7 00", "Byte 1: “7” has one digit"),
             (
                 "01 64 00 64 00 00 00 00 00 4F FF",
                 "Byte 10: “FF” is one too many",
             ),
             ("01 74 00", "3 of 9 bytes"),
-            ("01 74 00 00 00 00 00 00 00 0", "Byte 9 has one digit"),
-            ("01 A0 00 00 00 00 00 00 00", "ends with its loop"),
+            (
+                "01 74 00 00 00 00 00 00 00 0",
+                "Byte 9 needs one more digit",
+            ),
+            ("01 A0 00 00 00 00 00 00 00", "is the loop, not a CRC"),
         ] {
             assert!(
                 words(text).starts_with(wanted) || words(text).contains(wanted),
@@ -253,32 +254,32 @@ mod tests {
         let silence = RawAnswer::Silence { waited_us: 8_000 };
         assert_eq!(
             answer(&status(query, 1, silence)),
-            "No answer within 8.0 ms."
+            "No reply within 8.0 ms."
         );
         let switch = "01 A0 00 00 00 00 00 00 00 02";
         let unanswered = RawAnswer::NoneExpected;
-        assert!(answer(&status(switch, 1, unanswered)).contains("has no answer"));
-        assert!(answer(&status(query, 1, RawAnswer::Garbled)).contains("no good reply"));
+        assert!(answer(&status(switch, 1, unanswered)).contains("gets no reply"));
+        assert!(answer(&status(query, 1, RawAnswer::Garbled)).contains("no valid reply"));
     }
 
     #[test]
     fn a_repeat_says_how_often_and_whether_it_goes_on() {
         let raw = |count| status("01 74 00 00 00 00 00 00 00", count, RawAnswer::Garbled);
         assert_eq!(sent(&raw(1)), "Sent once");
-        assert_eq!(sent(&raw(3)), "Sent 3 of 3, answered 2");
-        assert_eq!(sent(&raw(0)), "Repeating: sent 3, answered 2");
+        assert_eq!(sent(&raw(3)), "Sent 3 of 3, replies: 2");
+        assert_eq!(sent(&raw(0)), "Repeating: sent 3, replies: 2");
         let running = |count, running| RawStatus {
             running,
             ..raw(count)
         };
         assert_eq!(
             sent(&running(10, true)),
-            "Repeating: sent 3 of 10, answered 2"
+            "Repeating: sent 3 of 10, replies: 2"
         );
         assert_eq!(
             sent(&running(10, false)),
-            "Stopped: sent 3 of 10, answered 2"
+            "Stopped: sent 3 of 10, replies: 2"
         );
-        assert_eq!(sent(&running(0, false)), "Stopped: sent 3, answered 2");
+        assert_eq!(sent(&running(0, false)), "Stopped: sent 3, replies: 2");
     }
 }

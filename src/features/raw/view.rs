@@ -57,7 +57,7 @@ pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
                     id="interval"
                     name=tr!("Interval")
                     unit="ms"
-                    hint=tr!("2 to 60,000 ms")
+                    hint=tr!("2 to 60\u{202F}000 ms")
                     target=raw.interval
                     entry=tool_entry::INTERVAL
                     on_edit=|| ()
@@ -90,13 +90,13 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             <PressButton
                 label=tr!("Feedback query")
                 class="button small"
-                hint=tr!("Writes the query of the chosen motor into the field")
+                hint=tr!("Inserts a feedback query for the selected motor")
                 on_press=move || raw.write_example(Layout::Query)
             />
             <PressButton
                 label=tr!("ID query")
                 class="button small"
-                hint=tr!("Writes the query that every motor answers into the field")
+                hint=tr!("Inserts the ID query to all motors")
                 on_press=move || raw.write_example(Layout::Drive)
             />
         </div>
@@ -144,7 +144,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     let why_not_stop = page.of_motor(|session, _| why_not_stop(session));
     let why_not = Signal::derive(move || {
         let Some(frame) = frame.get() else {
-            let missing = || Some(tr!("Type nine or ten bytes.").to_owned());
+            let missing = || Some(tr!("Enter 9 or 10 bytes.").to_owned());
             return blocked.get().or_else(missing);
         };
         let blocked = if is_hazardous(&frame) {
@@ -174,7 +174,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             <PressButton
                 label=tr!("Stop")
                 class="button halt"
-                hint=tr!("Sends it no more and stops the motor that it may have moved")
+                hint=tr!("Stops sending, and stops any motor the frame may have moved")
                 why_not=why_not_stop
                 on_press=move || raw.stop_raw()
             />
@@ -195,14 +195,14 @@ fn Answer(raw: Raw) -> impl IntoView {
         if not_sent() {
             return tr!("The frame was not sent").to_owned();
         }
-        let otherwise = || tr!("The answer appears here").to_owned();
+        let otherwise = || tr!("The reply appears here").to_owned();
         sent.get()
             .or_else(|| unconnected.get())
             .unwrap_or_else(otherwise)
     };
     let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
     view! {
-        <output class="answer" class:bad=live(not_sent) aria-label=tr!("Answer") aria-live="off">
+        <output class="answer" class:bad=live(not_sent) aria-label=tr!("Reply") aria-live="off">
             <span class="answer-title">{live(title)}</span>
             <span class="answer-words">{live(words)}</span>
         </output>

@@ -39,9 +39,9 @@ pub(crate) fn Recording() -> impl IntoView {
     };
     let hint = move || {
         why_not_record().unwrap_or(if records.get() {
-            tr!("Press again to end the recording")
+            tr!("Press again to stop recording")
         } else {
-            tr!("Keep every sample from now on; without it, those of the last 10 minutes are kept")
+            tr!("Records every sample from now on. Otherwise only the last 10 minutes are stored.")
         })
     };
     let why_not_export = move || {
@@ -73,7 +73,7 @@ pub(crate) fn Recording() -> impl IntoView {
             <ExportButton
                 label=tr!("Export telemetry CSV")
                 hint=tr!(
-                    "One row a sample: of the recording, or where nothing was recorded, of the last 10 minutes"
+                    "One row per sample: the recording or, without one, the last 10 minutes"
                 )
                 per_mille=Signal::derive(move || page.recorder.per_mille(Export::Telemetry))
                 why_not=Signal::derive(why_not_export)
@@ -90,5 +90,5 @@ fn why_no_recording(status: &RecordingStatus) -> Option<&'static str> {
 
 fn why_nothing_to_export(status: &RecordingStatus) -> Option<String> {
     (status.recorded == 0 && status.rolling == 0)
-        .then(|| tr!("There is no sample yet. Connect a motor.").to_owned())
+        .then(|| tr!("No samples yet. Connect a motor.").to_owned())
 }

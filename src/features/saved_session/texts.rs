@@ -25,15 +25,11 @@ pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
                 format!("{date}, {hours}")
             };
             let content = of_content(session);
-            tr!(
-                "A session of {hours} is kept in this browser: {content}.",
-                hours,
-                content
-            )
+            tr!("Session from {hours}: {content}.", hours, content)
         }
         Offer::Restoring(session) => {
             tr!(
-                "The session of {hours} is being restored.",
+                "Restoring the session from {hours}.",
                 hours = of_hours(session)
             )
         }
@@ -43,7 +39,7 @@ pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
 /// A line of the log.
 pub(crate) fn of_restored(session: &KeptSession) -> String {
     tr!(
-        "The session of {hours} was restored: {content}",
+        "Restored the session from {hours}: {content}",
         hours = of_hours(session),
         content = of_content(session)
     )
@@ -52,7 +48,7 @@ pub(crate) fn of_restored(session: &KeptSession) -> String {
 /// A line of the log.
 pub(crate) fn of_forgotten(session: &KeptSession) -> String {
     tr!(
-        "The session of {hours} was forgotten",
+        "Deleted the session from {hours}",
         hours = of_hours(session)
     )
 }
@@ -60,14 +56,14 @@ pub(crate) fn of_forgotten(session: &KeptSession) -> String {
 /// A line of the log.
 pub(crate) fn of_not_kept(why: NotKept) -> Line {
     let why = match why {
-        NotKept::NoRoom => tr!("it has no room for it"),
-        NotKept::Failed => tr!("its storage fails"),
+        NotKept::NoRoom => tr!("the browser storage is full"),
+        NotKept::Failed => tr!("the browser storage failed"),
     };
     Line {
         error: true,
         text: tr!(
-            "This browser keeps no copy of the session: {why}. Log and recording go on; export them before \
-             the page is closed.",
+            "The session is not stored: {why}. Log and recording continue; export them before you \
+             close the page.",
             why
         ),
     }
@@ -133,7 +129,7 @@ mod tests {
     fn a_session_that_is_not_kept_says_why_and_what_to_do() {
         for why in [NotKept::NoRoom, NotKept::Failed] {
             let line = of_not_kept(why);
-            assert!(line.error && line.text.contains("keeps no copy"));
+            assert!(line.error && line.text.contains("is not stored"));
             assert!(line.text.contains("export"));
         }
     }

@@ -1,5 +1,5 @@
 //! The session that the browser keeps, among the notices, with buttons `Restore session` and
-//! `Forget session`. As HTML, it weighs a tenth of a view.
+//! `Delete session`. As HTML, it weighs a tenth of a view.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -20,24 +20,24 @@ const FORGET: &str = "forget-session";
 const LEAVE: &str = "leave-session";
 const SAID: &str = "kept-words";
 
-/// Status `Kept session`, and what can be done with it.
+/// Status `Previous session`, and what can be done with it.
 fn markup() -> String {
     [
         r#"<p class="notice-title">"#,
-        tr!("Kept session"),
+        tr!("Previous session"),
         r#"</p><p class="notice-advice" role="status" aria-label=""#,
-        tr!("Kept session"),
+        tr!("Previous session"),
         r#"" id="kept-words"></p><button type="button" class="button small" "#,
         r#"id="restore-session" title=""#,
-        tr!("It stands before this one in log and recording; nothing is driven"),
+        tr!("Adds it before this session in log and recording; no motor starts"),
         r#"">"#,
         tr!("Restore session"),
         r#"</button> <button type="button" class="button small" id="forget-session">"#,
-        tr!("Forget session"),
+        tr!("Delete session"),
         r#"</button><button type="button" class="dismiss" aria-label=""#,
-        tr!("Dismiss kept session"),
+        tr!("Dismiss previous session"),
         r#"" title=""#,
-        tr!("It stays kept, and is offered again"),
+        tr!("Hides the offer; the session stays stored"),
         r#"" id="leave-session"></button>"#,
     ]
     .concat()

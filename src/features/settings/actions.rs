@@ -55,7 +55,7 @@ impl Settings {
     pub(crate) async fn import_setup(self, file: &File) -> String {
         let words = match read(file).await {
             Some(read) => self.take_file(read),
-            None => texts::of_refusal(tr!("The file cannot be read. Choose it again.")),
+            None => texts::of_refusal(tr!("The file cannot be read. Select it again.")),
         };
         self.page.log(
             self.page.now(),
@@ -87,7 +87,7 @@ impl Settings {
             return Some(no_recorder().to_owned());
         }
         let records = self.page.recorder.recording.with(|status| status.recording);
-        let records = records.then(|| tr!("End the recording first.").to_owned());
+        let records = records.then(|| tr!("Stop the recording first.").to_owned());
         records.or(in_use)
     }
 

@@ -28,35 +28,37 @@ const SAID: &str = "setup-words";
 fn limits_head() -> String {
     let head = tr!("Limits");
     let words = tr!(
-        "A driven motor that turns faster, gets hotter, or draws more for half a second is stopped."
+        "MotorLink stops a motor above the speed or temperature limit, or after 0.5 s above the \
+         current limit."
     );
     format!("<h3>{head}</h3><p>{words}</p>")
 }
 
-/// Buttons `Export setup`, `Import setup`, `Erase kept data` and `Install`, the browser's own chooser of files that
+/// Buttons `Export setup`, `Import setup`, `Delete all data` and `Install`, the browser's own chooser of files that
 /// the second one opens, and status `Setup`.
 fn files() -> String {
     [
         heading(tr!("Setup")),
         paragraph(tr!(
-            "Names, sides, groups, ramp, rate and limits, as a file for another browser."
+            "Save names, sides, groups, ramp, rate and limits to a file for use in another browser."
         )),
         r#"<div class="button-row two">"#.to_owned(),
         button(EXPORT, tr!("Export setup")),
         button(IMPORT, tr!("Import setup")),
         format!(r#"</div><input type="file" accept=".json" id="{CHOOSER}" hidden>"#),
-        heading(tr!("Kept in this browser")),
+        heading(tr!("Stored in this browser")),
         paragraph(tr!(
-            "Sessions and what was set are kept here, and leave it only as files that you export."
+            "Sessions and settings stay in this browser. They leave it only as files you export."
         )),
-        button(ERASE, tr!("Erase kept data")),
+        button(ERASE, tr!("Delete all data")),
         format!(
             r#"<p class="setup-words" role="status" aria-label="{}" id="{SAID}"></p>"#,
             tr!("Setup")
         ),
-        heading(tr!("Installed")),
+        heading(tr!("Installation")),
         paragraph(tr!(
-            "As a program of its own it is never discarded while hidden. It works without a network in any case."
+            "The browser never discards the installed app while it is hidden. Offline use works \
+             without installing."
         )),
         button(INSTALL, tr!("Install")),
     ]
@@ -143,9 +145,9 @@ fn keep_working(settings: Settings, install: &'static InstallButton) {
         say_why(
             IMPORT,
             reason.as_deref(),
-            tr!("From a file that was exported"),
+            tr!("From an exported setup file"),
         );
-        let erases = tr!("Everything that this browser keeps of this page: sessions and choices");
+        let erases = tr!("Deletes all MotorLink sessions and settings stored in this browser");
         say_why(ERASE, settings.why_not_erase(reason).as_deref(), erases);
     });
     follow(move || say_why(INSTALL, (install.why_not)(), install.hint));

@@ -14,7 +14,10 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
     };
     tell(setup.model.is_some(), tr!("model"));
     tell(setup.rate.is_some(), tr!("command rate"));
-    tell(setup.keep_driving.is_some(), tr!("keep driving"));
+    tell(
+        setup.keep_driving.is_some(),
+        tr!("keep driving while hidden"),
+    );
     tell(setup.ramp.is_some(), tr!("ramp"));
     let limits = [
         setup.speed_limit,
@@ -28,7 +31,7 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
         None => {}
     }
     if taken.is_empty() {
-        tr!("The file holds no setting. Nothing was changed.").to_owned()
+        tr!("The file contains no settings. Nothing was changed.").to_owned()
     } else {
         tr!("Imported: {taken}.", taken)
     }
@@ -47,9 +50,11 @@ pub(crate) fn of_refusal(reason: &str) -> String {
 /// What became of what was kept.
 pub(crate) fn of_erased(all: bool) -> &'static str {
     if all {
-        tr!("Erased. What is done from now on is kept anew.")
+        tr!("Deleted. New data is stored from now on.")
     } else {
-        tr!("Erased, but for what other tabs of this page have open. Close them and erase again.")
+        tr!(
+            "Deleted, except data that other MotorLink tabs use. Close those tabs and delete again."
+        )
     }
 }
 
@@ -68,22 +73,22 @@ mod tests {
             "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0, "speed_limit_rpm": 100, "motors": [{"id": 1}]}"#;
         assert_eq!(
             of_file(all),
-            "Imported: model, command rate, keep driving, ramp, limits, 1 motor."
+            "Imported: model, command rate, keep driving while hidden, ramp, limits, 1 motor."
         );
         let nobody = r#"{"motorlink_setup": 1, "motors": []}"#;
         assert_eq!(of_file(nobody), "Imported: 0 motors.");
-        assert!(of_file(r#"{"motorlink_setup": 1}"#).contains("no setting"));
+        assert!(of_file(r#"{"motorlink_setup": 1}"#).contains("no settings"));
     }
 
     #[test]
     fn a_refusal_says_that_nothing_was_changed_and_where_it_does_not_fit() {
         assert_eq!(
             of_file(r#"{"motorlink_setup": 1, "motors": [{"id": 1, "side": "up"}]}"#),
-            "Nothing was changed. motors[0].side: allowed is \"none\", \"left\" or \"right\"."
+            "Nothing was changed. motors[0].side: expected \"none\", \"left\" or \"right\"."
         );
         assert_eq!(
             of_file("{\n  \"motorlink_setup\" 1}"),
-            "Nothing was changed. Line 2, column 21: from here on it is no JSON."
+            "Nothing was changed. Invalid JSON at line 2, column 21."
         );
     }
 }

@@ -14,7 +14,7 @@ pub(crate) fn StopButton(
         <button
             type="button"
             class="stop"
-            aria-label=tr!("Stop all motors")
+            aria-label=tr!("STOP all motors")
             aria-keyshortcuts="Space Escape"
             title=tr!("Brakes every motor. The power switch is the only emergency stop.")
             // When it is touched, not when the finger is lifted again.

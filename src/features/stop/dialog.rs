@@ -52,7 +52,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
             <div class="stopped-foot">
                 <p class="quiet">
                     {tr!(
-                        "Nothing drives until you release. The power switch is the only emergency stop."
+                        "Press Release to drive again. The power switch is the only emergency stop."
                     )}
                 </p>
                 <PressButton
@@ -68,7 +68,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
 /// The rows of the table as HTML.
 fn table_rows(lines: &[StopLine]) -> String {
     if lines.is_empty() {
-        let none = tr!("No motor was driven.");
+        let none = tr!("No motor was running.");
         return format!("<tr><td class=\"quiet\">{none}</td></tr>");
     }
     lines.iter().copied().map(table_row).collect()
@@ -76,10 +76,10 @@ fn table_rows(lines: &[StopLine]) -> String {
 
 fn table_row(line: StopLine) -> String {
     let (class, words) = match line.state {
-        Standstill::Confirmed => ("good", tr!("standing, confirmed")),
+        Standstill::Confirmed => ("good", tr!("stopped, confirmed")),
         Standstill::Braking => ("", tr!("braking")),
         Standstill::NotConfirmed => ("bad", tr!("not confirmed")),
-        Standstill::NotDriven => ("good", tr!("was not driven")),
+        Standstill::NotDriven => ("good", tr!("not running")),
     };
     let speed = line
         .speed_rpm
@@ -188,7 +188,7 @@ mod tests {
             "<tr><th scope=\"row\">Motor 0x01</th><td class=\"stop-speed\">+40 rpm</td>\
              <td class=\"stop-state \">braking</td></tr>"
         );
-        assert!(table_rows(&[]).contains("No motor was driven."));
+        assert!(table_rows(&[]).contains("No motor was running."));
     }
 
     #[test]

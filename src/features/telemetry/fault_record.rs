@@ -33,8 +33,7 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
         let id = page.selected.get();
         readings.faults.with(|history| history.has_unseen(id))
     });
-    let why_not =
-        move || (!unseen.get()).then(|| tr!("There is no fault that was not seen").to_owned());
+    let why_not = move || (!unseen.get()).then(|| tr!("No unseen faults").to_owned());
     let mark_seen = move || {
         let id = page.selected.get_untracked();
         readings
@@ -62,7 +61,7 @@ fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> V
     let occurrences = history.of(id);
     let all = occurrences.len() + history.dropped(id);
     if all == 0 {
-        return vec![tr!("No fault on record").to_owned()];
+        return vec![tr!("No faults recorded").to_owned()];
     }
     let told = if all > LINES_MAX { LINES_MAX - 1 } else { all };
     let mut lines: Vec<String> = occurrences
@@ -85,7 +84,7 @@ fn line(occurrence: &Occurrence, time: impl Fn(f64) -> String) -> String {
     match occurrence.end {
         End::Active => tr!("{fault}, since {came}", fault = name, came),
         End::Gone(ms) => format!("{name}, {came} – {}", time(ms)),
-        End::Unknown => tr!("{fault}, {came} – not known", fault = name, came),
+        End::Unknown => tr!("{fault}, {came} – unknown", fault = name, came),
     }
 }
 
@@ -106,7 +105,7 @@ mod tests {
     #[test]
     fn a_fault_is_told_with_when_it_came_and_went() {
         let mut history = FaultHistory::default();
-        assert_eq!(told(&history), ["No fault on record"]);
+        assert_eq!(told(&history), ["No faults recorded"]);
         history.hear(ID, STALL, 11.0);
         assert_eq!(told(&history), ["Last: stall, since 13:02:11"]);
         history.hear(ID, Faults::NONE, 16.0);
@@ -116,7 +115,7 @@ mod tests {
         assert_eq!(
             told(&history),
             [
-                "Last: over-temperature, 13:02:20 – not known",
+                "Last: over-temperature, 13:02:20 – unknown",
                 "stall, 13:02:11 – 13:02:16"
             ]
         );

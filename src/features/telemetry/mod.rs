@@ -149,7 +149,7 @@ fn mode(
     let shown = Shown::new(&reading, loop_name(reading.value).to_owned(), "");
     Some(match asked.filter(|asked| *asked != reading.value) {
         Some(asked) => shown
-            .with_detail(tr!("asked: {mode}", mode = terms::mode(asked)))
+            .with_detail(tr!("target: {mode}", mode = terms::mode(asked)))
             .bad(),
         None => shown,
     })
@@ -209,7 +209,7 @@ mod tests {
         let session = session(1_016, status(1_000, Mode::Velocity, 0));
         assert_eq!(
             text(mode(&session, ID, Some(Mode::Position))),
-            "Velocity loop asked: position loop"
+            "Velocity loop target: position loop"
         );
         let shown = mode(&session, ID, Some(Mode::Velocity));
         assert_eq!(text(shown), "Velocity loop ");

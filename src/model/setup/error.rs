@@ -48,10 +48,13 @@ impl fmt::Display for SetupError {
         f.write_str(&match self {
             Self::TooLarge => {
                 let kilobytes = SETUP_BYTES_MAX / 1024;
-                tr!("A setup has at most {kilobytes} KB.", kilobytes)
+                tr!(
+                    "File too large: a setup has at most {kilobytes} KB.",
+                    kilobytes
+                )
             }
             Self::NoJson { line, column } => tr!(
-                "Line {line}, column {column}: from here on it is no JSON.",
+                "Invalid JSON at line {line}, column {column}.",
                 line,
                 column
             ),
@@ -70,13 +73,16 @@ impl fmt::Display for SetupError {
 impl fmt::Display for Misfit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&match self {
-            Self::Not(allowed) => tr!("allowed is {allowed}", allowed),
-            Self::Missing(allowed) => tr!("is missing; allowed is {allowed}", allowed),
+            Self::Not(allowed) => tr!("expected {allowed}", allowed),
+            Self::Missing(allowed) => tr!("missing; expected {allowed}", allowed),
             Self::Unknown(fields) => {
-                tr!("unknown; there are {fields}", fields = fields.join(", "))
+                tr!(
+                    "unknown field; known fields: {fields}",
+                    fields = fields.join(", ")
+                )
             }
-            Self::Twice => tr!("is there twice").to_owned(),
-            Self::SameId => tr!("a motor before it has this ID").to_owned(),
+            Self::Twice => tr!("duplicate field").to_owned(),
+            Self::SameId => tr!("duplicate ID").to_owned(),
         })
     }
 }

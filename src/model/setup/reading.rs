@@ -27,7 +27,7 @@ const FIELDS: [&str; 9] = [
 const FIELDS_OF_MOTOR: [&str; 4] = ["id", "name", "side", "drives_together"];
 
 fn a_version() -> &'static str {
-    tr!("1, the version that this page reads")
+    tr!("1 (the supported version)")
 }
 fn a_model() -> &'static str {
     tr!("\"m0601\" or \"ddsm115\"")
@@ -57,13 +57,13 @@ fn an_id() -> &'static str {
     tr!("a whole number from 1 to 254")
 }
 fn a_name() -> &'static str {
-    tr!("a text of at most 16 characters, without line breaks and the like")
+    tr!("text of at most 16 characters, no control characters")
 }
 fn a_side() -> &'static str {
     tr!("\"none\", \"left\" or \"right\"")
 }
 fn fields_in_braces() -> &'static str {
-    tr!("fields in braces")
+    tr!("a JSON object")
 }
 
 /// Of a field that nobody knows, as much as is told.

@@ -166,7 +166,8 @@ impl Judge {
     /// The doctor has found something, and what is known of the motor is old.
     fn dead_line(&mut self) -> Result<()> {
         open_panel(&self.page, said("Link"))?;
-        self.page.choose(said("Virtual wire"), said("Dead"))?;
+        self.page
+            .choose(said("Simulated fault"), said("No replies"))?;
         let old = |text: &str| text.contains(said("No data"));
         self.page.wait_for_text("output", said("Motion"), old)?;
         let known = self
@@ -180,7 +181,7 @@ impl Judge {
         self.click("button", "Close the panel")?;
         self.screen("desk, the line dead")?;
         open_panel(&self.page, said("Link"))?;
-        self.page.choose(said("Virtual wire"), said("Good"))?;
+        self.page.choose(said("Simulated fault"), said("None"))?;
         self.page
             .wait_for_text("output", said("Motion"), |text| !old(text))?;
         self.click("button", "Close the panel")
@@ -195,8 +196,8 @@ impl Judge {
 
     fn question(&mut self) -> Result<()> {
         open_panel(&self.page, said("Settings"))?;
-        wait_until_enabled(&self.page, "button", said("Erase kept data"), true)?;
-        self.click("button", "Erase kept data")?;
+        wait_until_enabled(&self.page, "button", said("Delete all data"), true)?;
+        self.click("button", "Delete all data")?;
         self.screen("question")
     }
 }

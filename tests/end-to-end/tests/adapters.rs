@@ -118,7 +118,7 @@ fn a_line_on_which_nobody_answers_says_what_to_check() -> Result<()> {
         assert!(says(&page, word)?, "the page does not say {word:?}");
     }
     assert!(page.find("button", "Start")?.disabled);
-    assert!(!page.find("button", "Stop all motors")?.disabled);
+    assert!(!page.find("button", "STOP all motors")?.disabled);
     Ok(())
 }
 
@@ -147,7 +147,7 @@ fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Re
     page.wait_for_text("status", "Connection", |text| text.contains("Failed"))?;
     let text = page.evaluate("document.body.innerText")?;
     let text = text.as_str().unwrap_or_default();
-    for word in ["dialout", "programs that hold it", "brltty"] {
+    for word in ["dialout", "programs that use the port", "brltty"] {
         assert!(
             text.contains(word),
             "the page does not say {word:?}: {text}"

@@ -22,7 +22,7 @@ use story::{
     wait_for_speed,
 };
 
-const OTHER_TAB: &str = "Another tab of MotorLink uses this adapter";
+const OTHER_TAB: &str = "Another MotorLink tab uses this adapter";
 
 fn fails(page: &Page) -> Result<()> {
     page.click("button", "Connect")?;
@@ -37,7 +37,7 @@ fn a_port_that_another_program_has_says_so_and_opens_once_it_is_free() -> Result
     let held = adapter.hold()?;
     let page = bench.open("/")?;
     fails(&page)?;
-    the_page_says(&page, "Close other tabs and programs that hold it")?;
+    the_page_says(&page, "Close other tabs and programs that use the port")?;
     fails(&page)?;
     drop(held);
     assert!(adapter.wire()?.is_empty(), "on a line of another's");
@@ -54,7 +54,7 @@ fn a_line_whose_far_end_closes_while_driving_is_lost_and_comes_back() -> Result<
     story.adapter.take_node()?;
     let page = &story.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
-    the_page_says(page, "The adapter was pulled out")?;
+    the_page_says(page, "Adapter unplugged")?;
     the_page_says(page, "coasts to a standstill")?;
     story.adapter.unplug()?;
     let back = now_us();

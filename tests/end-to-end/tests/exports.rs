@@ -39,7 +39,7 @@ fn a_busy_minute(story: &Story) -> Result<()> {
     page.click("tab", "ID Manager")?;
     page.click("button", "Scan")?;
     // Whoever is heard, or nobody where the machine is held up.
-    page.wait_for_text("status", "Scan result", |text| text.contains("answer"))?;
+    page.wait_for_text("status", "Scan result", |text| text.contains("found"))?;
     disconnect(story)
 }
 
@@ -179,7 +179,7 @@ fn collapsed_polls_are_counted_and_exported_all_the_same() -> Result<()> {
     if !page.find("checkbox", "Collapse status polls")?.on {
         page.click("checkbox", "Collapse status polls")?;
     }
-    page.wait_for_text("output", "Entries", |text| text.contains("hidden"))?;
+    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
     disconnect(&story)?;
     let table = Table::read(&page.download("Export CSV")?)?;
     assert_same(&table, &story.adapter.wire()?)?;

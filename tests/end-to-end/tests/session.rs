@@ -36,7 +36,9 @@ fn recorded_until_a_crash(bench: &Bench, adapter: &Adapter) -> Result<(WireLog, 
 }
 
 fn offered(page: &Page) -> Result<String> {
-    page.wait_for_text("status", "Kept session", |text| text.contains("is kept"))
+    page.wait_for_text("status", "Previous session", |text| {
+        text.contains("Session from")
+    })
 }
 
 fn restore(page: &Page) -> Result<()> {
@@ -215,10 +217,10 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     let page = bench.open("/")?;
     offered(&page)?;
     // Who does neither is asked again.
-    page.click("button", "Dismiss kept session")?;
+    page.click("button", "Dismiss previous session")?;
     page.reload()?;
     offered(&page)?;
-    page.click("button", "Forget session")?;
+    page.click("button", "Delete session")?;
     page.reload()?;
     assert_nothing_offered(&page)?;
 
@@ -227,18 +229,18 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     page.fill("textbox", "Name of 0x01", "Port")?;
     page.click("button", "Record telemetry")?;
     open_panel(&page, "Settings")?;
-    wait_until_enabled(&page, "button", "Erase kept data", false)?;
-    let why = page.find("button", "Erase kept data")?.description;
-    assert!(why.contains("End the recording first"), "{why}");
+    wait_until_enabled(&page, "button", "Delete all data", false)?;
+    let why = page.find("button", "Delete all data")?.description;
+    assert!(why.contains("Stop the recording first"), "{why}");
     thread::sleep(Duration::from_secs(1));
     page.click("button", "Record telemetry")?;
     page.click("button", "Disconnect")?;
-    page.click("button", "Erase kept data")?;
+    page.click("button", "Delete all data")?;
     page.click("button", "Cancel")?;
     assert_ne!(page.evaluate("Object.keys(localStorage).length")?, 0);
-    page.click("button", "Erase kept data")?;
-    page.click("button", "Erase")?;
-    page.wait_for_text("status", "Setup", |text| text.contains("Erased"))?;
+    page.click("button", "Delete all data")?;
+    page.click("button", "Delete")?;
+    page.wait_for_text("status", "Setup", |text| text.contains("Deleted"))?;
     page.wait_for_text("output", "Recorded", |text| text.contains("0 samples"))?;
     let keys = page.evaluate("Object.keys(localStorage).length")?;
     assert_eq!(keys, 0);

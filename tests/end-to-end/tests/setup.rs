@@ -91,7 +91,7 @@ fn while_a_wheel_turns_no_setup_is_taken_in() -> Result<()> {
     open_panel(page, "Settings")?;
     wait_until_enabled(page, "button", "Import setup", false)?;
     let why = page.find("button", "Import setup")?.description;
-    assert!(why.contains("Stop motor 0x01 first"), "{why}");
+    assert!(why.contains("Motor 0x01 is in use"), "{why}");
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
     wait_until_enabled(page, "button", "Import setup", true)?;

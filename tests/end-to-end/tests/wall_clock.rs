@@ -112,7 +112,7 @@ fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
     let asked = |frame: &Frame| frame.drive_setpoint() == Some(100);
     if !drives.frames.iter().all(asked) {
         // A machine that is held up may lose a motor for 200 ms, whatever its clock.
-        the_page_says(page, "it did not answer for 200 ms")?;
+        the_page_says(page, "no reply for 200 ms")?;
         let its_own = |frame: &Frame| asked(frame) || frame.is_stop();
         assert!(drives.frames.iter().all(its_own), "{drives}");
     }

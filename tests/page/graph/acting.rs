@@ -24,7 +24,7 @@ async fn the_graph_and_its_controls_are_found_by_their_names() {
     for window in ["10 s", "60 s", "5 min"] {
         bench.find("radio", window);
     }
-    for trace in ["speed", "current", "goal", "temperature", "position"] {
+    for trace in ["speed", "current", "target", "temperature", "position"] {
         bench.find("checkbox", &format!("Show {trace}"));
     }
     for button in ["Pause", "Now", "PNG"] {
@@ -101,8 +101,8 @@ async fn a_change_of_language_keeps_the_crosshair() {
     graph(&bench).focus().unwrap();
     press("ArrowLeft");
     for (list, language, stop) in [
-        ("Language", "de", "Alle Motoren stoppen"),
-        ("Sprache", "en", "Stop all motors"),
+        ("Language", "de", "STOP, alle Motoren"),
+        ("Sprache", "en", "STOP all motors"),
     ] {
         choose(&bench, list, language);
         bench
@@ -129,7 +129,7 @@ async fn the_newest_values_are_there_in_words() {
         tell(&bench, steady(100, 123));
         pause(100).await;
         let said = words.text_content().unwrap_or_default();
-        if said == "Now: speed +123 rpm, current 0.00 A, goal –." {
+        if said == "Now: speed +123 rpm, current 0.00 A, target –." {
             return;
         }
     }

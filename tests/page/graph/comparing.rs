@@ -135,6 +135,6 @@ async fn beyond_eight_motors_it_is_said_that_there_are_more() {
     compare(&bench, "temperature");
     // The motors report one after the other.
     let said = || legend(&bench).get(8).map(|last| last.0.clone());
-    let wanted = Some("and 3 more, not drawn".to_owned());
+    let wanted = Some("and 3 more, not shown".to_owned());
     bench.until("the legend", || said() == wanted).await;
 }

@@ -72,10 +72,10 @@ impl Comparison {
         places.filter_map(|(place, id)| id.map(|(id, mirror)| (place, id, mirror)))
     }
 
-    /// `and 3 more, not drawn`, where not all are.
+    /// `and 3 more, not shown`, where not all are.
     pub(crate) fn more(&self) -> Option<String> {
         let more = self.left_out;
-        (more > 0).then(|| tr!("and {count} more, not drawn", count = more))
+        (more > 0).then(|| tr!("and {count} more, not shown", count = more))
     }
 }
 
@@ -183,7 +183,7 @@ mod tests {
         let ids = |chosen| {
             let comparison =
                 Comparison::new(Trace::Current, &history, &Fleet::default(), id(chosen));
-            assert_eq!(comparison.more().unwrap(), "and 3 more, not drawn");
+            assert_eq!(comparison.more().unwrap(), "and 3 more, not shown");
             drawn(&comparison)
                 .into_iter()
                 .map(|(_, id)| id)

@@ -112,7 +112,7 @@ pub(crate) fn date_and_time([year, month, day, hour, minute, second]: LocalTime)
 
 /// In the graph, before any motor has answered.
 pub(crate) fn no_graph() -> &'static str {
-    tr!("What a motor reports is drawn here.")
+    tr!("Connect a motor to see its data here.")
 }
 #[cfg(test)]
 mod tests {
@@ -172,7 +172,7 @@ mod tests {
         };
         let traces = Traces::default();
         let said = sentence("Now", Some(&values), traces);
-        assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, goal –.");
+        assert_eq!(said, "Now: speed −60 rpm, current −0.11 A, target –.");
         assert_eq!(sentence("Now", None, traces), nothing());
     }
 
@@ -194,7 +194,7 @@ mod tests {
         );
         assert_eq!(
             said(9, &["0x01"]),
-            "Now: speed: 0x01 +5 rpm, and 1 more, not drawn."
+            "Now: speed: 0x01 +5 rpm, and 1 more, not shown."
         );
         assert_eq!(said(0, &[]), nothing());
     }

@@ -36,7 +36,7 @@ impl Trace {
         match self {
             Self::Speed => tr!("Speed"),
             Self::Current => tr!("Current" as "electric"),
-            Self::Goal => tr!("Goal"),
+            Self::Goal => tr!("Target"),
             Self::Temperature => tr!("Temperature"),
             Self::Position => tr!("Position"),
         }
@@ -47,7 +47,7 @@ impl Trace {
         match self {
             Self::Speed => tr!("speed"),
             Self::Current => tr!("current" as "electric"),
-            Self::Goal => tr!("goal"),
+            Self::Goal => tr!("target"),
             Self::Temperature => tr!("temperature"),
             Self::Position => tr!("position"),
         }
@@ -70,7 +70,7 @@ impl Trace {
         match self {
             Self::Speed => tr!("Show speed"),
             Self::Current => tr!("Show current"),
-            Self::Goal => tr!("Show goal"),
+            Self::Goal => tr!("Show target"),
             Self::Temperature => tr!("Show temperature"),
             Self::Position => tr!("Show position"),
         }

@@ -19,10 +19,10 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
     let chip = page.of_motor(|session, id| {
         let motor = session.motor(id)?;
         let words = match motor.activity {
-            Activity::Driven { setpoint } => tr!("Goal {goal}", goal = format::goal(setpoint)),
+            Activity::Driven { setpoint } => tr!("Target {goal}", goal = format::goal(setpoint)),
             Activity::Stopping { .. } => tr!("Braking to a standstill").to_owned(),
             Activity::DrivenRaw => tr!("Driven by raw frames").to_owned(),
-            Activity::Switching { to } => tr!("Changing to the {mode}", mode = terms::mode(to)),
+            Activity::Switching { to } => tr!("Switching to the {mode}", mode = terms::mode(to)),
             Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
         };
         // The figures below the wheel are those of the wheel that is seen.

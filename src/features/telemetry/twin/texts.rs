@@ -120,10 +120,10 @@ impl Figures {
 pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
     match (motion, speed) {
         (Motion::NoData, _) | (_, None) => {
-            tr!("The wheel, greyed: its motor reports nothing.").to_owned()
+            tr!("Greyed-out wheel: no data from its motor.").to_owned()
         }
-        (Motion::Stationary, _) => tr!("The wheel stands still.").to_owned(),
-        (Motion::Braking, _) => tr!("The wheel is being stopped.").to_owned(),
+        (Motion::Stationary, _) => tr!("The wheel is stationary.").to_owned(),
+        (Motion::Braking, _) => tr!("The wheel is braking.").to_owned(),
         (Motion::SpinningCw | Motion::SpinningCcw, Some(speed)) => {
             let clockwise = motion == Motion::SpinningCw;
             match (speed.magnitude() + 5) / 10 * 10 {

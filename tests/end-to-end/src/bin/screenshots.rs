@@ -232,7 +232,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     wait_until("an answer", PATIENCE, || {
         page.click("button", said("Send"))?;
         pause(300);
-        let answer = page.text("output", said("Answer"))?;
+        let answer = page.text("output", said("Reply"))?;
         Ok(if answer.contains("0x01") {
             Ok(())
         } else {

@@ -20,8 +20,8 @@ const HUNG_MAX_US: u64 = 1_400_000;
 
 /// What the page says where a motor was lost for a moment: as it drove, or when it was to.
 pub const LOST: [&str; 2] = [
-    "it did not answer for 200 ms",
-    "has not answered, so its loop is not known",
+    "no reply for 200 ms",
+    "has not replied, so its loop is unknown",
 ];
 
 /// Frames may be written to an adapter that is just being pulled out: those of a write each, behind one

@@ -43,7 +43,7 @@ fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
     }
     page.fill("spinbutton", "Group speed", "100")?;
     page.press("Enter")?;
-    page.click("button", "Start together")?;
+    page.click("button", "Start group")?;
     page.wait_for_text("output", "Speed", has_digits)?;
     Ok(())
 }
@@ -101,7 +101,7 @@ fn twelve(watched: Duration) -> Result<()> {
     drive(&page, 12, 12)?;
     let wire = watch(&adapter, watched)?;
     page.click("button", "Link")?;
-    let said = page.text("output", "What the line carries")?;
+    let said = page.text("output", "Bus capacity")?;
     let mut shares = Vec::new();
     for id in 1..=12 {
         shares.push(wire.of_motor(id).drives().len() as u64);
