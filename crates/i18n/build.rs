@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let chinese = read(&top.join("zh.po"), is_released)?;
     let german = read(&top.join("de.po"), is_released)?;
     if !chinese.keys().eq(german.keys()) {
-        return Err("zh.po and de.po hold other messages: run `cargo xtask words`".into());
+        return Err("zh.po and de.po hold other messages: run `cargo xtask translations`".into());
     }
 
     let mut table = String::new();

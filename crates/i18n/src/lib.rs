@@ -3,7 +3,7 @@
 //! The English stands where it is said, in [`tr!`]; the translations stand in `locales/*.po`, which any
 //! editor of gettext's files opens. That a message is among them, and that what is to be filled in is
 //! there and is used, is checked when the code is compiled; that all are translated, when it is built for
-//! release. `cargo xtask words` brings the files up to date with the code.
+//! release. `cargo xtask translations` brings the files up to date with the code.
 //!
 //! ```
 //! use motorlink_i18n::{Language, speak, tr};

@@ -63,7 +63,7 @@ pub const fn number_of(key: &str) -> usize {
             _ => to = middle,
         }
     }
-    panic!("locales/*.po do not hold this message: run `cargo xtask words` and translate it")
+    panic!("locales/*.po do not hold this message: run `cargo xtask translations` and translate it")
 }
 
 #[allow(

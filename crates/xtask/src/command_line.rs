@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 
 use crate::failure::BAD_INPUT_CODE;
 use crate::reliability;
-use crate::steps::{self, Step};
 
 /// Builds, serves, tests and measures MotorLink.
 #[derive(Debug, Parser)]
@@ -53,15 +52,10 @@ pub enum Command {
         #[arg(long)]
         port: Option<u16>,
     },
-    /// Run every check, stopping at the first that fails
-    Test {
-        /// Run one step, and those it needs
-        #[arg(long, value_name = "STEP", value_parser = steps::by_name)]
-        only: Option<&'static Step>,
-        /// Name the steps
-        #[arg(long, conflicts_with = "only")]
-        list: bool,
-    },
+    /// Run the tests, step by step, stopping at the first step that fails
+    Test(Selection),
+    /// Check format, lints, documentation, dependencies and translations, stopping at the first failure
+    Check(Selection),
     /// Measure drive rate, stop time and first visit in a real browser
     Bench {
         /// Handed to the program that measures
@@ -69,7 +63,7 @@ pub enum Command {
         args: Vec<String>,
     },
     /// Bring the files of translations, locales/*.po, up to date with the code
-    Words {
+    Translations {
         /// Change nothing; fail where one is not up to date or lacks a translation
         #[arg(long)]
         check: bool,
@@ -106,6 +100,17 @@ pub enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
+}
+
+/// Which steps of a suite to run.
+#[derive(Debug, Args)]
+pub struct Selection {
+    /// Run one step, and those it needs
+    #[arg(long, value_name = "STEP")]
+    pub only: Option<String>,
+    /// Print the names of the steps
+    #[arg(long, conflicts_with = "only")]
+    pub list: bool,
 }
 
 /// Says in one line what is wrong with the command line, or prints the help that was asked for.
@@ -155,7 +160,6 @@ mod tests {
         );
         assert_eq!(refused(&["fly"]), "error: unrecognized subcommand 'fly'");
         assert!(refused(&["run", "--port", "70000"]).contains("70000"));
-        assert!(refused(&["test", "--only", "luck"]).contains("--list"));
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! `cargo xtask`: builds, serves, tests and measures MotorLink.
 //!
 //! Not a library and not shipped: it runs the tools that turn the workspace into the site in
-//! `dist/`, and the checks that hold it.
+//! `dist/`, its checks and its tests.
 
 mod bench;
 mod bindgen;
 mod browser;
+mod cargo;
+mod check;
 mod command_line;
 mod failure;
 mod foreign;
@@ -23,13 +25,13 @@ mod site;
 mod site_path;
 mod size;
 mod slim;
-mod steps;
 mod stories;
+mod suite;
 mod tables;
 mod template;
 mod test;
 mod tools;
-mod words;
+mod translations;
 mod workspace;
 
 use std::process::ExitCode;
@@ -79,11 +81,8 @@ fn obey(command: Command) -> Result<()> {
             let dir = dir.unwrap_or_else(|| workspace.dist());
             serve::serve(&dir, serve::listen(port)?, false)
         }
-        Command::Test { list: true, .. } => {
-            test::list();
-            Ok(())
-        }
-        Command::Test { only, .. } => test::run(&workspace, only),
+        Command::Test(selection) => test::SUITE.run(&workspace, &selection),
+        Command::Check(selection) => check::SUITE.run(&workspace, &selection),
         Command::Bench { args } => bench::figures(&workspace, &args),
         Command::Reliability {
             part,
@@ -91,7 +90,7 @@ fn obey(command: Command) -> Result<()> {
             worlds,
         } => reliability::show(&workspace, part.as_deref(), seconds, worlds),
         Command::Mutants { jobs } => mutants::show(&workspace, jobs),
-        Command::Words { check } => words::update(&workspace, check),
+        Command::Translations { check } => translations::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Lighthouse => lighthouse::run(&workspace),
         Command::Screenshots { args } => bench::screenshots(&workspace, &args),

@@ -1,84 +1,80 @@
-//! Runs the steps one after the other, with the time each took.
+//! `cargo xtask test`: the tests, from the native ones to the page in a real browser.
 
-use std::time::{Duration, Instant};
+use anyhow::Result;
 
-use anyhow::{Error, Result};
-
-use crate::steps::{STEPS, Step};
+use crate::bench;
+use crate::browser;
+use crate::cargo::{self, NATIVE};
+use crate::process;
+use crate::site::{self, Profile};
+use crate::stories;
+use crate::suite::{Step, Suite};
+use crate::tools;
 use crate::workspace::Workspace;
 
-/// Names every step and what it checks.
-pub fn list() {
-    for step in &STEPS {
-        println!("{:15} {}", step.name, step.about);
-    }
-}
+/// Every step, in order.
+pub static SUITE: Suite = Suite(&[
+    Step {
+        name: "native",
+        about: "tests of the native code",
+        needs: &[],
+        run: |workspace| {
+            let rest = ["--exclude", "end-to-end"];
+            let args = [&["test", "--quiet"], &NATIVE[..], &rest].concat();
+            cargo::run(workspace, &args)
+        },
+    },
+    Step {
+        name: "page",
+        about: "tests of the page's pure parts, natively",
+        needs: &[],
+        run: |workspace| {
+            let args = ["test", "--quiet", "--package", "motorlink", "--lib"];
+            cargo::run(workspace, &args)
+        },
+    },
+    Step {
+        name: "wasm",
+        about: "tests of page and worker in a real browser",
+        needs: &[],
+        run: test_wasm,
+    },
+    Step {
+        name: "build",
+        about: "the released site builds, is light enough and names no other host",
+        needs: &[],
+        run: |workspace| {
+            // Linking the site and compiling the bench's library keep one core each busy for minutes.
+            let mut stories = stories::compiling(workspace);
+            let build = || site::build(workspace, Profile::Release);
+            let dist = process::run_beside(&mut stories, build)?;
+            bench::check_first_visit(&dist)
+        },
+    },
+    Step {
+        name: "bench-programs",
+        about: "the programs of the bench build",
+        needs: &[],
+        run: bench::build_programs,
+    },
+    Step {
+        name: "end-to-end",
+        about: "the page in a real browser drives a motor over real Web Serial",
+        needs: &["build", "bench-programs"],
+        run: stories::play,
+    },
+]);
 
-/// Runs all steps, or one and those it needs, up to the first that fails.
-pub fn run(workspace: &Workspace, only: Option<&Step>) -> Result<()> {
-    let chosen = select(only);
-    let started = Instant::now();
-    let mut times = Vec::new();
-    for (place, step) in chosen.iter().enumerate() {
-        let of = format!("{}/{}", place + 1, chosen.len());
-        println!("\n=== {of} {}: {}", step.name, step.about);
-        let since = Instant::now();
-        let result = (step.run)(workspace);
-        times.push((step.name, since.elapsed()));
-        if let Err(error) = result {
-            summarise(&times, chosen.len(), started.elapsed(), Some(&error));
-            return Err(error.context(format!("step {} failed", step.name)));
-        }
-    }
-    summarise(&times, chosen.len(), started.elapsed(), None);
-    Ok(())
-}
-
-fn select(only: Option<&Step>) -> Vec<&'static Step> {
-    STEPS
-        .iter()
-        .filter(|step| {
-            only.is_none_or(|only| only.name == step.name || only.needs.contains(&step.name))
-        })
-        .collect()
-}
-
-fn summarise(times: &[(&str, Duration)], steps: usize, total: Duration, failure: Option<&Error>) {
-    println!("\n=== summary");
-    for (place, (name, time)) in times.iter().enumerate() {
-        let last = place + 1 == times.len();
-        let word = if last && failure.is_some() {
-            "FAILED"
-        } else {
-            "ok"
-        };
-        println!("{name:15} {word:6} {:>8.1} s", time.as_secs_f64());
-    }
-    let not_run = steps - times.len();
-    let words = match (failure, not_run) {
-        (None, _) => "all passed".to_owned(),
-        (Some(_), 0) => "failed".to_owned(),
-        (Some(_), left) => format!("failed, {left} not run"),
-    };
-    println!("{words}, {:.1} min", total.as_secs_f64() / 60.0);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::steps;
-
-    #[test]
-    fn one_step_brings_those_it_needs_in_order() {
-        let names = |only| -> Vec<&str> {
-            let only = steps::by_name(only).unwrap();
-            select(Some(only)).iter().map(|step| step.name).collect()
-        };
-        assert_eq!(names("format"), ["format"]);
-        assert_eq!(
-            names("end-to-end"),
-            ["build", "bench-programs", "end-to-end"]
-        );
-        assert_eq!(select(None).len(), STEPS.len());
-    }
+fn test_wasm(workspace: &Workspace) -> Result<()> {
+    tools::ensure_wasm_target()?;
+    let runner = tools::ensure_wasm_bindgen(workspace)?.test_runner;
+    let browser = browser::ensure()?;
+    // Not the examples in the documentation: those of a page cannot run alone.
+    let mut command = cargo::wasm_command(workspace, "test", &["--lib", "--bins", "--tests"]);
+    command
+        .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", runner)
+        // In seconds, for all tests of a program together; the runner's own 20 are too few.
+        .env("WASM_BINDGEN_TEST_TIMEOUT", "300")
+        .env("CHROMEDRIVER", browser.driver);
+    process::run(&mut command)
 }

@@ -55,7 +55,7 @@ pub fn update(workspace: &Workspace, check: bool) -> Result<()> {
             new.sort();
             if old != new {
                 bail!(
-                    "{} is not up to date: run `cargo xtask words`",
+                    "{} is not up to date: run `cargo xtask translations`",
                     path.display()
                 );
             }

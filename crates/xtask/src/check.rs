@@ -1,0 +1,108 @@
+//! `cargo xtask check`: what can be judged without running the product, the quick steps first.
+
+use std::process::{Command, Stdio};
+
+use anyhow::Result;
+
+use crate::cargo::{self, NATIVE};
+use crate::process;
+use crate::suite::{Step, Suite};
+use crate::tools;
+use crate::translations;
+use crate::workspace::Workspace;
+
+/// Lints and nothing else: in RUSTFLAGS it would rebuild every dependency.
+const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
+
+/// Every check, in order.
+pub static SUITE: Suite = Suite(&[
+    Step {
+        name: "format",
+        about: "the sources are formatted",
+        needs: &[],
+        run: |workspace| cargo::run(workspace, &["fmt", "--all", "--check"]),
+    },
+    Step {
+        name: "translations",
+        about: "every message of the code has its translations",
+        needs: &[],
+        run: |workspace| translations::update(workspace, true),
+    },
+    Step {
+        name: "dependencies",
+        about: "each dependency is locked, licensed, from the registry, and there once",
+        needs: &[],
+        run: dependencies,
+    },
+    Step {
+        name: "clippy",
+        about: "no warnings in the native code",
+        needs: &[],
+        run: |workspace| {
+            let args = [&["clippy", "--all-targets"], &NATIVE[..], &DENY_WARNINGS];
+            cargo::run(workspace, &args.concat())
+        },
+    },
+    Step {
+        name: "clippy-wasm",
+        about: "no warnings in the code for the browser, tests included",
+        needs: &[],
+        run: |workspace| {
+            let targets = ["--lib", "--bins", "--tests"];
+            let args = [&targets[..], &DENY_WARNINGS].concat();
+            cargo::run_wasm(workspace, "clippy", &args)
+        },
+    },
+    Step {
+        name: "doc",
+        about: "the documentation builds without warnings",
+        needs: &[],
+        run: |workspace| {
+            let native = [&["doc", "--no-deps"], &NATIVE[..]].concat();
+            strict_doc(cargo::command(workspace, &native))?;
+            tools::ensure_wasm_target()?;
+            strict_doc(cargo::wasm_command(workspace, "doc", &["--no-deps"]))
+        },
+    },
+]);
+
+fn strict_doc(mut command: Command) -> Result<()> {
+    process::run(command.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Advisories need a database outside the registries: where it cannot be fetched, the step says so.
+fn dependencies(workspace: &Workspace) -> Result<()> {
+    let mut locked = cargo::command(
+        workspace,
+        &["metadata", "--locked", "--format-version", "1"],
+    );
+    process::run(locked.stdout(Stdio::null()))?;
+    let deny = tools::ensure_cargo_deny()?;
+    let check = |of: &[&str], what: &[&str]| {
+        let mut command = Command::new(&deny);
+        command
+            .current_dir(workspace.root())
+            .arg("--all-features")
+            .args(of)
+            .args(["check", "--hide-inclusion-graph", "--deny", "warnings"])
+            .args(what);
+        process::run(&mut command)
+    };
+    let all = ["--workspace"];
+    check(&all, &["licenses", "sources"])?;
+    // Of the page, and of its workers.
+    check(&[], &["bans"])?;
+    // The worker has not all that is excepted for the page.
+    let skips = ["--allow", "unmatched-skip", "--allow", "unnecessary-skip"];
+    check(
+        &["--manifest-path", "crates/worker/Cargo.toml"],
+        &[&skips[..], &["bans"]].concat(),
+    )?;
+    let mut fetch = Command::new(&deny);
+    fetch.current_dir(workspace.root()).args(["fetch", "db"]);
+    if process::run(&mut fetch).is_err() {
+        println!("the advisories were not checked: their database cannot be fetched from here");
+        return Ok(());
+    }
+    check(&all, &["advisories"])
+}
