@@ -97,7 +97,8 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 pub fn judge(workspace: &Workspace, dist: &Path) -> Result<()> {
     let browser = browser::ensure()?;
     let program = npm::LIGHTHOUSE.ensure()?;
-    let url = serve::in_background(dist)?;
+    let server = serve::start(dist, serve::listen(Some(0))?)?;
+    let url = format!("{}/", server.origin());
     let judge_once = |name: &str, flags: &[&str]| {
         let report = report_file(workspace, name)?;
         let mut node = Command::new("node");

@@ -3,10 +3,12 @@
 use std::cell::{Cell, RefCell};
 use std::env;
 use std::fs;
+use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
+use motorlink_web_server::{Delivery, Server, files};
 use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
 use tempfile::TempDir;
 
@@ -15,7 +17,6 @@ use crate::artefacts;
 use crate::cdp::Session;
 use crate::chromium::Chromium;
 use crate::page::Page;
-use crate::server::Server;
 use crate::wait::{PATIENCE, wait_until};
 
 /// A page is loaded in half a second.
@@ -68,7 +69,7 @@ impl Bench {
         dir.disable_cleanup(env::var_os("MOTORLINK_BENCH_KEEP").is_some());
         let udev_dir = udev_dir(dir.path());
         fs::create_dir(&udev_dir)?;
-        let server = Server::start(pages)?;
+        let server = serve(pages)?;
         let origin = server.origin();
         let profile = dir.path().join("profile");
         let downloads = downloads_dir(dir.path());
@@ -182,6 +183,14 @@ impl Bench {
     pub(crate) fn new_tab(&self) -> Result<Session> {
         self.chromium.new_tab()
     }
+}
+
+/// Serves the page on a free port of this machine.
+fn serve(pages: &Path) -> Result<Server> {
+    fs::metadata(pages.join("index.html"))
+        .with_context(|| format!("no index.html to serve in {}", pages.display()))?;
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("no port to serve on")?;
+    Ok(Server::start(listener, files(pages, Delivery::Uncached)?)?)
 }
 
 fn udev_dir(dir: &Path) -> PathBuf {

@@ -44,7 +44,6 @@ mod moving_picture;
 mod page;
 mod processor_time;
 mod reading;
-mod server;
 mod stopwatch;
 mod tab;
 mod view;
