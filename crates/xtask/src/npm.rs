@@ -21,7 +21,7 @@ pub struct Package {
 /// Judges a page's accessibility from within.
 pub const AXE: Package = Package {
     name: "axe-core",
-    version: "4.12.1",
+    version: "4.14.1",
     file: "axe.min.js",
 };
 

@@ -67,9 +67,10 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
         }
         let _ = write!(
             html,
-            "<button type=\"button\" class=\"motor-chip\" value=\"{}\" aria-pressed=\"{}\" \
-             aria-label=\"{label}\"><b>{id}</b>\
-             <span class=\"motor-name\">{name}</span><span class=\"motor-side\"{title}>{side}</span>",
+            "<div class=\"motor-chip\"{title}>\
+             <button type=\"button\" class=\"motor-chip-button\" value=\"{}\" aria-pressed=\"{}\" \
+             aria-label=\"{label}\"><b>{id}</b> <span class=\"motor-name\">{name}</span></button>\
+             <span class=\"motor-side\">{side}</span>",
             id.get(),
             *id == selected
         );
@@ -79,7 +80,7 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
                 "<span class=\"motor-figure\" data-figure=\"{name}\">{UNKNOWN}</span>"
             );
         }
-        html.push_str("</button>");
+        html.push_str("</div>");
     }
     if html.is_empty() {
         let words = tr!("No motors found yet. Connect to see them here.");

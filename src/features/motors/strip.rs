@@ -82,7 +82,7 @@ impl Chips {
         let chip = |id: &MotorId| {
             let number = id.get();
             let places = FIGURES.map(|name| {
-                let selector = format!("[value='{number}'] [data-figure='{name}']");
+                let selector = format!("[value='{number}'] ~ [data-figure='{name}']");
                 Place {
                     element: row.query_selector(&selector).ok().flatten(),
                     written: Figure::default(),

@@ -27,7 +27,8 @@ pub(crate) fn StopButton(
             })
         >
             <span class="stop-word">{tr!("STOP")}</span>
-            <span class="stop-keys">{tr!("Space · Esc")}</span>
+            // Drawn by the style sheet: the keys are no part of the name.
+            <span class="stop-keys" data-keys=tr!("Space · Esc")></span>
         </button>
     }
 }
