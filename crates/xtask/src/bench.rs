@@ -14,8 +14,27 @@ use crate::size;
 use crate::tables::Rows;
 use crate::workspace::Workspace;
 
-/// Optimised for speed: these programs stand for a motor, which answers after 0.6 ms.
+/// Of measurements: these programs stand for a motor, which answers after 0.6 ms.
 const PROFILE: &str = "bench-native";
+
+/// How the programs of the bench are built.
+#[derive(Clone, Copy, Debug)]
+pub enum Speed {
+    /// With the tests, whose dependencies they share; the motor itself is optimised there, too.
+    QuickToBuild,
+    /// Optimised as a whole, for measurements.
+    QuickToRun,
+}
+
+impl Speed {
+    /// Cargo's directory for what it builds so.
+    fn target_dir(self) -> &'static str {
+        match self {
+            Self::QuickToBuild => "debug",
+            Self::QuickToRun => PROFILE,
+        }
+    }
+}
 
 /// Lines on which full scans are played; one run in a thousand may miss a motor.
 const SCAN_SEEDS: &str = "1000";
@@ -30,25 +49,24 @@ pub fn build_programs(workspace: &Workspace) -> Result<()> {
 }
 
 /// Tells a program of the package `end-to-end` where everything is.
-pub fn equip(command: &mut Command, workspace: &Workspace, browser: &Browser) {
+pub fn equip(command: &mut Command, workspace: &Workspace, browser: &Browser, speed: Speed) {
+    let built = workspace.target().join(speed.target_dir());
     command
         .current_dir(workspace.root())
-        .env("MOTORLINK_UDEV_SHIM", udev_shim(workspace.target()))
-        .env("MOTORLINK_VIRTUAL_MOTOR", virtual_motor(workspace.target()))
+        .env("MOTORLINK_UDEV_SHIM", udev_shim(&built))
+        .env("MOTORLINK_VIRTUAL_MOTOR", virtual_motor(&built))
         .env("MOTORLINK_DIST", workspace.dist())
         .env("MOTORLINK_CHROMIUM", &browser.chromium)
         .env("CHROMEDRIVER", &browser.driver);
 }
 
-fn virtual_motor(target: &Path) -> PathBuf {
-    let name = format!("virtual-motor{}", std::env::consts::EXE_SUFFIX);
-    target.join(PROFILE).join(name)
+fn virtual_motor(built: &Path) -> PathBuf {
+    built.join(format!("virtual-motor{}", std::env::consts::EXE_SUFFIX))
 }
 
-fn udev_shim(target: &Path) -> PathBuf {
+fn udev_shim(built: &Path) -> PathBuf {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    let name = format!("{DLL_PREFIX}udev_shim{DLL_SUFFIX}");
-    target.join(PROFILE).join(name)
+    built.join(format!("{DLL_PREFIX}udev_shim{DLL_SUFFIX}"))
 }
 
 /// What can be measured by itself: programs of `end-to-end`, and what needs no browser.
@@ -183,7 +201,7 @@ fn program_of_bench(
     let mut cargo = process::cargo();
     cargo.args(["run", "--quiet", "--package", "end-to-end"]);
     cargo.args(["--bin", program, "--"]).args(args);
-    equip(&mut cargo, workspace, browser);
+    equip(&mut cargo, workspace, browser, Speed::QuickToRun);
     cargo
 }
 

@@ -8,42 +8,39 @@ use crate::process;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// Leaves what only runs in the browser out of a call on the whole workspace.
-pub const NATIVE: [&str; 5] = [
-    "--workspace",
-    "--exclude",
+/// All that runs natively.
+///
+/// Always all of it at once: a call on fewer packages would select other features of common
+/// dependencies, which would then be built once more.
+const NATIVE: [&str; 3] = ["--workspace", "--exclude", "motorlink-worker"];
+
+/// The page and the worker; always both at once, as above.
+const WASM: [&str; 6] = [
+    "--target",
+    WASM_TARGET,
+    "--package",
     "motorlink",
-    "--exclude",
+    "--package",
     "motorlink-worker",
 ];
 
-/// Cargo with its flags, at the top of the workspace.
+/// Cargo at the top of the workspace.
 pub fn command(workspace: &Workspace, args: &[&str]) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root()).args(args);
     cargo
 }
 
-/// Runs cargo at the top of the workspace.
-pub fn run(workspace: &Workspace, args: &[&str]) -> Result<()> {
-    process::run(&mut command(workspace, args))
+/// Cargo on all that runs natively.
+pub fn native(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Command {
+    command(workspace, &[&[subcommand], &NATIVE[..], args].concat())
 }
 
 /// Cargo on the page and the worker.
-///
-/// Always on both at once: alone each would get its own selection of features, and their common
-/// dependencies would be built again.
-pub fn wasm_command(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Command {
-    let packages = ["--package", "motorlink", "--package", "motorlink-worker"];
-    let target = ["--target", WASM_TARGET];
-    command(
-        workspace,
-        &[&[subcommand], &target[..], &packages, args].concat(),
-    )
-}
-
-/// Runs cargo on the page and the worker.
-pub fn run_wasm(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<()> {
+pub fn wasm(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Result<Command> {
     tools::ensure_wasm_target()?;
-    process::run(&mut wasm_command(workspace, subcommand, args))
+    Ok(command(
+        workspace,
+        &[&[subcommand], &WASM[..], args].concat(),
+    ))
 }

@@ -4,7 +4,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::Result;
 
-use crate::cargo::{self, NATIVE};
+use crate::cargo;
 use crate::process;
 use crate::suite::{Step, Suite};
 use crate::tools;
@@ -14,13 +14,19 @@ use crate::workspace::Workspace;
 /// Lints and nothing else: in RUSTFLAGS it would rebuild every dependency.
 const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
 
+/// The page is checked as it runs: in the browser.
+const NO_PAGE: [&str; 2] = ["--exclude", "motorlink"];
+
 /// Every check, in order.
 pub static SUITE: Suite = Suite(&[
     Step {
         name: "format",
         about: "the sources are formatted",
         needs: &[],
-        run: |workspace| cargo::run(workspace, &["fmt", "--all", "--check"]),
+        run: |workspace| {
+            let args = ["fmt", "--all", "--check"];
+            process::run(&mut cargo::command(workspace, &args))
+        },
     },
     Step {
         name: "translations",
@@ -39,8 +45,8 @@ pub static SUITE: Suite = Suite(&[
         about: "no warnings in the native code",
         needs: &[],
         run: |workspace| {
-            let args = [&["clippy", "--all-targets"], &NATIVE[..], &DENY_WARNINGS];
-            cargo::run(workspace, &args.concat())
+            let args = [&["--all-targets"], &NO_PAGE[..], &DENY_WARNINGS].concat();
+            process::run(&mut cargo::native(workspace, "clippy", &args))
         },
     },
     Step {
@@ -50,7 +56,7 @@ pub static SUITE: Suite = Suite(&[
         run: |workspace| {
             let targets = ["--lib", "--bins", "--tests"];
             let args = [&targets[..], &DENY_WARNINGS].concat();
-            cargo::run_wasm(workspace, "clippy", &args)
+            process::run(&mut cargo::wasm(workspace, "clippy", &args)?)
         },
     },
     Step {
@@ -58,10 +64,12 @@ pub static SUITE: Suite = Suite(&[
         about: "the documentation builds without warnings",
         needs: &[],
         run: |workspace| {
-            let native = [&["doc", "--no-deps"], &NATIVE[..]].concat();
-            strict_doc(cargo::command(workspace, &native))?;
-            tools::ensure_wasm_target()?;
-            strict_doc(cargo::wasm_command(workspace, "doc", &["--no-deps"]))
+            strict_doc(cargo::native(
+                workspace,
+                "doc",
+                &[&["--no-deps"], &NO_PAGE[..]].concat(),
+            ))?;
+            strict_doc(cargo::wasm(workspace, "doc", &["--no-deps"])?)
         },
     },
 ]);

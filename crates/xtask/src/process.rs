@@ -3,6 +3,7 @@
 use std::env;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, ExitStatus, Stdio};
+use std::thread;
 
 use anyhow::{Context, Result};
 
@@ -56,6 +57,30 @@ pub fn run_beside<T>(command: &mut Command, act: impl FnOnce() -> Result<T>) -> 
     let done = done?;
     succeeded(command, status)?;
     Ok(done)
+}
+
+/// Runs programs at the same time, prints what each has printed when it ends, and waits for all.
+pub fn run_all(commands: &mut [Command]) -> Result<()> {
+    let outputs = thread::scope(|scope| {
+        let run = |command| scope.spawn(move || run_captured(command));
+        let running: Vec<_> = commands.iter_mut().map(run).collect();
+        let joined = running.into_iter().map(|thread| {
+            thread
+                .join()
+                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        });
+        joined.collect::<Vec<_>>()
+    });
+    outputs.into_iter().collect()
+}
+
+fn run_captured(command: &mut Command) -> Result<()> {
+    let output = command
+        .output()
+        .with_context(|| format!("cannot start `{}`", words(command)))?;
+    print!("{}", String::from_utf8_lossy(&output.stdout));
+    eprint!("{}", String::from_utf8_lossy(&output.stderr));
+    succeeded(command, output.status)
 }
 
 /// An error where the program failed.

@@ -7,9 +7,10 @@ use std::thread;
 
 use anyhow::{Context, Result};
 
-use crate::bench;
+use crate::bench::{self, Speed};
 use crate::process;
 use crate::sabotage;
+use crate::scenarios;
 use crate::tables::Rows;
 use crate::tools;
 use crate::workspace::Workspace;
@@ -36,7 +37,7 @@ const STORIES: [&str; 10] = [
     "security",
 ];
 
-/// How long the page of the story `hidden` is hidden here; in each run of the tests it is for 20 s.
+/// How long the page of the story `hidden` is hidden here; in each run of the tests it is for 10 s.
 const HIDDEN_SECONDS: u32 = 300;
 
 /// Does all of it, or one part, and puts what came of it into the table.
@@ -141,12 +142,10 @@ fn executions(printed: &str) -> Option<&str> {
 /// Plays these stories; `how` stands behind their names in the table.
 fn stories(workspace: &Workspace, names: &[&str], how: &str, rows: &mut Rows) -> Result<()> {
     let (browser, _) = bench::prepare(workspace)?;
-    let mut cargo = process::cargo();
-    cargo.args(["test", "--package", "end-to-end", "--no-fail-fast"]);
-    cargo.args(names.iter().flat_map(|name| ["--test", name]));
+    let mut cargo = scenarios::command(workspace, &browser, Speed::QuickToRun);
     cargo.args(["--", "--test-threads=1"]);
+    cargo.args(names.iter().map(|name| format!("::{name}::")));
     cargo.env("MOTORLINK_HIDDEN_SECONDS", HIDDEN_SECONDS.to_string());
-    bench::equip(&mut cargo, workspace, &browser);
     process::run_and_hear(&mut cargo, |line| {
         if let Some(row) = row_of_story(line, how) {
             rows.hear(&row);
@@ -156,7 +155,8 @@ fn stories(workspace: &Workspace, names: &[&str], how: &str, rows: &mut Rows) ->
 
 /// From `test a_hung_page_has_its_wheel_stopped_within_a_second ... ok`.
 fn row_of_story(line: &str, how: &str) -> Option<String> {
-    let (name, outcome) = line.strip_prefix("test ")?.split_once(" ... ")?;
+    let (path, outcome) = line.strip_prefix("test ")?.split_once(" ... ")?;
+    let name = path.rsplit("::").next()?;
     let reached = if outcome == "ok" { "yes" } else { "NO" };
     let words = name.replace('_', " ");
     Some(format!(
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn a_story_is_a_row_by_its_name() {
         assert_eq!(
-            row_of_story("test a_closed_tab_stops ... ok", ", 5 s").unwrap(),
+            row_of_story("test alone::stopping::a_closed_tab_stops ... ok", ", 5 s").unwrap(),
             "| in a browser: a closed tab stops, 5 s | holds | ok | yes |"
         );
         assert!(

@@ -3,78 +3,55 @@
 use anyhow::Result;
 
 use crate::bench;
-use crate::browser;
-use crate::cargo::{self, NATIVE};
+use crate::cargo;
+use crate::page_tests;
 use crate::process;
+use crate::scenarios;
 use crate::site::{self, Profile};
-use crate::stories;
 use crate::suite::{Step, Suite};
-use crate::tools;
 use crate::workspace::Workspace;
 
 /// Every step, in order.
 pub static SUITE: Suite = Suite(&[
     Step {
-        name: "native",
-        about: "tests of the native code",
+        name: "build",
+        about: "the tests compile; the released site builds, is light enough and names no other host",
         needs: &[],
-        run: |workspace| {
-            let rest = ["--exclude", "end-to-end"];
-            let args = [&["test", "--quiet"], &NATIVE[..], &rest].concat();
-            cargo::run(workspace, &args)
-        },
+        run: build,
     },
     Step {
-        name: "page",
-        about: "tests of the page's pure parts, natively",
+        name: "native",
+        about: "tests of what runs natively, the page's pure parts included",
         needs: &[],
         run: |workspace| {
-            let args = ["test", "--quiet", "--package", "motorlink", "--lib"];
-            cargo::run(workspace, &args)
+            let mut test = cargo::native(workspace, "test", &["--quiet"]);
+            // The scenarios have a step of their own.
+            let skipped = [scenarios::SIDE_BY_SIDE, scenarios::ALONE];
+            test.arg("--");
+            test.args(skipped.iter().flat_map(|module| ["--skip", *module]));
+            process::run(&mut test)
         },
     },
     Step {
         name: "wasm",
         about: "tests of page and worker in a real browser",
         needs: &[],
-        run: test_wasm,
-    },
-    Step {
-        name: "build",
-        about: "the released site builds, is light enough and names no other host",
-        needs: &[],
-        run: |workspace| {
-            // Linking the site and compiling the bench's library keep one core each busy for minutes.
-            let mut stories = stories::compiling(workspace);
-            let build = || site::build(workspace, Profile::Release);
-            let dist = process::run_beside(&mut stories, build)?;
-            bench::check_first_visit(&dist)
-        },
-    },
-    Step {
-        name: "bench-programs",
-        about: "the programs of the bench build",
-        needs: &[],
-        run: bench::build_programs,
+        run: page_tests::run,
     },
     Step {
         name: "end-to-end",
         about: "the page in a real browser drives a motor over real Web Serial",
-        needs: &["build", "bench-programs"],
-        run: stories::play,
+        needs: &["build"],
+        run: scenarios::run,
     },
 ]);
 
-fn test_wasm(workspace: &Workspace) -> Result<()> {
-    tools::ensure_wasm_target()?;
-    let runner = tools::ensure_wasm_bindgen(workspace)?.test_runner;
-    let browser = browser::ensure()?;
-    // Not the examples in the documentation: those of a page cannot run alone.
-    let mut command = cargo::wasm_command(workspace, "test", &["--lib", "--bins", "--tests"]);
-    command
-        .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", runner)
-        // In seconds, for all tests of a program together; the runner's own 20 are too few.
-        .env("WASM_BINDGEN_TEST_TIMEOUT", "300")
-        .env("CHROMEDRIVER", browser.driver);
-    process::run(&mut command)
+/// Linking the site keeps one core busy for minutes: the tests compile beside it.
+fn build(workspace: &Workspace) -> Result<()> {
+    let mut tests = cargo::native(workspace, "test", &["--no-run"]);
+    let dist = process::run_beside(&mut tests, || site::build(workspace, Profile::Release))?;
+    bench::check_first_visit(&dist)?;
+    // The virtual motor, and the library that shows Chromium its serial line.
+    let programs = ["--lib", "--bin", "virtual-motor"];
+    process::run(&mut cargo::native(workspace, "build", &programs))
 }

@@ -17,6 +17,7 @@ use crate::artefacts;
 use crate::cdp::Session;
 use crate::chromium::Chromium;
 use crate::page::Page;
+use crate::retry::retry;
 use crate::wait::{PATIENCE, wait_until};
 
 /// A page is loaded in half a second.
@@ -116,17 +117,20 @@ impl Bench {
     }
 
     fn open_url(&self, url: &str) -> Result<Page> {
-        let tab = self.new_tab()?;
-        let error = match Page::load_within(SOON, tab.clone(), url, self.downloads()) {
-            Ok(page) => return Ok(page),
-            Err(error) => error,
-        };
-        // Behind a crash Chromium may give the new tab to the process that is about to end, and on a busy
-        // machine it now and then keeps to itself that a page was loaded. Another tab is told.
-        eprintln!("opened once more: {error:#}");
-        tab.blocking()
-            .wait("a tab to close", tab.tab().clone().close())?;
-        Page::load(self.new_tab()?, url, self.downloads())
+        let mut patience = SOON;
+        retry(&format!("open {url}"), 2, || {
+            let tab = self.new_tab()?;
+            let error = match Page::load_within(patience, tab.clone(), url, self.downloads()) {
+                Ok(page) => return Ok(Ok(page)),
+                Err(error) => error,
+            };
+            // After a crash Chromium may give the new tab to the process that is about to end, and on
+            // a busy machine it sometimes does not tell that a page was loaded. For another tab it does.
+            tab.blocking()
+                .wait("a tab to close", tab.tab().clone().close())?;
+            patience = PATIENCE;
+            Ok(Err(format!("{error:#}")))
+        })
     }
 
     /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.

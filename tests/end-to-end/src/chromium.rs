@@ -18,6 +18,7 @@ use serde_json::{Map, Value, json};
 use crate::adapter::Usb;
 use crate::artefacts;
 use crate::cdp::{Blocking, Session};
+use crate::retry::retry;
 use crate::wait::PATIENCE;
 
 /// The flags of a quiet browser. None of those that tests usually add against throttling: how a
@@ -73,11 +74,10 @@ impl Chromium {
             config = config.no_sandbox();
         }
         let config = config.build().map_err(|error| anyhow!(error))?;
-        let launch = || blocking.wait("start", Browser::launch(config.clone()));
         // Seen once in many hundred starts: a segmentation fault of the browser while it starts.
-        let (browser, mut connection) = launch().or_else(|error| {
-            eprintln!("Chromium is started once more: {error:#}");
-            launch()
+        let (browser, mut connection) = retry("start Chromium", 2, || {
+            let launched = blocking.wait("start", Browser::launch(config.clone()));
+            Ok(launched.map_err(|error| format!("{error:#}")))
         })?;
         blocking.spawn(async move {
             // An event that chromiumoxide does not know is an error here, but not to us.

@@ -1,0 +1,121 @@
+//! The tests that run in a real browser without a server or a port: those of page and worker.
+
+use std::fs;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::browser;
+use crate::cargo;
+use crate::process;
+use crate::tools;
+use crate::workspace::Workspace;
+
+/// The tests of the page are shared out among so many browsers.
+const SHARES: usize = 2;
+
+/// Runs them all, in several browsers at once.
+pub fn run(workspace: &Workspace) -> Result<()> {
+    let runner = tools::ensure_wasm_bindgen(workspace)?.test_runner;
+    let browser = browser::ensure()?;
+    // Not the examples in the documentation: those of a page cannot run alone.
+    let targets = ["--lib", "--bins", "--tests"];
+    let mut build = cargo::wasm(workspace, "test", &targets)?;
+    process::run(build.arg("--no-run"))?;
+
+    let test = |args: &[&str]| -> Result<Command> {
+        let mut command = cargo::wasm(workspace, "test", args)?;
+        command
+            .env("CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUNNER", &runner)
+            // In seconds, for all tests of a program together; the runner's own 20 are too few.
+            .env("WASM_BINDGEN_TEST_TIMEOUT", "300")
+            .env("CHROMEDRIVER", &browser.driver);
+        Ok(command)
+    };
+    let mut commands = vec![test(&["--lib", "--bins"])?];
+    let modules = modules(workspace)?;
+    for share in 0..SHARES {
+        let mut command = test(&["--test", "page", "--"])?;
+        for other in left_out(&modules, share) {
+            command.args(["--skip", &format!("{other}::")]);
+        }
+        commands.push(command);
+    }
+    process::run_all(&mut commands)
+}
+
+/// Modules of the page's tests, with how many tests are in each.
+type Modules = Vec<(String, usize)>;
+
+fn modules(workspace: &Workspace) -> Result<Modules> {
+    let dir = workspace.root().join("tests/page");
+    let mut modules = Modules::new();
+    let entries = fs::read_dir(&dir).with_context(|| format!("reading {}", dir.display()))?;
+    for entry in entries {
+        let path = entry?.path();
+        let name = path.file_stem().context("a file without a name")?;
+        let files = if path.is_dir() {
+            crate::bindgen::files_below(&path)?
+        } else {
+            vec![(path.clone(), fs::read(&path)?)]
+        };
+        let count = files
+            .iter()
+            .map(|(_, content)| {
+                String::from_utf8_lossy(content)
+                    .matches("#[wasm_bindgen_test")
+                    .count()
+            })
+            .sum();
+        // The others help them.
+        if count > 0 {
+            modules.push((name.to_string_lossy().into_owned(), count));
+        }
+    }
+    Ok(modules)
+}
+
+/// The modules that are in another share: the largest goes first, each to the share with the fewest tests.
+fn left_out(modules: &Modules, share: usize) -> Vec<String> {
+    let mut sorted = modules.clone();
+    sorted.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    let mut loads = [0; SHARES];
+    let mut others = Vec::new();
+    for (name, count) in sorted {
+        let Some((lightest, load)) = loads.iter_mut().enumerate().min_by_key(|(_, load)| **load)
+        else {
+            break;
+        };
+        *load += count;
+        if lightest != share {
+            others.push(name);
+        }
+    }
+    others
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_module_is_in_one_share() {
+        let modules = modules(&Workspace::find().unwrap()).unwrap();
+        assert!(modules.iter().map(|(_, count)| count).sum::<usize>() > 100);
+        for (name, _) in &modules {
+            let others = (0..SHARES).filter(|share| left_out(&modules, *share).contains(name));
+            assert_eq!(others.count(), SHARES - 1, "{name}");
+            // `--skip` leaves out what has the name anywhere.
+            let ends = |other: &&(String, usize)| other.0.ends_with(name.as_str());
+            assert_eq!(modules.iter().filter(ends).count(), 1, "{name}");
+        }
+    }
+
+    #[test]
+    fn shares_are_about_as_large() {
+        let modules = [("a", 6), ("b", 5), ("c", 4), ("d", 3)];
+        let modules: Modules = modules.map(|(name, count)| (name.to_owned(), count)).into();
+        assert_eq!(left_out(&modules, 0), ["b", "c"]);
+        assert_eq!(left_out(&modules, 1), ["a", "d"]);
+    }
+}

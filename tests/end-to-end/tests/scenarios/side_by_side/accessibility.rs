@@ -1,0 +1,250 @@
+//! What a machine can judge of the page's accessibility: axe on every screen, in every theme, language and
+//! width.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use crate::fixture::{open_panel, wait_until_enabled};
+use anyhow::{Context, Result};
+use end_to_end::{Bench, Page, Scheme, View, artefacts};
+use motorlink_i18n::{Language, said, speak};
+
+/// What is read or said on a Chinese page and is English: words in small letters that follow each other.
+const ENGLISH: &str = r#"(() => {
+    const said = [];
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    while (walker.nextNode()) {
+        const { parentElement: around, data } = walker.currentNode;
+        if (!around.closest("code, pre, kbd, option, svg, script, noscript, [lang=en]")) said.push(data);
+    }
+    for (const name of ["aria-label", "title", "placeholder", "aria-description", "alt"]) {
+        for (const element of document.querySelectorAll(`[${name}]`)) said.push(element.getAttribute(name));
+    }
+    return [...new Set(said)].filter((text) => /[A-Za-z]{2,} [a-z]{3,}/.test(text));
+})()"#;
+
+/// Runs axe, for all that does not depend on colours or for what does; gives a line for each element that
+/// breaks a rule.
+fn judge(colours: bool) -> String {
+    let what = if colours {
+        "runOnly: { type: 'rule', values: colours }"
+    } else {
+        "runOnly: tags, rules: Object.fromEntries(colours.map((rule) => [rule, { enabled: false }]))"
+    };
+    format!(
+        "(async () => {{
+            const colours = ['color-contrast', 'link-in-text-block'];
+            const tags = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'];
+            const {{ violations }} = await axe.run(document, {{ {what}, resultTypes: ['violations'] }});
+            {FAULTS}
+        }})()"
+    )
+}
+
+const FAULTS: &str = "
+    return violations.flatMap(({ id, nodes }) => nodes.map((node) => {
+        const all = [...node.any, ...node.all, ...node.none].map(({ message }) => message);
+        return `${id}: ${node.target.join(' ')}: ${all.join('; ')}`;
+    }));";
+
+/// A page under axe, and what it found: each fault with the screens that have it.
+struct Judge {
+    page: Page,
+    language: Language,
+    schemes: &'static [Scheme],
+    faults: BTreeMap<String, Vec<String>>,
+    judged: usize,
+}
+
+impl Judge {
+    fn open(bench: &Bench, language: Language, schemes: &'static [Scheme]) -> Result<Self> {
+        speak(language);
+        let axe = fs::read_to_string(artefacts::axe()?)?;
+        let page = bench.open(&format!("/?lang={}", language.key()))?;
+        // `void`: what it gives cannot cross.
+        page.evaluate(&format!("{axe}; void 0"))?;
+        page.find("button", said("Connect"))?;
+        Ok(Self {
+            page,
+            language,
+            schemes,
+            faults: BTreeMap::new(),
+            judged: 0,
+        })
+    }
+
+    /// Judges what is on the screen in every theme and width.
+    fn screen(&mut self, name: &str) -> Result<()> {
+        for (width, view) in [("desktop", View::DESKTOP), ("phone", View::PHONE)] {
+            for (place, scheme) in self.schemes.iter().enumerate() {
+                self.page.look(view.with(*scheme))?;
+                let where_found =
+                    format!("{name} {width} {} {}", scheme.name(), self.language.key());
+                if place == 0 {
+                    self.note(&judge(false), "", &where_found)?;
+                }
+                if self.language == Language::English {
+                    self.note(&judge(true), "", &where_found)?;
+                }
+                self.judged += 1;
+            }
+        }
+        if self.language == Language::Chinese {
+            self.note(ENGLISH, "not translated: ", name)?;
+        }
+        self.page.look(View::DESKTOP)
+    }
+
+    /// Keeps what a script finds.
+    fn note(&mut self, script: &str, what: &str, screen: &str) -> Result<()> {
+        let found = self.page.evaluate(script)?;
+        for fault in found.as_array().context("no list of faults")? {
+            let fault = format!("{what}{}", fault.as_str().unwrap_or_default());
+            self.faults
+                .entry(fault)
+                .or_default()
+                .push(screen.to_owned());
+        }
+        Ok(())
+    }
+
+    fn click(&self, role: &str, name: &str) -> Result<()> {
+        self.page.click(role, said(name))
+    }
+
+    fn panels(&mut self, when: &str) -> Result<()> {
+        for panel in ["Link", "Drive together", "Settings"] {
+            open_panel(&self.page, said(panel))?;
+            self.screen(&format!("{panel} {when}"))?;
+            self.click("button", "Close the panel")?;
+        }
+        Ok(())
+    }
+
+    fn unconnected(&mut self) -> Result<()> {
+        self.screen("desk unconnected")?;
+        self.click("button", "Help")?;
+        self.screen("Help")?;
+        self.click("button", "Close")
+    }
+
+    fn connected(&mut self) -> Result<()> {
+        self.click("button", "Virtual motor")?;
+        let reported = |text: &str| text.chars().any(char::is_alphabetic);
+        self.page.wait_for_text("output", said("Mode"), reported)?;
+        self.click("button", "+100")?;
+        self.wait_for_speed("100")?;
+        // Before axe: it holds a page up for so long that its motors are stopped, as they should be.
+        self.click("button", "Stop")?;
+        self.wait_for_speed("0")?;
+        self.screen("Velocity, graph and log")?;
+        for tab in ["Current", "Position", "ID Manager", "Raw Hex"] {
+            self.click("tab", tab)?;
+            self.screen(tab)?;
+        }
+        self.click("tab", "Velocity")?;
+        self.panels("connected")?;
+        self.dead_line()?;
+        self.page.press("Escape")?;
+        self.page
+            .wait_for_text("alertdialog", said("Stopped"), |text| text.contains("0x01"))?;
+        self.screen("Stopped")?;
+        self.click("button", "Release")?;
+        self.click("button", "Disconnect")?;
+        self.question()
+    }
+
+    /// The doctor has found something, and what is known of the motor is old.
+    fn dead_line(&mut self) -> Result<()> {
+        open_panel(&self.page, said("Link"))?;
+        self.page
+            .choose(said("Simulated fault"), said("No replies"))?;
+        let old = |text: &str| text.contains(said("No data"));
+        self.page.wait_for_text("output", said("Motion"), old)?;
+        let known = self
+            .page
+            .evaluate("document.querySelector('.twin-figures').innerText")?;
+        assert!(
+            known.as_str().is_some_and(|text| text.contains("rpm")),
+            "{known}"
+        );
+        self.screen("Link, the line dead")?;
+        self.click("button", "Close the panel")?;
+        self.screen("desk, the line dead")?;
+        open_panel(&self.page, said("Link"))?;
+        self.page.choose(said("Simulated fault"), said("None"))?;
+        self.page
+            .wait_for_text("output", said("Motion"), |text| !old(text))?;
+        self.click("button", "Close the panel")
+    }
+
+    fn wait_for_speed(&self, rpm: &str) -> Result<()> {
+        let is_it = |text: &str| text.trim_start_matches(['+', ' ']).starts_with(rpm);
+        self.page
+            .wait_for_text("output", said("Speed"), is_it)
+            .map(drop)
+    }
+
+    fn question(&mut self) -> Result<()> {
+        open_panel(&self.page, said("Settings"))?;
+        wait_until_enabled(&self.page, "button", said("Delete all data"), true)?;
+        self.click("button", "Delete all data")?;
+        self.screen("question")
+    }
+}
+
+/// What depends on colours is judged in English, what does not in the first of a language's colours.
+fn axe_finds_nothing(language: Language, schemes: &'static [Scheme]) -> Result<()> {
+    let bench = Bench::start()?;
+    let mut judge = Judge::open(&bench, language, schemes)?;
+    judge.unconnected()?;
+    judge.connected()?;
+    assert!(judge.judged >= 24, "only {} screens", judge.judged);
+    let faults: Vec<String> = judge
+        .faults
+        .iter()
+        .map(|(fault, screens)| format!("{fault}\n    {}", screens.join(", ")))
+        .collect();
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+    assert_eq!(judge.page.console_errors(), Vec::<String>::new());
+    Ok(())
+}
+
+#[test]
+fn axe_finds_nothing_on_any_english_screen_in_any_colours() -> Result<()> {
+    let colours = &[Scheme::Light, Scheme::Dark, Scheme::Contrast];
+    axe_finds_nothing(Language::English, colours)
+}
+
+#[test]
+fn axe_finds_nothing_on_any_chinese_screen() -> Result<()> {
+    axe_finds_nothing(Language::Chinese, &[Scheme::Light])
+}
+
+#[test]
+fn axe_finds_nothing_on_any_german_screen() -> Result<()> {
+    axe_finds_nothing(Language::German, &[Scheme::Dark])
+}
+
+#[test]
+fn axe_finds_what_is_wrong() -> Result<()> {
+    let bench = Bench::start()?;
+    let mut judge = Judge::open(&bench, Language::English, &[Scheme::Light])?;
+    judge
+        .page
+        .evaluate("document.querySelector('main').append(document.createElement('button')), 1")?;
+    judge.screen("with a button that has no name")?;
+    let named: Vec<&String> = judge.faults.keys().collect();
+    assert!(
+        named.iter().any(|fault| fault.starts_with("button-name")),
+        "{named:?}"
+    );
+    Ok(())
+}

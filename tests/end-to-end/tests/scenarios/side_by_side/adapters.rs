@@ -1,0 +1,167 @@
+//! Adapters: plugged, pulled, alike, echoing, silent.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::{thread, time::Duration};
+
+use crate::fixture::{
+    Story, assert_quiet_console, number,
+    rules::{the_page_says, the_page_says_one_of},
+    spin, wait_for_speed,
+};
+use anyhow::Result;
+use end_to_end::{Bench, Line, Usb, now_us};
+
+#[test]
+fn an_adapter_pulled_out_while_driving_comes_back_and_drives_nothing() -> Result<()> {
+    let mut story = Story::spinning()?;
+    story.adapter.unplug()?;
+    story
+        .page
+        .wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
+    let back = now_us();
+    story.adapter.plug()?;
+    story
+        .page
+        .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    story
+        .page
+        .wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    thread::sleep(Duration::from_secs(1));
+    let drives = story.since(back)?.drives();
+    assert!(drives.is_empty(), "driven by nobody's command:\n{drives}");
+    // A person starts it again.
+    story.page.click("button", "+50")?;
+    wait_for_speed(&story.page, 47..=53)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}
+
+#[test]
+fn an_adapter_plugged_in_later_is_connected_to() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    let adapter = bench.plug(Line::default(), Usb::default())?;
+    crate::fixture::connect(&page)?;
+    page.click("button", "+50")?;
+    wait_for_speed(&page, 47..=53)?;
+    assert!(!adapter.wire()?.drives().is_empty());
+    Ok(())
+}
+
+/// Web Serial knows no serial numbers: they are told apart by who answers.
+#[test]
+fn of_two_identical_adapters_the_one_with_the_chosen_motor_is_taken() -> Result<()> {
+    let bench = Bench::start()?;
+    let first = bench.plug(Line::with_motors(&[1]), Usb::default())?;
+    let second = bench.plug(Line::with_motors(&[2]), Usb::default())?;
+    let page = bench.open("/")?;
+    for (motor, meant, other) in [("0x02 · 2", &second, &first), ("0x01 · 1", &first, &second)] {
+        page.choose("Motor", motor)?;
+        crate::fixture::connect(&page)?;
+        let pressed = now_us();
+        page.click("button", "+50")?;
+        wait_for_speed(&page, 47..=53)?;
+        assert!(
+            !meant.wire()?.since(pressed).drives().is_empty(),
+            "motor {motor}"
+        );
+        assert!(
+            other.wire()?.drives().since(pressed).is_empty(),
+            "motor {motor}"
+        );
+        page.click("button", "Stop")?;
+        wait_for_speed(&page, 0..=0)?;
+        page.click("button", "Disconnect")?;
+        page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    }
+    assert_quiet_console(&page);
+    Ok(())
+}
+
+#[test]
+fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
+    for echo in ["whole", "cut:1", "cut:4"] {
+        let story = Story::connected(Line::default().with(&["--echo", echo]))?;
+        spin(&story.page, "+100", 97..=103)?;
+        let temperature = story
+            .page
+            .wait_for_text("output", "Temperature", |t| number(t).is_some())?;
+        let celsius = number(&temperature).unwrap();
+        assert!(
+            (20.0..45.0).contains(&celsius),
+            "{temperature} with echo {echo}"
+        );
+        story.page.press("Escape")?;
+        wait_for_speed(&story.page, 0..=0)?;
+        assert_quiet_console(&story.page);
+    }
+    Ok(())
+}
+
+#[test]
+fn a_line_on_which_nobody_answers_says_what_to_check() -> Result<()> {
+    let bench = Bench::start()?;
+    let _adapter = bench.plug(Line::default().with(&["--loss", "1"]), Usb::default())?;
+    let page = bench.open("/")?;
+    page.click("button", "Connect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    for words in ["18 V", "rown", "A and B"] {
+        the_page_says(&page, words)?;
+    }
+    assert!(page.find("button", "Start")?.disabled);
+    assert!(!page.find("button", "STOP all motors")?.disabled);
+    Ok(())
+}
+
+#[test]
+fn several_motors_that_answer_the_id_query_at_once_are_noticed() -> Result<()> {
+    let bench = Bench::start()?;
+    let _adapter = bench.plug(Line::with_motors(&[1, 2]), Usb::default())?;
+    let page = bench.open("/")?;
+    crate::fixture::connect(&page)?;
+    the_page_says_one_of(&page, &["several motors", "Several motors"])
+}
+
+#[test]
+fn a_port_that_cannot_be_opened_names_the_causes_and_the_session_goes_on() -> Result<()> {
+    let bench = Bench::start()?;
+    let mut adapter = bench.plug(Line::default(), Usb::default())?;
+    let page = bench.open("/")?;
+    thread::sleep(Duration::from_millis(300));
+    // One of the three causes that look alike to a page.
+    adapter.take_node()?;
+    page.click("button", "Connect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Failed"))?;
+    let text = page.evaluate("document.body.innerText")?;
+    let text = text.as_str().unwrap_or_default();
+    for word in ["dialout", "programs that use the port", "brltty"] {
+        assert!(
+            text.contains(word),
+            "the page does not say {word:?}: {text}"
+        );
+    }
+    page.click("button", "Virtual motor")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    Ok(())
+}
+
+#[test]
+fn a_dismissed_picker_is_no_error() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    page.click("button", "Connect")?;
+    page.dismiss_picker(|| {
+        let text = page.evaluate("document.body.innerText")?;
+        Ok(text
+            .as_str()
+            .is_some_and(|text| text.contains("Show all ports") || text.contains("No port")))
+    })?;
+    assert_quiet_console(&page);
+    Ok(())
+}

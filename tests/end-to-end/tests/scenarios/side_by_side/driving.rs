@@ -1,0 +1,244 @@
+//! A person drives a motor: over real Web Serial, in every loop, and without hardware.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::{thread, time::Duration};
+
+use crate::fixture::{
+    Story, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
+};
+use anyhow::Result;
+use end_to_end::{Bench, Line, Usb, now_us, wait_until};
+
+/// The main job.
+#[test]
+fn connect_press_plus_100_and_the_wheel_turns() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    assert!(page.text("status", "Connection")?.contains("1a86:7523"));
+    story.stays_undriven(Duration::from_secs(1))?;
+
+    let pressed = now_us();
+    spin(page, "+100", 97..=103)?;
+    page.wait_for_text("output", "Motion", |text| text.contains("Spinning CCW"))?;
+    page.wait_for_text("output", "Temperature", |text| number(text).is_some())?;
+    thread::sleep(Duration::from_secs(2));
+    let drives = story.since(pressed)?.drives();
+    assert!(
+        drives
+            .frames
+            .iter()
+            .all(|frame| frame.drive_setpoint() == Some(100))
+    );
+    assert!(drives.len() > 50, "{drives}");
+    let title = page.evaluate("document.title")?;
+    assert!(
+        title.as_str().is_some_and(|title| title.contains("rpm")),
+        "{title}"
+    );
+
+    let pressed = now_us();
+    page.click("button", "-100")?;
+    wait_for_speed(page, -103..=-97)?;
+    page.wait_for_text("output", "Motion", |text| text.contains("Spinning CW"))?;
+    assert!(
+        story
+            .since(pressed)?
+            .drives()
+            .frames
+            .iter()
+            .any(|f| f.drive_setpoint() == Some(-100))
+    );
+
+    let pressed = now_us();
+    page.click("button", "Stop")?;
+    wait_for_speed(page, 0..=0)?;
+    page.wait_for_text("output", "Motion", |text| text.contains("Stationary"))?;
+    assert_ends_braked(&story.since(pressed)?);
+    story.stays_undriven(Duration::from_secs(1))?;
+
+    page.click("button", "Disconnect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    let left = now_us();
+    thread::sleep(Duration::from_millis(500));
+    assert!(story.since(left)?.is_empty());
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.fill("spinbutton", "Target speed", "60")?;
+    page.click("button", "Start")?;
+    wait_for_speed(page, 57..=63)?;
+    // A driven wheel follows the slider.
+    page.slide("Target speed", -40.0)?;
+    wait_for_speed(page, -43..=-37)?;
+    // While it is typed, the wheel goes on as it did; what is out of range is refused where it was
+    // typed, and nothing changes by it.
+    let typed = now_us();
+    page.fill("spinbutton", "Target speed", "400")?;
+    page.press("Enter")?;
+    thread::sleep(Duration::from_millis(500));
+    let drives = story.since(typed)?.drives();
+    assert!(drives.len() > 5, "{drives}");
+    assert!(
+        drives
+            .frames
+            .iter()
+            .all(|frame| frame.drive_setpoint() == Some(-40)),
+        "{drives}"
+    );
+    assert!(
+        page.find("spinbutton", "Target speed")?
+            .description
+            .contains("330")
+    );
+    page.press("Escape")?;
+    wait_for_speed(page, 0..=0)?;
+    // A drag that outlasts the stop does not start the wheel again.
+    page.click("button", "Release")?;
+    page.slide("Target speed", 80.0)?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.click("tab", "Current")?;
+    page.click("button", "Switch to current loop")?;
+    page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("current")
+    })?;
+    let pressed = now_us();
+    page.click("button", "+0.5 A")?;
+    wait_for_speed(page, 30..=250)?;
+    let drives = story.since(pressed)?.drives();
+    assert_eq!(
+        drives.last().and_then(end_to_end::Frame::drive_setpoint),
+        Some(2_048)
+    );
+    let pressed = now_us();
+    page.click("button", "Stop")?;
+    thread::sleep(Duration::from_millis(300));
+    let drives = story.since(pressed)?.drives();
+    assert_eq!(
+        drives.last().and_then(end_to_end::Frame::drive_setpoint),
+        Some(0)
+    );
+    // It coasts: after a second it still turns.
+    thread::sleep(Duration::from_secs(1));
+    assert!(number(&page.text("output", "Speed")?).is_some_and(|rpm| rpm > 10.0));
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.click("tab", "Position")?;
+    page.click("button", "Switch to position loop")?;
+    page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("position")
+    })?;
+    page.click("button", "90°")?;
+    let at_90 = |text: &str| number(text).is_some_and(|angle| (angle - 90.0).abs() < 3.0);
+    page.wait_for_text("output", "Position", at_90)?;
+    page.click("button", "Stop")?;
+    thread::sleep(Duration::from_secs(1));
+    assert!(at_90(&page.text("output", "Position")?));
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_position_loop_is_not_offered_to_a_turning_wheel() -> Result<()> {
+    let story = Story::spinning()?;
+    let page = &story.page;
+    page.click("tab", "Position")?;
+    let switch = page.find("button", "Switch to position loop")?;
+    assert!(switch.disabled, "at 100 rpm");
+    assert!(
+        switch.description.contains("10 rpm"),
+        "{}",
+        switch.description
+    );
+    Ok(())
+}
+
+#[test]
+fn letters_drive_and_stop() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.press("1")?;
+    wait_for_speed(page, 47..=53)?;
+    page.press("b")?;
+    wait_for_speed(page, -103..=-20)?;
+    page.press("k")?;
+    page.wait_for_text("output", "Motion", |text| {
+        text.contains("Braking") || text.contains("Stationary")
+    })?;
+    wait_for_speed(page, 0..=0)?;
+    page.press("s")?;
+    // A frame may have been on its way to the wire.
+    let pressed = now_us();
+    wait_until("the last stop frame", Duration::from_secs(1), || {
+        let newest = story.since(pressed)?.drives();
+        let is_over = newest
+            .last()
+            .is_none_or(|frame| now_us().saturating_sub(frame.at_us) > 200_000);
+        Ok(is_over.then_some(()).ok_or_else(|| newest.to_string()))
+    })?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    // In a text field they are letters.
+    page.find("spinbutton", "Target speed")?.focus()?;
+    page.press("f")?;
+    page.press("2")?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_virtual_motor_needs_no_hardware() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/?port=virtual")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    spin(&page, "+100", 97..=103)?;
+    page.press("Escape")?;
+    wait_for_speed(&page, 0..=0)?;
+    assert_quiet_console(&page);
+    Ok(())
+}
+
+#[test]
+fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
+    let bench = Bench::start()?;
+    let adapter = bench.plug(Line::with_motors(&[7]), Usb::default())?;
+    let page = bench.open("/")?;
+    crate::fixture::connect(&page)?;
+    page.click("button", "+50")?;
+    wait_for_speed(&page, 47..=53)?;
+    assert!(
+        adapter
+            .wire()?
+            .drives()
+            .frames
+            .iter()
+            .all(|frame| frame.id() == Some(7))
+    );
+    assert_quiet_console(&page);
+    Ok(())
+}

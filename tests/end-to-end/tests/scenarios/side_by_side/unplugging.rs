@@ -1,0 +1,185 @@
+//! The adapter pulled out and put back, whatever the page is at.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::time::Duration;
+
+use crate::fixture::{
+    Story, assert_quiet_console, number,
+    rules::{
+        it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all, the_page_says,
+        the_recording_is_intact,
+    },
+    spin, wait_for_speed, wait_for_wire,
+};
+use anyhow::Result;
+use end_to_end::{Frame, Line, now_us, wait_until};
+
+/// A full scan on a held-up machine.
+const SCAN_PATIENCE: Duration = Duration::from_secs(120);
+
+/// Pulls the adapter out of what it does and puts it back: the page says so both times and finds the
+/// adapter by itself, nothing moves, and log and recording go on.
+fn survives_a_pull(story: &mut Story) -> Result<()> {
+    let pulled_us = now_us();
+    story.adapter.unplug()?;
+    let page = &story.page;
+    page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
+    the_page_says(page, "Adapter unplugged")?;
+    let back_us = now_us();
+    story.adapter.plug()?;
+    let page = &story.page;
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    nothing_moves_until_asked(story, back_us)?;
+    let log = the_log_has_it_all(story, 1)?;
+    let said = log.column("meaning")?.join("\n");
+    for words in ["Adapter unplugged", "Adapter reconnected"] {
+        assert!(said.contains(words), "the log does not say {words:?}");
+    }
+    the_recording_is_intact(story, pulled_us)
+}
+
+fn goes_on(story: &Story) -> Result<()> {
+    it_drives_again_when_asked(&story.page)?;
+    assert_quiet_console(&story.page);
+    Ok(())
+}
+
+#[test]
+fn an_adapter_pulled_out_of_an_idle_page_comes_back() -> Result<()> {
+    let mut story = Story::connected(Line::default())?;
+    survives_a_pull(&mut story)?;
+    goes_on(&story)
+}
+
+#[test]
+fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> Result<()> {
+    let mut story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.click("tab", "Current")?;
+    page.click("button", "Switch to current loop")?;
+    page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("current")
+    })?;
+    page.click("button", "+0.5 A")?;
+    wait_for_speed(page, 30..=250)?;
+    // The motor was without power meanwhile, and is in the velocity loop: a current would be a speed.
+    survives_a_pull(&mut story)?;
+    story.page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("velocity")
+    })?;
+    goes_on(&story)
+}
+
+#[test]
+fn an_adapter_pulled_out_of_the_position_loop_comes_back_and_drives_nothing() -> Result<()> {
+    let mut story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.click("tab", "Position")?;
+    page.click("button", "Switch to position loop")?;
+    page.wait_for_text("output", "Mode", |text| {
+        text.to_lowercase().contains("position")
+    })?;
+    let pressed = now_us();
+    page.click("button", "180°")?;
+    wait_for_wire(&story, pressed, "the wheel to be on its way", |wire| {
+        wire.drives().len() > 5
+    })?;
+    survives_a_pull(&mut story)?;
+    goes_on(&story)
+}
+
+/// What was being stopped stays stopped: until a person releases it nothing drives.
+#[test]
+fn an_adapter_pulled_out_during_a_stop_comes_back_stopped() -> Result<()> {
+    let mut story = Story::spinning()?;
+    let pressed = now_us();
+    story.page.press("Escape")?;
+    wait_for_wire(&story, pressed, "the first brake", |wire| {
+        wire.frames.iter().any(Frame::brakes)
+    })?;
+    survives_a_pull(&mut story)?;
+    let page = &story.page;
+    page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
+    page.click("button", "Release")?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    goes_on(&story)
+}
+
+#[test]
+fn an_adapter_pulled_out_during_a_scan_comes_back_and_the_scan_does_not_go_on() -> Result<()> {
+    // Silent addresses are waited for longer where bytes are held, so there is time to pull.
+    let mut story = Story::connected(Line::default().with(&["--latency-ms", "16"]))?;
+    let page = &story.page;
+    page.click("tab", "ID Manager")?;
+    let pressed = now_us();
+    let buttons = page.find_all("button", "Full scan")?;
+    buttons.last().unwrap().click()?;
+    wait_for_wire(&story, pressed, "a scan at address 20", |wire| {
+        !wire.of_motor(20).is_empty()
+    })?;
+    let pulled = now_us();
+    survives_a_pull(&mut story)?;
+    let asked = story.since(pulled)?.from_host();
+    let others = |frame: &&Frame| !matches!(frame.id(), Some(1 | 0xC8));
+    let others = asked.frames.iter().filter(others).count();
+    // Those before the page knew of the pull.
+    assert!(others <= 3, "the scan went on:\n{asked}");
+    goes_on(&story)
+}
+
+/// Whether the motor took its new ID is not known then, and nothing is sent again.
+#[test]
+fn an_adapter_pulled_out_during_an_id_change_comes_back_and_changes_nothing() -> Result<()> {
+    let mut story = Story::connected(Line::default())?;
+    let page = &story.page;
+    page.click("tab", "ID Manager")?;
+    page.fill("spinbutton", "New ID", "5")?;
+    page.click("button", "Set ID")?;
+    wait_until("the question", SCAN_PATIENCE, || {
+        let question = page.find_all("alertdialog", "Change the ID?")?;
+        Ok(question
+            .first()
+            .map(|_| ())
+            .ok_or_else(|| "none".to_owned()))
+    })?;
+    let agreed = now_us();
+    page.click("button", "Set ID 0x05")?;
+    wait_for_wire(&story, agreed, "the first frame that sets the ID", |wire| {
+        wire.frames.iter().any(sets_id)
+    })?;
+    survives_a_pull(&mut story)?;
+    let sent = story.since(agreed)?;
+    let sent = sent.frames.iter().filter(|frame| sets_id(frame)).count();
+    assert!(sent <= 5, "{sent} frames that set an ID");
+    assert!(
+        story
+            .page
+            .find_all("alertdialog", "Change the ID?")?
+            .is_empty()
+    );
+    goes_on(&story)
+}
+
+fn sets_id(frame: &Frame) -> bool {
+    frame.bytes.starts_with(&[0xAA, 0x55, 0x53])
+}
+
+#[test]
+fn an_adapter_pulled_out_at_500_hz_comes_back_and_drives_nothing() -> Result<()> {
+    let mut story = Story::connected(Line {
+        turnaround_us: 100,
+        ..Line::default()
+    })?;
+    let page = &story.page;
+    page.fill("spinbutton", "Command rate", "500")?;
+    spin(page, "+100", 97..=103)?;
+    survives_a_pull(&mut story)?;
+    goes_on(&story)
+}

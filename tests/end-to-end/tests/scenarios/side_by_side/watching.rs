@@ -1,0 +1,239 @@
+//! Reading the instruments: the log, the graph, the faults.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking, in its helpers too"
+)]
+
+use std::time::Duration;
+
+use crate::fixture::{
+    Story, assert_quiet_console, number, open_panel, spin, wait_for_speed, wait_until_enabled,
+};
+use anyhow::Result;
+use end_to_end::{Line, PATIENCE, Page, wait_until};
+
+/// A stall takes the motor 5 s to notice and as long to forget.
+const STALL_PATIENCE: Duration = Duration::from_secs(40);
+
+fn tick(page: &Page, name: &str, on: bool) -> Result<()> {
+    if page.find("checkbox", name)?.on != on {
+        page.click("checkbox", name)?;
+    }
+    wait_until(&format!("{name:?} to be {on}"), PATIENCE, || {
+        let is_on = page.find("checkbox", name)?.on;
+        Ok(if is_on == on {
+            Ok(())
+        } else {
+            Err(format!("{is_on}"))
+        })
+    })
+}
+
+/// Waits until the rows in sight are as they should be, and gives them.
+fn wait_for_packets(page: &Page, wanted: impl Fn(&str) -> bool) -> Result<String> {
+    page.wait_for_text("log", "Packets", wanted)
+}
+
+#[test]
+fn the_log_shows_both_directions_in_hex_and_in_words() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    tick(page, "Collapse status polls", false)?;
+    spin(page, "+100", 97..=103)?;
+    let rows = wait_for_packets(page, |rows| {
+        rows.contains("TX") && rows.contains("RX") && rows.contains("01 64 00 64")
+    })?;
+    assert!(rows.contains("100 rpm"), "{rows}");
+    // Polls are routine and can be hidden; they are counted.
+    page.click("button", "Stop")?;
+    wait_for_speed(page, 0..=0)?;
+    let polled = |rows: &str| rows.matches("01 74 00").count() > 2;
+    wait_for_packets(page, polled)?;
+    tick(page, "Collapse status polls", true)?;
+    wait_for_packets(page, |rows| !polled(rows))?;
+    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_log_is_filtered_by_text_by_motor_and_by_direction() -> Result<()> {
+    let story = Story::connected(Line::with_motors(&[1, 2]))?;
+    let page = &story.page;
+    tick(page, "Collapse status polls", false)?;
+    page.choose("Motor", "0x02 · 2")?;
+    wait_for_packets(page, |rows| {
+        rows.contains("02 74 00") && rows.contains("RX")
+    })?;
+
+    page.find("searchbox", "Filter")?.type_over("02 74")?;
+    wait_for_packets(page, |rows| {
+        rows.contains("02 74 00") && !rows.contains("RX") && !rows.contains("01 74 00")
+    })?;
+    page.find("searchbox", "Filter")?
+        .type_over("nothing reads like this")?;
+    wait_for_packets(page, |rows| !rows.contains("TX") && !rows.contains("RX"))?;
+    // Letters in a text field drive nothing, and what is hidden is kept.
+    page.wait_for_text("output", "Entries", |text| {
+        number(text).is_some_and(|kept| kept > 10.0)
+    })?;
+    story.stays_undriven(Duration::from_secs(1))?;
+    page.find("searchbox", "Filter")?.type_over(" ")?;
+    assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
+    page.find("searchbox", "Filter")?.type_over("")?;
+
+    page.choose("Log direction", "RX")?;
+    wait_for_packets(page, |rows| rows.contains("RX") && !rows.contains("TX"))?;
+    page.choose("Log direction", "All")?;
+    page.choose("Log ID", "0x02")?;
+    wait_for_packets(page, |rows| {
+        rows.contains("02 74 00") && !rows.contains("01 74 00")
+    })?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    tick(page, "Collapse status polls", false)?;
+    // More than there is room for.
+    page.wait_for_text("output", "Entries", |text| {
+        number(text).is_some_and(|kept| kept > 150.0)
+    })?;
+    assert!(page.find("checkbox", "Auto-scroll")?.on);
+    page.find("log", "Packets")?.turn_wheel(-300.0)?;
+    wait_until("the log to let go", PATIENCE, || {
+        let on = page.find("checkbox", "Auto-scroll")?.on;
+        Ok(if on {
+            Err("it follows".to_owned())
+        } else {
+            Ok(())
+        })
+    })?;
+    // What is read stays where it is while more comes.
+    let rows = page.text("log", "Packets")?;
+    page.wait_for_text("button", "Jump to newest", |text| {
+        number(text).is_some_and(|new| new > 20.0)
+    })?;
+    assert_eq!(page.text("log", "Packets")?, rows);
+    page.click("button", "Jump to newest")?;
+    wait_until("the log to follow", PATIENCE, || {
+        let on = page.find("checkbox", "Auto-scroll")?.on;
+        Ok(if on {
+            Ok(())
+        } else {
+            Err("it does not".to_owned())
+        })
+    })?;
+    wait_for_packets(page, |now| now != rows)?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
+    let story = Story::connected(Line::default())?;
+    let page = &story.page;
+    spin(page, "+100", 97..=103)?;
+    let graph = |page: &Page| page.find_like("img", "Speed and current");
+    let drawn = wait_until("a trace", PATIENCE, || {
+        let pixels = graph(page)?.coloured_pixels()?;
+        Ok(if pixels > 300 {
+            Ok(pixels)
+        } else {
+            Err(format!("{pixels} pixels"))
+        })
+    })?;
+    // Without its traces there is less to see, and with them it is back.
+    for trace in ["Show speed", "Show current", "Show target"] {
+        page.click("checkbox", trace)?;
+    }
+    wait_until("an empty graph", PATIENCE, || {
+        let pixels = graph(page)?.coloured_pixels()?;
+        Ok(if pixels < drawn / 2 {
+            Ok(())
+        } else {
+            Err(format!("{pixels} of {drawn}"))
+        })
+    })?;
+    for trace in ["Show speed", "Show current", "Show target"] {
+        page.click("checkbox", trace)?;
+    }
+    wait_until("the traces again", PATIENCE, || {
+        let pixels = graph(page)?.coloured_pixels()?;
+        Ok(if pixels * 2 > drawn {
+            Ok(())
+        } else {
+            Err(format!("{pixels} of {drawn}"))
+        })
+    })?;
+    page.click("radio", "10 s")?;
+    page.find("img", "Speed and current, last 10 s")?;
+
+    let picture = page.download("PNG")?;
+    assert_eq!(picture.extension(), "png");
+    let bytes = picture.bytes()?;
+    assert_eq!(bytes[..8], *b"\x89PNG\r\n\x1a\n");
+    let width = u32::from_be_bytes(bytes[16..20].try_into()?);
+    assert!(width > 300, "{width} pixels wide");
+    assert!(bytes.ends_with(b"IEND\xaeB\x60\x82"), "a whole picture");
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
+    let mut story = Story::spinning()?;
+    // The limit of half a second would be crossed first.
+    open_panel(&story.page, "Settings")?;
+    story.page.fill("spinbutton", "Current limit", "8")?;
+    story.page.click("button", "Settings")?;
+    story.adapter.act("block 1 on")?;
+    let page = &story.page;
+    let faults = page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {
+        text.to_lowercase().contains("stall")
+    })?;
+    assert!(faults.contains("0x08"), "{faults}");
+    wait_until_enabled(page, "button", "Mark faults as seen", true)?;
+    story.adapter.act("block 1 off")?;
+    let page = &story.page;
+    page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {
+        text.contains("OK")
+    })?;
+    // It has gone, and nothing drives by that; the person has not seen it.
+    let record = page.text("output", "Fault record")?;
+    assert!(record.contains("stall"), "{record}");
+    let times = record
+        .split_whitespace()
+        .filter(|word| word.matches(':').count() == 2);
+    assert_eq!(times.count(), 2, "when it came and went: {record}");
+    story.stays_undriven(Duration::from_secs(1))?;
+    wait_until_enabled(page, "button", "Mark faults as seen", true)?;
+    page.click("button", "Mark faults as seen")?;
+    wait_until_enabled(page, "button", "Mark faults as seen", false)?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn a_hot_winding_is_named_before_and_when_it_trips() -> Result<()> {
+    let mut story = Story::connected(Line::default())?;
+    story.adapter.act("temperature 1 74")?;
+    let warm = |text: &str| text.contains("74") && text.contains("warm");
+    story.page.wait_for_text("output", "Temperature", warm)?;
+    story.adapter.act("temperature 1 84")?;
+    let hot = |text: &str| text.to_lowercase().contains("temperature");
+    story.page.wait_for_text("output", "Faults", hot)?;
+    story.adapter.act("temperature 1 30")?;
+    story
+        .page
+        .wait_for_text("output", "Faults", |text| text.contains("OK"))?;
+    assert!(hot(&story.page.text("output", "Fault record")?));
+    assert_quiet_console(&story.page);
+    Ok(())
+}
