@@ -1,4 +1,4 @@
-//! The bench: virtual motors on a serial line, a real Chromium in front, and what is measured there.
+//! The test bench: virtual motors on a serial line, a real Chromium, and the measurements on it.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,27 +7,27 @@ use anyhow::{Result, bail};
 
 use crate::browser::{self, Browser};
 use crate::failure::refusal_of_flags;
-use crate::foreign;
+use crate::other_hosts;
 use crate::process;
 use crate::site::{self, Profile};
 use crate::size;
 use crate::tables::Rows;
 use crate::workspace::Workspace;
 
-/// Of measurements: these programs stand for a motor, which answers after 0.6 ms.
+/// For measurements: these programs simulate a motor, which answers after 0.6 ms.
 const PROFILE: &str = "bench-native";
 
 /// How the programs of the bench are built.
 #[derive(Clone, Copy, Debug)]
 pub enum Speed {
-    /// With the tests, whose dependencies they share; the motor itself is optimised there, too.
+    /// With the tests, whose dependencies they share. The simulation itself is optimised there too.
     QuickToBuild,
-    /// Optimised as a whole, for measurements.
+    /// Fully optimised, for measurements.
     QuickToRun,
 }
 
 impl Speed {
-    /// Cargo's directory for what it builds so.
+    /// Cargo's output directory for this build.
     fn target_dir(self) -> &'static str {
         match self {
             Self::QuickToBuild => "debug",
@@ -36,7 +36,7 @@ impl Speed {
     }
 }
 
-/// Lines on which full scans are played; one run in a thousand may miss a motor.
+/// Seeds of the full scans; one run in a thousand may miss a motor.
 const SCAN_SEEDS: &str = "1000";
 
 /// Builds the virtual motor and the library that shows Chromium its serial line.
@@ -48,8 +48,8 @@ pub fn build_programs(workspace: &Workspace) -> Result<()> {
     process::run(&mut cargo)
 }
 
-/// Tells a program of the package `end-to-end` where everything is.
-pub fn equip(command: &mut Command, workspace: &Workspace, browser: &Browser, speed: Speed) {
+/// Sets the environment variables through which a program of `end-to-end` finds its files.
+pub fn set_paths(command: &mut Command, workspace: &Workspace, browser: &Browser, speed: Speed) {
     let built = workspace.target().join(speed.target_dir());
     command
         .current_dir(workspace.root())
@@ -69,12 +69,12 @@ fn udev_shim(built: &Path) -> PathBuf {
     built.join(format!("{DLL_PREFIX}udev_shim{DLL_SUFFIX}"))
 }
 
-/// What can be measured by itself: programs of `end-to-end`, and what needs no browser.
+/// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
 const PARTS: [&str; 6] = ["start", "figures", "instruments", "wire", "scans", "pure"];
 
-/// Measures the figures that the page is held to, prints them, and puts them into the README's table.
+/// Measures the page's performance figures, prints them, and updates the README's table.
 ///
-/// The first of `args` may name a part; what is not measured keeps its rows.
+/// The first of `args` may name a part; the rows of other parts stay.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     let (browser, dist) = prepare(workspace)?;
     let (only, args) = match args {
@@ -92,8 +92,10 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
             "pure" => pure_parts(workspace),
             program => program_of_bench(workspace, &browser, program, args),
         };
-        // What one of them cannot measure keeps none of the others from it.
-        failed = failed.and(process::run_and_hear(&mut command, |line| rows.hear(line)));
+        // A part that fails does not prevent the others.
+        failed = failed.and(process::run_with_lines(&mut command, |line| {
+            rows.add_line(line)
+        }));
     }
     rows.write_into(&workspace.root().join("README.md"), "bench")?;
     let files = site::files_of(&dist)?;
@@ -104,7 +106,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     failed.map_err(refusal_of_flags)
 }
 
-/// Measures what one exchange costs in computing.
+/// Measures the computing time of one exchange.
 fn pure_parts(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
@@ -120,7 +122,7 @@ fn pure_parts(workspace: &Workspace) -> Command {
     cargo
 }
 
-/// Plays full scans on bad lines in virtual time, and prints how many runs found every motor.
+/// Runs full scans on faulty buses in virtual time, and prints how many found every motor.
 fn full_scans(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
@@ -130,21 +132,21 @@ fn full_scans(workspace: &Workspace) -> Command {
     cargo
 }
 
-/// Plays worlds that fail.
+/// Runs the fault simulation.
 pub fn soak(workspace: &Workspace, args: &[String]) -> Result<()> {
     process::run(worlds(workspace).args(args)).map_err(refusal_of_flags)
 }
 
-/// The program that plays them.
+/// The program of the fault simulation.
 pub fn worlds(workspace: &Workspace) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace.root());
-    name_worlds(&mut cargo);
+    add_simulation(&mut cargo);
     cargo
 }
 
-/// Lets cargo run the program that plays worlds; its flags come next.
-pub fn name_worlds(cargo: &mut Command) {
+/// Adds the arguments with which cargo runs the fault simulation; its own flags come next.
+pub fn add_simulation(cargo: &mut Command) {
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
     cargo.args(["--package", "motorlink-fault-simulation", "--"]);
 }
@@ -156,7 +158,7 @@ pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
     process::run(&mut program).map_err(refusal_of_flags)
 }
 
-/// Fails where the site is heavier than it may be or names another host.
+/// Fails if the site is larger than allowed or names another host.
 pub fn check_first_visit(dist: &Path) -> Result<()> {
     let files = site::files_of(dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
@@ -167,14 +169,14 @@ pub fn check_first_visit(dist: &Path) -> Result<()> {
             bytes - max
         );
     }
-    if !foreign::hosts(&files).is_empty() {
+    if !other_hosts::named_in(&files).is_empty() {
         bail!("the site names other hosts: {}", list(&files));
     }
     Ok(())
 }
 
 fn list(files: &[site::SiteFile]) -> String {
-    let hosts: Vec<String> = foreign::hosts(files).into_iter().collect();
+    let hosts: Vec<String> = other_hosts::named_in(files).into_iter().collect();
     if hosts.is_empty() {
         "none".to_owned()
     } else {
@@ -182,7 +184,7 @@ fn list(files: &[site::SiteFile]) -> String {
     }
 }
 
-/// Builds everything; gives the browser and the site's directory.
+/// Builds everything; returns the browser and the site's directory.
 pub fn prepare(workspace: &Workspace) -> Result<(Browser, PathBuf)> {
     ensure_linux()?;
     let browser = browser::ensure()?;
@@ -201,7 +203,7 @@ fn program_of_bench(
     let mut cargo = process::cargo();
     cargo.args(["run", "--quiet", "--package", "end-to-end"]);
     cargo.args(["--bin", program, "--"]).args(args);
-    equip(&mut cargo, workspace, browser, Speed::QuickToRun);
+    set_paths(&mut cargo, workspace, browser, Speed::QuickToRun);
     cargo
 }
 

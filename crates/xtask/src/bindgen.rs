@@ -1,5 +1,5 @@
-//! From Rust to what a browser loads: cargo builds the wasm file, wasm-bindgen makes a module and its
-//! JavaScript glue of it.
+//! Builds what a browser loads: cargo builds the wasm file, wasm-bindgen generates the module and its
+//! JavaScript glue.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::workspace::Workspace;
 /// The package, the binary and the stem of its files: the page and its workers are one program.
 pub const PROGRAM: &str = "motorlink";
 
-/// What wasm-bindgen makes of a program.
+/// The output of wasm-bindgen.
 #[derive(Debug, Clone, Default)]
 pub struct Module {
     /// The JavaScript between the wasm file and the browser.
@@ -54,7 +54,7 @@ fn bind(workspace: &Workspace, profile: Profile, bindgen: &Path) -> Result<Modul
         .target()
         .join("bindgen")
         .join(profile.target_dir());
-    // Snippets of an earlier build would be taken along.
+    // Otherwise snippets of an earlier build would be included.
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
     }

@@ -1,4 +1,4 @@
-//! Chromium and its driver, which the browser tests and the bench need.
+//! Chromium and chromedriver, for the browser tests and the bench.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,7 @@ pub struct Browser {
     pub driver: PathBuf,
 }
 
-/// Finds both, or installs them where the system's packages have them and we may.
+/// Finds both, or installs them with the system's package manager if that is allowed.
 pub fn ensure() -> Result<Browser> {
     if let Some(browser) = find()? {
         return Ok(browser);
@@ -55,7 +55,7 @@ fn look_up(variable: &str, names: &[&str]) -> Result<Option<PathBuf>> {
         if path.is_file() {
             return Ok(Some(path));
         }
-        // Taking another one than the person named would hide the mistake.
+        // Another one than the named one would hide the mistake.
         let text = format!("{variable} names {}, which is no file", path.display());
         return Err(BadInput(text).into());
     }
@@ -73,9 +73,9 @@ fn first_on(dirs: &[PathBuf], names: &[&str]) -> Option<PathBuf> {
     })
 }
 
-/// Only root can install, and asking for a password in the middle of a test helps nobody.
+/// Only root can install. The program never asks for a password: a test may run unattended.
 fn may_install() -> bool {
-    let root = process::ask("id", &["-u"]).is_some_and(|id| id.trim() == "0");
+    let root = process::output_of("id", &["-u"]).is_some_and(|id| id.trim() == "0");
     root && Path::new("/usr/bin/apt-get").is_file()
 }
 

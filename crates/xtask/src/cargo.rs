@@ -1,4 +1,4 @@
-//! Calls of cargo on the workspace: on what runs natively, and on what runs in the browser.
+//! Calls of cargo on the native packages of the workspace, and on those for the browser.
 
 use std::process::Command;
 
@@ -8,13 +8,13 @@ use crate::process;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// All that runs natively.
+/// All native packages.
 ///
-/// Always all of it at once: a call on fewer packages would select other features of common
-/// dependencies, which would then be built once more.
+/// Always all of them: with fewer packages cargo selects other features of common dependencies and builds
+/// these once more.
 const NATIVE: [&str; 3] = ["--workspace", "--exclude", "motorlink-worker"];
 
-/// The page and the worker; always both at once, as above.
+/// The page and the worker; always both, as above.
 const WASM: [&str; 6] = [
     "--target",
     WASM_TARGET,
@@ -31,7 +31,7 @@ pub fn command(workspace: &Workspace, args: &[&str]) -> Command {
     cargo
 }
 
-/// Cargo on all that runs natively.
+/// Cargo on all native packages.
 pub fn native(workspace: &Workspace, subcommand: &str, args: &[&str]) -> Command {
     command(workspace, &[&[subcommand], &NATIVE[..], args].concat())
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask check`: what can be judged without running the product, the quick steps first.
+//! `cargo xtask check`: the checks that do not run the product, the quick ones first.
 
 use std::process::{Command, Stdio};
 
@@ -11,10 +11,10 @@ use crate::tools;
 use crate::translations;
 use crate::workspace::Workspace;
 
-/// Lints and nothing else: in RUSTFLAGS it would rebuild every dependency.
+/// After `--`, for lints only: in RUSTFLAGS it would rebuild every dependency.
 const DENY_WARNINGS: [&str; 3] = ["--", "-D", "warnings"];
 
-/// The page is checked as it runs: in the browser.
+/// The page is checked for the browser, where it runs.
 const NO_PAGE: [&str; 2] = ["--exclude", "motorlink"];
 
 /// Every check, in order.
@@ -98,9 +98,9 @@ fn dependencies(workspace: &Workspace) -> Result<()> {
     };
     let all = ["--workspace"];
     check(&all, &["licenses", "sources"])?;
-    // Of the page, and of its workers.
+    // First of the page, then of its workers.
     check(&[], &["bans"])?;
-    // The worker has not all that is excepted for the page.
+    // The worker has fewer duplicates than are excepted for the page.
     let skips = ["--allow", "unmatched-skip", "--allow", "unnecessary-skip"];
     check(
         &["--manifest-path", "crates/worker/Cargo.toml"],

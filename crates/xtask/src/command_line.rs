@@ -25,25 +25,25 @@ pub struct CommandLine {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Build the page into dist/, a static site that works at any path
+    /// Build the page into dist/, a static site that works at any path of a host
     Build {
-        /// Quick to build, slow to run; into target/site-dev
+        /// Build quickly, without optimisation, into target/site-dev
         #[arg(long)]
         dev: bool,
     },
     /// Build the page, serve it on this machine and open it
     Run {
-        /// Build for speed: needed at high drive rates
+        /// Build with optimisation, as high drive rates need it
         #[arg(long)]
         release: bool,
         /// Port to serve on [default: 8017, or the next free one]
         #[arg(long)]
         port: Option<u16>,
-        /// Leave the browser alone
+        /// Do not open a browser
         #[arg(long)]
         no_open: bool,
     },
-    /// Serve a page built before
+    /// Serve a page that was built before
     Serve {
         /// Directory to serve [default: dist]
         #[arg(long)]
@@ -56,47 +56,47 @@ pub enum Command {
     Test(Selection),
     /// Check format, lints, documentation, dependencies and translations, stopping at the first failure
     Check(Selection),
-    /// Measure drive rate, stop time and first visit in a real browser
+    /// Measure drive rates, stop times and the first visit in a real browser
     Bench {
-        /// Handed to the program that measures
+        /// Arguments of the program that measures
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
-    /// Bring the files of translations, locales/*.po, up to date with the code
+    /// Update the translation files, locales/*.po, from the code
     Translations {
-        /// Change nothing; fail where one is not up to date or lacks a translation
+        /// Change nothing; fail if a file is out of date or a translation is missing
         #[arg(long)]
         check: bool,
     },
-    /// Play worlds that fail, as many seeds as there is time for (`--seconds N`), or one (`--seed N`)
+    /// Run the fault simulation, for a time (`--seconds N`) or for one seed (`--seed N`)
     Soak {
-        /// Handed to the program that plays
+        /// Arguments of the fault simulation
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
-    /// Play 100,000 worlds, break each rule on purpose, fuzz, and play the stories under faults in a browser; into docs/reliability.md
+    /// Run 100,000 seeds of the fault simulation, break each rule on purpose, fuzz, and run the scenarios with faults in a browser; update docs/reliability.md
     Reliability {
-        /// Only this part of it
+        /// Run this part only
         #[arg(value_parser = reliability::PARTS)]
         part: Option<String>,
-        /// How long each part that reads input is fuzzed
+        /// Fuzzing time of each target, in seconds
         #[arg(long, default_value_t = 600)]
         seconds: u64,
-        /// How many worlds are played: 1,000 take 8 s on two cores
+        /// Number of simulated worlds; 1,000 take 8 s on two cores
         #[arg(long, default_value_t = 100_000)]
         worlds: u64,
     },
-    /// Change what keeps fingers whole, spot by spot, and fail where no test of the bus notices
+    /// Run mutation tests on the safety code of the bus; fail if a mutant survives without a reason
     Mutants {
-        /// How many changes are tried at once
+        /// Number of mutants tested at the same time
         #[arg(long, default_value_t = 1)]
         jobs: u8,
     },
-    /// Judge the built page with Lighthouse, as a desktop and as a phone load it
+    /// Check the built page with Lighthouse, as a desktop and as a phone
     Lighthouse,
-    /// Make the README's moving picture (`docs`: that alone), the installer's, and one of every view
+    /// Make the screenshots: the README's moving picture (`docs`: only this), the installer's, and one of each view
     Screenshots {
-        /// Handed to the program that makes them
+        /// Arguments of the program that makes them
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         args: Vec<String>,
     },
@@ -113,7 +113,7 @@ pub struct Selection {
     pub list: bool,
 }
 
-/// Says in one line what is wrong with the command line, or prints the help that was asked for.
+/// Prints in one line what is wrong with the command line, or the help.
 pub fn explain(error: &clap::Error) -> ExitCode {
     if matches!(error.kind(), ErrorKind::DisplayHelp) {
         print!("{error}");

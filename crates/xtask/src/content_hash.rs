@@ -1,5 +1,5 @@
-//! File names that change when the content does, so that a browser may keep a file for ever and
-//! never shows half of an old version.
+//! File names that contain a hash of the content: a browser may cache such a file for ever and never mixes
+//! two versions.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -8,15 +8,15 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
-/// 48 bits: a clash among the few files of two versions is out of the question.
+/// 48 bits: the site has a few dozen files, so that a collision is practically impossible.
 const HASH_BYTES: usize = 6;
 
 /// `page.wasm` with this content is `page-1a2b3c4d5e6f.wasm`.
-pub fn fresh_name(stem: &str, extension: &str, content: &[u8]) -> String {
+pub fn hashed_name(stem: &str, extension: &str, content: &[u8]) -> String {
     format!("{stem}-{}.{extension}", short_hash([content]))
 }
 
-/// The name's changing part, for content in several pieces.
+/// The hash in such a name, of content in several pieces.
 pub fn short_hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hasher = Sha256::new();
     for piece in pieces {
@@ -32,8 +32,8 @@ pub fn short_hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hex
 }
 
-/// Whether a file, or a directory that it is in, has such a name.
-pub fn is_fresh(path: &Path) -> bool {
+/// Whether a file or one of its directories has such a name.
+pub fn is_hashed(path: &Path) -> bool {
     path.iter().any(|part| {
         let part = part.to_string_lossy();
         let stem = part.split('.').next().unwrap_or_default();
@@ -42,7 +42,7 @@ pub fn is_fresh(path: &Path) -> bool {
     })
 }
 
-/// What a browser is to find in a file whose name does not say it.
+/// The integrity value of a file without a hash in its name.
 pub fn integrity(content: &[u8]) -> String {
     format!("sha256-{}", STANDARD.encode(Sha256::digest(content)))
 }
@@ -52,12 +52,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fresh_names_are_known() {
+    fn hashed_names_are_recognised() {
         for name in [
-            fresh_name("page", "wasm", b"1"),
+            hashed_name("page", "wasm", b"1"),
             "page-snippets-0123456789ab/lib-1/inline0.js".to_owned(),
         ] {
-            assert!(is_fresh(Path::new(&name)), "{name}");
+            assert!(is_hashed(Path::new(&name)), "{name}");
         }
         for name in [
             "icon.svg",
@@ -65,7 +65,7 @@ mod tests {
             "sw.js",
             "a-0123/index.html",
         ] {
-            assert!(!is_fresh(Path::new(name)), "{name}");
+            assert!(!is_hashed(Path::new(name)), "{name}");
         }
     }
 
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_name_has_stem_hash_and_extension() {
-        let name = fresh_name("page", "wasm", b"content");
+        let name = hashed_name("page", "wasm", b"content");
         let hash = name
             .strip_prefix("page-")
             .and_then(|rest| rest.strip_suffix(".wasm"))
@@ -89,8 +89,8 @@ mod tests {
 
     #[test]
     fn the_same_content_has_the_same_name_and_other_content_another() {
-        assert_eq!(fresh_name("a", "js", b"1"), fresh_name("a", "js", b"1"));
-        assert_ne!(fresh_name("a", "js", b"1"), fresh_name("a", "js", b"2"));
+        assert_eq!(hashed_name("a", "js", b"1"), hashed_name("a", "js", b"1"));
+        assert_ne!(hashed_name("a", "js", b"1"), hashed_name("a", "js", b"2"));
         let split = |a: &'static [u8], b: &'static [u8]| short_hash([a, b]);
         assert_ne!(split(b"ab", b"c"), split(b"a", b"bc"));
     }

@@ -1,12 +1,12 @@
-//! How a failure ends: one line on stderr and an exit code.
+//! Failures of commands: one line on stderr and an exit code.
 
 use std::fmt;
 use std::process::ExitCode;
 
-/// Exit code for what a person has to type differently, as the shell's own commands use it.
+/// Exit code for a wrong command line, as the shell's own commands use it.
 pub const BAD_INPUT_CODE: u8 = 2;
 
-/// What was asked cannot be done; the text says what to ask instead.
+/// A wrong argument; the text says what to type instead.
 #[derive(Debug)]
 pub struct BadInput(pub String);
 
@@ -18,7 +18,7 @@ impl fmt::Display for BadInput {
 
 impl std::error::Error for BadInput {}
 
-/// A program we handed flags to has refused them, and has said so.
+/// A program refused the flags that it was given, and has printed why.
 #[derive(Debug)]
 pub struct RefusedByChild;
 
@@ -30,10 +30,10 @@ impl fmt::Display for RefusedByChild {
 
 impl std::error::Error for RefusedByChild {}
 
-/// A program we started has failed, and has told the person why.
+/// A program that was started has failed, and has printed why.
 #[derive(Debug)]
 pub struct ChildFailed {
-    /// The command as a person would type it.
+    /// The command as a user would type it.
     pub command: String,
     /// Its exit code; none where a signal ended it.
     pub code: Option<i32>,
@@ -50,9 +50,9 @@ impl fmt::Display for ChildFailed {
 
 impl std::error::Error for ChildFailed {}
 
-/// Says what failed in one line and gives the exit code.
+/// Prints the failure in one line and returns the exit code.
 pub fn report(error: &anyhow::Error) -> ExitCode {
-    // A second line would only hide the one that the program has printed.
+    // The program has printed the reason already.
     if !error.is::<RefusedByChild>() {
         eprintln!("error: {error:#}");
     }
@@ -67,7 +67,7 @@ fn code(error: &anyhow::Error) -> ExitCode {
     }
 }
 
-/// Tells a program's refusal of flags, which came from the command line, from its other failures.
+/// Turns the exit code of a program for wrong flags into [`RefusedByChild`].
 pub fn refusal_of_flags(error: anyhow::Error) -> anyhow::Error {
     match error.downcast_ref::<ChildFailed>() {
         Some(child) if child.code == Some(i32::from(BAD_INPUT_CODE)) => RefusedByChild.into(),

@@ -1,5 +1,4 @@
-//! Lighthouse on the released site: how it loads on a desktop and on a phone, and whether it keeps to what
-//! browsers advise.
+//! Lighthouse on the released site: loading on a desktop and on a phone, accessibility and best practices.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,20 +14,20 @@ use crate::serve;
 use crate::site::{self, Profile};
 use crate::workspace::Workspace;
 
-/// A figure of the report and the least or most that it may be.
+/// A figure of the report and its limit.
 struct Figure {
     name: &'static str,
-    /// Where it is in the report.
+    /// JSON pointer into the report.
     at: &'static str,
     must: Must,
 }
 
 enum Must {
-    /// A share of 1, shown in hundredths.
+    /// A share of 1, printed in percent.
     ScoreAtLeast(f64),
     AtMost(f64),
-    /// Only shown.
-    Tell,
+    /// Printed, without a limit.
+    Show,
 }
 
 const FIGURES: [Figure; 9] = [
@@ -55,45 +54,45 @@ const FIGURES: [Figure; 9] = [
     Figure {
         name: "first paint, ms",
         at: "/audits/first-contentful-paint/numericValue",
-        must: Must::Tell,
+        must: Must::Show,
     },
     Figure {
         name: "largest paint, ms",
         at: "/audits/largest-contentful-paint/numericValue",
-        must: Must::Tell,
+        must: Must::Show,
     },
     Figure {
         name: "blocked, ms",
         at: "/audits/total-blocking-time/numericValue",
-        must: Must::Tell,
+        must: Must::Show,
     },
     Figure {
         name: "speed index, ms",
         at: "/audits/speed-index/numericValue",
-        must: Must::Tell,
+        must: Must::Show,
     },
     // The phone's processor is this machine's, taken four times as slow; Lighthouse means one of 1,500.
     Figure {
         name: "machine's speed",
         at: "/environment/benchmarkIndex",
-        must: Must::Tell,
+        must: Must::Show,
     },
 ];
 
-/// How often each preset is judged: what other programs do meanwhile moves the score by ten. The run in the
-/// middle is shown, as Lighthouse advises.
+/// Runs of each preset. Other programs change the score by up to ten, so that the median run counts, as
+/// Lighthouse recommends.
 const RUNS: usize = 3;
 
 /// The two presets: their names and flags.
 const PRESETS: [(&str, &[&str]); 2] = [("desktop", &["--preset=desktop"]), ("mobile", &[])];
 
-/// Builds the site and judges it.
+/// Builds the site and checks it.
 pub fn run(workspace: &Workspace) -> Result<()> {
     let dist = site::build(workspace, Profile::Release)?;
     judge(workspace, &dist)
 }
 
-/// Judges a built site, prints a table, and fails where a figure is not reached.
+/// Checks a built site, prints a table, and fails if a figure misses its limit.
 pub fn judge(workspace: &Workspace, dist: &Path) -> Result<()> {
     let browser = browser::ensure()?;
     let program = npm::LIGHTHOUSE.ensure()?;
@@ -121,19 +120,19 @@ pub fn judge(workspace: &Workspace, dist: &Path) -> Result<()> {
         let runs: Result<Vec<Value>> = (0..RUNS).map(|_| judge_once(name, flags)).collect();
         reports.extend(middle(runs?));
     }
-    let missed = table(&reports);
+    let not_reached = table(&reports);
     for report in &reports {
-        for complaint in complaints(report) {
-            println!("{complaint}");
+        for audit in failed_audits(report) {
+            println!("{audit}");
         }
     }
-    if missed.is_empty() {
+    if not_reached.is_empty() {
         return Ok(());
     }
-    bail!("Lighthouse: {} not reached", missed.join(", "))
+    bail!("Lighthouse: {} not reached", not_reached.join(", "))
 }
 
-/// The run with the middle of all scores for performance.
+/// The run with the median score for performance.
 fn middle(mut runs: Vec<Value>) -> Option<Value> {
     let score = |run: &Value| {
         let score = run.pointer("/categories/performance/score");
@@ -150,24 +149,24 @@ fn report_file(workspace: &Workspace, preset: &str) -> Result<PathBuf> {
     Ok(dir.join(format!("{preset}.json")))
 }
 
-/// Prints the figures, and gives those that are not reached.
+/// Prints the figures, and returns those that miss their limits.
 fn table(reports: &[Value]) -> Vec<String> {
-    let mut missed = Vec::new();
+    let mut not_reached = Vec::new();
     println!("{:20} {:>10} {:>10}", "Lighthouse", "desktop", "mobile");
     for Figure { name, at, must } in &FIGURES {
         let mut cells = Vec::new();
         for ((preset, _), report) in PRESETS.iter().zip(reports) {
             let value = report.pointer(at).and_then(Value::as_f64);
             let (cell, reached) = match (value, must) {
-                (None, _) => ("-".to_owned(), matches!(must, Must::Tell)),
+                (None, _) => ("-".to_owned(), matches!(must, Must::Show)),
                 (Some(value), Must::ScoreAtLeast(least)) => {
                     (format!("{:.0}", value * 100.0), value >= *least)
                 }
                 (Some(value), Must::AtMost(most)) => (format!("{value:.4}"), value <= *most),
-                (Some(value), Must::Tell) => (format!("{value:.0}"), true),
+                (Some(value), Must::Show) => (format!("{value:.0}"), true),
             };
             if !reached {
-                missed.push(format!("{name} ({preset})"));
+                not_reached.push(format!("{name} ({preset})"));
             }
             cells.push(cell);
         }
@@ -176,12 +175,12 @@ fn table(reports: &[Value]) -> Vec<String> {
         };
         println!("{name:20} {desktop:>10} {mobile:>10}");
     }
-    missed
+    not_reached
 }
 
-/// What counts into a score and is not as it should be.
-fn complaints(report: &Value) -> Vec<String> {
-    let mut complaints = Vec::new();
+/// The audits that count into a score and failed.
+fn failed_audits(report: &Value) -> Vec<String> {
+    let mut failed_audits = Vec::new();
     for category in ["accessibility", "best-practices"] {
         let audits = report.pointer(&format!("/categories/{category}/auditRefs"));
         for audit in audits.and_then(Value::as_array).into_iter().flatten() {
@@ -193,14 +192,14 @@ fn complaints(report: &Value) -> Vec<String> {
                 .and_then(Value::as_f64)
                 .is_some_and(|score| score < 1.0);
             if weight.unwrap_or_default() > 0.0 && fails {
-                complaints.push(format!(
+                failed_audits.push(format!(
                     "{category}: {}",
                     title.and_then(Value::as_str).unwrap_or(id)
                 ));
             }
         }
     }
-    complaints
+    failed_audits
 }
 
 #[cfg(test)]
@@ -224,14 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn the_run_in_the_middle_counts() {
+    fn the_median_run_counts() {
         let runs = [0.9, 0.7, 0.8].map(|score| report(score, 0.0)).to_vec();
         assert_eq!(middle(runs), Some(report(0.8, 0.0)));
         assert_eq!(middle(Vec::new()), None);
     }
 
     #[test]
-    fn what_is_not_reached_is_named_with_its_preset() {
+    fn a_figure_that_misses_its_limit_is_named_with_its_preset() {
         assert_eq!(table(&[report(0.95, 0.0), report(1.0, 0.0)]), [""; 0]);
         assert_eq!(
             table(&[report(0.99, 0.0001), report(0.94, 0.0)]),
@@ -241,14 +240,14 @@ mod tests {
         assert_eq!(
             missing.len(),
             4,
-            "what is missing is not reached: {missing:?}"
+            "a missing figure misses its limit: {missing:?}"
         );
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn failed_audits_are_listed() {
         assert_eq!(
-            complaints(&report(1.0, 0.0)),
+            failed_audits(&report(1.0, 0.0)),
             ["accessibility: Form elements have labels"]
         );
     }

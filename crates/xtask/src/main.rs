@@ -9,12 +9,13 @@ mod browser;
 mod cargo;
 mod check;
 mod command_line;
+mod content_hash;
 mod failure;
-mod foreign;
-mod fresh_name;
 mod lighthouse;
+mod minify;
 mod mutants;
 mod npm;
+mod other_hosts;
 mod page_tests;
 mod process;
 mod reliability;
@@ -24,7 +25,6 @@ mod serve;
 mod service_worker;
 mod site;
 mod size;
-mod slim;
 mod suite;
 mod tables;
 mod template;
@@ -47,14 +47,14 @@ fn main() -> ExitCode {
         Ok(line) => line.command,
         Err(error) => return command_line::explain(&error),
     };
-    match obey(command) {
+    match run(command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => failure::report(&error),
     }
 }
 
-/// Does what the command line asks.
-fn obey(command: Command) -> Result<()> {
+/// Runs the command of the command line.
+fn run(command: Command) -> Result<()> {
     let workspace = Workspace::find()?;
     match command {
         Command::Build { dev } => {

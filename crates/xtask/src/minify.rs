@@ -1,20 +1,20 @@
-//! Leaves out of style sheets and scripts what only their authors read.
+//! Removes comments and indentation from style sheets and scripts.
 
 /// The style sheet without comments and indentation, which are a sixth of its weight.
 pub fn css(sheet: &str) -> String {
-    let mut slim = String::with_capacity(sheet.len());
+    let mut minified = String::with_capacity(sheet.len());
     for line in without_comments(sheet).lines() {
         let line = line.trim();
         if !line.is_empty() {
-            slim.push_str(line);
-            slim.push('\n');
+            minified.push_str(line);
+            minified.push('\n');
         }
     }
-    slim
+    minified
 }
 
-/// The script without lines that are a comment as a whole, and without indentation. Ours have no text that
-/// goes over several lines.
+/// The script without comment lines and indentation. The scripts of the page contain no string over several
+/// lines.
 pub fn script(script: &str) -> String {
     let lines = script.lines().map(str::trim);
     let kept = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
@@ -22,7 +22,7 @@ pub fn script(script: &str) -> String {
 }
 
 /// The glue of wasm-bindgen without its documentation and indentation, which are a third of it. A script
-/// with a text over several lines stays as it is: what stands in it could be part of the text.
+/// with a string over several lines is not changed: its lines could be part of the string.
 pub fn glue(glue: &str) -> String {
     let is_text_open = |line: &str| !line.matches('`').count().is_multiple_of(2);
     if glue.lines().any(is_text_open) {

@@ -70,7 +70,7 @@ pub fn show(workspace: &Workspace, jobs: u8) -> Result<()> {
     );
     println!("{row}");
     let mut rows = Rows::default();
-    rows.hear(&row);
+    rows.add_line(&row);
     rows.write_into(&root.join("docs/reliability.md"), "reliability")?;
     verdict
 }

@@ -1,4 +1,4 @@
-//! Two checkers that exist for Node alone, each of one version, fetched once.
+//! Two npm packages of fixed versions, each fetched once.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,18 +14,18 @@ use crate::tools::cache_dir;
 pub struct Package {
     name: &'static str,
     version: &'static str,
-    /// The file of it that is used.
+    /// The file in it that is used.
     file: &'static str,
 }
 
-/// Judges a page's accessibility from within.
+/// Checks the accessibility of a page, as a script in the page.
 pub const AXE: Package = Package {
     name: "axe-core",
     version: "4.14.1",
     file: "axe.min.js",
 };
 
-/// Judges how a page loads, and its habits. The last that runs on Node 20.
+/// Checks the loading of a page and its best practices. The last version that runs on Node 20.
 pub const LIGHTHOUSE: Package = Package {
     name: "lighthouse",
     version: "12.8.2",
@@ -33,7 +33,7 @@ pub const LIGHTHOUSE: Package = Package {
 };
 
 impl Package {
-    /// The file, whose package is fetched where it is missing.
+    /// The path of the file; fetches the package if it is missing.
     pub fn ensure(&self) -> Result<PathBuf> {
         let Self {
             name,
@@ -46,19 +46,19 @@ impl Package {
         if found.is_file() {
             return Ok(found);
         }
-        if process::ask("npm", &["--version"]).is_none() {
+        if process::output_of("npm", &["--version"]).is_none() {
             bail!(
                 "npm is missing: install Node.js 20 or newer (Debian: apt-get install nodejs npm)"
             );
         }
         println!("fetching {name} {version} into {} (once)", dir.display());
-        // Beside it and moved when whole: half a package is never taken for one.
+        // Installed elsewhere and then moved: an incomplete package is never used.
         let half = tools.join(format!("{name}-{version}.part"));
         let _ = fs::remove_dir_all(&half);
         fs::create_dir_all(&half).with_context(|| format!("making {}", half.display()))?;
         let mut npm = Command::new("npm");
         npm.args(["install", "--no-audit", "--no-fund", "--no-save"])
-            // What a package would run while it is installed, neither of them needs.
+            // Neither package needs its install scripts.
             .args(["--ignore-scripts", "--loglevel", "error", "--prefix"])
             .arg(&half)
             .arg(format!("{name}@{version}"));

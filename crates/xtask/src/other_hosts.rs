@@ -1,18 +1,18 @@
-//! Other hosts that a site would fetch from.
+//! Other hosts that a site would fetch files from.
 //!
-//! Looks at markup and style sheets, where an address is fetched. Scripts and wasm files are full
-//! of addresses that nobody fetches (name spaces, links to documentation); what they really ask for
-//! the bench sees in the browser, and the Content-Security-Policy forbids.
+//! Searches markup and style sheets, whose addresses a browser fetches. Scripts and wasm files contain many
+//! addresses that are never fetched (name spaces, links to documentation). The bench sees what they really
+//! request, and the Content-Security-Policy forbids other hosts.
 
 use std::collections::BTreeSet;
 
 use crate::site::SiteFile;
 
-/// Hosts whose addresses are names and are never fetched.
+/// Hosts in names of XML name spaces, which are never fetched.
 const NAME_SPACES: [&str; 1] = ["www.w3.org"];
 
 /// The other hosts that the site's markup and style sheets name.
-pub fn hosts(files: &[SiteFile]) -> BTreeSet<String> {
+pub fn named_in(files: &[SiteFile]) -> BTreeSet<String> {
     files
         .iter()
         .filter(|file| {
@@ -73,6 +73,6 @@ mod tests {
             file("b.svg", r#"<svg xmlns="http://www.w3.org/2000/svg">"#),
             file("c.css", "a { background: url(https://x.example/y.png) }"),
         ];
-        assert_eq!(hosts(&files), BTreeSet::from(["x.example".to_owned()]));
+        assert_eq!(named_in(&files), BTreeSet::from(["x.example".to_owned()]));
     }
 }

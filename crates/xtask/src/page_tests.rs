@@ -1,4 +1,4 @@
-//! The tests that run in a real browser without a server or a port: those of page and worker.
+//! Runs the tests of page and worker in a real browser.
 
 use std::fs;
 use std::process::Command;
@@ -11,10 +11,10 @@ use crate::process;
 use crate::tools;
 use crate::workspace::Workspace;
 
-/// The tests of the page are shared out among so many browsers.
+/// Number of browsers among which the tests of the page are divided.
 const SHARES: usize = 2;
 
-/// Runs them all, in several browsers at once.
+/// Runs all of them, in several browsers at the same time.
 pub fn run(workspace: &Workspace) -> Result<()> {
     let runner = tools::ensure_wasm_bindgen(workspace)?.test_runner;
     let browser = browser::ensure()?;
@@ -67,7 +67,7 @@ fn modules(workspace: &Workspace) -> Result<Modules> {
                     .count()
             })
             .sum();
-        // The others help them.
+        // Other modules have helpers only.
         if count > 0 {
             modules.push((name.to_string_lossy().into_owned(), count));
         }
@@ -75,7 +75,8 @@ fn modules(workspace: &Workspace) -> Result<Modules> {
     Ok(modules)
 }
 
-/// The modules that are in another share: the largest goes first, each to the share with the fewest tests.
+/// The modules that are not in this share. Each module, the largest first, goes to the share with the
+/// fewest tests.
 fn left_out(modules: &Modules, share: usize) -> Vec<String> {
     let mut sorted = modules.clone();
     sorted.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
@@ -105,7 +106,7 @@ mod tests {
         for (name, _) in &modules {
             let others = (0..SHARES).filter(|share| left_out(&modules, *share).contains(name));
             assert_eq!(others.count(), SHARES - 1, "{name}");
-            // `--skip` leaves out what has the name anywhere.
+            // `--skip` matches anywhere in a name.
             let ends = |other: &&(String, usize)| other.0.ends_with(name.as_str());
             assert_eq!(modules.iter().filter(ends).count(), 1, "{name}");
         }

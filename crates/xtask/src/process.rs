@@ -9,8 +9,8 @@ use anyhow::{Context, Result};
 
 use crate::failure::ChildFailed;
 
-/// Variables that `cargo run` sets for us and that another cargo must not see: build scripts watch
-/// some of them, and would rebuild whenever a person and we take turns.
+/// Variables that `cargo run` sets for this program and that another cargo must not see: build scripts
+/// watch some of them and would run again after each change between a user's cargo and this one.
 const OF_OUR_PACKAGE: [&str; 4] = [
     "CARGO_PKG_",
     "CARGO_MANIFEST_",
@@ -18,11 +18,11 @@ const OF_OUR_PACKAGE: [&str; 4] = [
     "CARGO_CRATE_",
 ];
 
-/// Flags from outside replace those in `.cargo/config.toml`, without which the wasm code does not
-/// compile, and different flags mean a second copy of every dependency.
+/// Flags of the environment replace those in `.cargo/config.toml`, which the wasm code needs, and
+/// different flags mean a second build of every dependency.
 const FLAGS: [&str; 2] = ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS"];
 
-/// Cargo, as the one that started us.
+/// The cargo that started this program.
 pub fn cargo() -> Command {
     let program = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(program);
@@ -36,30 +36,30 @@ pub fn cargo() -> Command {
     command
 }
 
-/// Runs a program to its end, its output going where ours goes.
+/// Runs a program to its end and passes its output on.
 pub fn run(command: &mut Command) -> Result<()> {
     let status = command
         .status()
-        .with_context(|| format!("cannot start `{}`", words(command)))?;
+        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
     succeeded(command, status)
 }
 
-/// Runs a program while something else is done, and waits for both.
-pub fn run_beside<T>(command: &mut Command, act: impl FnOnce() -> Result<T>) -> Result<T> {
+/// Runs a program while `act` runs, and waits for both.
+pub fn run_while<T>(command: &mut Command, act: impl FnOnce() -> Result<T>) -> Result<T> {
     let mut child = command
         .spawn()
-        .with_context(|| format!("cannot start `{}`", words(command)))?;
+        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
     let done = act();
-    // In any case: nothing of ours goes on behind a failure.
+    // In any case: no program goes on after a failure.
     let status = child
         .wait()
-        .with_context(|| format!("lost `{}`", words(command)))?;
+        .with_context(|| format!("lost `{}`", text_of(command)))?;
     let done = done?;
     succeeded(command, status)?;
     Ok(done)
 }
 
-/// Runs programs at the same time, prints what each has printed when it ends, and waits for all.
+/// Runs programs at the same time, prints the output of each when it ends, and waits for all.
 pub fn run_all(commands: &mut [Command]) -> Result<()> {
     let outputs = thread::scope(|scope| {
         let run = |command| scope.spawn(move || run_captured(command));
@@ -77,7 +77,7 @@ pub fn run_all(commands: &mut [Command]) -> Result<()> {
 fn run_captured(command: &mut Command) -> Result<()> {
     let output = command
         .output()
-        .with_context(|| format!("cannot start `{}`", words(command)))?;
+        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
     print!("{}", String::from_utf8_lossy(&output.stdout));
     eprint!("{}", String::from_utf8_lossy(&output.stderr));
     succeeded(command, output.status)
@@ -89,42 +89,42 @@ fn succeeded(command: &Command, status: ExitStatus) -> Result<()> {
         return Ok(());
     }
     Err(ChildFailed {
-        command: words(command),
+        command: text_of(command),
         code: status.code(),
     }
     .into())
 }
 
-/// Runs a program to its end, its output going where ours goes, and hears each line of it.
-pub fn run_and_hear(command: &mut Command, mut hear: impl FnMut(&str)) -> Result<()> {
+/// Runs a program to its end, passes its output on, and calls `on_line` with each line.
+pub fn run_with_lines(command: &mut Command, mut on_line: impl FnMut(&str)) -> Result<()> {
     let mut child = command
         .stdout(Stdio::piped())
         .spawn()
-        .with_context(|| format!("cannot start `{}`", words(command)))?;
+        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
     if let Some(printed) = child.stdout.take() {
         for line in BufReader::new(printed).lines() {
-            let line = line.with_context(|| format!("cannot read `{}`", words(command)))?;
+            let line = line.with_context(|| format!("cannot read `{}`", text_of(command)))?;
             println!("{line}");
-            hear(&line);
+            on_line(&line);
         }
     }
     let status = child.wait()?;
     succeeded(command, status)
 }
 
-/// Runs a program to its end and gives what it printed.
+/// Runs a program to its end and returns its output.
 pub fn output(command: &mut Command) -> Result<String> {
     let output = command
         .stderr(Stdio::inherit())
         .output()
-        .with_context(|| format!("cannot start `{}`", words(command)))?;
+        .with_context(|| format!("cannot start `{}`", text_of(command)))?;
     succeeded(command, output.status)?;
     String::from_utf8(output.stdout)
-        .with_context(|| format!("`{}` printed something other than text", words(command)))
+        .with_context(|| format!("`{}` printed something other than text", text_of(command)))
 }
 
-/// What a program printed, where it exists and succeeds.
-pub fn ask(program: &str, args: &[&str]) -> Option<String> {
+/// The output of a program, if it exists and succeeds.
+pub fn output_of(program: &str, args: &[&str]) -> Option<String> {
     let output = Command::new(program)
         .args(args)
         .stderr(Stdio::null())
@@ -136,8 +136,8 @@ pub fn ask(program: &str, args: &[&str]) -> Option<String> {
     String::from_utf8(output.stdout).ok()
 }
 
-/// The command as a person would type it.
-fn words(command: &Command) -> String {
+/// The command as a user would type it.
+fn text_of(command: &Command) -> String {
     let program = std::path::Path::new(command.get_program());
     let name = program.file_name().unwrap_or(command.get_program());
     std::iter::once(name)
@@ -157,11 +157,11 @@ mod tests {
     fn a_command_is_named_without_its_directory() {
         let mut command = Command::new("/opt/bin/cargo");
         command.args(["test", "-p", "xtask"]);
-        assert_eq!(words(&command), "cargo test -p xtask");
+        assert_eq!(text_of(&command), "cargo test -p xtask");
     }
 
     #[test]
-    fn what_cargo_tells_us_of_our_package_goes_no_further() {
+    fn variables_of_this_package_are_not_passed_on() {
         let command = cargo();
         let removed = |name: &str| {
             command
@@ -173,21 +173,21 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_program_answers_nothing() {
-        assert_eq!(ask("motorlink-no-such-program", &[]), None);
+    fn a_missing_program_has_no_output() {
+        assert_eq!(output_of("motorlink-no-such-program", &[]), None);
     }
 
     #[test]
-    fn whichever_of_two_fails_is_told() {
+    fn a_failure_of_either_is_an_error() {
         let [mut good, mut bad] = [0, 3].map(|code| {
             let mut shell = Command::new("sh");
             shell.args(["-c", &format!("exit {code}")]);
             shell
         });
-        assert_eq!(run_beside(&mut good, || Ok(7)).unwrap(), 7);
-        assert!(run_beside(&mut bad, || Ok(7)).is_err());
+        assert_eq!(run_while(&mut good, || Ok(7)).unwrap(), 7);
+        assert!(run_while(&mut bad, || Ok(7)).is_err());
         let fails = || -> Result<()> { bail!("the other") };
-        let error = run_beside(&mut good, fails).unwrap_err();
+        let error = run_while(&mut good, fails).unwrap_err();
         assert_eq!(error.to_string(), "the other");
     }
 }

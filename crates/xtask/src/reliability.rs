@@ -1,4 +1,4 @@
-//! What was done to break the product, and what came of it: the table of docs/reliability.md.
+//! Tests that try to break the product; their results are the table of docs/reliability.md.
 
 use std::fs;
 use std::path::Path;
@@ -15,16 +15,16 @@ use crate::tables::Rows;
 use crate::tools;
 use crate::workspace::Workspace;
 
-/// What can be done by itself.
+/// The parts that can be run alone.
 pub const PARTS: [&str; 5] = ["seeds", "sabotage", "fuzz", "browser", "hidden"];
 
-/// What is fuzzed: the programs in `fuzz/fuzz_targets`.
+/// The fuzz targets: the programs in `fuzz/fuzz_targets`.
 const FUZZED: [&str; 4] = ["decode", "resynchronise", "raw_editor", "setup_file"];
-/// Bytes of the longest input; a setup file may be longer, but not deeper.
+/// Longest input in bytes; a setup file may be longer, but not deeper.
 const INPUT_MAX: &str = "4096";
 
-/// The programs of `end-to-end` that tell stories under faults.
-const STORIES: [&str; 10] = [
+/// The modules of `end-to-end` with scenarios under faults.
+const SCENARIOS: [&str; 10] = [
     "adapters",
     "stopping",
     "unplugging",
@@ -37,10 +37,10 @@ const STORIES: [&str; 10] = [
     "security",
 ];
 
-/// How long the page of the story `hidden` is hidden here; in each run of the tests it is for 10 s.
+/// Time for which the scenario `hidden` hides the page here; in a run of the tests it is 10 s.
 const HIDDEN_SECONDS: u32 = 300;
 
-/// Does all of it, or one part, and puts what came of it into the table.
+/// Runs all parts, or one, and updates the table.
 pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64) -> Result<()> {
     let mut rows = Rows::default();
     let mut failed = Ok(());
@@ -48,19 +48,21 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64)
         .into_iter()
         .filter(|part| only.is_none_or(|only| only == *part))
     {
-        // What one of them finds keeps none of the others from it.
+        // A part that fails does not prevent the others.
         failed = failed.and(match part {
             "seeds" => {
                 let mut worlds = bench::worlds(workspace);
                 let seeds = seeds.to_string();
-                process::run_and_hear(worlds.args(["--seeds", &seeds]), |line| rows.hear(line))
+                process::run_with_lines(worlds.args(["--seeds", &seeds]), |line| {
+                    rows.add_line(line)
+                })
             }
             "sabotage" => sabotage::show(workspace, &mut rows),
             "fuzz" => fuzz(workspace, seconds, &mut rows),
-            "browser" => stories(workspace, &STORIES, "", &mut rows),
+            "browser" => scenarios(workspace, &SCENARIOS, "", &mut rows),
             _ => {
                 let how_long = format!(", {HIDDEN_SECONDS} s");
-                stories(workspace, &["hidden"], &how_long, &mut rows)
+                scenarios(workspace, &["hidden"], &how_long, &mut rows)
             }
         });
     }
@@ -69,12 +71,12 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64)
     failed
 }
 
-/// Feeds each of them with what cargo-fuzz invents, as many at once as there are cores.
+/// Runs the fuzz targets, as many at the same time as there are cores.
 fn fuzz(workspace: &Workspace, seconds: u64, rows: &mut Rows) -> Result<()> {
     let path = tools::path_with_cargo_fuzz()?;
     let mut build = Command::new("cargo");
     build.current_dir(workspace.root()).env("PATH", path);
-    // The toolchain of the workspace is a stable one, and cargo names it to whom it starts.
+    // Cargo passes the workspace's toolchain on, which is a stable one.
     build.env_remove("RUSTUP_TOOLCHAIN");
     process::run(build.args(["+nightly", "fuzz", "build"]))
         .context("fuzzing needs a nightly compiler (rustup toolchain install nightly)")?;
@@ -89,7 +91,10 @@ fn fuzz(workspace: &Workspace, seconds: u64, rows: &mut Rows) -> Result<()> {
             })
             .collect();
         for (target, running) in some.iter().zip(running) {
-            let output = running.join().ok().context("a fuzzer was not heard")??;
+            let output = running
+                .join()
+                .ok()
+                .context("a fuzzer ended without a result")??;
             let printed = String::from_utf8_lossy(&output.stderr);
             let runs = executions(&printed).unwrap_or("no");
             let good = output.status.success();
@@ -102,7 +107,7 @@ fn fuzz(workspace: &Workspace, seconds: u64, rows: &mut Rows) -> Result<()> {
                 "| fuzzing `{target}`, {seconds} s | nothing found | {runs} executions, {found} | {reached} |"
             );
             println!("{row}");
-            rows.hear(&row);
+            rows.add_line(&row);
             if !good {
                 eprintln!("{printed}");
                 failed = Err(anyhow::anyhow!("{target}: the input is in target/fuzz"));
@@ -112,7 +117,7 @@ fn fuzz(workspace: &Workspace, seconds: u64, rows: &mut Rows) -> Result<()> {
     failed
 }
 
-/// One program. What it finds worth keeping stays out of the corpus that is kept with the sources.
+/// One fuzz target. New inputs go to the target directory, not into the corpus in the repository.
 fn fuzzer(workspace: &Workspace, target: &str, seconds: u64) -> Result<Command> {
     let found = workspace.target().join("fuzz").join(target);
     fs::create_dir_all(&found).with_context(|| format!("{}", found.display()))?;
@@ -139,22 +144,22 @@ fn executions(printed: &str) -> Option<&str> {
     line.split_whitespace().last()
 }
 
-/// Plays these stories; `how` stands behind their names in the table.
-fn stories(workspace: &Workspace, names: &[&str], how: &str, rows: &mut Rows) -> Result<()> {
+/// Runs the scenarios of these modules; `how` follows their names in the table.
+fn scenarios(workspace: &Workspace, names: &[&str], how: &str, rows: &mut Rows) -> Result<()> {
     let (browser, _) = bench::prepare(workspace)?;
     let mut cargo = scenarios::command(workspace, &browser, Speed::QuickToRun);
     cargo.args(["--", "--test-threads=1"]);
     cargo.args(names.iter().map(|name| format!("::{name}::")));
     cargo.env("MOTORLINK_HIDDEN_SECONDS", HIDDEN_SECONDS.to_string());
-    process::run_and_hear(&mut cargo, |line| {
-        if let Some(row) = row_of_story(line, how) {
-            rows.hear(&row);
+    process::run_with_lines(&mut cargo, |line| {
+        if let Some(row) = row_of_test(line, how) {
+            rows.add_line(&row);
         }
     })
 }
 
 /// From `test a_hung_page_has_its_wheel_stopped_within_a_second ... ok`.
-fn row_of_story(line: &str, how: &str) -> Option<String> {
+fn row_of_test(line: &str, how: &str) -> Option<String> {
     let (path, outcome) = line.strip_prefix("test ")?.split_once(" ... ")?;
     let name = path.rsplit("::").next()?;
     let reached = if outcome == "ok" { "yes" } else { "NO" };
@@ -169,17 +174,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_story_is_a_row_by_its_name() {
+    fn a_test_becomes_a_row() {
         assert_eq!(
-            row_of_story("test alone::stopping::a_closed_tab_stops ... ok", ", 5 s").unwrap(),
+            row_of_test("test alone::stopping::a_closed_tab_stops ... ok", ", 5 s").unwrap(),
             "| in a browser: a closed tab stops, 5 s | holds | ok | yes |"
         );
         assert!(
-            row_of_story("test a_closed_tab_stops ... FAILED", "")
+            row_of_test("test a_closed_tab_stops ... FAILED", "")
                 .unwrap()
                 .ends_with("| NO |")
         );
-        assert_eq!(row_of_story("test result: ok. 3 passed", ""), None);
+        assert_eq!(row_of_test("test result: ok. 3 passed", ""), None);
     }
 
     #[test]

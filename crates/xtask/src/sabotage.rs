@@ -236,7 +236,7 @@ pub fn show(workspace: &Workspace, rows: &mut Rows) -> Result<()> {
             found.words()
         );
         println!("{row}");
-        rows.hear(&row);
+        rows.add_line(&row);
         if !noticed {
             unnoticed.push(*what);
         }
@@ -322,7 +322,7 @@ impl Found {
 fn worlds(sources: &Path, build: &Path) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(sources).env("CARGO_TARGET_DIR", build);
-    bench::name_worlds(&mut cargo);
+    bench::add_simulation(&mut cargo);
     cargo.args(["--seeds", SEEDS]);
     cargo
 }

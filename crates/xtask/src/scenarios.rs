@@ -1,4 +1,4 @@
-//! The scenarios of `tests/end-to-end`: run in a real browser over real Web Serial.
+//! Runs the scenarios of `tests/end-to-end` in a real browser over real Web Serial.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -15,14 +15,14 @@ use crate::npm;
 use crate::process;
 use crate::workspace::Workspace;
 
-/// The module of those that hold beside others, and that of those that judge times.
+/// The module of scenarios that run at the same time, and that of scenarios that check times.
 pub const SIDE_BY_SIDE: &str = "side_by_side::";
 pub const ALONE: &str = "alone::";
 
-/// A run in which more is done again says that the machine is too slow for it, or that the page is.
+/// More retries in one run mean that the machine or the page is too slow.
 const RETRIES_MAX: usize = 20;
 
-/// Runs every scenario, and fails where too much was done again.
+/// Runs every scenario, and fails if there are too many retries.
 pub fn run(workspace: &Workspace) -> Result<()> {
     bench::ensure_linux()?;
     let browser = browser::ensure()?;
@@ -36,25 +36,25 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         process::run(cargo.arg(format!("--test-threads={at_once}")))
     };
     let passed = run(SIDE_BY_SIDE, at_once()?).and_then(|()| run(ALONE, 1));
-    // Of a run that fails, too: it may say why.
+    // After a failure too: the retries may explain it.
     let within = retries.summarise();
     passed.and(within)
 }
 
-/// Cargo on the program with all scenarios; what selects some of them comes behind `--`.
+/// The cargo command of all scenarios; arguments that select some of them follow `--`.
 pub fn command(workspace: &Workspace, browser: &Browser, speed: Speed) -> Command {
     let mut command = cargo::native(workspace, "test", &["--test", "scenarios"]);
-    bench::equip(&mut command, workspace, browser, speed);
+    bench::set_paths(&mut command, workspace, browser, speed);
     command
 }
 
-/// A scenario waits more than it computes: on average it keeps less than half a core busy.
+/// A scenario mostly waits: on average it uses less than half a core.
 fn at_once() -> Result<usize> {
     let cores = thread::available_parallelism().context("counting cores")?;
     Ok(cores.get() * 2)
 }
 
-/// What the scenarios did again: a line each.
+/// The retries of a run: a line of the file each.
 struct Retries {
     file: PathBuf,
 }
@@ -70,9 +70,9 @@ impl Retries {
         }
     }
 
-    /// Prints them, and fails where there are too many.
+    /// Prints them, and fails if there are too many.
     fn summarise(&self) -> Result<()> {
-        // Without one there is no file.
+        // No retry, no file.
         let text = fs::read_to_string(&self.file).unwrap_or_default();
         for line in text.lines() {
             println!("again: {line}");

@@ -1,39 +1,40 @@
-//! The script that keeps the page in the browser, with the list of what it keeps.
+//! Generates the service worker, which caches the page, with the list of files to cache.
 
 use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
 
-use crate::fresh_name::{integrity, is_fresh, short_hash};
+use crate::content_hash::{integrity, is_hashed, short_hash};
+use crate::minify;
 use crate::site::{Profile, SiteFile};
-use crate::slim;
 use crate::template::fill;
 
-/// Its place gives it the right over the whole site, and its name stays, so that a browser finds the next.
+/// In the top directory, so that its scope is the whole site; the name stays, so that a browser finds the
+/// next version.
 pub const NAME: &str = "sw.js";
 
-const KEEPS: &str = include_str!("../../../boot/service_worker.js");
-const ENDS: &str = include_str!("../../../boot/no_service_worker.js");
+const CACHING: &str = include_str!("../../../boot/service_worker.js");
+const REMOVING: &str = include_str!("../../../boot/no_service_worker.js");
 const INSTALLED: &str = include_str!("../../../boot/installed.js");
 
-/// The page's part of it.
+/// The page's part of the installation.
 pub fn page_part(profile: Profile) -> Result<String> {
     let kept = match profile {
         Profile::Release => "yes",
         Profile::Dev => "no",
     };
     fill(
-        &slim::script(INSTALLED),
+        &minify::script(INSTALLED),
         &[("service_worker", NAME), ("kept", kept)],
     )
 }
 
-/// The script for a site of these files.
+/// The service worker of a site with these files.
 pub fn of(files: &[SiteFile], profile: Profile) -> Result<SiteFile> {
     let text = match profile {
-        Profile::Release => keeping(files)?,
-        Profile::Dev => slim::script(ENDS),
+        Profile::Release => caching_script(files)?,
+        Profile::Dev => minify::script(REMOVING),
     };
     Ok(SiteFile {
         path: NAME.into(),
@@ -41,12 +42,12 @@ pub fn of(files: &[SiteFile], profile: Profile) -> Result<SiteFile> {
     })
 }
 
-fn keeping(files: &[SiteFile]) -> Result<String> {
+fn caching_script(files: &[SiteFile]) -> Result<String> {
     let mut hashed = Vec::new();
     let mut named = Vec::new();
-    for file in files.iter().filter(|file| is_kept(&file.path)) {
+    for file in files.iter().filter(|file| is_cached(&file.path)) {
         let path = address(&file.path);
-        if is_fresh(&file.path) {
+        if is_hashed(&file.path) {
             hashed.push(Value::from(path));
         } else {
             named.push(json!([path, integrity(&file.content)]));
@@ -57,25 +58,25 @@ fn keeping(files: &[SiteFile]) -> Result<String> {
     let version = short_hash(lists.iter().map(String::as_bytes));
     let [hashed, named] = &lists;
     fill(
-        &slim::script(KEEPS),
+        &minify::script(CACHING),
         &[("hashed", hashed), ("named", named), ("version", &version)],
     )
 }
 
-/// Whether the page needs it: what only the browser's own question about an installation shows, and what
-/// only a host reads, is not.
-fn is_kept(path: &Path) -> bool {
+/// Whether the page needs the file. Pictures of the installation dialog and hidden files for the host are
+/// not needed.
+fn is_cached(path: &Path) -> bool {
     let hidden = |part: &std::ffi::OsStr| part.to_string_lossy().starts_with('.');
     !is_for_installing(path) && !path.iter().any(hidden)
 }
 
-/// The pictures that a browser shows when it asks whether the page is to be installed.
+/// Whether it is a picture that a browser shows in its installation dialog.
 pub fn is_for_installing(path: &Path) -> bool {
     path.starts_with("screenshots")
 }
 
-/// The address relative to the script. The page's own is that of its directory: many a host redirects from
-/// `index.html`, and no browser takes a redirected answer for a page.
+/// The address relative to the script. For the page it is the directory: many hosts redirect from
+/// `index.html`, and a browser does not accept a redirected response as a page.
 fn address(path: &Path) -> String {
     if path == Path::new("index.html") {
         return "./".to_owned();
@@ -111,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn every_file_that_the_page_needs_is_kept() {
+    fn every_file_that_the_page_needs_is_cached() {
         let script = text(&site("<p>"), Profile::Release);
         assert!(
             script.contains(
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn while_it_is_written_nothing_is_kept() {
+    fn a_development_build_caches_nothing() {
         let script = text(&site("<p>"), Profile::Dev);
         assert!(script.contains("unregister") && !script.contains("cache.add("));
         assert!(

@@ -1,7 +1,7 @@
 //! The site: every file it consists of, and its directory.
 //!
-//! A file that another one loads is made first, because its name, which changes with its content,
-//! is written into the other: wasm and glue, then the boot script, then `index.html`.
+//! A file is generated before the files that load it, because they contain its name, and the name contains
+//! a hash of its content: wasm and glue, then the boot script, then `index.html`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,19 +9,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use crate::bindgen::{self, Module, PROGRAM, files_below};
-use crate::fresh_name::{fresh_name, short_hash};
+use crate::content_hash::{hashed_name, short_hash};
+use crate::minify;
 use crate::service_worker;
 use crate::size;
-use crate::slim;
 use crate::template::fill;
 use crate::workspace::Workspace;
 
-/// Built for speed and size, or to be built fast.
+/// How the site is built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Profile {
-    /// Fast to build.
+    /// Quickly, without optimisation.
     Dev,
-    /// What is published.
+    /// Optimised, as it is published.
     Release,
 }
 
@@ -34,7 +34,7 @@ impl Profile {
         }
     }
 
-    /// Cargo's directory for what it builds with this profile.
+    /// Cargo's output directory of this profile.
     pub fn target_dir(self) -> &'static str {
         match self {
             Self::Dev => "debug",
@@ -53,13 +53,13 @@ impl Profile {
 /// A file of the site, its path relative to the site's top.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SiteFile {
-    /// Where it goes.
+    /// Its path in the site.
     pub path: PathBuf,
-    /// What it holds.
+    /// Its content.
     pub content: Vec<u8>,
 }
 
-/// What the site is made of.
+/// The input of the site.
 #[derive(Debug, Clone, Default)]
 struct Parts {
     program: Module,
@@ -71,7 +71,7 @@ struct Parts {
     public: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Builds the site, prints how large it is, and gives its directory.
+/// Builds the site, prints its size, and returns its directory.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
     let program = bindgen::build(workspace, profile)?;
     let boot = workspace.root().join("boot");
@@ -85,7 +85,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
         public: files_below(&workspace.root().join("public"))?,
     };
     let mut files = assemble(&parts)?;
-    // Last: it names all others.
+    // Last: it lists all others.
     files.push(service_worker::of(&files, profile)?);
     let dir = profile.site_dir(workspace);
     write(&dir, &files)?;
@@ -133,8 +133,8 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &[("wasm", &names.wasm), ("glue", &names.glue)],
     )?;
     let worker_boot = files.add_boot("worker", &parts.worker_boot, &[("glue", &names.glue)])?;
-    let style = files.add_fresh("style", "css", slim::css(&parts.style).as_bytes());
-    let installed = files.add_fresh("installed", "js", parts.installed.as_bytes());
+    let style = files.add_hashed("style", "css", minify::css(&parts.style).as_bytes());
+    let installed = files.add_hashed("installed", "js", parts.installed.as_bytes());
     let index = fill(
         &parts.index,
         &[
@@ -151,7 +151,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     Ok(files.0)
 }
 
-/// The names of the program's files that others refer to.
+/// The names of the program's files, which other files contain.
 struct Names {
     wasm: String,
     glue: String,
@@ -166,8 +166,8 @@ impl Files {
         self.0.push(SiteFile { path, content });
     }
 
-    fn add_fresh(&mut self, stem: &str, extension: &str, content: &[u8]) -> String {
-        let name = fresh_name(stem, extension, content);
+    fn add_hashed(&mut self, stem: &str, extension: &str, content: &[u8]) -> String {
+        let name = hashed_name(stem, extension, content);
         self.add(PathBuf::from(&name), content);
         name
     }
@@ -183,18 +183,18 @@ impl Files {
             }
         }
         Names {
-            wasm: self.add_fresh(PROGRAM, "wasm", &module.wasm),
-            glue: self.add_fresh(
+            wasm: self.add_hashed(PROGRAM, "wasm", &module.wasm),
+            glue: self.add_hashed(
                 &format!("{PROGRAM}-glue"),
                 "js",
-                slim::glue(&glue).as_bytes(),
+                minify::glue(&glue).as_bytes(),
             ),
         }
     }
 
     fn add_boot(&mut self, stem: &str, boot: &str, names: &[(&str, &str)]) -> Result<String> {
         let boot = fill(boot, names)?;
-        Ok(self.add_fresh(&format!("{stem}-boot"), "js", boot.as_bytes()))
+        Ok(self.add_hashed(&format!("{stem}-boot"), "js", boot.as_bytes()))
     }
 }
 
@@ -293,7 +293,7 @@ mod tests {
         let index = parts().index;
         assert!(index.contains("default-src 'self'; script-src 'self' 'wasm-unsafe-eval'"));
         assert!(!index.contains("unsafe-inline") && !index.contains("<style"));
-        assert!(crate::foreign::hosts(&assemble(&parts()).unwrap()).is_empty());
+        assert!(crate::other_hosts::named_in(&assemble(&parts()).unwrap()).is_empty());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 pub struct Step {
     /// The name for `--only`.
     pub name: &'static str,
-    /// What the step holds.
+    /// What it shows when it passes.
     pub about: &'static str,
     /// Steps whose results it uses. They come earlier in the suite.
     pub needs: &'static [&'static str],
@@ -42,7 +42,7 @@ impl Suite {
         run_steps(workspace, &self.select(only))
     }
 
-    /// Prints each step and what it holds.
+    /// Prints each step and what it shows.
     fn list(&self) {
         for step in self.0 {
             println!("{:15} {}", step.name, step.about);

@@ -1,10 +1,10 @@
-//! Tables in documents: what a program of ours printed, and nothing else.
+//! Tables of results in documents. Each row is a line that a program printed.
 
 use std::{fs, path::Path};
 
 use anyhow::{Context, Result};
 
-/// A table stands between a line that says which command made it and this one.
+/// The line after a table. The line before it names the command that makes it.
 const END: &str = "<!-- end of what was measured -->";
 
 fn begin(command: &str) -> String {
@@ -13,12 +13,12 @@ fn begin(command: &str) -> String {
 
 const HEAD: &str = "| figure | must | measured | reached |\n|---|---|---|---|\n";
 
-/// Rows of figures that were measured.
+/// Rows of measured figures.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Rows {
     rows: Vec<Row>,
-    /// A name of criterion's that was too long for one line.
-    named: String,
+    /// A name printed by criterion that was too long for one line.
+    pending_name: String,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,22 +29,26 @@ struct Row {
 }
 
 impl Rows {
-    /// Takes in a line that a program of the bench printed; most are no rows.
-    pub fn hear(&mut self, line: &str) {
-        if let Some(row) = Row::of_table(line).or_else(|| self.of_criterion(line)) {
+    /// Adds the row in a line that a program printed. Most lines are no rows.
+    pub fn add_line(&mut self, line: &str) {
+        if let Some(row) = Row::from_table(line).or_else(|| self.from_criterion(line)) {
             self.put(row);
         }
     }
 
-    /// `decode a reply   time:   [12.1 ns 12.3 ns 12.6 ns]`, of which the middle is the estimate; a long
-    /// name has the line before for itself.
-    fn of_criterion(&mut self, line: &str) -> Option<Row> {
+    /// Reads `decode a reply   time:   [12.1 ns 12.3 ns 12.6 ns]`, where the middle is the estimate. A long
+    /// name is alone on the line before.
+    fn from_criterion(&mut self, line: &str) -> Option<Row> {
         let Some((name, times)) = line.split_once("time:") else {
-            line.trim().clone_into(&mut self.named);
+            line.trim().clone_into(&mut self.pending_name);
             return None;
         };
         let name = name.trim();
-        let name = if name.is_empty() { &self.named } else { name };
+        let name = if name.is_empty() {
+            &self.pending_name
+        } else {
+            name
+        };
         let times = times.trim().strip_prefix('[')?.strip_suffix(']')?;
         let words: Vec<&str> = times.split_whitespace().collect();
         let [_, _, middle, unit, _, _] = *words.as_slice() else {
@@ -56,7 +60,7 @@ impl Rows {
         })
     }
 
-    /// In the place of the row of the same figure, or as the last.
+    /// Replaces the row of the same figure, or adds the row at the end.
     fn put(&mut self, row: Row) {
         match self
             .rows
@@ -68,18 +72,18 @@ impl Rows {
         }
     }
 
-    /// Puts these rows into the table that this command makes in a file. Its other rows stay.
+    /// Writes these rows into a command's table in a file. Its other rows stay.
     ///
     /// # Errors
     ///
-    /// Where the file cannot be read or written, or has no place for the table.
+    /// If the file cannot be read or written, or has no place for the table.
     pub fn write_into(self, file: &Path, command: &str) -> Result<()> {
         let text = fs::read_to_string(file).with_context(|| format!("{}", file.display()))?;
-        let text = self.put_into(&text, command)?;
+        let text = self.insert_into(&text, command)?;
         fs::write(file, text).with_context(|| format!("{}", file.display()))
     }
 
-    fn put_into(self, text: &str, command: &str) -> Result<String> {
+    fn insert_into(self, text: &str, command: &str) -> Result<String> {
         let begin = begin(command);
         let place = || {
             let (before, rest) = text.split_once(&begin)?;
@@ -89,7 +93,7 @@ impl Rows {
         let (before, table, after) =
             place().with_context(|| format!("no place for the table: `{begin}` .. `{END}`"))?;
         let mut all = Self::default();
-        for row in table.lines().filter_map(Row::of_table).chain(self.rows) {
+        for row in table.lines().filter_map(Row::from_table).chain(self.rows) {
             all.put(row);
         }
         let mut lines = String::new();
@@ -102,8 +106,8 @@ impl Rows {
 }
 
 impl Row {
-    /// A row of four cells that is neither the head nor the line under it, and has been measured.
-    fn of_table(line: &str) -> Option<Self> {
+    /// A measured row of four cells; not the head of the table, nor the line below it.
+    fn from_table(line: &str) -> Option<Self> {
         let cells: Vec<&str> = line.strip_prefix('|')?.split('|').map(str::trim).collect();
         let [figure, _, measured, _, ""] = *cells.as_slice() else {
             return None;
@@ -121,10 +125,10 @@ impl Row {
 mod tests {
     use super::*;
 
-    fn heard(lines: &[&str]) -> Rows {
+    fn rows_of(lines: &[&str]) -> Rows {
         let mut rows = Rows::default();
         for line in lines {
-            rows.hear(line);
+            rows.add_line(line);
         }
         rows
     }
@@ -134,7 +138,7 @@ mod tests {
         let begin = begin("bench");
         let text =
             format!("# A\n{begin}\n\n{HEAD}| a | 1 | 2 | yes |\n| b | | 3 ns | |\n\n{END}\nend\n");
-        let rows = heard(&[
+        let rows = rows_of(&[
             "time stolen by the host meanwhile: 0.0 %",
             "| figure | must | measured | reached |",
             "|---|---|---|---|",
@@ -142,20 +146,20 @@ mod tests {
             "| load | | could not be measured: no answer | NO |",
             "| c | 5 | 6 | yes |",
         ]);
-        let written = rows.put_into(&text, "bench").unwrap();
+        let written = rows.insert_into(&text, "bench").unwrap();
         let expected = format!(
             "# A\n{begin}\n\n{HEAD}| a | 1 | 4 | NO |\n| b | | 3 ns | |\n| c | 5 | 6 | yes |\n\n{END}\nend\n"
         );
         assert_eq!(written, expected);
         assert_eq!(
-            Rows::default().put_into(&written, "bench").unwrap(),
+            Rows::default().insert_into(&written, "bench").unwrap(),
             expected
         );
     }
 
     #[test]
     fn the_middle_of_what_criterion_prints_is_taken() {
-        let rows = heard(&[
+        let rows = rows_of(&[
             "decode a reply          time:   [12.10 ns 12.34 ns 12.60 ns]",
             "a name that is longer than there is room",
             "                        time:   [1.1 us 1.2 us 1.3 us]",
@@ -171,6 +175,6 @@ mod tests {
 
     #[test]
     fn a_file_without_a_place_is_refused() {
-        assert!(Rows::default().put_into("# A\n", "bench").is_err());
+        assert!(Rows::default().insert_into("# A\n", "bench").is_err());
     }
 }

@@ -1,13 +1,13 @@
-//! Filling in names in double braces.
+//! Templates with names in double braces.
 
 use anyhow::{Result, bail};
 
-/// Replaces every `{{name}}` by its value.
+/// Replaces each `{{name}}` with its value.
 ///
 /// # Errors
 ///
-/// A name that the template does not use, or a place that no name fills: both mean that the
-/// template and the code have drifted apart, which would only show in the browser.
+/// For a name that the template does not use, and for a place without a value. Both would otherwise show
+/// in the browser only.
 pub fn fill(template: &str, values: &[(&str, &str)]) -> Result<String> {
     let mut filled = template.to_owned();
     for (name, value) in values {

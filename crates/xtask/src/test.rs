@@ -21,7 +21,7 @@ pub static SUITE: Suite = Suite(&[
     },
     Step {
         name: "native",
-        about: "tests of what runs natively, the page's pure parts included",
+        about: "tests of the native code and of the page's pure parts",
         needs: &[],
         run: |workspace| {
             let mut test = cargo::native(workspace, "test", &["--quiet"]);
@@ -40,7 +40,7 @@ pub static SUITE: Suite = Suite(&[
     },
     Step {
         name: "end-to-end",
-        about: "the page in a real browser drives a motor over real Web Serial",
+        about: "scenarios: the page in a real browser drives motors over real Web Serial",
         needs: &["build"],
         run: scenarios::run,
     },
@@ -49,7 +49,7 @@ pub static SUITE: Suite = Suite(&[
 /// Linking the site keeps one core busy for minutes: the tests compile beside it.
 fn build(workspace: &Workspace) -> Result<()> {
     let mut tests = cargo::native(workspace, "test", &["--no-run"]);
-    let dist = process::run_beside(&mut tests, || site::build(workspace, Profile::Release))?;
+    let dist = process::run_while(&mut tests, || site::build(workspace, Profile::Release))?;
     bench::check_first_visit(&dist)?;
     // The virtual motor, and the library that shows Chromium its serial line.
     let programs = ["--lib", "--bin", "virtual-motor"];

@@ -1,4 +1,4 @@
-//! The tools a build needs, fetched where they are missing: the wasm target and wasm-bindgen.
+//! The tools of a build, installed if they are missing: the wasm target, wasm-bindgen and others.
 
 use std::env;
 use std::ffi::OsString;
@@ -14,7 +14,7 @@ use crate::workspace::Workspace;
 /// The target of the page and the worker.
 pub const WASM_TARGET: &str = "wasm32-unknown-unknown";
 
-/// The two programs of wasm-bindgen, of the version that the workspace links.
+/// The two programs of wasm-bindgen, in the version that the workspace links.
 #[derive(Debug)]
 pub struct WasmBindgen {
     /// Turns a wasm file into a module for the browser.
@@ -23,10 +23,11 @@ pub struct WasmBindgen {
     pub test_runner: PathBuf,
 }
 
-/// Adds the wasm target to the toolchain in use, where it lacks it.
+/// Adds the wasm target to the toolchain in use if it is missing.
 pub fn ensure_wasm_target() -> Result<()> {
     let args = ["--print", "target-libdir", "--target", WASM_TARGET];
-    let installed = process::ask("rustc", &args).is_some_and(|dir| Path::new(dir.trim()).is_dir());
+    let installed =
+        process::output_of("rustc", &args).is_some_and(|dir| Path::new(dir.trim()).is_dir());
     if installed {
         return Ok(());
     }
@@ -36,7 +37,7 @@ pub fn ensure_wasm_target() -> Result<()> {
     })
 }
 
-/// Finds wasm-bindgen, in our cache or on the PATH, or builds it once.
+/// Finds wasm-bindgen in the cache or on the PATH, or builds it once.
 pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
     let lock = workspace.root().join("Cargo.lock");
     let lock = fs::read_to_string(&lock).with_context(|| format!("reading {}", lock.display()))?;
@@ -54,37 +55,37 @@ pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
         return Ok(on_path);
     }
 
-    // Its lock file names a crate that may be missing.
+    // Not with its lock file, which names a crate that may be missing.
     install("wasm-bindgen-cli", version, &root, "1", &[])?;
     Ok(cached)
 }
 
-/// A program that one command of ours runs, built once into our cache.
+/// A program for one command, built once into the cache.
 struct Pinned {
     package: &'static str,
     version: &'static str,
 }
 
-/// Fuzzes: see `reliability`.
+/// For fuzzing: see `reliability`.
 const CARGO_FUZZ: Pinned = Pinned {
     package: "cargo-fuzz",
     version: "0.13.1",
 };
 
-/// Looks at licences, sources and duplicates of what we depend on.
+/// Checks licences, sources and duplicates of the dependencies.
 const CARGO_DENY: Pinned = Pinned {
     package: "cargo-deny",
     version: "0.18.9",
 };
 
-/// Changes the code and asks the tests to notice: see `mutants`.
+/// For mutation testing: see `mutants`.
 const CARGO_MUTANTS: Pinned = Pinned {
     package: "cargo-mutants",
     version: "27.1.0",
 };
 
 impl Pinned {
-    /// The directory of the program, which is built where it is missing.
+    /// The directory of the program; builds it if it is missing.
     fn ensure(&self) -> Result<PathBuf> {
         let Self { package, version } = self;
         let cache = cache_dir()?;
@@ -99,8 +100,8 @@ impl Pinned {
     }
 }
 
-/// Builds a program into a directory of its own. Optimised less than to be published it is there sooner: "0"
-/// for what works seconds in all, "1" for what works through every build of the page.
+/// Builds a program into a directory of its own. Less optimisation makes the build faster: "0" for a program
+/// that runs for seconds in all, "1" for one that runs in every build of the page.
 fn install(
     package: &str,
     version: &str,
@@ -119,13 +120,13 @@ fn install(
         .args(flags)
         .arg("--root")
         .arg(root)
-        // Beside the workspace's own builds it would rebuild what they share, and they it.
+        // In the workspace's directory both would rebuild common dependencies each time.
         .env("CARGO_TARGET_DIR", &build)
         .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt_level)
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
     process::run(&mut install)?;
-    // Some 300 MB that nobody needs again.
+    // Some 300 MB that are not needed again.
     let _ = fs::remove_dir_all(build);
     Ok(())
 }
@@ -170,12 +171,12 @@ fn programs_in(dir: &Path) -> WasmBindgen {
     }
 }
 
-/// Glue and module are only understood by programs of exactly the linked version.
+/// The programs must have exactly the linked version.
 fn has_version(programs: &WasmBindgen, version: &str) -> bool {
     [&programs.bindgen, &programs.test_runner]
         .into_iter()
         .all(|program| {
-            let printed = process::ask(&program.to_string_lossy(), &["--version"]);
+            let printed = process::output_of(&program.to_string_lossy(), &["--version"]);
             printed.as_deref().and_then(printed_version) == Some(version)
         })
 }

@@ -1,4 +1,4 @@
-//! Brings the files of translations up to date with what the code says.
+//! Updates the translation files from the messages in the code.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,23 +17,23 @@ const FILES: [&str; 2] = ["zh.po", "de.po"];
 /// A message: its context, where it has one, and its English.
 type Key = (Option<String>, String);
 
-/// Every message of the code, and the files that say it.
-type Said = BTreeMap<Key, Vec<String>>;
+/// Each message of the code, and the files that contain it.
+type Messages = BTreeMap<Key, Vec<String>>;
 
-/// Adds what is new, takes out what nobody says any more, and tells what is to be translated. What is
-/// only checked is left as it is.
+/// Adds new messages, removes those that the code no longer contains, and prints those without a
+/// translation. With `check` no file is changed.
 ///
 /// # Errors
 ///
-/// Where only checked: a file that is not up to date, or that lacks a translation.
+/// With `check`, if a file is out of date or a translation is missing.
 pub fn update(workspace: &Workspace, check: bool) -> Result<()> {
-    let said = said(workspace.root())?;
+    let messages = messages_in_code(workspace.root())?;
     let mut open = 0;
     for file in FILES {
         let path = workspace.root().join("locales").join(file);
         let old = polib::po_file::parse(&path).map_err(|error| anyhow::anyhow!("{error}"));
         let old = old.with_context(|| format!("reading {}", path.display()))?;
-        let new = merged(&old, &said);
+        let new = merged(&old, &messages);
         let lacking: Vec<&str> = new
             .messages()
             .filter(|message| !message.is_translated())
@@ -77,10 +77,10 @@ fn key(message: &dyn MessageView) -> Key {
     )
 }
 
-/// The messages of now with the translations of before.
-fn merged(old: &Catalog, said: &Said) -> Catalog {
+/// The messages of the code with the translations of the old catalogue.
+fn merged(old: &Catalog, messages: &Messages) -> Catalog {
     let mut new = Catalog::new(old.metadata.clone());
-    for ((context, msgid), files) in said {
+    for ((context, msgid), files) in messages {
         let mut message = Message::build_singular();
         message
             .with_msgid(msgid.clone())
@@ -99,9 +99,9 @@ fn merged(old: &Catalog, said: &Said) -> Catalog {
     new
 }
 
-/// What the code says.
-fn said(root: &Path) -> Result<Said> {
-    let mut said = Said::new();
+/// The messages in the code.
+fn messages_in_code(root: &Path) -> Result<Messages> {
+    let mut messages = Messages::new();
     for top in ["src", "crates"] {
         for (path, content) in files_below(&root.join(top))? {
             if path.extension().is_none_or(|extension| extension != "rs") {
@@ -109,20 +109,20 @@ fn said(root: &Path) -> Result<Said> {
             }
             let path = Path::new(top).join(path).display().to_string();
             let text = String::from_utf8(content).with_context(|| format!("{path} is not text"))?;
-            // Most files say nothing, and to take them apart costs time.
+            // Most files contain no message, and parsing takes time.
             if !text.contains("tr!(") {
                 continue;
             }
             let tokens = text.parse::<TokenStream>();
             let tokens = tokens.map_err(|error| anyhow::anyhow!("{path}: {error}"))?;
-            collect(tokens, &path, &mut said);
+            collect(tokens, &path, &mut messages);
         }
     }
-    Ok(said)
+    Ok(messages)
 }
 
-/// Every `tr!("...")` and `tr!("..." as "...")`, however deep in other macros.
-fn collect(tokens: TokenStream, path: &str, said: &mut Said) {
+/// Collects each `tr!("...")` and `tr!("..." as "...")`, also inside other macros.
+fn collect(tokens: TokenStream, path: &str, messages: &mut Messages) {
     let mut before: [Option<String>; 2] = [None, None];
     for token in tokens {
         let [name, bang] = &before;
@@ -130,17 +130,17 @@ fn collect(tokens: TokenStream, path: &str, said: &mut Said) {
         let text = token.to_string();
         if let TokenTree::Group(group) = token {
             if is_call && group.delimiter() == Delimiter::Parenthesis {
-                let files = said.entry(message(group.stream())).or_default();
+                let files = messages.entry(message(group.stream())).or_default();
                 if files.iter().all(|known| known != path) {
                     files.push(path.to_owned());
                 }
             }
-            collect(group.stream(), path, said);
+            collect(group.stream(), path, messages);
         }
         before.rotate_left(1);
         before[1] = Some(text);
     }
-    said.remove(&(None, String::new()));
+    messages.remove(&(None, String::new()));
 }
 
 fn message(arguments: TokenStream) -> Key {
@@ -154,7 +154,7 @@ fn message(arguments: TokenStream) -> Key {
     (context.map(|token| literal(&token)), english)
 }
 
-/// The text of a literal; nothing of what is none, such as the pattern of a macro.
+/// The text of a string literal; empty for other tokens, such as the pattern of a macro.
 fn literal(token: &TokenTree) -> String {
     let literal = syn::parse_str::<syn::LitStr>(&token.to_string());
     literal.map(|literal| literal.value()).unwrap_or_default()
@@ -165,13 +165,13 @@ mod tests {
     use super::*;
 
     fn found(code: &str) -> Vec<Key> {
-        let mut said = Said::new();
-        collect(code.parse().unwrap(), "a.rs", &mut said);
-        said.into_keys().collect()
+        let mut messages = Messages::new();
+        collect(code.parse().unwrap(), "a.rs", &mut messages);
+        messages.into_keys().collect()
     }
 
     #[test]
-    fn messages_are_found_however_deep_they_stand() {
+    fn messages_are_found_inside_other_macros() {
         let code = r#"
             fn f() { view! { <p title=tr!("One")>{move || tr!("Two {id}", id)}</p> } }
             const X: fn() -> &'static str = || tr!("A long \
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_translation_stays_with_its_message() {
-        let said: Said = ["Old", "New"]
+        let messages: Messages = ["Old", "New"]
             .map(|text| ((None, text.to_owned()), vec!["a.rs".to_owned()]))
             .into();
         let mut old = Catalog::new(polib::metadata::CatalogMetadata::new());
@@ -205,7 +205,7 @@ mod tests {
                 .with_msgstr(format!("{text}!"));
             old.append_or_update(message.done());
         }
-        let new = merged(&old, &said);
+        let new = merged(&old, &messages);
         let texts: Vec<(&str, &str)> = new
             .messages()
             .map(|message| (message.msgid(), message.msgstr().unwrap()))

@@ -1,4 +1,4 @@
-//! Where the workspace's files are.
+//! Directories of the workspace.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::process;
 
-/// The two directories everything else is named from.
+/// The top directory and cargo's output directory.
 #[derive(Debug)]
 pub struct Workspace {
     root: PathBuf,
@@ -15,7 +15,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Asks cargo, which knows about `CARGO_TARGET_DIR` and its configuration files.
+    /// Asks cargo, which reads `CARGO_TARGET_DIR` and its configuration files.
     pub fn find() -> Result<Self> {
         let mut metadata = process::cargo();
         metadata.args(["metadata", "--no-deps", "--format-version", "1"]);
@@ -41,7 +41,7 @@ impl Workspace {
         &self.root
     }
 
-    /// Cargo's directory for what it builds.
+    /// Cargo's output directory.
     pub fn target(&self) -> &Path {
         &self.target
     }

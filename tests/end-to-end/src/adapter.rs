@@ -140,7 +140,7 @@ pub struct Adapter {
     line: Line,
     usb: Usb,
     name: String,
-    /// Where its node, its logs and the program's complaints are.
+    /// Where its node, its logs and the program's errors are.
     dir: PathBuf,
     /// Where the browser looks for adapters.
     udev_dir: PathBuf,
@@ -226,7 +226,7 @@ impl Adapter {
         let motors = self.motors.as_mut();
         motors
             .with_context(|| format!("{} is not plugged", self.name))?
-            .obey(command)
+            .send_command(command)
     }
 
     /// Everything that has been on its wire so far, over all the times that it was plugged.

@@ -84,7 +84,7 @@ pub fn chromium() -> Result<PathBuf> {
     )
 }
 
-/// Copies a site with all that is in its folders, for a story that changes some of it.
+/// Copies a site with all that is in its folders, for a scenario that changes some of it.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! A world of its own for one test.
+//! The bench of one test.
 
 use std::cell::{Cell, RefCell};
 use std::env;
@@ -18,13 +18,13 @@ use crate::cdp::Session;
 use crate::chromium::Chromium;
 use crate::page::Page;
 use crate::retry::retry;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// A page is loaded in half a second.
 const SOON: Duration = Duration::from_secs(5);
 
-/// A browser, a server of the page, and a desk on which adapters are plugged. Benches know nothing
-/// of each other, so tests may run at once, in one process or in several.
+/// A browser, a server of the page, and the adapters that are plugged in. Benches are independent, so
+/// that tests may run at the same time, in one process or in several.
 pub struct Bench {
     // Dropped in this order: the browser before what it uses.
     chromium: Chromium,
@@ -66,7 +66,7 @@ impl Bench {
     /// As for [`Bench::start`].
     pub fn serving(pages: &Path) -> Result<Self> {
         let mut dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
-        // Whoever looks for why a story fails wants its wire and its files.
+        // The wire logs and files of a scenario that fails show why.
         dir.disable_cleanup(env::var_os("MOTORLINK_BENCH_KEEP").is_some());
         let udev_dir = udev_dir(dir.path());
         fs::create_dir(&udev_dir)?;
@@ -117,10 +117,10 @@ impl Bench {
     }
 
     fn open_url(&self, url: &str) -> Result<Page> {
-        let mut patience = SOON;
+        let mut wait_max = SOON;
         retry(&format!("open {url}"), 2, || {
             let tab = self.new_tab()?;
-            let error = match Page::load_within(patience, tab.clone(), url, self.downloads()) {
+            let error = match Page::load_within(wait_max, tab.clone(), url, self.downloads()) {
                 Ok(page) => return Ok(Ok(page)),
                 Err(error) => error,
             };
@@ -128,7 +128,7 @@ impl Bench {
             // a busy machine it sometimes does not tell that a page was loaded. For another tab it does.
             tab.blocking()
                 .wait("a tab to close", tab.tab().clone().close())?;
-            patience = PATIENCE;
+            wait_max = WAIT_MAX;
             Ok(Err(format!("{error:#}")))
         })
     }
@@ -154,7 +154,7 @@ impl Bench {
     )]
     pub fn close(&self, page: Page) -> Result<()> {
         page.close()?;
-        wait_until("the tab to be gone", PATIENCE, || {
+        wait_until("the tab to be gone", WAIT_MAX, || {
             let open = self.chromium.has_tab(page.tab_id())?;
             Ok(if open {
                 Err("it is open".to_owned())
@@ -175,8 +175,8 @@ impl Bench {
         self.origin.clone()
     }
 
-    /// Stops debugging a page, which cannot be used any more.
-    pub(crate) fn let_go(&self, page: &Page) -> Result<()> {
+    /// Stops debugging a page, which cannot be used after that.
+    pub(crate) fn detach(&self, page: &Page) -> Result<()> {
         self.chromium.detach(page.session.tab())
     }
 

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use tokio::runtime::Runtime;
 use tokio::time::timeout;
 
-use crate::wait::PATIENCE;
+use crate::wait::WAIT_MAX;
 
 /// Any command of the protocol.
 #[derive(Debug, Clone)]
@@ -60,22 +60,22 @@ impl Blocking {
     where
         E: std::error::Error + Send + Sync + 'static,
     {
-        self.wait_for(what, PATIENCE, future)
+        self.wait_for(what, WAIT_MAX, future)
     }
 
-    /// Waits for `future`, at most for `patience`.
+    /// Waits for `future`, at most for `wait_max`.
     pub fn wait_for<T, E>(
         &self,
         what: &str,
-        patience: Duration,
+        wait_max: Duration,
         future: impl Future<Output = Result<T, E>>,
     ) -> Result<T>
     where
         E: std::error::Error + Send + Sync + 'static,
     {
         self.0
-            .block_on(async { timeout(patience, future).await })
-            .map_err(|_| anyhow!("no answer from Chromium to {what} in {patience:?}"))?
+            .block_on(async { timeout(wait_max, future).await })
+            .map_err(|_| anyhow!("no answer from Chromium to {what} in {wait_max:?}"))?
             .with_context(|| format!("Chromium refused {what}"))
     }
 
@@ -115,20 +115,20 @@ impl Session {
 
     /// Calls a method and gives its result.
     pub fn call(&self, method: &'static str, params: Value) -> Result<Value> {
-        self.call_within(PATIENCE, method, params)
+        self.call_within(WAIT_MAX, method, params)
     }
 
     /// Calls a method and gives its result, if it comes in time.
     pub fn call_within(
         &self,
-        patience: Duration,
+        wait_max: Duration,
         method: &'static str,
         params: Value,
     ) -> Result<Value> {
         let command = AnyCommand { method, params };
         let reply = self
             .blocking
-            .wait_for(method, patience, self.tab.execute(command))?;
+            .wait_for(method, wait_max, self.tab.execute(command))?;
         Ok(reply.result)
     }
 

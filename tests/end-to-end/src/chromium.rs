@@ -19,7 +19,7 @@ use crate::adapter::Usb;
 use crate::artefacts;
 use crate::cdp::{Blocking, Session};
 use crate::retry::retry;
-use crate::wait::PATIENCE;
+use crate::wait::WAIT_MAX;
 
 /// The flags of a quiet browser. None of those that tests usually add against throttling: how a
 /// hidden page is throttled is one of the things that this bench measures.
@@ -42,8 +42,8 @@ const FLAGS: [&str; 13] = [
     "disable-breakpad",
 ];
 
-/// How long it gets to end by itself, which takes it some 0.1 s.
-const FAREWELL: Duration = Duration::from_secs(5);
+/// Longest time for the browser to end by itself, which takes some 0.1 s.
+const END_MAX: Duration = Duration::from_secs(5);
 
 /// A running browser; killed when dropped.
 pub struct Chromium {
@@ -67,7 +67,7 @@ impl Chromium {
             .user_data_dir(profile)
             .window_size(1440, 900)
             .viewport(None)
-            .launch_timeout(PATIENCE)
+            .launch_timeout(WAIT_MAX)
             .env("LD_PRELOAD", shim.to_string_lossy())
             .env("MOTORLINK_UDEV_DIR", udev_dir.to_string_lossy());
         if rustix::process::geteuid().is_root() {
@@ -124,7 +124,7 @@ impl Drop for Chromium {
         // Asked to end, it ends its helpers first. Killed, it leaves them behind for a second or
         // two, in which they write into a profile that has just been removed.
         let Self { browser, blocking } = self;
-        let asked = blocking.wait_for("its end", FAREWELL, async {
+        let asked = blocking.wait_for("its end", END_MAX, async {
             browser.close().await.map_err(io::Error::other)?;
             browser.wait().await
         });

@@ -75,7 +75,7 @@ impl Console {
     fn collect<E>(
         &self,
         session: &Session,
-        complaint: impl Fn(&E) -> Option<String> + Send + 'static,
+        error: impl Fn(&E) -> Option<String> + Send + 'static,
     ) -> Result<()>
     where
         E: chromiumoxide::cdp::IntoEventKind + Send + Sync + Unpin + 'static,
@@ -85,7 +85,7 @@ impl Console {
         let errors = Arc::clone(&self.0);
         session.blocking().spawn(async move {
             while let Some(event) = events.next().await {
-                if let Some(text) = complaint(&event) {
+                if let Some(text) = error(&event) {
                     errors
                         .lock()
                         .unwrap_or_else(PoisonError::into_inner)

@@ -4,7 +4,7 @@ use anyhow::Result;
 
 use crate::bench::Bench;
 use crate::page::Page;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// Presses `[Urgent Discard]` in the row of the tab with this address, unless it is discarded; says so, or
 /// what the row reads.
@@ -33,9 +33,9 @@ impl Bench {
     )]
     pub fn discard(&self, page: Page) -> Result<()> {
         let address = page.evaluate("location.host")?;
-        self.let_go(&page)?;
+        self.detach(&page)?;
         let discards = Page::load(self.new_tab()?, "chrome://discards/", self.downloads())?;
-        wait_until("the page to be discarded", PATIENCE, || {
+        wait_until("the page to be discarded", WAIT_MAX, || {
             let said = discards.evaluate(&format!("({DISCARD})({address})"))?;
             Ok(if said == "discarded" {
                 Ok(())

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::cdp::at;
 use crate::page::Page;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// What Chromium calls a file until it is complete.
 const INCOMPLETE: &str = "crdownload";
@@ -48,7 +48,7 @@ impl Page {
     ///
     /// When the button cannot be clicked, or no file comes.
     pub fn download(&self, button: &str) -> Result<Download> {
-        self.download_within(PATIENCE, button)
+        self.download_within(WAIT_MAX, button)
     }
 
     /// The same within another time.
@@ -56,9 +56,9 @@ impl Page {
     /// # Errors
     ///
     /// As for [`Page::download`].
-    pub fn download_within(&self, patience: Duration, button: &str) -> Result<Download> {
+    pub fn download_within(&self, wait_max: Duration, button: &str) -> Result<Download> {
         self.click("button", button)?;
-        self.next_download(patience, button)
+        self.next_download(wait_max, button)
     }
 
     /// Waits for a file that is already on its way; `what` names it in messages.
@@ -66,8 +66,8 @@ impl Page {
     /// # Errors
     ///
     /// When it does not come.
-    pub fn next_download(&self, patience: Duration, what: &str) -> Result<Download> {
-        let complete = wait_until(&format!("the file of {what:?}"), patience, || {
+    pub fn next_download(&self, wait_max: Duration, what: &str) -> Result<Download> {
+        let complete = wait_until(&format!("the file of {what:?}"), wait_max, || {
             let files = files_in(&self.downloads)?;
             let complete = files.iter().find(|path| is_complete(path));
             Ok(complete.cloned().ok_or_else(|| format!("{files:?}")))

@@ -10,7 +10,7 @@ use crate::page::Page;
 use crate::wait::wait_until;
 
 /// Even a processor that is slowed down much has the page whole within this.
-const PATIENCE: Duration = Duration::from_secs(60);
+const WAIT_MAX: Duration = Duration::from_secs(60);
 
 /// Presses a button in the first frame in which a person could, and goes on until the frame that is painted
 /// before the page is gone.
@@ -58,7 +58,7 @@ impl FirstPress {
         page.slow_down(times_slower)?;
         page.before_load(&format!("{PRESS_SOON}({})", json!(button)))?;
         page.go(&bench.origin())?;
-        let first = wait_until("all of the page", PATIENCE, || {
+        let first = wait_until("all of the page", WAIT_MAX, || {
             let first = page.evaluate("globalThis.firstPress")?;
             let whole = first.get("whole").is_some();
             Ok(if whole {

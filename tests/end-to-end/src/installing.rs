@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::cdp::at;
 use crate::page::Page;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 impl Page {
     /// The address of the page's manifest as the browser found it, and what is wrong with it.
@@ -37,7 +37,7 @@ impl Page {
     ///
     /// When it does not.
     pub fn wait_until_kept(&self) -> Result<()> {
-        wait_until("the page to be kept", PATIENCE, || {
+        wait_until("the page to be kept", WAIT_MAX, || {
             let state = self.evaluate(
                 "navigator.serviceWorker.getRegistration().then((it) => it?.active?.state ?? [it?.installing?.state, it?.waiting?.state, typeof it].join('/'))",
             )?;

@@ -1,13 +1,13 @@
-//! The bench: a headless, unmodified Chromium whose real Web Serial stack sees pseudo-terminals as
-//! USB adapters, virtual motors at their far ends, and a log of each wire to judge by.
+//! The test bench: a headless, unmodified Chromium whose real Web Serial stack sees pseudo-terminals as
+//! USB adapters, with virtual motors at their far ends, and a log of each wire.
 //!
 //! A test starts a [`Bench`], plugs adapters into it ([`Bench::plug`]), opens the page
 //! ([`Bench::open`]), uses it as a person would, by the roles and names that a screen reader says
-//! ([`Page::click`], [`Page::wait_for_text`]), and judges by what went over the wire
-//! ([`Adapter::wire`]). Everything is blocking, bounded in time, and gone when dropped.
+//! ([`Page::click`], [`Page::wait_for_text`]), and checks the frames on the wire
+//! ([`Adapter::wire`]). Every call blocks for a bounded time, and everything ends when dropped.
 //!
-//! It needs Linux, Chromium, and three things built before, which `cargo xtask test` builds and
-//! names by environment variables: see [`artefacts`].
+//! It needs Linux, Chromium, and three artefacts, which `cargo xtask test` builds and names in
+//! environment variables: see [`artefacts`].
 //!
 //! ```no_run
 //! use end_to_end::{Bench, Line, Usb};
@@ -64,5 +64,5 @@ pub use processor_time::threads_time;
 pub use retry::retry;
 pub use stopwatch::KeyPress;
 pub use view::{Scheme, View};
-pub use wait::{PATIENCE, wait_until};
+pub use wait::{WAIT_MAX, wait_until};
 pub use wire_log::{Frame, Gaps, Side, WireLog};

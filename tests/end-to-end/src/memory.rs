@@ -10,7 +10,7 @@ use tokio::time::timeout;
 
 use crate::cdp::{Session, at};
 use crate::page::Page;
-use crate::wait::PATIENCE;
+use crate::wait::WAIT_MAX;
 
 /// What a page or a worker holds, in bytes, once everything that can be freed has been.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -107,8 +107,8 @@ impl<'a> Worker<'a> {
         self.page.call("Target.sendMessageToTarget", params)?;
         let (heard, session_id) = (&mut self.heard, &self.session_id);
         self.page.blocking().wait_plain(async {
-            let reply = timeout(PATIENCE, reply_to(id, session_id, heard)).await;
-            reply.map_err(|_| anyhow!("no answer from a worker to {method} in {PATIENCE:?}"))?
+            let reply = timeout(WAIT_MAX, reply_to(id, session_id, heard)).await;
+            reply.map_err(|_| anyhow!("no answer from a worker to {method} in {WAIT_MAX:?}"))?
         })
     }
 }

@@ -11,10 +11,10 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use crate::adapter::Line;
 use crate::artefacts;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
-/// How long the program gets to end by itself: it has nothing to do but to remove its link.
-const FAREWELL: Duration = Duration::from_secs(2);
+/// Longest time for the program to end by itself: it only removes its link.
+const END_MAX: Duration = Duration::from_secs(2);
 
 /// Running virtual motors; they end when dropped.
 pub(crate) struct Motors {
@@ -29,7 +29,7 @@ impl Motors {
     pub(crate) fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
         let program = artefacts::virtual_motor()?;
         let ids: Vec<String> = line.ids.iter().map(ToString::to_string).collect();
-        let complaints = dir.join("virtual-motor.stderr");
+        let errors = dir.join("virtual-motor.stderr");
         let said = dir.join("virtual-motor.stdout");
         let child = Command::new(&program)
             .args(["--ids", &ids.join(",")])
@@ -41,7 +41,7 @@ impl Motors {
             .args(&line.extra)
             .stdin(Stdio::piped())
             .stdout(File::create(&said)?)
-            .stderr(File::create(&complaints)?)
+            .stderr(File::create(&errors)?)
             .spawn()
             .with_context(|| format!("cannot start {}", program.display()))?;
         let mut motors = Self {
@@ -49,14 +49,10 @@ impl Motors {
             node: node.to_owned(),
             said,
         };
-        wait_until("virtual-motor to make its node", PATIENCE, || {
+        wait_until("virtual-motor to make its node", WAIT_MAX, || {
             if let Some(status) = motors.program.try_wait()? {
-                let complaint = fs::read_to_string(&complaints).unwrap_or_default();
-                bail!(
-                    "{} ended, {status}: {}",
-                    program.display(),
-                    complaint.trim()
-                );
+                let error = fs::read_to_string(&errors).unwrap_or_default();
+                bail!("{} ended, {status}: {}", program.display(), error.trim());
             }
             Ok(fs::canonicalize(node).map_err(|error| error.to_string()))
         })?;
@@ -64,11 +60,11 @@ impl Motors {
     }
 
     /// Gives a command and its answer.
-    pub(crate) fn obey(&mut self, command: &str) -> Result<String> {
+    pub(crate) fn send_command(&mut self, command: &str) -> Result<String> {
         let before = self.answers()?.len();
         let stdin = self.program.stdin.as_mut().context("it hears nothing")?;
         writeln!(stdin, "{command}")?;
-        let answer = wait_until(&format!("an answer to {command:?}"), PATIENCE, || {
+        let answer = wait_until(&format!("an answer to {command:?}"), WAIT_MAX, || {
             let answer = self.answers()?.into_iter().nth(before);
             Ok(answer.ok_or_else(|| "nothing".to_owned()))
         })?;
@@ -96,7 +92,7 @@ impl Drop for Motors {
             // If it is gone already, that is what is wanted.
             let _ = kill_process(pid, Signal::TERM);
         }
-        let ended = wait_until("virtual-motor to end", FAREWELL, || {
+        let ended = wait_until("virtual-motor to end", END_MAX, || {
             Ok(self
                 .program
                 .try_wait()?

@@ -12,7 +12,7 @@ use crate::control::{self, Control};
 use crate::keyboard::Key;
 use crate::main_thread::NOTE_WORK;
 use crate::stopwatch::{self, KeyPress};
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// A page in a tab.
 pub struct Page {
@@ -25,12 +25,12 @@ pub struct Page {
 impl Page {
     /// Loads `url` into a tab whose files go to `downloads`.
     pub(crate) fn load(session: Session, url: &str, downloads: PathBuf) -> Result<Self> {
-        Self::load_within(PATIENCE, session, url, downloads)
+        Self::load_within(WAIT_MAX, session, url, downloads)
     }
 
     /// The same within another time.
     pub(crate) fn load_within(
-        patience: Duration,
+        wait_max: Duration,
         session: Session,
         url: &str,
         downloads: PathBuf,
@@ -53,7 +53,7 @@ impl Page {
             .call("Target.setAutoAttach", no_service_workers)?;
         page.before_load(stopwatch::NOTE_KEYS)?;
         page.before_load(NOTE_WORK)?;
-        page.go_within(patience, url)?;
+        page.go_within(wait_max, url)?;
         Ok(page)
     }
 
@@ -75,19 +75,19 @@ impl Page {
     ///
     /// When it does not load.
     pub fn go(&self, url: &str) -> Result<()> {
-        self.go_within(PATIENCE, url)
+        self.go_within(WAIT_MAX, url)
     }
 
-    fn go_within(&self, patience: Duration, url: &str) -> Result<()> {
+    fn go_within(&self, wait_max: Duration, url: &str) -> Result<()> {
         let load = self.session.tab().goto(url);
-        let loaded = self.session.blocking().wait_for(url, patience, load);
+        let loaded = self.session.blocking().wait_for(url, wait_max, load);
         loaded?;
         self.wait_until_whole()
     }
 
-    /// The header can be used before the rest is there; a story begins behind that.
+    /// The header can be used before the rest has loaded; a scenario begins after that.
     fn wait_until_whole(&self) -> Result<()> {
-        wait_until("all of the page", PATIENCE, || {
+        wait_until("all of the page", WAIT_MAX, || {
             // While it loads there is nobody to ask.
             let whole = self.evaluate("document.getElementById('starting') === null");
             Ok(match whole {
@@ -129,12 +129,12 @@ impl Page {
     ///
     /// When there is none, or more than one: the error says what is there instead.
     pub fn find(&self, role: &str, name: &str) -> Result<Control> {
-        wait_until(&format!("{role} {name:?}"), PATIENCE, || {
+        wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
             let mut found = self.find_all(role, name)?;
             match found.pop() {
                 Some(control) if found.is_empty() => Ok(Ok(control)),
                 Some(_) => bail!("{} of {role} {name:?}, not one", found.len() + 1),
-                None => Ok(Err(self.what_is_there(role)?)),
+                None => Ok(Err(self.controls_with_role(role)?)),
             }
         })
     }
@@ -145,7 +145,7 @@ impl Page {
     ///
     /// When it is missing, stays disabled, or something lies over it.
     pub fn click(&self, role: &str, name: &str) -> Result<()> {
-        let control = wait_until(&format!("{role} {name:?} to be enabled"), PATIENCE, || {
+        let control = wait_until(&format!("{role} {name:?} to be enabled"), WAIT_MAX, || {
             let control = self.find(role, name)?;
             Ok(if control.disabled {
                 Err(control.description)
@@ -234,14 +234,14 @@ impl Page {
     ///
     /// # Errors
     ///
-    /// When it does not become so in [`PATIENCE`]: the error says what it reads instead.
+    /// When it does not become so in [`WAIT_MAX`]: the error says what it reads instead.
     pub fn wait_for_text(
         &self,
         role: &str,
         name: &str,
         wanted: impl Fn(&str) -> bool,
     ) -> Result<String> {
-        self.wait_for_text_within(PATIENCE, role, name, wanted)
+        self.wait_for_text_within(WAIT_MAX, role, name, wanted)
     }
 
     /// The same within another time.
@@ -251,17 +251,17 @@ impl Page {
     /// As for [`Page::wait_for_text`].
     pub fn wait_for_text_within(
         &self,
-        patience: Duration,
+        wait_max: Duration,
         role: &str,
         name: &str,
         wanted: impl Fn(&str) -> bool,
     ) -> Result<String> {
         wait_until(
             &format!("{role} {name:?} to read as it should"),
-            patience,
+            wait_max,
             || {
                 let Some(control) = self.find_all(role, name)?.pop() else {
-                    return Ok(Err(self.what_is_there(role)?));
+                    return Ok(Err(self.controls_with_role(role)?));
                 };
                 // Between finding it and reading it the page may have replaced it.
                 let text = control.text().unwrap_or_default();
@@ -308,7 +308,7 @@ impl Page {
             .collect())
     }
 
-    fn what_is_there(&self, role: &str) -> Result<String> {
+    fn controls_with_role(&self, role: &str) -> Result<String> {
         let alike = self.query("role", browser_role(role))?;
         let titles: Vec<String> = alike.iter().map(Control::title).collect();
         Ok(if titles.is_empty() {

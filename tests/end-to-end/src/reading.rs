@@ -4,7 +4,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::control::Control;
 use crate::page::{Page, browser_role};
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 impl Page {
     /// The control of this role whose name has `part` in it, as soon as it is there.
@@ -13,7 +13,7 @@ impl Page {
     ///
     /// When there is none, or more than one.
     pub fn find_like(&self, role: &str, part: &str) -> Result<Control> {
-        wait_until(&format!("{role} with {part:?}"), PATIENCE, || {
+        wait_until(&format!("{role} with {part:?}"), WAIT_MAX, || {
             let of_role = self.query("role", browser_role(role))?;
             let titles: Vec<String> = of_role.iter().map(Control::title).collect();
             let mut alike = of_role.into_iter().filter(|it| it.name.contains(part));

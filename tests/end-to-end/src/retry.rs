@@ -1,6 +1,6 @@
 //! Retries: bounded, printed and counted.
 //!
-//! A scenario does something again only where the machine, and not the page, may have been too slow.
+//! A scenario retries only what a slow machine, and not the page, may have prevented.
 
 use std::env;
 use std::fs::OpenOptions;

@@ -31,7 +31,7 @@ pub struct KeyPress {
     /// When the browser sent the event (`event.timeStamp`).
     pub sent_us: u64,
     /// When the page's first listener heard it.
-    pub heard_us: u64,
+    pub received_us: u64,
 }
 
 /// Where the zero of the page's clock is, in microseconds of ours.
@@ -77,7 +77,7 @@ pub fn press(session: &Session, key: &Key) -> Result<KeyPress> {
     };
     Ok(KeyPress {
         sent_us: on_our_clock("/sent")?,
-        heard_us: on_our_clock("/heard")?,
+        received_us: on_our_clock("/heard")?,
     })
 }
 

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use crate::cdp::at;
 use crate::page::Page;
-use crate::wait::{PATIENCE, wait_until};
+use crate::wait::{WAIT_MAX, wait_until};
 
 /// A crash takes milliseconds.
 const AFTER_A_CRASH: Duration = Duration::from_millis(500);
@@ -47,7 +47,7 @@ impl Page {
     ///
     /// When the page is not told.
     pub fn dismiss_picker(&self, dismissed: impl Fn() -> Result<bool>) -> Result<()> {
-        wait_until("the picker to be dismissed", PATIENCE, || {
+        wait_until("the picker to be dismissed", WAIT_MAX, || {
             self.show()?;
             Ok(if dismissed()? {
                 Ok(())
@@ -59,7 +59,7 @@ impl Page {
 
     /// Waits until the page is `visible` or `hidden`.
     pub(crate) fn wait_for_visibility(&self, wanted: &str) -> Result<()> {
-        wait_until(&format!("the page to be {wanted}"), PATIENCE, || {
+        wait_until(&format!("the page to be {wanted}"), WAIT_MAX, || {
             let state = self.visibility()?;
             Ok(if state == wanted { Ok(()) } else { Err(state) })
         })

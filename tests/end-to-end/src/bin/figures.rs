@@ -197,9 +197,9 @@ fn stop(adapter: &Adapter, page: &Page) -> Result<Stop> {
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
     thread::sleep(Duration::from_millis(700));
     let dialog = page.text("alertdialog", "Stopped")?.to_lowercase();
-    let wire = adapter.wire()?.since(pressed.heard_us);
+    let wire = adapter.wire()?.since(pressed.received_us);
     let drives = wire.drives();
-    let after = |at_us: u64| at_us - pressed.heard_us;
+    let after = |at_us: u64| at_us - pressed.received_us;
     let first_stop = drives
         .frames
         .iter()

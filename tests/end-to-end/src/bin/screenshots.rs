@@ -13,7 +13,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use end_to_end::{Bench, Line, PATIENCE, Page, Scheme, Usb, View, wait_until};
+use end_to_end::{Bench, Line, Page, Scheme, Usb, View, WAIT_MAX, wait_until};
 use motorlink_i18n::{Language, said, speak};
 
 fn main() -> ExitCode {
@@ -215,7 +215,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     page.click("button", said("Full scan"))?;
     page.wait_for_text("list", said("Motors found"), |text| text.contains("0x07"))?;
     album.shot(&page, "scanning")?;
-    wait_until("the end of the scan", PATIENCE, || {
+    wait_until("the end of the scan", WAIT_MAX, || {
         let cancel = page.find("button", said("Cancel"))?;
         Ok(if cancel.disabled {
             Ok(())
@@ -229,7 +229,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     page.find("textbox", said("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
     // On a busy machine an answer may be late, and is said to be none.
-    wait_until("an answer", PATIENCE, || {
+    wait_until("an answer", WAIT_MAX, || {
         page.click("button", said("Send"))?;
         pause(300);
         let answer = page.text("output", said("Reply"))?;

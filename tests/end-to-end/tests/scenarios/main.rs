@@ -1,6 +1,6 @@
-//! What a person does, done in a real browser over real Web Serial.
+//! Scenarios: a user's actions in a real browser over real Web Serial.
 //!
-//! One program for all of it: each further one would be linked with all of the bench again.
+//! One program for all: each further program would link the whole bench again.
 //! `cargo xtask test` runs the scenarios of `side_by_side` several at once, and then those of
 //! `alone` one after the other.
 

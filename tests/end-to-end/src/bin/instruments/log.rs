@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use end_to_end::{
-    Bench, Download, Memory, PATIENCE, Page, View,
+    Bench, Download, Memory, Page, View, WAIT_MAX,
     figures::{ratio, row},
     wait_until,
 };
@@ -135,7 +135,7 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
         thread::sleep(ahead.saturating_sub(began.elapsed()));
         tapped.give(Taker::Recorder, &in_time(from, behind, SPACING_US, at_us))?;
     }
-    wait_until("everything to be given", PATIENCE, || {
+    wait_until("everything to be given", WAIT_MAX, || {
         let waiting = tapped.waiting()?;
         Ok(if waiting == 0 {
             Ok(())
@@ -144,7 +144,7 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
         })
     })?;
     // The counts follow when the last rows are taken in.
-    let shown = wait_until("the log to stand still", PATIENCE, || {
+    let shown = wait_until("the log to stand still", WAIT_MAX, || {
         let before = entries(&tapped.page)?;
         thread::sleep(Duration::from_millis(500));
         let after = entries(&tapped.page)?;

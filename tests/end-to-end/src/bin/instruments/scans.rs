@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, ensure};
 use end_to_end::{
-    Bench, Line, PATIENCE, Page, Usb, View,
+    Bench, Line, Page, Usb, View, WAIT_MAX,
     figures::{percentile, row},
     wait_until,
 };
@@ -73,7 +73,7 @@ fn scan(page: &Page) -> Result<Duration> {
     let clicked = Instant::now();
     button.click()?;
     for running in [true, false] {
-        wait_until("the scan to begin and end", PATIENCE, || {
+        wait_until("the scan to begin and end", WAIT_MAX, || {
             let cancel = page.find("button", "Cancel")?;
             Ok(if cancel.disabled == running {
                 Err(cancel.description)

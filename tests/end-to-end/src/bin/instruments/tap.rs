@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use anyhow::{Context, Result, ensure};
-use end_to_end::{Bench, Control, PATIENCE, Page, View, wait_until};
+use end_to_end::{Bench, Control, Page, View, WAIT_MAX, wait_until};
 use motorlink_messages::{ToPage, decode};
 use serde_json::{Value, json};
 
@@ -42,7 +42,7 @@ impl TappedPage {
         page.look(view)?;
         page.before_load(TAP)?;
         page.reload()?;
-        let hello = wait_until("the worker's first message", PATIENCE, || {
+        let hello = wait_until("the worker's first message", WAIT_MAX, || {
             let hello = page.evaluate("benchTap.hello")?;
             Ok(hello
                 .as_str()

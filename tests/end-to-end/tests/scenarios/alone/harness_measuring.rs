@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
-use end_to_end::{Bench, Line, PATIENCE, Usb, wait_until};
+use end_to_end::{Bench, Line, Usb, WAIT_MAX, wait_until};
 
 fn bench() -> Result<Bench> {
     Bench::serving(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures")))
@@ -44,7 +44,7 @@ fn the_memory_of_a_worker_is_known_with_that_of_its_program() -> Result<()> {
     let bench = bench()?;
     let page = bench.open("/")?;
     // The worker is there before its script has run.
-    let small = wait_until("the worker to have its memory", PATIENCE, || {
+    let small = wait_until("the worker to have its memory", WAIT_MAX, || {
         let memory = page.memory_of_worker("port")?;
         Ok(if memory.wasm == 0 {
             Err(format!("{memory:?}"))
@@ -54,7 +54,7 @@ fn the_memory_of_a_worker_is_known_with_that_of_its_program() -> Result<()> {
     })?;
     assert_eq!(small.wasm, 3 * 65_536);
     page.evaluate("worker.postMessage({ hoard: 5_000_000 })")?;
-    wait_until("the worker to hold 5 MB more", PATIENCE, || {
+    wait_until("the worker to hold 5 MB more", WAIT_MAX, || {
         let large = page.memory_of_worker("port")?;
         Ok(if large.script >= small.script + 5_000_000 {
             Ok(())

@@ -9,7 +9,7 @@
 
 use std::{env, thread, time::Duration};
 
-use crate::fixture::{Story, assert_quiet_console, rules::the_log_has_it_all, wait_for_speed};
+use crate::fixture::{Scenario, assert_quiet_console, rules::the_log_has_it_all, wait_for_speed};
 use anyhow::Result;
 use end_to_end::{Frame, now_us};
 
@@ -22,11 +22,11 @@ const LEAST_HZ: u64 = 40;
 
 /// Drives at 50 Hz all along: in every slice on the wire, and by the command that was given.
 fn drives_on_while_hidden(duration: Duration) -> Result<()> {
-    let story = Story::spinning()?;
-    story.bench.hide(&story.page)?;
+    let scenario = Scenario::spinning()?;
+    scenario.bench.hide(&scenario.page)?;
     let hidden = now_us();
     thread::sleep(duration);
-    let drives = story.since(hidden)?.drives();
+    let drives = scenario.since(hidden)?.drives();
     let asked = |frame: &Frame| frame.drive_setpoint() == Some(100);
     assert!(drives.frames.iter().all(asked), "{drives}");
     let slices = duration.as_secs() / SLICE.as_secs();
@@ -41,11 +41,11 @@ fn drives_on_while_hidden(duration: Duration) -> Result<()> {
     }
     let longest = drives.gaps().unwrap();
     println!("{} frames, {longest:?}", drives.len());
-    story.page.show()?;
-    wait_for_speed(&story.page, 97..=103)?;
-    assert!(story.page.find_all("alertdialog", "Stopped")?.is_empty());
-    the_log_has_it_all(&story, 0)?;
-    assert_quiet_console(&story.page);
+    scenario.page.show()?;
+    wait_for_speed(&scenario.page, 97..=103)?;
+    assert!(scenario.page.find_all("alertdialog", "Stopped")?.is_empty());
+    the_log_has_it_all(&scenario, 0)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 

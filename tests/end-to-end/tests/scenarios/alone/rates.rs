@@ -9,7 +9,7 @@
 
 use std::{thread, time::Duration};
 
-use crate::fixture::{Story, assert_quiet_console, spin, wait_for_speed};
+use crate::fixture::{Scenario, assert_quiet_console, spin, wait_for_speed};
 use anyhow::Result;
 use end_to_end::{Bench, Line, Page, now_us};
 
@@ -40,16 +40,16 @@ fn the_virtual_motor_is_driven_at_500_hz_until_it_is_stopped() -> Result<()> {
 
 #[test]
 fn a_motor_on_the_wire_is_driven_at_500_hz_until_it_is_stopped() -> Result<()> {
-    let story = Story::connected(Line {
+    let scenario = Scenario::connected(Line {
         turnaround_us: 100,
         ..Line::default()
     })?;
-    let page = &story.page;
+    let page = &scenario.page;
     drive_at_500_hz(page)?;
     let from_us = now_us();
     thread::sleep(LONG);
     assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
-    let drives = story.since(from_us)?.drives();
+    let drives = scenario.since(from_us)?.drives();
     assert!(
         drives
             .frames

@@ -42,7 +42,7 @@ fn a_press_before_all_of_the_page_is_there_connects_once_it_is() -> Result<()> {
 fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> Result<()> {
     let bench = Bench::start()?;
     let page = press_early(&bench, "Help")?;
-    wait_until("the focus on the help", end_to_end::PATIENCE, || {
+    wait_until("the focus on the help", end_to_end::WAIT_MAX, || {
         let focus = page.evaluate("document.activeElement.role")?;
         Ok(if focus == "dialog" {
             Ok(())

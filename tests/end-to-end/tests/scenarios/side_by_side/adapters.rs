@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_quiet_console, number,
+    Scenario, assert_quiet_console, number,
     rules::{the_page_says, the_page_says_one_of},
     spin, wait_for_speed,
 };
@@ -19,26 +19,26 @@ use end_to_end::{Bench, Line, Usb, now_us};
 
 #[test]
 fn an_adapter_pulled_out_while_driving_comes_back_and_drives_nothing() -> Result<()> {
-    let mut story = Story::spinning()?;
-    story.adapter.unplug()?;
-    story
+    let mut scenario = Scenario::spinning()?;
+    scenario.adapter.unplug()?;
+    scenario
         .page
         .wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
     let back = now_us();
-    story.adapter.plug()?;
-    story
+    scenario.adapter.plug()?;
+    scenario
         .page
         .wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
-    story
+    scenario
         .page
         .wait_for_text("output", "Speed", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(1));
-    let drives = story.since(back)?.drives();
+    let drives = scenario.since(back)?.drives();
     assert!(drives.is_empty(), "driven by nobody's command:\n{drives}");
     // A person starts it again.
-    story.page.click("button", "+50")?;
-    wait_for_speed(&story.page, 47..=53)?;
-    assert_quiet_console(&story.page);
+    scenario.page.click("button", "+50")?;
+    wait_for_speed(&scenario.page, 47..=53)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -87,9 +87,9 @@ fn of_two_identical_adapters_the_one_with_the_chosen_motor_is_taken() -> Result<
 #[test]
 fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
     for echo in ["whole", "cut:1", "cut:4"] {
-        let story = Story::connected(Line::default().with(&["--echo", echo]))?;
-        spin(&story.page, "+100", 97..=103)?;
-        let temperature = story
+        let scenario = Scenario::connected(Line::default().with(&["--echo", echo]))?;
+        spin(&scenario.page, "+100", 97..=103)?;
+        let temperature = scenario
             .page
             .wait_for_text("output", "Temperature", |t| number(t).is_some())?;
         let celsius = number(&temperature).unwrap();
@@ -97,9 +97,9 @@ fn an_adapter_that_echoes_whole_or_cut_drives_as_well() -> Result<()> {
             (20.0..45.0).contains(&celsius),
             "{temperature} with echo {echo}"
         );
-        story.page.press("Escape")?;
-        wait_for_speed(&story.page, 0..=0)?;
-        assert_quiet_console(&story.page);
+        scenario.page.press("Escape")?;
+        wait_for_speed(&scenario.page, 0..=0)?;
+        assert_quiet_console(&scenario.page);
     }
     Ok(())
 }

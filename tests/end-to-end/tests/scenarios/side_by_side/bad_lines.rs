@@ -13,14 +13,14 @@ use std::{
 };
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console,
+    Scenario, assert_ends_braked, assert_quiet_console,
     rules::{
         nothing_but_stops_and_questions, the_log_has_it_all, the_page_says, what_is_shown_is_true,
     },
     wait_for_speed, wait_for_wire,
 };
 use anyhow::{Result, ensure};
-use end_to_end::{Line, PATIENCE, Page, now_us, retry, wait_until};
+use end_to_end::{Line, Page, WAIT_MAX, now_us, retry, wait_until};
 
 const DRIVEN_FOR: Duration = Duration::from_secs(5);
 
@@ -57,18 +57,18 @@ fn is_driven(page: &Page) -> Result<bool> {
 
 /// Presses +100 until the wire has a drive frame. Where a motor was not heard for a moment the press is
 /// refused, and a person who is told so presses again.
-fn press_until_driven(story: &Story) -> Result<u64> {
+fn press_until_driven(scenario: &Scenario) -> Result<u64> {
     retry("press +100", PRESSES_MAX, || {
         let pressed = now_us();
-        story.page.click("button", "+100")?;
+        scenario.page.click("button", "+100")?;
         let driven = wait_until("a drive frame", REFUSED_WITHIN, || {
-            let drives = story.since(pressed)?.drives();
+            let drives = scenario.since(pressed)?.drives();
             Ok((!drives.is_empty()).then_some(()).ok_or_else(String::new))
         });
         if driven.is_ok() {
             return Ok(Ok(pressed));
         }
-        the_page_says(&story.page, "has not replied, so its loop is unknown")?;
+        the_page_says(&scenario.page, "has not answered, so its loop is not known")?;
         Ok(Err("the motor had not answered".to_owned()))
     })
 }
@@ -93,11 +93,11 @@ fn drives_on(page: &Page) -> Result<Result<(), String>> {
 }
 
 /// Drives for a while and stops: what is shown is true, the stop ends braked, and the log has every frame.
-fn drives_and_stops_truly(story: &Story, pulls: usize) -> Result<()> {
-    let page = &story.page;
+fn drives_and_stops_truly(scenario: &Scenario, pulls: usize) -> Result<()> {
+    let page = &scenario.page;
     let mut pressed = 0;
     retry("drive for a while", DRIVES_MAX, || {
-        pressed = press_until_driven(story)?;
+        pressed = press_until_driven(scenario)?;
         // The title follows within a few frames of the screen.
         thread::sleep(Duration::from_secs(1));
         drives_on(page)
@@ -107,29 +107,29 @@ fn drives_and_stops_truly(story: &Story, pulls: usize) -> Result<()> {
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
     wait_for_speed(page, 0..=0)?;
     // A frame may have been on its way to the wire.
-    let wire = story.since(stopped + 100_000)?;
+    let wire = scenario.since(stopped + 100_000)?;
     ensure!(
         !wire.from_host().is_empty(),
         "the motor is not asked any more"
     );
     nothing_but_stops_and_questions(&wire)?;
-    assert_ends_braked(&story.since(pressed)?);
+    assert_ends_braked(&scenario.since(pressed)?);
     page.click("button", "Release")?;
-    story.stays_undriven(Duration::from_secs(1))?;
-    wait_until("a speed that is known", PATIENCE, || {
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    wait_until("a speed that is known", WAIT_MAX, || {
         let known = what_is_shown_is_true(page, TRUE_SPEEDS)?;
         Ok(known.then_some(()).ok_or_else(|| "none".to_owned()))
     })?;
-    the_log_has_it_all(story, pulls)?;
+    the_log_has_it_all(scenario, pulls)?;
     Ok(())
 }
 
 #[test]
 fn a_line_that_loses_and_spoils_replies_drives_on_or_says_why_not() -> Result<()> {
     let faults = ["--lose-replies", "0.15", "--corrupt-replies", "0.15"];
-    let story = Story::connected(Line::default().with(&faults))?;
-    drives_and_stops_truly(&story, 0)?;
-    assert_quiet_console(&story.page);
+    let scenario = Scenario::connected(Line::default().with(&faults))?;
+    drives_and_stops_truly(&scenario, 0)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -137,9 +137,9 @@ fn a_line_that_loses_and_spoils_replies_drives_on_or_says_why_not() -> Result<()
 #[test]
 fn a_line_that_loses_and_spoils_both_ways_shows_nothing_untrue() -> Result<()> {
     let faults = ["--loss", "0.15", "--corrupt", "0.15", "--seed", "7"];
-    let story = Story::connected(Line::default().with(&faults))?;
-    drives_and_stops_truly(&story, 0)?;
-    assert_quiet_console(&story.page);
+    let scenario = Scenario::connected(Line::default().with(&faults))?;
+    drives_and_stops_truly(&scenario, 0)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -147,9 +147,9 @@ fn a_line_that_loses_and_spoils_both_ways_shows_nothing_untrue() -> Result<()> {
 fn an_adapter_that_echoes_and_splits_every_read_drives_and_stops() -> Result<()> {
     for echo in ["whole", "cut:3"] {
         let faults = ["--echo", echo, "--split", "--latency-ms", "2"];
-        let story = Story::connected(Line::default().with(&faults))?;
-        drives_and_stops_truly(&story, 0)?;
-        assert_quiet_console(&story.page);
+        let scenario = Scenario::connected(Line::default().with(&faults))?;
+        drives_and_stops_truly(&scenario, 0)?;
+        assert_quiet_console(&scenario.page);
     }
     Ok(())
 }
@@ -166,22 +166,22 @@ fn an_adapter_that_does_all_of_it_comes_back_from_a_pull() -> Result<()> {
         "--corrupt-replies",
         "0.1",
     ];
-    let mut story = Story::connected(Line::default().with(&faults))?;
-    let pressed = press_until_driven(&story)?;
-    wait_for_wire(&story, pressed, "ten drive frames", |wire| {
+    let mut scenario = Scenario::connected(Line::default().with(&faults))?;
+    let pressed = press_until_driven(&scenario)?;
+    wait_for_wire(&scenario, pressed, "ten drive frames", |wire| {
         wire.drives().len() >= 10
     })?;
-    story.adapter.unplug()?;
-    let page = &story.page;
+    scenario.adapter.unplug()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
     let back = now_us();
-    story.adapter.plug()?;
-    let page = &story.page;
+    scenario.adapter.plug()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     thread::sleep(Duration::from_secs(1));
-    let drives = story.since(back)?.drives();
+    let drives = scenario.since(back)?.drives();
     assert!(drives.is_empty(), "driven by nobody's command:\n{drives}");
-    drives_and_stops_truly(&story, 1)?;
-    assert_quiet_console(&story.page);
+    drives_and_stops_truly(&scenario, 1)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }

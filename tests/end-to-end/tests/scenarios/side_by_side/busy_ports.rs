@@ -10,7 +10,7 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Story, assert_quiet_console, connect, number,
+    Scenario, assert_quiet_console, connect, number,
     rules::{
         it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all,
         the_motor_coasts, the_page_says,
@@ -48,71 +48,71 @@ fn a_port_that_another_program_has_says_so_and_opens_once_it_is_free() -> Result
 /// As where the node vanishes before the system says that the adapter is gone.
 #[test]
 fn a_line_whose_far_end_closes_while_driving_is_lost_and_comes_back() -> Result<()> {
-    let mut story = Story::spinning()?;
-    story.adapter.take_node()?;
-    let page = &story.page;
+    let mut scenario = Scenario::spinning()?;
+    scenario.adapter.take_node()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
     the_page_says(page, "Adapter unplugged")?;
     the_page_says(page, "coasts to a standstill")?;
-    story.adapter.unplug()?;
+    scenario.adapter.unplug()?;
     let back = now_us();
-    story.adapter.plug()?;
-    let page = &story.page;
+    scenario.adapter.plug()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    nothing_moves_until_asked(&story, back)?;
-    the_log_has_it_all(&story, 1)?;
-    it_drives_again_when_asked(&story.page)?;
-    assert_quiet_console(&story.page);
+    nothing_moves_until_asked(&scenario, back)?;
+    the_log_has_it_all(&scenario, 1)?;
+    it_drives_again_when_asked(&scenario.page)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
 #[test]
 fn the_second_tab_that_wants_the_port_says_so_and_gets_it_from_the_first() -> Result<()> {
-    let mut story = Story::spinning()?;
+    let mut scenario = Scenario::spinning()?;
     let asked = now_us();
-    let second = story.bench.open("/")?;
+    let second = scenario.bench.open("/")?;
     fails(&second)?;
     the_page_says(&second, OTHER_TAB)?;
     assert_quiet_console(&second);
     // The first drives on: nobody else has spoken. On a held-up machine it may have been stopped.
-    let drives = story.since(asked)?.drives();
+    let drives = scenario.since(asked)?.drives();
     let its_own = |frame: &Frame| frame.drive_setpoint() == Some(100) || frame.is_stop();
     assert!(
         !drives.is_empty() && drives.frames.iter().all(its_own),
         "{drives}"
     );
-    let strange = story.since(asked)?.from_host();
+    let strange = scenario.since(asked)?.from_host();
     assert!(
         strange.frames.iter().all(|frame| frame.id() == Some(1)),
         "{strange}"
     );
     // While the adapter is pulled out it is waited for, and stays the first tab's.
-    story.adapter.unplug()?;
-    story.page.show()?;
+    scenario.adapter.unplug()?;
+    scenario.page.show()?;
     let waits = |text: &str| text.contains("Reconnecting");
-    story.page.wait_for_text("status", "Connection", waits)?;
-    story.adapter.plug()?;
+    scenario.page.wait_for_text("status", "Connection", waits)?;
+    scenario.adapter.plug()?;
     let back = |text: &str| text.contains("Connected");
-    story.page.wait_for_text("status", "Connection", back)?;
+    scenario.page.wait_for_text("status", "Connection", back)?;
     second.show()?;
     fails(&second)?;
     the_page_says(&second, OTHER_TAB)?;
 
-    story.page.show()?;
-    story.page.click("button", "Disconnect")?;
+    scenario.page.show()?;
+    scenario.page.click("button", "Disconnect")?;
     let gone = |text: &str| text.contains("Disconnected");
-    story.page.wait_for_text("status", "Connection", gone)?;
+    scenario.page.wait_for_text("status", "Connection", gone)?;
     second.show()?;
     connect(&second)?;
     it_drives_again_when_asked(&second)?;
     // And back, by a tab that is closed.
-    story.bench.close(second)?;
-    story.page.show()?;
-    connect(&story.page)?;
-    wait_for_speed(&story.page, 0..=0)?;
-    the_motor_coasts(&mut story)?;
-    assert_quiet_console(&story.page);
+    scenario.bench.close(second)?;
+    scenario.page.show()?;
+    connect(&scenario.page)?;
+    wait_for_speed(&scenario.page, 0..=0)?;
+    the_motor_coasts(&mut scenario)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 

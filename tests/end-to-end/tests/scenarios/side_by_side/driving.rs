@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
+    Scenario, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us, wait_until};
@@ -18,17 +18,17 @@ use end_to_end::{Bench, Line, Usb, now_us, wait_until};
 /// The main job.
 #[test]
 fn connect_press_plus_100_and_the_wheel_turns() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     assert!(page.text("status", "Connection")?.contains("1a86:7523"));
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
 
     let pressed = now_us();
     spin(page, "+100", 97..=103)?;
     page.wait_for_text("output", "Motion", |text| text.contains("Spinning CCW"))?;
     page.wait_for_text("output", "Temperature", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(2));
-    let drives = story.since(pressed)?.drives();
+    let drives = scenario.since(pressed)?.drives();
     assert!(
         drives
             .frames
@@ -47,7 +47,7 @@ fn connect_press_plus_100_and_the_wheel_turns() -> Result<()> {
     wait_for_speed(page, -103..=-97)?;
     page.wait_for_text("output", "Motion", |text| text.contains("Spinning CW"))?;
     assert!(
-        story
+        scenario
             .since(pressed)?
             .drives()
             .frames
@@ -59,22 +59,22 @@ fn connect_press_plus_100_and_the_wheel_turns() -> Result<()> {
     page.click("button", "Stop")?;
     wait_for_speed(page, 0..=0)?;
     page.wait_for_text("output", "Motion", |text| text.contains("Stationary"))?;
-    assert_ends_braked(&story.since(pressed)?);
-    story.stays_undriven(Duration::from_secs(1))?;
+    assert_ends_braked(&scenario.since(pressed)?);
+    scenario.stays_undriven(Duration::from_secs(1))?;
 
     page.click("button", "Disconnect")?;
     page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     let left = now_us();
     thread::sleep(Duration::from_millis(500));
-    assert!(story.since(left)?.is_empty());
+    assert!(scenario.since(left)?.is_empty());
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.fill("spinbutton", "Target speed", "60")?;
     page.click("button", "Start")?;
     wait_for_speed(page, 57..=63)?;
@@ -87,7 +87,7 @@ fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
     page.fill("spinbutton", "Target speed", "400")?;
     page.press("Enter")?;
     thread::sleep(Duration::from_millis(500));
-    let drives = story.since(typed)?.drives();
+    let drives = scenario.since(typed)?.drives();
     assert!(drives.len() > 5, "{drives}");
     assert!(
         drives
@@ -106,15 +106,15 @@ fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
     // A drag that outlasts the stop does not start the wheel again.
     page.click("button", "Release")?;
     page.slide("Target speed", 80.0)?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.click("tab", "Current")?;
     page.click("button", "Switch to current loop")?;
     page.wait_for_text("output", "Mode", |text| {
@@ -123,7 +123,7 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
     let pressed = now_us();
     page.click("button", "+0.5 A")?;
     wait_for_speed(page, 30..=250)?;
-    let drives = story.since(pressed)?.drives();
+    let drives = scenario.since(pressed)?.drives();
     assert_eq!(
         drives.last().and_then(end_to_end::Frame::drive_setpoint),
         Some(2_048)
@@ -131,7 +131,7 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
     let pressed = now_us();
     page.click("button", "Stop")?;
     thread::sleep(Duration::from_millis(300));
-    let drives = story.since(pressed)?.drives();
+    let drives = scenario.since(pressed)?.drives();
     assert_eq!(
         drives.last().and_then(end_to_end::Frame::drive_setpoint),
         Some(0)
@@ -145,8 +145,8 @@ fn the_current_loop_drives_and_its_stop_lets_the_wheel_coast() -> Result<()> {
 
 #[test]
 fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.click("tab", "Position")?;
     page.click("button", "Switch to position loop")?;
     page.wait_for_text("output", "Mode", |text| {
@@ -164,8 +164,8 @@ fn the_position_loop_goes_to_an_angle_and_stop_holds_it() -> Result<()> {
 
 #[test]
 fn the_position_loop_is_not_offered_to_a_turning_wheel() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     page.click("tab", "Position")?;
     let switch = page.find("button", "Switch to position loop")?;
     assert!(switch.disabled, "at 100 rpm");
@@ -179,8 +179,8 @@ fn the_position_loop_is_not_offered_to_a_turning_wheel() -> Result<()> {
 
 #[test]
 fn letters_drive_and_stop() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.press("1")?;
     wait_for_speed(page, 47..=53)?;
     page.press("b")?;
@@ -194,18 +194,18 @@ fn letters_drive_and_stop() -> Result<()> {
     // A frame may have been on its way to the wire.
     let pressed = now_us();
     wait_until("the last stop frame", Duration::from_secs(1), || {
-        let newest = story.since(pressed)?.drives();
+        let newest = scenario.since(pressed)?.drives();
         let is_over = newest
             .last()
             .is_none_or(|frame| now_us().saturating_sub(frame.at_us) > 200_000);
         Ok(is_over.then_some(()).ok_or_else(|| newest.to_string()))
     })?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     // In a text field they are letters.
     page.find("spinbutton", "Target speed")?.focus()?;
     page.press("f")?;
     page.press("2")?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     assert_quiet_console(page);
     Ok(())
 }

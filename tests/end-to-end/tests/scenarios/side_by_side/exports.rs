@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_quiet_console,
+    Scenario, assert_quiet_console,
     exports::{LOG_HEAD, Reply, TELEMETRY_HEAD, Table, hex, ms_of_day, undisturbed_replies},
     number, spin, wait_for_speed, wait_until_enabled,
 };
@@ -19,8 +19,8 @@ use end_to_end::{Frame, Line, WireLog, figures::percentile, now_us};
 use motorlink_messages::protocol::{Frame as ProtocolFrame, Reply as ProtocolReply};
 
 /// Something of everything: a drive, a stop, a loop that is switched, silence.
-fn a_busy_minute(story: &Story) -> Result<()> {
-    let page = &story.page;
+fn a_busy_minute(scenario: &Scenario) -> Result<()> {
+    let page = &scenario.page;
     spin(page, "+100", 97..=103)?;
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
@@ -37,14 +37,14 @@ fn a_busy_minute(story: &Story) -> Result<()> {
     page.click("tab", "ID Manager")?;
     page.click("button", "Scan")?;
     // Whoever is heard, or nobody where the machine is held up.
-    page.wait_for_text("status", "Scan result", |text| text.contains("found"))?;
-    disconnect(story)
+    page.wait_for_text("status", "Scan result", |text| text.contains("answer"))?;
+    disconnect(scenario)
 }
 
 /// Nothing is on the wire after this.
-fn disconnect(story: &Story) -> Result<()> {
-    story.page.click("button", "Disconnect")?;
-    story
+fn disconnect(scenario: &Scenario) -> Result<()> {
+    scenario.page.click("button", "Disconnect")?;
+    scenario
         .page
         .wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
     Ok(())
@@ -107,13 +107,13 @@ fn assert_equal(exported: &[&str], wire: &[String]) {
 }
 
 fn the_log_is_the_wire(line: Line) -> Result<()> {
-    let story = Story::connected(line)?;
-    let page = &story.page;
-    a_busy_minute(&story)?;
+    let scenario = Scenario::connected(line)?;
+    let page = &scenario.page;
+    a_busy_minute(&scenario)?;
     let file = page.download("Export CSV")?;
     let table = Table::read(&file)?;
     assert_eq!(table.head, LOG_HEAD);
-    let wire = story.adapter.wire()?;
+    let wire = scenario.adapter.wire()?;
     assert!(wire.len() > 150, "{} frames", wire.len());
     assert_same(&table, &wire)?;
 
@@ -172,15 +172,15 @@ fn an_adapter_that_echoes_adds_no_line_to_the_log() -> Result<()> {
 
 #[test]
 fn collapsed_polls_are_counted_and_exported_all_the_same() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     if !page.find("checkbox", "Collapse status polls")?.on {
         page.click("checkbox", "Collapse status polls")?;
     }
-    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
-    disconnect(&story)?;
+    page.wait_for_text("output", "Entries", |text| text.contains("hidden"))?;
+    disconnect(&scenario)?;
     let table = Table::read(&page.download("Export CSV")?)?;
-    assert_same(&table, &story.adapter.wire()?)?;
+    assert_same(&table, &scenario.adapter.wire()?)?;
     assert_quiet_console(page);
     Ok(())
 }
@@ -235,14 +235,14 @@ fn assert_rows_are_replies(table: &Table, replies: &[Reply]) -> Result<()> {
 
 #[test]
 fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
-    disconnect(&story)?;
+    disconnect(&scenario)?;
     let file = page.download("Export telemetry CSV")?;
     let table = Table::read(&file)?;
-    let replies = undisturbed_replies(&story.adapter.wire()?);
+    let replies = undisturbed_replies(&scenario.adapter.wire()?);
     assert!(replies.iter().any(|reply| reply.queried));
     assert!(replies.iter().any(|reply| !reply.queried));
     assert_rows_are_replies(&table, &replies)?;
@@ -252,8 +252,8 @@ fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
 
 #[test]
 fn a_recording_has_one_row_a_reply_from_press_to_press() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     let before = now_us();
     page.click("button", "Record telemetry")?;
     let began = now_us();
@@ -263,7 +263,7 @@ fn a_recording_has_one_row_a_reply_from_press_to_press() -> Result<()> {
     let ended = now_us();
     wait_until_enabled(page, "button", "Export telemetry CSV", true)?;
     let table = Table::read(&page.download("Export telemetry CSV")?)?;
-    let replies = undisturbed_replies(&story.adapter.wire()?);
+    let replies = undisturbed_replies(&scenario.adapter.wire()?);
     let raw = table.column("raw_hex")?;
     let is_run = |run: &[Reply]| {
         run.iter()
@@ -287,13 +287,13 @@ fn a_recording_has_one_row_a_reply_from_press_to_press() -> Result<()> {
 #[test]
 fn a_reply_that_is_lost_is_no_row() -> Result<()> {
     let line = Line::default().with(&["--loss", "0.1", "--seed", "7"]);
-    let story = Story::connected(line)?;
-    let page = &story.page;
+    let scenario = Scenario::connected(line)?;
+    let page = &scenario.page;
     page.wait_for_text("output", "Link", |text| number(text).is_some())?;
     thread::sleep(Duration::from_secs(3));
-    disconnect(&story)?;
+    disconnect(&scenario)?;
     let table = Table::read(&page.download("Export telemetry CSV")?)?;
-    let wire = story.adapter.wire()?;
+    let wire = scenario.adapter.wire()?;
     let requests = wire
         .from_host()
         .frames

@@ -5,7 +5,7 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::Result;
-use end_to_end::{Adapter, Bench, Line, PATIENCE, Page, Usb, View, now_us, wait_until};
+use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WAIT_MAX, now_us, wait_until};
 
 fn bench() -> Result<Bench> {
     Bench::serving(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures")))
@@ -60,7 +60,7 @@ fn a_page_talks_to_motors_through_ports_that_come_and_go() -> Result<()> {
     page.wait_for_text("output", "Events of the window", back)?;
     page.wait_for_text("output", "Ports", |text| text == "1 1a86:7523")?;
     page.click("button", "Ask from the window")?;
-    wait_until("the third question", PATIENCE, || {
+    wait_until("the third question", WAIT_MAX, || {
         let count = adapter.wire()?.from_host().len();
         Ok(if count == 3 {
             Ok(())
@@ -95,15 +95,15 @@ fn a_key_is_timed_on_the_clock_of_the_wire() -> Result<()> {
         let before_us = now_us();
         let press = page.press_timed("Escape")?;
         assert!(before_us < press.sent_us, "{press:?} {before_us}");
-        assert!(press.sent_us <= press.heard_us, "{press:?}");
-        let frame = wait_until("the frame", PATIENCE, || {
+        assert!(press.sent_us <= press.received_us, "{press:?}");
+        let frame = wait_until("the frame", WAIT_MAX, || {
             let wire = adapter.wire()?.from_host().since(before_us);
             Ok(wire.first().cloned().ok_or_else(|| "nothing".to_owned()))
         })?;
-        assert!(frame.at_us > press.heard_us, "{press:?} {frame:?}");
+        assert!(frame.at_us > press.received_us, "{press:?} {frame:?}");
         println!(
             "key heard to frame on the wire: {} us",
-            frame.at_us - press.heard_us
+            frame.at_us - press.received_us
         );
     }
     Ok(())
@@ -152,16 +152,16 @@ fn a_page_that_complains_is_heard() -> Result<()> {
     let page = bench.open("/")?;
     assert_eq!(page.console_errors(), [""; 0]);
     page.click("button", "Fail")?;
-    for complaint in [
+    for error in [
         "said by the console",
         "thrown by the page",
         "said by the worker",
         "thrown by the worker",
         "missing.json",
     ] {
-        wait_until(complaint, PATIENCE, || {
+        wait_until(error, WAIT_MAX, || {
             let errors = page.console_errors();
-            let heard = errors.iter().any(|error| error.contains(complaint));
+            let heard = errors.iter().any(|error| error.contains(error));
             Ok(if heard {
                 Ok(())
             } else {
@@ -194,8 +194,8 @@ fn a_hidden_page_is_really_hidden() -> Result<()> {
 }
 
 /// Waits until the host's last frame ends in this reason.
-fn wait_for_farewell(adapter: &Adapter, reason: u8) -> Result<()> {
-    wait_until("the page's last frame", PATIENCE, || {
+fn wait_for_last_frame(adapter: &Adapter, reason: u8) -> Result<()> {
+    wait_until("the page's last frame", WAIT_MAX, || {
         let host = adapter.wire()?.from_host();
         let said = host
             .last()
@@ -210,12 +210,12 @@ fn a_page_that_goes_has_its_last_word() -> Result<()> {
     let adapter = bench.plug(Line::default(), Usb::default())?;
 
     bench.close(page_with_open_port(&bench)?)?;
-    wait_for_farewell(&adapter, 0xaa)?;
+    wait_for_last_frame(&adapter, 0xaa)?;
 
     let page = page_with_open_port(&bench)?;
     bench.hide(&page)?;
     page.freeze()?;
-    wait_for_farewell(&adapter, 0xbb)?;
+    wait_for_last_frame(&adapter, 0xbb)?;
     bench.close(page)?;
 
     let page = page_with_open_port(&bench)?;

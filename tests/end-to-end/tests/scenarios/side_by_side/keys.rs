@@ -10,18 +10,18 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console, spin, wait_for_speed, wait_until_enabled,
+    Scenario, assert_ends_braked, assert_quiet_console, spin, wait_for_speed, wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Line, PATIENCE, now_us, wait_until};
+use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
 
 /// A browser presses a button when Space comes up.
 const AFTER_RELEASE: Duration = Duration::from_millis(500);
 
 #[test]
 fn space_on_the_button_that_reverses_stops_the_wheel() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     spin(page, "+50", 47..=53)?;
     page.find("button", "-100")?.focus()?;
     let pressed = now_us();
@@ -30,7 +30,7 @@ fn space_on_the_button_that_reverses_stops_the_wheel() -> Result<()> {
     wait_for_speed(page, 0..=0)?;
     page.release_key(" ")?;
     thread::sleep(AFTER_RELEASE);
-    let wire = story.since(pressed)?;
+    let wire = scenario.since(pressed)?;
     assert_ends_braked(&wire);
     let reverses = |rpm: i16| rpm < 0;
     let drives = wire.drives();
@@ -42,7 +42,7 @@ fn space_on_the_button_that_reverses_stops_the_wheel() -> Result<()> {
         "{drives}"
     );
     page.click("button", "Release")?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     // At a standstill the button has it.
     wait_until_enabled(page, "button", "-100", true)?;
     page.find("button", "-100")?.focus()?;
@@ -55,10 +55,10 @@ fn space_on_the_button_that_reverses_stops_the_wheel() -> Result<()> {
 /// Chromium keeps the press to the list, and tells the page of the release only.
 #[test]
 fn escape_in_an_open_list_stops_the_wheel() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     page.click("combobox", "Motor")?;
-    wait_until("the list to be open", PATIENCE, || {
+    wait_until("the list to be open", WAIT_MAX, || {
         let open = page.evaluate("document.querySelector('select:open') !== null")?;
         Ok(if open == true {
             Ok(())
@@ -70,6 +70,6 @@ fn escape_in_an_open_list_stops_the_wheel() -> Result<()> {
     page.press("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| text.contains("confirmed"))?;
     wait_for_speed(page, 0..=0)?;
-    assert_ends_braked(&story.since(pressed)?);
-    story.stays_undriven(Duration::from_secs(1))
+    assert_ends_braked(&scenario.since(pressed)?);
+    scenario.stays_undriven(Duration::from_secs(1))
 }

@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console, connect, number,
+    Scenario, assert_ends_braked, assert_quiet_console, connect, number,
     rules::{
         frames_cease, it_drives_again_when_asked, nothing_but_stops_and_questions,
         nothing_moves_until_asked, the_motor_coasts, the_page_says,
@@ -32,15 +32,15 @@ const KEEP_WORKERS: &str = "
 ";
 
 /// Opens the page anew: it starts nothing by itself, and drives when it is asked to.
-fn a_new_page_starts_nothing(story: &mut Story) -> Result<()> {
+fn a_new_page_starts_nothing(scenario: &mut Scenario) -> Result<()> {
     let opened = now_us();
-    story.page = story.bench.open("/")?;
+    scenario.page = scenario.bench.open("/")?;
     thread::sleep(Duration::from_secs(1));
-    assert!(story.since(opened)?.from_host().is_empty());
-    connect(&story.page)?;
-    nothing_moves_until_asked(story, opened)?;
-    it_drives_again_when_asked(&story.page)?;
-    assert_quiet_console(&story.page);
+    assert!(scenario.since(opened)?.from_host().is_empty());
+    connect(&scenario.page)?;
+    nothing_moves_until_asked(scenario, opened)?;
+    it_drives_again_when_asked(&scenario.page)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -52,29 +52,29 @@ fn leave_and_return(page: &Page) -> Result<()> {
 }
 
 /// What is left when a page goes without a word: its adapter and its browser, and a page that is new.
-fn loses_its_page(story: Story, how: impl FnOnce(&Bench, Page) -> Result<()>) -> Result<()> {
-    let Story {
+fn loses_its_page(scenario: Scenario, how: impl FnOnce(&Bench, Page) -> Result<()>) -> Result<()> {
+    let Scenario {
         bench,
         adapter,
         page,
-    } = story;
+    } = scenario;
     let lost = now_us();
     how(&bench, page)?;
     let page = bench.open("/")?;
-    let mut story = Story {
+    let mut scenario = Scenario {
         bench,
         adapter,
         page,
     };
-    frames_cease(&story, lost)?;
-    the_motor_coasts(&mut story)?;
-    a_new_page_starts_nothing(&mut story)
+    frames_cease(&scenario, lost)?;
+    the_motor_coasts(&mut scenario)?;
+    a_new_page_starts_nothing(&mut scenario)
 }
 
 /// A browser that writes down why it crashed does so for seconds, in which the worker lives on.
 #[test]
 fn a_crashed_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<()> {
-    loses_its_page(Story::spinning()?, |_, page| {
+    loses_its_page(Scenario::spinning()?, |_, page| {
         page.crash();
         Ok(())
     })
@@ -83,23 +83,23 @@ fn a_crashed_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<
 /// A discard fires no event.
 #[test]
 fn a_discarded_page_lets_the_wheel_coast_and_a_new_one_starts_nothing() -> Result<()> {
-    loses_its_page(Story::spinning()?, Bench::discard)
+    loses_its_page(Scenario::spinning()?, Bench::discard)
 }
 
 #[test]
 fn a_page_left_and_returned_to_has_stopped_the_wheel_and_starts_nothing() -> Result<()> {
-    let story = Story::spinning()?;
+    let scenario = Scenario::spinning()?;
     let leaving = now_us();
-    leave_and_return(&story.page)?;
-    assert_ends_braked(&story.since(leaving)?);
+    leave_and_return(&scenario.page)?;
+    assert_ends_braked(&scenario.since(leaving)?);
     // What was on its way when the page learnt of it.
-    nothing_but_stops_and_questions(&story.since(leaving + 100_000)?)?;
+    nothing_but_stops_and_questions(&scenario.since(leaving + 100_000)?)?;
     let back = now_us();
-    nothing_moves_until_asked(&story, back)?;
-    connect(&story.page)?;
-    nothing_moves_until_asked(&story, back)?;
-    it_drives_again_when_asked(&story.page)?;
-    assert_quiet_console(&story.page);
+    nothing_moves_until_asked(&scenario, back)?;
+    connect(&scenario.page)?;
+    nothing_moves_until_asked(&scenario, back)?;
+    it_drives_again_when_asked(&scenario.page)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -127,40 +127,40 @@ fn a_page_with_the_virtual_motor_comes_back_stopped() -> Result<()> {
 
 #[test]
 fn a_worker_that_is_ended_is_missed_and_the_page_says_how_to_go_on() -> Result<()> {
-    let mut story = Story::spinning()?;
-    story.page.before_load(KEEP_WORKERS)?;
-    story.page.reload()?;
-    connect(&story.page)?;
-    it_drives_again_when_asked(&story.page)?;
+    let mut scenario = Scenario::spinning()?;
+    scenario.page.before_load(KEEP_WORKERS)?;
+    scenario.page.reload()?;
+    connect(&scenario.page)?;
+    it_drives_again_when_asked(&scenario.page)?;
     let ended = now_us();
-    story.page.evaluate("window.kept[0].terminate()")?;
-    frames_cease(&story, ended)?;
-    the_motor_coasts(&mut story)?;
-    the_page_says(&story.page, "The background worker has stopped")?;
-    the_page_says(&story.page, "coasts to a standstill")?;
-    let known = number(&story.page.text("output", "Speed")?);
+    scenario.page.evaluate("window.kept[0].terminate()")?;
+    frames_cease(&scenario, ended)?;
+    the_motor_coasts(&mut scenario)?;
+    the_page_says(&scenario.page, "The background worker has stopped")?;
+    the_page_says(&scenario.page, "coasts to a standstill")?;
+    let known = number(&scenario.page.text("output", "Speed")?);
     assert_eq!(known, None, "nothing is known of the wheel any more");
     let reloading = now_us();
-    story.page.click("button", "Reload the page")?;
+    scenario.page.click("button", "Reload the page")?;
     thread::sleep(Duration::from_secs(1));
-    connect(&story.page)?;
-    nothing_moves_until_asked(&story, reloading)?;
-    it_drives_again_when_asked(&story.page)
+    connect(&scenario.page)?;
+    nothing_moves_until_asked(&scenario, reloading)?;
+    it_drives_again_when_asked(&scenario.page)
 }
 
 /// A page that hangs for longer than a dead worker is waited for has a worker all the same.
 #[test]
 fn a_page_that_hung_does_not_take_its_worker_for_dead() -> Result<()> {
-    let story = Story::spinning()?;
+    let scenario = Scenario::spinning()?;
     let hang = "const end = performance.now() + 8000; while (performance.now() < end);";
-    story
+    scenario
         .page
         .evaluate(&format!("setTimeout(() => {{ {hang} }}); 0"))?;
     thread::sleep(Duration::from_secs(9));
-    let page = &story.page;
+    let page = &scenario.page;
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
     page.click("button", "Release")?;
     assert!(page.text("status", "Connection")?.contains("Connected"));
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     it_drives_again_when_asked(page)
 }

@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console, exports::hex, wait_for_speed, wait_for_wire,
+    Scenario, assert_ends_braked, assert_quiet_console, exports::hex, wait_for_speed, wait_for_wire,
 };
 use anyhow::Result;
 use end_to_end::{Frame, Line, Page, now_us, retry};
@@ -20,10 +20,10 @@ const QUERY: &str = "01 74 00 00 00 00 00 00 00";
 /// A drive frame, 100 rpm, without its CRC, which is 4F.
 const DRIVE: &str = "01 64 00 64 00 00 00 00 00";
 
-fn in_the_editor() -> Result<Story> {
-    let story = Story::connected(Line::default())?;
-    story.page.click("tab", "Raw Hex")?;
-    Ok(story)
+fn in_the_editor() -> Result<Scenario> {
+    let scenario = Scenario::connected(Line::default())?;
+    scenario.page.click("tab", "Raw Hex")?;
+    Ok(scenario)
 }
 
 fn type_bytes(page: &Page, text: &str) -> Result<()> {
@@ -36,8 +36,8 @@ fn press_until_answered(page: &Page) -> Result<String> {
         page.click("button", "Send")?;
         // What is said of the press before is not of this one.
         thread::sleep(Duration::from_millis(500));
-        let said = |text: &str| text.contains("01 02") || text.contains("No reply");
-        let answer = page.wait_for_text("output", "Reply", said)?;
+        let said = |text: &str| text.contains("01 02") || text.contains("No answer");
+        let answer = page.wait_for_text("output", "Answer", said)?;
         Ok(if answer.contains("01 02") {
             Ok(answer)
         } else {
@@ -50,8 +50,8 @@ const PRESSES_MAX: u32 = 3;
 
 #[test]
 fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
-    let story = in_the_editor()?;
-    let page = &story.page;
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
     type_bytes(page, QUERY)?;
     page.wait_for_text("output", "Frame with CRC", |text| {
         text.contains("CRC") && text.contains("04")
@@ -59,7 +59,7 @@ fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
     let pressed = now_us();
     let answer = press_until_answered(page)?;
     // What it shows was on the wire, behind a query.
-    let wire = story.since(pressed)?;
+    let wire = scenario.since(pressed)?;
     let mut replies = wire.frames.windows(2).filter_map(|pair| {
         let queried = hex(&pair[0]) == format!("{QUERY} 04");
         queried.then(|| hex(&pair[1]))
@@ -74,16 +74,16 @@ fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
 
 #[test]
 fn a_motor_that_is_not_there_is_said_to_be_silent() -> Result<()> {
-    let story = in_the_editor()?;
-    let page = &story.page;
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
     type_bytes(page, "0x09,0x74,0,0,0,0,0,0,0")?;
     // Single digits are either half of a byte: what is wrong is said.
     assert!(page.find("button", "Send")?.disabled);
     type_bytes(page, "0x09,0x74,00,00,00,00,00,00,00")?;
     let pressed = now_us();
     page.click("button", "Send")?;
-    page.wait_for_text("output", "Reply", |text| text.contains("No reply"))?;
-    let wire = story.since(pressed)?;
+    page.wait_for_text("output", "Answer", |text| text.contains("No answer"))?;
+    let wire = scenario.since(pressed)?;
     assert_eq!(wire.of_motor(9).from_host().len(), 1, "{wire}");
     assert!(wire.of_motor(9).from_motors().is_empty(), "{wire}");
     assert_quiet_console(page);
@@ -92,18 +92,18 @@ fn a_motor_that_is_not_there_is_said_to_be_silent() -> Result<()> {
 
 #[test]
 fn ten_bytes_are_sent_as_they_are() -> Result<()> {
-    let story = in_the_editor()?;
-    let page = &story.page;
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
     type_bytes(page, &format!("{QUERY} FF"))?;
     page.wait_for_text("output", "Frame with CRC", |text| text.contains("wrong"))?;
     let pressed = now_us();
     page.click("button", "Send")?;
     agree(page)?;
-    wait_for_wire(&story, pressed, "the frame with the wrong CRC", |wire| {
+    wait_for_wire(&scenario, pressed, "the frame with the wrong CRC", |wire| {
         let wrong = |frame: &Frame| hex(frame) == format!("{QUERY} FF");
         wire.from_host().frames.iter().any(wrong)
     })?;
-    page.wait_for_text("output", "Reply", |text| text.contains("No reply"))?;
+    page.wait_for_text("output", "Answer", |text| text.contains("No answer"))?;
     assert_quiet_console(page);
     Ok(())
 }
@@ -116,8 +116,8 @@ fn agree(page: &Page) -> Result<()> {
 
 #[test]
 fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
-    let story = in_the_editor()?;
-    let page = &story.page;
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
     type_bytes(page, DRIVE)?;
     page.click("checkbox", "Repeat")?;
     page.fill("spinbutton", "Count", "0")?;
@@ -127,11 +127,14 @@ fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
     page.wait_for_text("alertdialog", "Send this frame?", |text| {
         text.contains("Space")
     })?;
-    assert!(story.since(pressed)?.drives().is_empty(), "nobody agreed");
+    assert!(
+        scenario.since(pressed)?.drives().is_empty(),
+        "nobody agreed"
+    );
     page.click("button", "Send it")?;
     wait_for_speed(page, 97..=103)?;
     // On its period: 25 frames take half a second.
-    let wire = wait_for_wire(&story, pressed, "25 drive frames", |wire| {
+    let wire = wait_for_wire(&scenario, pressed, "25 drive frames", |wire| {
         wire.drives().len() >= 25
     })?;
     let drives = wire.drives();
@@ -152,10 +155,10 @@ fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
         text.to_lowercase().contains("confirmed")
     })?;
     wait_for_speed(page, 0..=0)?;
-    assert_ends_braked(&story.since(stopped)?);
-    story.stays_undriven(Duration::from_secs(1))?;
+    assert_ends_braked(&scenario.since(stopped)?);
+    scenario.stays_undriven(Duration::from_secs(1))?;
     page.click("button", "Release")?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
 
     // It was asked once; the editor's own Stop stops the wheel too.
     page.click("button", "Send")?;
@@ -163,23 +166,23 @@ fn a_frame_that_moves_the_wheel_asks_first_and_space_stops_it() -> Result<()> {
     let stopped = now_us();
     page.click("button", "Stop")?;
     wait_for_speed(page, 0..=0)?;
-    assert_ends_braked(&story.since(stopped)?);
+    assert_ends_braked(&scenario.since(stopped)?);
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn a_frame_is_repeated_as_often_as_it_says() -> Result<()> {
-    let story = in_the_editor()?;
-    let page = &story.page;
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
     type_bytes(page, "097400000000000000")?;
     page.click("checkbox", "Repeat")?;
     page.fill("spinbutton", "Count", "7")?;
     page.fill("spinbutton", "Interval", "30")?;
     let pressed = now_us();
     page.click("button", "Send")?;
-    page.wait_for_text("output", "Reply", |text| text.contains("7 of 7"))?;
-    let sent = story.since(pressed)?.from_host().of_motor(9);
+    page.wait_for_text("output", "Answer", |text| text.contains("7 of 7"))?;
+    let sent = scenario.since(pressed)?.from_host().of_motor(9);
     assert_eq!(sent.len(), 7, "{sent}");
     assert_quiet_console(page);
     Ok(())

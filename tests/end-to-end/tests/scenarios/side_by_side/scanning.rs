@@ -10,21 +10,21 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Story, assert_quiet_console, wait_for_speed, wait_for_wire, wait_until_enabled,
+    Scenario, assert_quiet_console, wait_for_speed, wait_for_wire, wait_until_enabled,
 };
 use anyhow::{Context, Result};
-use end_to_end::{Frame, Line, PATIENCE, Page, WireLog, now_us, retry, wait_until};
+use end_to_end::{Frame, Line, Page, WAIT_MAX, WireLog, now_us, retry, wait_until};
 
 /// With the tab open in which motors are found.
-fn in_the_id_manager(line: Line) -> Result<Story> {
-    let story = Story::connected(line)?;
-    story.page.click("tab", "ID Manager")?;
-    Ok(story)
+fn in_the_id_manager(line: Line) -> Result<Scenario> {
+    let scenario = Scenario::connected(line)?;
+    scenario.page.click("tab", "ID Manager")?;
+    Ok(scenario)
 }
 
 /// On a machine that is held up replies come late, windows are long and silent addresses are asked
 /// four times.
-const SCAN_PATIENCE: Duration = Duration::from_secs(120);
+const SCAN_MAX: Duration = Duration::from_secs(120);
 
 /// Presses Full scan. Where several motors answered at once, a notice offers one, too.
 fn press_full_scan(page: &Page) -> Result<()> {
@@ -42,7 +42,7 @@ fn scan_fully(page: &Page) -> Result<()> {
 }
 
 fn wait_for_end_of_scan(page: &Page) -> Result<()> {
-    wait_until("the scan to end", SCAN_PATIENCE, || {
+    wait_until("the scan to end", SCAN_MAX, || {
         let cancel = page.find("button", "Cancel")?;
         Ok(if cancel.disabled {
             Ok(())
@@ -73,11 +73,11 @@ fn set_ids(wire: &WireLog) -> usize {
 
 #[test]
 fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
-    let story = in_the_id_manager(Line::with_motors(&[1, 42, 254]))?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(Line::with_motors(&[1, 42, 254]))?;
+    let page = &scenario.page;
     let pressed = now_us();
     scan_fully(page)?;
-    wait_until("all three motors in the list", PATIENCE, || {
+    wait_until("all three motors in the list", WAIT_MAX, || {
         let found = motors_found(page)?;
         Ok(if found == [1, 42, 254] {
             Ok(())
@@ -86,7 +86,7 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
         })
     })?;
     // Every address was asked.
-    let asked = story.since(pressed)?.from_host();
+    let asked = scenario.since(pressed)?.from_host();
     for address in 1..=254 {
         let queried = |frame: &Frame| frame.bytes[..2] == [address, 0x74];
         assert!(asked.frames.iter().any(queried), "{address} was not asked");
@@ -101,7 +101,7 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
     page.click("tab", "Velocity")?;
     page.click("button", "+50")?;
     wait_for_speed(page, 47..=53)?;
-    let drives = story.since(chosen)?.drives();
+    let drives = scenario.since(chosen)?.drives();
     assert!(
         drives.frames.iter().all(|frame| frame.id() == Some(42)),
         "{drives}"
@@ -114,14 +114,14 @@ fn a_full_scan_finds_three_motors_and_invents_none() -> Result<()> {
 fn a_scan_tells_how_far_it_is_and_ends_at_once_when_cancelled() -> Result<()> {
     // Silent addresses are waited for longer where bytes are held, so there is time to cancel.
     let line = Line::with_motors(&[1]).with(&["--latency-ms", "16"]);
-    let story = in_the_id_manager(line)?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(line)?;
+    let page = &scenario.page;
     let pressed = now_us();
     press_full_scan(page)?;
-    wait_for_wire(&story, pressed, "a scan at address 20", |wire| {
+    wait_for_wire(&scenario, pressed, "a scan at address 20", |wire| {
         !wire.of_motor(20).is_empty()
     })?;
-    wait_until("progress", PATIENCE, || {
+    wait_until("progress", WAIT_MAX, || {
         let asked = page.find("progressbar", "Scan")?.value;
         let some = asked.parse::<f64>().is_ok_and(|asked| asked > 0.0);
         Ok(if some { Ok(()) } else { Err(asked) })
@@ -130,7 +130,7 @@ fn a_scan_tells_how_far_it_is_and_ends_at_once_when_cancelled() -> Result<()> {
     wait_until_enabled(page, "button", "Full scan", true)?;
     let ended = now_us();
     // The motor that is watched is asked on; nobody else is.
-    let wire = wait_for_wire(&story, ended, "twenty more requests", |wire| {
+    let wire = wait_for_wire(&scenario, ended, "twenty more requests", |wire| {
         wire.from_host().len() >= 20
     })?;
     let host = wire.from_host();
@@ -139,19 +139,19 @@ fn a_scan_tells_how_far_it_is_and_ends_at_once_when_cancelled() -> Result<()> {
         "{host}"
     );
     // It was cut short.
-    assert!(story.since(pressed)?.of_motor(254).is_empty());
+    assert!(scenario.since(pressed)?.of_motor(254).is_empty());
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn what_is_driven_stands_before_anybody_else_is_asked() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     page.click("tab", "ID Manager")?;
     let pressed = now_us();
     press_full_scan(page)?;
-    let wire = wait_for_wire(&story, pressed, "another address to be asked", |wire| {
+    let wire = wait_for_wire(&scenario, pressed, "another address to be asked", |wire| {
         !wire.of_motor(9).is_empty()
     })?;
     let first = wire.of_motor(9).first().unwrap().at_us;
@@ -162,35 +162,37 @@ fn what_is_driven_stands_before_anybody_else_is_asked() -> Result<()> {
     assert_eq!(rpm, 0, "{before}");
     wait_for_end_of_scan(page)?;
     // A scan restores nothing.
-    let drives = story.since(first)?.drives();
+    let drives = scenario.since(first)?.drives();
     assert!(drives.is_empty(), "{drives}");
     Ok(())
 }
 
 #[test]
 fn a_scan_names_one_motor_and_tells_when_several_answer() -> Result<()> {
-    let story = in_the_id_manager(Line::with_motors(&[7]))?;
+    let scenario = in_the_id_manager(Line::with_motors(&[7]))?;
     on_a_held_up_machine(|| {
-        story.page.click("button", "Scan")?;
-        let said = story.page.wait_for_text("status", "Scan result", |text| {
-            ["found", "replied", "No motors"]
-                .iter()
-                .any(|end| text.contains(end))
-        })?;
-        Ok(if said.contains("0x07 found") {
+        scenario.page.click("button", "Scan")?;
+        let said = scenario
+            .page
+            .wait_for_text("status", "Scan result", |text| {
+                ["answers", "answered", "No motor"]
+                    .iter()
+                    .any(|end| text.contains(end))
+            })?;
+        Ok(if said.contains("0x07 answers") {
             Ok(())
         } else {
             Err(said)
         })
     })?;
-    assert_eq!(motors_found(&story.page)?, [7]);
-    drop(story);
+    assert_eq!(motors_found(&scenario.page)?, [7]);
+    drop(scenario);
 
-    let story = in_the_id_manager(Line::with_motors(&[1, 2, 3]))?;
-    story.page.click("button", "Scan")?;
+    let scenario = in_the_id_manager(Line::with_motors(&[1, 2, 3]))?;
+    scenario.page.click("button", "Scan")?;
     let said = |text: &str| text.contains("everal motors") && text.contains("Full scan");
-    story.page.wait_for_text("status", "Scan result", said)?;
-    assert_quiet_console(&story.page);
+    scenario.page.wait_for_text("status", "Scan result", said)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -199,25 +201,21 @@ fn propose_id(page: &Page, id: u8) -> Result<()> {
     page.fill("spinbutton", "New ID", &id.to_string())?;
     on_a_held_up_machine(|| {
         page.click("button", "Set ID")?;
-        wait_until(
-            &format!("an end of the scan for ID {id}"),
-            SCAN_PATIENCE,
-            || {
-                if !page.find_all("alertdialog", "Change the ID?")?.is_empty() {
-                    return Ok(Ok(Ok(())));
-                }
-                // None while the question is opening: what is behind it is out of reach.
-                let Some(status) = page.find_all("status", "Scan result")?.pop() else {
-                    return Ok(Err("a question".to_owned()));
-                };
-                let said = status.text()?;
-                Ok(if said.contains("not changed") {
-                    Ok(Err(said))
-                } else {
-                    Err(said)
-                })
-            },
-        )
+        wait_until(&format!("an end of the scan for ID {id}"), SCAN_MAX, || {
+            if !page.find_all("alertdialog", "Change the ID?")?.is_empty() {
+                return Ok(Ok(Ok(())));
+            }
+            // None while the question is opening: what is behind it is out of reach.
+            let Some(status) = page.find_all("status", "Scan result")?.pop() else {
+                return Ok(Err("a question".to_owned()));
+            };
+            let said = status.text()?;
+            Ok(if said.contains("not changed") {
+                Ok(Err(said))
+            } else {
+                Err(said)
+            })
+        })
     })
 }
 
@@ -244,21 +242,29 @@ fn on_a_held_up_machine(act: impl FnMut() -> Result<Result<(), String>>) -> Resu
 
 #[test]
 fn an_id_change_survives_reconnecting() -> Result<()> {
-    let story = in_the_id_manager(Line::default())?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(Line::default())?;
+    let page = &scenario.page;
     let pressed = now_us();
     propose_id(page, 5)?;
     let question = page.text("alertdialog", "Change the ID?")?;
-    for words in ["0x01", "0x05", "flash", "power-off"] {
+    for words in ["0x01", "0x05", "keeps", "power-off"] {
         assert!(question.contains(words), "{question}");
     }
-    assert_eq!(set_ids(&story.since(pressed)?), 0, "before a person agreed");
+    assert_eq!(
+        set_ids(&scenario.since(pressed)?),
+        0,
+        "before a person agreed"
+    );
     page.press("Escape")?;
     page.click("button", "Release")?;
-    assert_eq!(set_ids(&story.since(pressed)?), 0, "a stop is no consent");
+    assert_eq!(
+        set_ids(&scenario.since(pressed)?),
+        0,
+        "a stop is no consent"
+    );
     set_id(page, 5, "0x01 is motor 0x05 now")?;
     // Five in a row, with nothing between them, and each as the maker sends it.
-    let wire = story.since(pressed)?;
+    let wire = scenario.since(pressed)?;
     let host = wire.from_host();
     let first = host.frames.iter().position(is_set_id).unwrap();
     assert_eq!(set_ids(&wire), 5);
@@ -283,7 +289,7 @@ fn an_id_change_survives_reconnecting() -> Result<()> {
     page.click("tab", "Velocity")?;
     page.click("button", "+50")?;
     wait_for_speed(page, 47..=53)?;
-    let drives = story.since(again)?.drives();
+    let drives = scenario.since(again)?.drives();
     assert!(
         drives.frames.iter().all(|frame| frame.id() == Some(5)),
         "{drives}"
@@ -294,15 +300,15 @@ fn an_id_change_survives_reconnecting() -> Result<()> {
 
 #[test]
 fn a_motor_that_has_taken_an_id_takes_the_next_after_power_off() -> Result<()> {
-    let mut story = in_the_id_manager(Line::default())?;
-    set_id(&story.page, 5, "now has ID 0x05")?;
-    set_id(&story.page, 6, "0x05 did not change its ID")?;
-    let said = story.page.text("status", "Scan result")?;
-    assert!(said.contains("ower-cycle the motor"), "{said}");
-    story.adapter.act("power 5 off")?;
-    story.adapter.act("power 5 on")?;
-    set_id(&story.page, 6, "now has ID 0x06")?;
-    assert_quiet_console(&story.page);
+    let mut scenario = in_the_id_manager(Line::default())?;
+    set_id(&scenario.page, 5, "motor 0x05 now")?;
+    set_id(&scenario.page, 6, "0x05 kept its ID")?;
+    let said = scenario.page.text("status", "Scan result")?;
+    assert!(said.contains("power off and on"), "{said}");
+    scenario.adapter.act("power 5 off")?;
+    scenario.adapter.act("power 5 on")?;
+    set_id(&scenario.page, 6, "motor 0x06 now")?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -310,21 +316,25 @@ fn a_motor_that_has_taken_an_id_takes_the_next_after_power_off() -> Result<()> {
 #[test]
 fn a_motor_that_needs_more_frames_is_offered_them_and_takes_them() -> Result<()> {
     let line = Line::default().with(&["--set-id-frames", "8"]);
-    let story = in_the_id_manager(line)?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(line)?;
+    let page = &scenario.page;
     assert!(page.find_all("button", "Send 10 frames")?.is_empty());
     set_id(page, 5, "0x01 kept its ID")?;
     let pressed = now_us();
     page.click("button", "Send 10 frames")?;
-    page.wait_for_text_within(SCAN_PATIENCE, "alertdialog", "Change the ID?", |text| {
+    page.wait_for_text_within(SCAN_MAX, "alertdialog", "Change the ID?", |text| {
         text.contains("10 frames")
     })?;
-    assert_eq!(set_ids(&story.since(pressed)?), 0, "before a person agreed");
+    assert_eq!(
+        set_ids(&scenario.since(pressed)?),
+        0,
+        "before a person agreed"
+    );
     page.click("button", "Set ID 0x05")?;
     page.wait_for_text("status", "Scan result", |text| {
         text.contains("0x01 is motor 0x05 now")
     })?;
-    assert_eq!(set_ids(&story.since(pressed)?), 10);
+    assert_eq!(set_ids(&scenario.since(pressed)?), 10);
     assert!(page.find_all("button", "Send 10 frames")?.is_empty());
     assert_quiet_console(page);
     Ok(())
@@ -332,15 +342,15 @@ fn a_motor_that_needs_more_frames_is_offered_them_and_takes_them() -> Result<()>
 
 #[test]
 fn an_id_is_not_set_where_two_motors_would_hear_it() -> Result<()> {
-    let story = in_the_id_manager(Line::with_motors(&[1, 2]))?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
     page.fill("spinbutton", "New ID", "5")?;
     page.click("button", "Set ID")?;
-    page.wait_for_text_within(SCAN_PATIENCE, "status", "Scan result", |text| {
+    page.wait_for_text_within(SCAN_MAX, "status", "Scan result", |text| {
         text.contains("not changed") && text.contains("2 motors")
     })?;
     assert!(page.find_all("alertdialog", "Change the ID?")?.is_empty());
-    let wire = story.adapter.wire()?;
+    let wire = scenario.adapter.wire()?;
     assert_eq!(set_ids(&wire), 0, "{wire}");
     assert_quiet_console(page);
     Ok(())
@@ -348,8 +358,8 @@ fn an_id_is_not_set_where_two_motors_would_hear_it() -> Result<()> {
 
 #[test]
 fn an_id_that_no_motor_may_have_is_refused_where_it_is_typed() -> Result<()> {
-    let story = in_the_id_manager(Line::default())?;
-    let page = &story.page;
+    let scenario = in_the_id_manager(Line::default())?;
+    let page = &scenario.page;
     for (id, why) in [
         ("200", "ID query"),
         ("0", "0"),
@@ -370,7 +380,7 @@ fn an_id_that_no_motor_may_have_is_refused_where_it_is_typed() -> Result<()> {
     wait_until_enabled(page, "button", "Set ID", false)?;
     page.fill("spinbutton", "New ID", "5")?;
     wait_until_enabled(page, "button", "Set ID", true)?;
-    assert_eq!(set_ids(&story.adapter.wire()?), 0);
+    assert_eq!(set_ids(&scenario.adapter.wire()?), 0);
     assert_quiet_console(page);
     Ok(())
 }

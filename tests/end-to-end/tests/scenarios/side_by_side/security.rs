@@ -9,9 +9,9 @@
 
 use std::{fs, path::Path};
 
-use crate::fixture::{Story, assert_quiet_console, open_panel, spin};
+use crate::fixture::{Scenario, assert_quiet_console, open_panel, spin};
 use anyhow::Result;
-use end_to_end::{Line, PATIENCE, Page, wait_until};
+use end_to_end::{Line, Page, WAIT_MAX, wait_until};
 use serde_json::Value;
 
 /// Keeps what breaks the policy, from before the first line of the page.
@@ -29,18 +29,18 @@ fn broken(page: &Page) -> Result<Vec<String>> {
 }
 
 /// A page that listens, loaded anew.
-fn listening(line: Line) -> Result<Story> {
-    let story = Story::connected(line)?;
-    story.page.before_load(LISTEN)?;
-    story.page.reload()?;
-    crate::fixture::connect(&story.page)?;
-    Ok(story)
+fn listening(line: Line) -> Result<Scenario> {
+    let scenario = Scenario::connected(line)?;
+    scenario.page.before_load(LISTEN)?;
+    scenario.page.reload()?;
+    crate::fixture::connect(&scenario.page)?;
+    Ok(scenario)
 }
 
 #[test]
 fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result<()> {
-    let story = listening(Line::with_motors(&[1, 2]))?;
-    let page = &story.page;
+    let scenario = listening(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
     for tab in ["Current", "Position", "ID Manager", "Raw Hex", "Velocity"] {
         page.click("tab", tab)?;
     }
@@ -54,7 +54,7 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
     page.click("button", "Release")?;
     page.click("button", "Help")?;
     // Fetched, and put in as markup.
-    wait_until("the help", PATIENCE, || {
+    wait_until("the help", WAIT_MAX, || {
         let drawing = page.evaluate("document.querySelector('.wiring-drawing svg') !== null")?;
         Ok(if drawing == Value::Bool(true) {
             Ok(())
@@ -75,8 +75,8 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
 
 #[test]
 fn what_would_run_or_load_something_foreign_is_refused() -> Result<()> {
-    let story = listening(Line::default())?;
-    let page = &story.page;
+    let scenario = listening(Line::default())?;
+    let page = &scenario.page;
     for (act, directive) in [
         (
             "const it = document.createElement('div'); it.innerHTML = '<img src=x onerror=\"ran = 1\">'; document.body.append(it)",
@@ -107,7 +107,7 @@ fn what_would_run_or_load_something_foreign_is_refused() -> Result<()> {
         page.evaluate(&format!("(() => {{ {act} }})()"))?;
         wait_until(
             &format!("{directive} to be told of {act}"),
-            PATIENCE,
+            WAIT_MAX,
             || {
                 let broken = broken(page)?;
                 let told = broken.iter().any(|one| one.starts_with(directive));
@@ -125,8 +125,8 @@ fn what_would_run_or_load_something_foreign_is_refused() -> Result<()> {
 
 #[test]
 fn a_name_is_text_wherever_it_stands() -> Result<()> {
-    let story = listening(Line::default())?;
-    let page = &story.page;
+    let scenario = listening(Line::default())?;
+    let page = &scenario.page;
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile-name.json");
     fs::write(
         &file,

@@ -15,7 +15,7 @@ use crate::fixture::{
     open_panel, spin, wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Adapter, Bench, Frame, Line, PATIENCE, Page, Usb, WireLog, now_us, wait_until};
+use end_to_end::{Adapter, Bench, Frame, Line, Page, Usb, WAIT_MAX, WireLog, now_us, wait_until};
 
 /// What a crash may cost.
 const LOST_US_MAX: u64 = 1_000_000;
@@ -189,7 +189,7 @@ fn a_restored_session_has_its_graph() -> Result<()> {
     assert_eq!(drawn(&page)?, 0, "nothing is known yet");
     restore(&page)?;
     let waits_for_lines = || {
-        wait_until("lines in the graph", PATIENCE, || {
+        wait_until("lines in the graph", WAIT_MAX, || {
             let drawn = drawn(&page)?;
             Ok((drawn > 100).then_some(()).ok_or(drawn.to_string()))
         })

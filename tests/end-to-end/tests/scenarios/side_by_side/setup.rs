@@ -9,21 +9,23 @@
 
 use std::fs;
 
-use crate::fixture::{Story, assert_quiet_console, open_panel, wait_for_speed, wait_until_enabled};
+use crate::fixture::{
+    Scenario, assert_quiet_console, open_panel, wait_for_speed, wait_until_enabled,
+};
 use anyhow::Result;
 use end_to_end::{Download, Line, Page};
 
 /// A page on which motor 1 is `Port`, a left wheel that drives together with others, at 120 Hz.
-fn rover() -> Result<Story> {
-    let story = Story::connected(Line::with_motors(&[1, 2]))?;
-    let page = &story.page;
+fn rover() -> Result<Scenario> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
     page.fill("spinbutton", "Command rate", "120")?;
     page.click("button", "Drive together")?;
     page.fill("textbox", "Name of 0x01", "Port")?;
     page.choose("Side of 0x01", "left")?;
     page.click("checkbox", "Drive 0x01")?;
     page.fill("spinbutton", "Ramp", "300")?;
-    Ok(story)
+    Ok(scenario)
 }
 
 /// What the page shows of the setup.
@@ -47,8 +49,8 @@ fn import(page: &Page, file: &Download, wanted: &str) -> Result<String> {
 
 #[test]
 fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Result<()> {
-    let story = rover()?;
-    let page = &story.page;
+    let scenario = rover()?;
+    let page = &scenario.page;
     let mine = shown(page)?;
     open_panel(page, "Settings")?;
     let file = page.download("Export setup")?;
@@ -84,8 +86,8 @@ fn a_setup_that_was_exported_comes_back_and_a_bad_file_changes_nothing() -> Resu
 
 #[test]
 fn while_a_wheel_turns_no_setup_is_taken_in() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
     open_panel(page, "Settings")?;
     wait_until_enabled(page, "button", "Import setup", false)?;
     let why = page.find("button", "Import setup")?.description;

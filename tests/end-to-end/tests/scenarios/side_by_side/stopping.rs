@@ -10,38 +10,38 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
+    Scenario, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
 };
 use anyhow::Result;
 use end_to_end::{Line, now_us};
 
-fn in_the_current_loop() -> Result<Story> {
-    let story = Story::connected(Line::default())?;
-    story.page.click("tab", "Current")?;
-    story.page.click("button", "Switch to current loop")?;
-    story
+fn in_the_current_loop() -> Result<Scenario> {
+    let scenario = Scenario::connected(Line::default())?;
+    scenario.page.click("tab", "Current")?;
+    scenario.page.click("button", "Switch to current loop")?;
+    scenario
         .page
         .wait_for_text("output", "Mode", |t| t.to_lowercase().contains("current"))?;
-    story.page.click("button", "+0.5 A")?;
-    wait_for_speed(&story.page, 30..=250)?;
-    Ok(story)
+    scenario.page.click("button", "+0.5 A")?;
+    wait_for_speed(&scenario.page, 30..=250)?;
+    Ok(scenario)
 }
 
-fn in_the_position_loop() -> Result<Story> {
-    let story = Story::connected(Line::default())?;
-    story.page.click("tab", "Position")?;
-    story.page.click("button", "Switch to position loop")?;
-    story
+fn in_the_position_loop() -> Result<Scenario> {
+    let scenario = Scenario::connected(Line::default())?;
+    scenario.page.click("tab", "Position")?;
+    scenario.page.click("button", "Switch to position loop")?;
+    scenario
         .page
         .wait_for_text("output", "Mode", |t| t.to_lowercase().contains("position"))?;
-    story.page.click("button", "180°")?;
+    scenario.page.click("button", "180°")?;
     let there = |text: &str| number(text).is_some_and(|angle| (angle - 180.0).abs() < 3.0);
-    story.page.wait_for_text("output", "Position", there)?;
-    Ok(story)
+    scenario.page.wait_for_text("output", "Position", there)?;
+    Ok(scenario)
 }
 
-fn stops_and_stays_stopped(story: &Story, by: impl FnOnce() -> Result<()>) -> Result<()> {
-    let page = &story.page;
+fn stops_and_stays_stopped(scenario: &Scenario, by: impl FnOnce() -> Result<()>) -> Result<()> {
+    let page = &scenario.page;
     let asked = now_us();
     by()?;
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
@@ -49,41 +49,41 @@ fn stops_and_stays_stopped(story: &Story, by: impl FnOnce() -> Result<()>) -> Re
     page.wait_for_text("alertdialog", "Stopped", |text| {
         text.to_lowercase().contains("confirmed")
     })?;
-    assert_ends_braked(&story.since(asked)?);
-    story.stays_undriven(Duration::from_secs(1))?;
+    assert_ends_braked(&scenario.since(asked)?);
+    scenario.stays_undriven(Duration::from_secs(1))?;
     page.click("button", "Release")?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn the_button_space_and_escape_stop_a_turning_wheel() -> Result<()> {
-    let story = Story::spinning()?;
-    let page = &story.page;
-    stops_and_stays_stopped(&story, || page.click("button", "STOP all motors"))?;
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
+    stops_and_stays_stopped(&scenario, || page.click("button", "Stop all motors"))?;
     spin(page, "+100", 97..=103)?;
     page.evaluate("document.activeElement?.blur()")?;
-    stops_and_stays_stopped(&story, || page.press(" "))?;
+    stops_and_stays_stopped(&scenario, || page.press(" "))?;
     page.click("button", "-50")?;
     wait_for_speed(page, -53..=-47)?;
     page.find("spinbutton", "Target speed")?.focus()?;
-    stops_and_stays_stopped(&story, || page.press("Escape"))
+    stops_and_stays_stopped(&scenario, || page.press("Escape"))
 }
 
 #[test]
 fn a_stop_from_the_current_loop_brakes_in_the_velocity_loop() -> Result<()> {
-    let story = in_the_current_loop()?;
-    stops_and_stays_stopped(&story, || story.page.press("Escape"))
+    let scenario = in_the_current_loop()?;
+    stops_and_stays_stopped(&scenario, || scenario.page.press("Escape"))
 }
 
 /// Zero is "turn to 0 degrees" there, so none may be sent before the velocity loop is reported.
 #[test]
 fn a_stop_from_the_position_loop_does_not_turn_the_wheel() -> Result<()> {
-    let story = in_the_position_loop()?;
+    let scenario = in_the_position_loop()?;
     let asked = now_us();
-    stops_and_stays_stopped(&story, || story.page.press("Escape"))?;
-    let wire = story.since(asked)?;
+    stops_and_stays_stopped(&scenario, || scenario.page.press("Escape"))?;
+    let wire = scenario.since(asked)?;
     let first_stop = wire
         .drives()
         .frames
@@ -99,18 +99,18 @@ fn a_stop_from_the_position_loop_does_not_turn_the_wheel() -> Result<()> {
         .unwrap()
         .at_us;
     assert!(velocity < first_stop, "{wire}");
-    let angle = number(&story.page.text("output", "Position")?).unwrap();
+    let angle = number(&scenario.page.text("output", "Position")?).unwrap();
     assert!((angle - 180.0).abs() < 5.0, "{angle}");
     Ok(())
 }
 
 #[test]
 fn a_closed_tab_leaves_stops_as_its_last_frames() -> Result<()> {
-    let Story {
+    let Scenario {
         bench,
         adapter,
         page,
-    } = Story::spinning()?;
+    } = Scenario::spinning()?;
     let closing = now_us();
     bench.close(page)?;
     thread::sleep(Duration::from_millis(500));
@@ -132,71 +132,73 @@ fn a_closed_tab_leaves_stops_as_its_last_frames() -> Result<()> {
 
 #[test]
 fn a_reloaded_page_has_stopped_the_wheel_and_starts_nothing() -> Result<()> {
-    let story = Story::spinning()?;
+    let scenario = Scenario::spinning()?;
     let reloading = now_us();
-    story.page.reload()?;
-    assert_ends_braked(&story.since(reloading)?);
-    story.stays_undriven(Duration::from_secs(2))?;
-    crate::fixture::connect(&story.page)?;
-    story.stays_undriven(Duration::from_secs(1))?;
-    wait_for_speed(&story.page, 0..=0)
+    scenario.page.reload()?;
+    assert_ends_braked(&scenario.since(reloading)?);
+    scenario.stays_undriven(Duration::from_secs(2))?;
+    crate::fixture::connect(&scenario.page)?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    wait_for_speed(&scenario.page, 0..=0)
 }
 
 #[test]
 fn a_frozen_page_has_stopped_the_wheel() -> Result<()> {
-    let story = Story::spinning()?;
+    let scenario = Scenario::spinning()?;
     let freezing = now_us();
-    story.page.freeze()?;
+    scenario.page.freeze()?;
     thread::sleep(Duration::from_millis(1_500));
-    assert_ends_braked(&story.since(freezing)?);
-    story.stays_undriven(Duration::from_secs(1))
+    assert_ends_braked(&scenario.since(freezing)?);
+    scenario.stays_undriven(Duration::from_secs(1))
 }
 
 #[test]
 fn a_hidden_page_goes_on_driving_and_says_so_in_its_title() -> Result<()> {
-    let story = Story::spinning()?;
-    story.bench.hide(&story.page)?;
+    let scenario = Scenario::spinning()?;
+    scenario.bench.hide(&scenario.page)?;
     let hidden = now_us();
     thread::sleep(Duration::from_secs(5));
     // A hidden page's own timers would give five. How even they are is a figure of the bench.
-    let drives = story.since(hidden)?.drives();
+    let drives = scenario.since(hidden)?.drives();
     assert!(drives.len() > 150, "{} drive frames", drives.len());
-    let title = story.page.evaluate("document.title")?;
+    let title = scenario.page.evaluate("document.title")?;
     assert!(
         title
             .as_str()
             .is_some_and(|title| title.contains("100 rpm")),
         "{title}"
     );
-    story.page.show()?;
-    wait_for_speed(&story.page, 97..=103)?;
-    assert_quiet_console(&story.page);
+    scenario.page.show()?;
+    wait_for_speed(&scenario.page, 97..=103)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
 #[test]
 fn a_hidden_page_stops_where_it_was_told_to() -> Result<()> {
-    let story = Story::spinning()?;
-    story.page.click("checkbox", "Keep driving while hidden")?;
+    let scenario = Scenario::spinning()?;
+    scenario
+        .page
+        .click("checkbox", "Keep driving while hidden")?;
     let hiding = now_us();
-    story.bench.hide(&story.page)?;
+    scenario.bench.hide(&scenario.page)?;
     thread::sleep(Duration::from_secs(1));
-    assert_ends_braked(&story.since(hiding)?);
-    story.page.show()?;
-    wait_for_speed(&story.page, 0..=0)?;
-    story.stays_undriven(Duration::from_secs(1))
+    assert_ends_braked(&scenario.since(hiding)?);
+    scenario.page.show()?;
+    wait_for_speed(&scenario.page, 0..=0)?;
+    scenario.stays_undriven(Duration::from_secs(1))
 }
 
 /// A page that hangs answers no ping; the worker stops the wheel for it.
 #[test]
 fn a_hung_page_has_its_wheel_stopped_within_a_second() -> Result<()> {
-    let story = Story::spinning()?;
+    let scenario = Scenario::spinning()?;
     let hanging = now_us();
-    story.page.evaluate(
+    scenario.page.evaluate(
         "setTimeout(() => { const end = performance.now() + 3000; while (performance.now() < end); })",
     )?;
     thread::sleep(Duration::from_millis(1_600));
-    let wire = story.since(hanging)?;
+    let wire = scenario.since(hanging)?;
     assert_ends_braked(&wire);
     let first_stop = wire
         .drives()
@@ -211,18 +213,18 @@ fn a_hung_page_has_its_wheel_stopped_within_a_second() -> Result<()> {
         first_stop - hanging
     );
     thread::sleep(Duration::from_secs(2));
-    story
+    scenario
         .page
         .wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
-    story.stays_undriven(Duration::from_secs(1))
+    scenario.stays_undriven(Duration::from_secs(1))
 }
 
 /// The page hangs for 0.7 s with a press in its hands: too short for the worker to miss it, too long for a
 /// hand that is still where it was.
 #[test]
 fn an_act_that_comes_late_starts_nothing() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     let press_after = |ms: u32| {
         page.evaluate(&format!(
             "(() => {{
@@ -238,7 +240,7 @@ fn an_act_that_comes_late_starts_nothing() -> Result<()> {
     };
     press_after(700)?;
     page.wait_for_text("region", "Notices", |text| text.contains("too late"))?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     press_after(0)?;
     wait_for_speed(page, 97..=103)
 }

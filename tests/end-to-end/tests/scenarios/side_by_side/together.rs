@@ -9,14 +9,14 @@
 
 use std::{thread, time::Duration};
 
-use crate::fixture::{Story, assert_ends_braked, assert_quiet_console, wait_for_wire};
+use crate::fixture::{Scenario, assert_ends_braked, assert_quiet_console, wait_for_wire};
 use anyhow::{Context, Result};
 use end_to_end::{Line, Page, now_us};
 
 /// A rover: its left wheel is motor 1, its right wheel motor 2.
-fn rover() -> Result<Story> {
-    let story = Story::connected(Line::with_motors(&[1, 2]))?;
-    let page = &story.page;
+fn rover() -> Result<Scenario> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
     page.click("tab", "ID Manager")?;
     let scan = page.find_all("button", "Full scan")?.pop();
     scan.context("no button Full scan")?.click()?;
@@ -29,20 +29,20 @@ fn rover() -> Result<Story> {
     page.choose("Side of 0x02", "right")?;
     page.fill("spinbutton", "Group speed", "80")?;
     page.press("Enter")?;
-    Ok(story)
+    Ok(scenario)
 }
 
 /// The setpoints of these motors' last drive frames.
-fn setpoints(story: &Story, since_us: u64) -> Result<[Option<i16>; 2]> {
-    let wire = story.since(since_us)?;
+fn setpoints(scenario: &Scenario, since_us: u64) -> Result<[Option<i16>; 2]> {
+    let wire = scenario.since(since_us)?;
     Ok([1, 2].map(|id| {
         let drives = wire.of_motor(id).drives();
         drives.last().and_then(end_to_end::Frame::drive_setpoint)
     }))
 }
 
-fn wait_for_setpoints(story: &Story, since_us: u64, wanted: [i16; 2]) -> Result<()> {
-    wait_for_wire(story, since_us, &format!("{wanted:?} rpm"), |wire| {
+fn wait_for_setpoints(scenario: &Scenario, since_us: u64, wanted: [i16; 2]) -> Result<()> {
+    wait_for_wire(scenario, since_us, &format!("{wanted:?} rpm"), |wire| {
         [1, 2].iter().zip(wanted).all(|(id, wanted)| {
             let drives = wire.of_motor(*id).drives();
             drives.last().and_then(end_to_end::Frame::drive_setpoint) == Some(wanted)
@@ -51,25 +51,25 @@ fn wait_for_setpoints(story: &Story, since_us: u64, wanted: [i16; 2]) -> Result<
     Ok(())
 }
 
-fn assert_both_braked(story: &Story, since_us: u64) -> Result<()> {
+fn assert_both_braked(scenario: &Scenario, since_us: u64) -> Result<()> {
     thread::sleep(Duration::from_millis(800));
-    let wire = story.since(since_us)?;
+    let wire = scenario.since(since_us)?;
     for id in 1..=2 {
         assert_ends_braked(&wire.of_motor(id));
     }
-    story.stays_undriven(Duration::from_secs(1))
+    scenario.stays_undriven(Duration::from_secs(1))
 }
 
 #[test]
 fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()> {
-    let story = rover()?;
-    let page = &story.page;
+    let scenario = rover()?;
+    let page = &scenario.page;
     let pressed = now_us();
-    page.click("button", "Start group")?;
-    wait_for_setpoints(&story, pressed, [80, -80])?;
+    page.click("button", "Start together")?;
+    wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let pressed = now_us();
-    page.click("button", "Stop group")?;
-    assert_both_braked(&story, pressed)?;
+    page.click("button", "Stop together")?;
+    assert_both_braked(&scenario, pressed)?;
     assert_quiet_console(page);
     Ok(())
 }
@@ -78,14 +78,14 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
 /// seen turns as it does.
 #[test]
 fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
-    let story = Story::connected(Line::with_motors(&[1]))?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::with_motors(&[1]))?;
+    let page = &scenario.page;
     page.click("button", "Drive together")?;
     page.choose("Side of 0x01", "right")?;
     page.click("button", "Drive together")?;
     let pressed = now_us();
     page.click("button", "+100")?;
-    wait_for_wire(&story, pressed, "-100 rpm", |wire| {
+    wait_for_wire(&scenario, pressed, "-100 rpm", |wire| {
         let drives = wire.of_motor(1).drives();
         drives.last().and_then(end_to_end::Frame::drive_setpoint) == Some(-100)
     })?;
@@ -93,7 +93,7 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
         text.contains("+100") && text.contains("mirrored")
     })?;
     page.wait_for_text("status", "Motion", |text| text == "Spinning CW")?;
-    let drives = story.since(pressed)?.of_motor(1).drives();
+    let drives = scenario.since(pressed)?.of_motor(1).drives();
     let sent = drives.frames.iter().map(end_to_end::Frame::drive_setpoint);
     let sent: Vec<Option<i16>> = sent.collect();
     assert!(sent.iter().all(|rpm| *rpm == Some(-100)), "{sent:?}");
@@ -102,28 +102,28 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
     page.click("button", "Drive together")?;
     let side = page.find("combobox", "Side of 0x01")?;
     assert!(
-        side.disabled && side.description.contains("running"),
+        side.disabled && side.description.contains("driven"),
         "{}",
         side.description
     );
     let stopped = now_us();
     page.press("Escape")?;
     thread::sleep(Duration::from_millis(800));
-    assert_ends_braked(&story.since(stopped)?.of_motor(1));
+    assert_ends_braked(&scenario.since(stopped)?.of_motor(1));
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn when_one_wheel_loses_power_the_other_stops() -> Result<()> {
-    let mut story = rover()?;
+    let mut scenario = rover()?;
     let pressed = now_us();
-    story.page.click("button", "Start group")?;
-    wait_for_setpoints(&story, pressed, [80, -80])?;
+    scenario.page.click("button", "Start together")?;
+    wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let cut = now_us();
-    story.adapter.act("power 2 off")?;
+    scenario.adapter.act("power 2 off")?;
     thread::sleep(Duration::from_secs(1));
-    let wire = story.since(cut)?;
+    let wire = scenario.since(cut)?;
     assert_ends_braked(&wire.of_motor(1));
     let driven = wire.of_motor(1).drives();
     let last = driven.frames.iter().rfind(|frame| !frame.brakes());
@@ -134,22 +134,22 @@ fn when_one_wheel_loses_power_the_other_stops() -> Result<()> {
 
 #[test]
 fn the_pad_drives_while_a_key_is_held_and_no_longer() -> Result<()> {
-    let story = rover()?;
-    let page = &story.page;
+    let scenario = rover()?;
+    let page = &scenario.page;
     pad(page)?;
     let pressed = now_us();
     page.hold_key("ArrowUp")?;
-    wait_for_setpoints(&story, pressed, [80, -80])?;
+    wait_for_setpoints(&scenario, pressed, [80, -80])?;
     thread::sleep(Duration::from_millis(500));
     let released = now_us();
     page.release_key("ArrowUp")?;
-    assert_both_braked(&story, released)?;
+    assert_both_braked(&scenario, released)?;
 
     // A pad that is held while all is stopped starts nothing.
     pad(page)?;
     let pressed = now_us();
     page.hold_key("ArrowUp")?;
-    wait_for_setpoints(&story, pressed, [80, -80])?;
+    wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let stopped = now_us();
     page.press("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| {
@@ -157,8 +157,8 @@ fn the_pad_drives_while_a_key_is_held_and_no_longer() -> Result<()> {
     })?;
     page.click("button", "Release")?;
     page.release_key("ArrowUp")?;
-    assert_both_braked(&story, stopped)?;
-    assert_eq!(setpoints(&story, stopped)?, [Some(0), Some(0)]);
+    assert_both_braked(&scenario, stopped)?;
+    assert_eq!(setpoints(&scenario, stopped)?, [Some(0), Some(0)]);
     Ok(())
 }
 

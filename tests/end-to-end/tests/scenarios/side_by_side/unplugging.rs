@@ -10,7 +10,7 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Story, assert_quiet_console, number,
+    Scenario, assert_quiet_console, number,
     rules::{
         it_drives_again_when_asked, nothing_moves_until_asked, the_log_has_it_all, the_page_says,
         the_recording_is_intact,
@@ -21,47 +21,47 @@ use anyhow::Result;
 use end_to_end::{Frame, Line, now_us, wait_until};
 
 /// A full scan on a held-up machine.
-const SCAN_PATIENCE: Duration = Duration::from_secs(120);
+const SCAN_MAX: Duration = Duration::from_secs(120);
 
 /// Pulls the adapter out of what it does and puts it back: the page says so both times and finds the
 /// adapter by itself, nothing moves, and log and recording go on.
-fn survives_a_pull(story: &mut Story) -> Result<()> {
+fn survives_a_pull(scenario: &mut Scenario) -> Result<()> {
     let pulled_us = now_us();
-    story.adapter.unplug()?;
-    let page = &story.page;
+    scenario.adapter.unplug()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Reconnecting"))?;
     the_page_says(page, "Adapter unplugged")?;
     let back_us = now_us();
-    story.adapter.plug()?;
-    let page = &story.page;
+    scenario.adapter.plug()?;
+    let page = &scenario.page;
     page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
-    nothing_moves_until_asked(story, back_us)?;
-    let log = the_log_has_it_all(story, 1)?;
+    nothing_moves_until_asked(scenario, back_us)?;
+    let log = the_log_has_it_all(scenario, 1)?;
     let said = log.column("meaning")?.join("\n");
     for words in ["Adapter unplugged", "Adapter reconnected"] {
         assert!(said.contains(words), "the log does not say {words:?}");
     }
-    the_recording_is_intact(story, pulled_us)
+    the_recording_is_intact(scenario, pulled_us)
 }
 
-fn goes_on(story: &Story) -> Result<()> {
-    it_drives_again_when_asked(&story.page)?;
-    assert_quiet_console(&story.page);
+fn goes_on(scenario: &Scenario) -> Result<()> {
+    it_drives_again_when_asked(&scenario.page)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
 #[test]
 fn an_adapter_pulled_out_of_an_idle_page_comes_back() -> Result<()> {
-    let mut story = Story::connected(Line::default())?;
-    survives_a_pull(&mut story)?;
-    goes_on(&story)
+    let mut scenario = Scenario::connected(Line::default())?;
+    survives_a_pull(&mut scenario)?;
+    goes_on(&scenario)
 }
 
 #[test]
 fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> Result<()> {
-    let mut story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let mut scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.click("tab", "Current")?;
     page.click("button", "Switch to current loop")?;
     page.wait_for_text("output", "Mode", |text| {
@@ -70,17 +70,17 @@ fn an_adapter_pulled_out_of_the_current_loop_comes_back_and_drives_nothing() -> 
     page.click("button", "+0.5 A")?;
     wait_for_speed(page, 30..=250)?;
     // The motor was without power meanwhile, and is in the velocity loop: a current would be a speed.
-    survives_a_pull(&mut story)?;
-    story.page.wait_for_text("output", "Mode", |text| {
+    survives_a_pull(&mut scenario)?;
+    scenario.page.wait_for_text("output", "Mode", |text| {
         text.to_lowercase().contains("velocity")
     })?;
-    goes_on(&story)
+    goes_on(&scenario)
 }
 
 #[test]
 fn an_adapter_pulled_out_of_the_position_loop_comes_back_and_drives_nothing() -> Result<()> {
-    let mut story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let mut scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.click("tab", "Position")?;
     page.click("button", "Switch to position loop")?;
     page.wait_for_text("output", "Mode", |text| {
@@ -88,61 +88,61 @@ fn an_adapter_pulled_out_of_the_position_loop_comes_back_and_drives_nothing() ->
     })?;
     let pressed = now_us();
     page.click("button", "180°")?;
-    wait_for_wire(&story, pressed, "the wheel to be on its way", |wire| {
+    wait_for_wire(&scenario, pressed, "the wheel to be on its way", |wire| {
         wire.drives().len() > 5
     })?;
-    survives_a_pull(&mut story)?;
-    goes_on(&story)
+    survives_a_pull(&mut scenario)?;
+    goes_on(&scenario)
 }
 
 /// What was being stopped stays stopped: until a person releases it nothing drives.
 #[test]
 fn an_adapter_pulled_out_during_a_stop_comes_back_stopped() -> Result<()> {
-    let mut story = Story::spinning()?;
+    let mut scenario = Scenario::spinning()?;
     let pressed = now_us();
-    story.page.press("Escape")?;
-    wait_for_wire(&story, pressed, "the first brake", |wire| {
+    scenario.page.press("Escape")?;
+    wait_for_wire(&scenario, pressed, "the first brake", |wire| {
         wire.frames.iter().any(Frame::brakes)
     })?;
-    survives_a_pull(&mut story)?;
-    let page = &story.page;
+    survives_a_pull(&mut scenario)?;
+    let page = &scenario.page;
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
     page.click("button", "Release")?;
-    story.stays_undriven(Duration::from_secs(1))?;
-    goes_on(&story)
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    goes_on(&scenario)
 }
 
 #[test]
 fn an_adapter_pulled_out_during_a_scan_comes_back_and_the_scan_does_not_go_on() -> Result<()> {
     // Silent addresses are waited for longer where bytes are held, so there is time to pull.
-    let mut story = Story::connected(Line::default().with(&["--latency-ms", "16"]))?;
-    let page = &story.page;
+    let mut scenario = Scenario::connected(Line::default().with(&["--latency-ms", "16"]))?;
+    let page = &scenario.page;
     page.click("tab", "ID Manager")?;
     let pressed = now_us();
     let buttons = page.find_all("button", "Full scan")?;
     buttons.last().unwrap().click()?;
-    wait_for_wire(&story, pressed, "a scan at address 20", |wire| {
+    wait_for_wire(&scenario, pressed, "a scan at address 20", |wire| {
         !wire.of_motor(20).is_empty()
     })?;
     let pulled = now_us();
-    survives_a_pull(&mut story)?;
-    let asked = story.since(pulled)?.from_host();
+    survives_a_pull(&mut scenario)?;
+    let asked = scenario.since(pulled)?.from_host();
     let others = |frame: &&Frame| !matches!(frame.id(), Some(1 | 0xC8));
     let others = asked.frames.iter().filter(others).count();
     // Those before the page knew of the pull.
     assert!(others <= 3, "the scan went on:\n{asked}");
-    goes_on(&story)
+    goes_on(&scenario)
 }
 
 /// Whether the motor took its new ID is not known then, and nothing is sent again.
 #[test]
 fn an_adapter_pulled_out_during_an_id_change_comes_back_and_changes_nothing() -> Result<()> {
-    let mut story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let mut scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     page.click("tab", "ID Manager")?;
     page.fill("spinbutton", "New ID", "5")?;
     page.click("button", "Set ID")?;
-    wait_until("the question", SCAN_PATIENCE, || {
+    wait_until("the question", SCAN_MAX, || {
         let question = page.find_all("alertdialog", "Change the ID?")?;
         Ok(question
             .first()
@@ -151,20 +151,23 @@ fn an_adapter_pulled_out_during_an_id_change_comes_back_and_changes_nothing() ->
     })?;
     let agreed = now_us();
     page.click("button", "Set ID 0x05")?;
-    wait_for_wire(&story, agreed, "the first frame that sets the ID", |wire| {
-        wire.frames.iter().any(sets_id)
-    })?;
-    survives_a_pull(&mut story)?;
-    let sent = story.since(agreed)?;
+    wait_for_wire(
+        &scenario,
+        agreed,
+        "the first frame that sets the ID",
+        |wire| wire.frames.iter().any(sets_id),
+    )?;
+    survives_a_pull(&mut scenario)?;
+    let sent = scenario.since(agreed)?;
     let sent = sent.frames.iter().filter(|frame| sets_id(frame)).count();
     assert!(sent <= 5, "{sent} frames that set an ID");
     assert!(
-        story
+        scenario
             .page
             .find_all("alertdialog", "Change the ID?")?
             .is_empty()
     );
-    goes_on(&story)
+    goes_on(&scenario)
 }
 
 fn sets_id(frame: &Frame) -> bool {
@@ -173,13 +176,13 @@ fn sets_id(frame: &Frame) -> bool {
 
 #[test]
 fn an_adapter_pulled_out_at_500_hz_comes_back_and_drives_nothing() -> Result<()> {
-    let mut story = Story::connected(Line {
+    let mut scenario = Scenario::connected(Line {
         turnaround_us: 100,
         ..Line::default()
     })?;
-    let page = &story.page;
+    let page = &scenario.page;
     page.fill("spinbutton", "Command rate", "500")?;
     spin(page, "+100", 97..=103)?;
-    survives_a_pull(&mut story)?;
-    goes_on(&story)
+    survives_a_pull(&mut scenario)?;
+    goes_on(&scenario)
 }

@@ -11,12 +11,12 @@
 use std::{fs, path::Path, thread, time::Duration};
 
 use crate::fixture::{
-    Story, assert_quiet_console, connect, number,
+    Scenario, assert_quiet_console, connect, number,
     rules::{the_log_has_it_all, the_page_says, the_recording_is_intact, what_is_shown_is_true},
     spin, wait_for_speed,
 };
 use anyhow::{Context, Result};
-use end_to_end::{Bench, Frame, Line, PATIENCE, Page, Usb, artefacts, now_us, wait_until};
+use end_to_end::{Bench, Frame, Line, Page, Usb, WAIT_MAX, artefacts, now_us, wait_until};
 
 /// Runs before anything of ours: a message on a channel says how far the wall clock is behind from now on.
 /// One that is ahead is what a page sees of a sleep: its monotonic clock stood still.
@@ -59,14 +59,14 @@ fn age_of_speed(page: &Page) -> Result<f64> {
 }
 
 /// A wheel at +100 rpm, driven by a page whose clocks can jump.
-fn spinning(dir: &Path) -> Result<Story> {
+fn spinning(dir: &Path) -> Result<Scenario> {
     pages_with_the_clock(dir)?;
     let bench = Bench::serving(dir)?;
     let adapter = bench.plug(Line::default(), Usb::default())?;
     let page = bench.open("/")?;
     connect(&page)?;
     spin(&page, "+100", 97..=103)?;
-    Ok(Story {
+    Ok(Scenario {
         bench,
         adapter,
         page,
@@ -91,8 +91,8 @@ fn jump_back(page: &Page, ms: i64) -> Result<()> {
 #[test]
 fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
     let dir = tempfile::tempdir()?;
-    let story = spinning(dir.path())?;
-    let page = &story.page;
+    let scenario = spinning(dir.path())?;
+    let page = &scenario.page;
 
     let jumped_us = now_us();
     jump_back(page, 86_400_000)?;
@@ -106,7 +106,7 @@ fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
         let age_s = age_of_speed(page)?;
         assert!(age_s < 2.0, "a speed of now is said to be {age_s} s old");
     }
-    let drives = story.since(jumped_us)?.drives();
+    let drives = scenario.since(jumped_us)?.drives();
     let asked = |frame: &Frame| frame.drive_setpoint() == Some(100);
     if !drives.frames.iter().all(asked) {
         // A machine that is held up may lose a motor for 200 ms, whatever its clock.
@@ -116,23 +116,23 @@ fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
     }
     assert!(drives.len() > 60, "{} drive frames in 2.5 s", drives.len());
     // What falls silent grows old as ever.
-    let mut story = story;
-    story.adapter.act("mute 1 on")?;
-    wait_until("the last speed to be old", PATIENCE, || {
-        let age_s = age_of_speed(&story.page)?;
+    let mut scenario = scenario;
+    scenario.adapter.act("mute 1 on")?;
+    wait_until("the last speed to be old", WAIT_MAX, || {
+        let age_s = age_of_speed(&scenario.page)?;
         Ok(if (2.0..20.0).contains(&age_s) {
             Ok(())
         } else {
             Err(format!("{age_s} s"))
         })
     })?;
-    story.adapter.act("mute 1 off")?;
-    story.page.press("Escape")?;
-    wait_for_speed(&story.page, 0..=0)?;
+    scenario.adapter.act("mute 1 off")?;
+    scenario.page.press("Escape")?;
+    wait_for_speed(&scenario.page, 0..=0)?;
     // In order, though the wall clock is not.
-    the_log_has_it_all(&story, 0)?;
-    the_recording_is_intact(&story, jumped_us)?;
-    assert_quiet_console(&story.page);
+    the_log_has_it_all(&scenario, 0)?;
+    the_recording_is_intact(&scenario, jumped_us)?;
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
 
@@ -141,14 +141,14 @@ fn a_wall_clock_that_jumps_back_a_day_changes_nothing() -> Result<()> {
 fn a_computer_that_slept_finds_its_motors_stopped_and_says_why() -> Result<()> {
     const ASLEEP_MS: i64 = 600_000;
     let dir = tempfile::tempdir()?;
-    let story = spinning(dir.path())?;
-    let page = &story.page;
+    let scenario = spinning(dir.path())?;
+    let page = &scenario.page;
 
     let slept_us = now_us();
     jump_back(page, -ASLEEP_MS)?;
     the_page_says(page, "The computer slept; motors were stopped.")?;
     wait_for_speed(page, 0..=0)?;
-    let drives = story.since(slept_us)?.drives();
+    let drives = scenario.since(slept_us)?.drives();
     let behind_the_first_stop = drives.frames.iter().skip_while(|frame| !frame.is_stop());
     assert!(behind_the_first_stop.clone().count() > 0, "{drives}");
     for frame in behind_the_first_stop {
@@ -161,7 +161,7 @@ fn a_computer_that_slept_finds_its_motors_stopped_and_says_why() -> Result<()> {
     spin(page, "+50", 47..=53)?;
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
-    let log = the_log_has_it_all(&story, 0)?;
+    let log = the_log_has_it_all(&scenario, 0)?;
     let times = log.column("time")?;
     let last = times.last().context("an empty log")?;
     let behind = page.evaluate(&format!("Date.now() - Date.parse('{last}')"))?;

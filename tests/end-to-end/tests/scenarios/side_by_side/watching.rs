@@ -10,19 +10,19 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Story, assert_quiet_console, number, open_panel, spin, wait_for_speed, wait_until_enabled,
+    Scenario, assert_quiet_console, number, open_panel, spin, wait_for_speed, wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Line, PATIENCE, Page, wait_until};
+use end_to_end::{Line, Page, WAIT_MAX, wait_until};
 
 /// A stall takes the motor 5 s to notice and as long to forget.
-const STALL_PATIENCE: Duration = Duration::from_secs(40);
+const STALL_MAX: Duration = Duration::from_secs(40);
 
 fn tick(page: &Page, name: &str, on: bool) -> Result<()> {
     if page.find("checkbox", name)?.on != on {
         page.click("checkbox", name)?;
     }
-    wait_until(&format!("{name:?} to be {on}"), PATIENCE, || {
+    wait_until(&format!("{name:?} to be {on}"), WAIT_MAX, || {
         let is_on = page.find("checkbox", name)?.on;
         Ok(if is_on == on {
             Ok(())
@@ -39,8 +39,8 @@ fn wait_for_packets(page: &Page, wanted: impl Fn(&str) -> bool) -> Result<String
 
 #[test]
 fn the_log_shows_both_directions_in_hex_and_in_words() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     tick(page, "Collapse status polls", false)?;
     spin(page, "+100", 97..=103)?;
     let rows = wait_for_packets(page, |rows| {
@@ -54,15 +54,15 @@ fn the_log_shows_both_directions_in_hex_and_in_words() -> Result<()> {
     wait_for_packets(page, polled)?;
     tick(page, "Collapse status polls", true)?;
     wait_for_packets(page, |rows| !polled(rows))?;
-    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
+    page.wait_for_text("output", "Entries", |text| text.contains("hidden"))?;
     assert_quiet_console(page);
     Ok(())
 }
 
 #[test]
 fn the_log_is_filtered_by_text_by_motor_and_by_direction() -> Result<()> {
-    let story = Story::connected(Line::with_motors(&[1, 2]))?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
     tick(page, "Collapse status polls", false)?;
     page.choose("Motor", "0x02 · 2")?;
     wait_for_packets(page, |rows| {
@@ -80,7 +80,7 @@ fn the_log_is_filtered_by_text_by_motor_and_by_direction() -> Result<()> {
     page.wait_for_text("output", "Entries", |text| {
         number(text).is_some_and(|kept| kept > 10.0)
     })?;
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     page.find("searchbox", "Filter")?.type_over(" ")?;
     assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
     page.find("searchbox", "Filter")?.type_over("")?;
@@ -98,8 +98,8 @@ fn the_log_is_filtered_by_text_by_motor_and_by_direction() -> Result<()> {
 
 #[test]
 fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     tick(page, "Collapse status polls", false)?;
     // More than there is room for.
     page.wait_for_text("output", "Entries", |text| {
@@ -107,7 +107,7 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
     })?;
     assert!(page.find("checkbox", "Auto-scroll")?.on);
     page.find("log", "Packets")?.turn_wheel(-300.0)?;
-    wait_until("the log to let go", PATIENCE, || {
+    wait_until("the log to let go", WAIT_MAX, || {
         let on = page.find("checkbox", "Auto-scroll")?.on;
         Ok(if on {
             Err("it follows".to_owned())
@@ -117,12 +117,12 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
     })?;
     // What is read stays where it is while more comes.
     let rows = page.text("log", "Packets")?;
-    page.wait_for_text("button", "Jump to newest", |text| {
+    page.wait_for_text("button", "Back to the newest", |text| {
         number(text).is_some_and(|new| new > 20.0)
     })?;
     assert_eq!(page.text("log", "Packets")?, rows);
-    page.click("button", "Jump to newest")?;
-    wait_until("the log to follow", PATIENCE, || {
+    page.click("button", "Back to the newest")?;
+    wait_until("the log to follow", WAIT_MAX, || {
         let on = page.find("checkbox", "Auto-scroll")?.on;
         Ok(if on {
             Ok(())
@@ -137,11 +137,11 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
 
 #[test]
 fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
-    let story = Story::connected(Line::default())?;
-    let page = &story.page;
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
     spin(page, "+100", 97..=103)?;
     let graph = |page: &Page| page.find_like("img", "Speed and current");
-    let drawn = wait_until("a trace", PATIENCE, || {
+    let drawn = wait_until("a trace", WAIT_MAX, || {
         let pixels = graph(page)?.coloured_pixels()?;
         Ok(if pixels > 300 {
             Ok(pixels)
@@ -150,10 +150,10 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
         })
     })?;
     // Without its traces there is less to see, and with them it is back.
-    for trace in ["Show speed", "Show current", "Show target"] {
+    for trace in ["Show speed", "Show current", "Show goal"] {
         page.click("checkbox", trace)?;
     }
-    wait_until("an empty graph", PATIENCE, || {
+    wait_until("an empty graph", WAIT_MAX, || {
         let pixels = graph(page)?.coloured_pixels()?;
         Ok(if pixels < drawn / 2 {
             Ok(())
@@ -161,10 +161,10 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
             Err(format!("{pixels} of {drawn}"))
         })
     })?;
-    for trace in ["Show speed", "Show current", "Show target"] {
+    for trace in ["Show speed", "Show current", "Show goal"] {
         page.click("checkbox", trace)?;
     }
-    wait_until("the traces again", PATIENCE, || {
+    wait_until("the traces again", WAIT_MAX, || {
         let pixels = graph(page)?.coloured_pixels()?;
         Ok(if pixels * 2 > drawn {
             Ok(())
@@ -188,23 +188,21 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
 
 #[test]
 fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
-    let mut story = Story::spinning()?;
+    let mut scenario = Scenario::spinning()?;
     // The limit of half a second would be crossed first.
-    open_panel(&story.page, "Settings")?;
-    story.page.fill("spinbutton", "Current limit", "8")?;
-    story.page.click("button", "Settings")?;
-    story.adapter.act("block 1 on")?;
-    let page = &story.page;
-    let faults = page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {
+    open_panel(&scenario.page, "Settings")?;
+    scenario.page.fill("spinbutton", "Current limit", "8")?;
+    scenario.page.click("button", "Settings")?;
+    scenario.adapter.act("block 1 on")?;
+    let page = &scenario.page;
+    let faults = page.wait_for_text_within(STALL_MAX, "output", "Faults", |text| {
         text.to_lowercase().contains("stall")
     })?;
     assert!(faults.contains("0x08"), "{faults}");
     wait_until_enabled(page, "button", "Mark faults as seen", true)?;
-    story.adapter.act("block 1 off")?;
-    let page = &story.page;
-    page.wait_for_text_within(STALL_PATIENCE, "output", "Faults", |text| {
-        text.contains("OK")
-    })?;
+    scenario.adapter.act("block 1 off")?;
+    let page = &scenario.page;
+    page.wait_for_text_within(STALL_MAX, "output", "Faults", |text| text.contains("OK"))?;
     // It has gone, and nothing drives by that; the person has not seen it.
     let record = page.text("output", "Fault record")?;
     assert!(record.contains("stall"), "{record}");
@@ -212,7 +210,7 @@ fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
         .split_whitespace()
         .filter(|word| word.matches(':').count() == 2);
     assert_eq!(times.count(), 2, "when it came and went: {record}");
-    story.stays_undriven(Duration::from_secs(1))?;
+    scenario.stays_undriven(Duration::from_secs(1))?;
     wait_until_enabled(page, "button", "Mark faults as seen", true)?;
     page.click("button", "Mark faults as seen")?;
     wait_until_enabled(page, "button", "Mark faults as seen", false)?;
@@ -222,18 +220,18 @@ fn a_stall_is_named_and_stays_on_record_until_it_was_seen() -> Result<()> {
 
 #[test]
 fn a_hot_winding_is_named_before_and_when_it_trips() -> Result<()> {
-    let mut story = Story::connected(Line::default())?;
-    story.adapter.act("temperature 1 74")?;
+    let mut scenario = Scenario::connected(Line::default())?;
+    scenario.adapter.act("temperature 1 74")?;
     let warm = |text: &str| text.contains("74") && text.contains("warm");
-    story.page.wait_for_text("output", "Temperature", warm)?;
-    story.adapter.act("temperature 1 84")?;
+    scenario.page.wait_for_text("output", "Temperature", warm)?;
+    scenario.adapter.act("temperature 1 84")?;
     let hot = |text: &str| text.to_lowercase().contains("temperature");
-    story.page.wait_for_text("output", "Faults", hot)?;
-    story.adapter.act("temperature 1 30")?;
-    story
+    scenario.page.wait_for_text("output", "Faults", hot)?;
+    scenario.adapter.act("temperature 1 30")?;
+    scenario
         .page
         .wait_for_text("output", "Faults", |text| text.contains("OK"))?;
-    assert!(hot(&story.page.text("output", "Fault record")?));
-    assert_quiet_console(&story.page);
+    assert!(hot(&scenario.page.text("output", "Fault record")?));
+    assert_quiet_console(&scenario.page);
     Ok(())
 }
