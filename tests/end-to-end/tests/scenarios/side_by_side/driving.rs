@@ -10,7 +10,7 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed,
+    Scenario, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed, wait_for_wire,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us, wait_until};
@@ -86,9 +86,10 @@ fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
     let typed = now_us();
     page.fill("spinbutton", "Target speed", "400")?;
     page.press("Enter")?;
-    thread::sleep(Duration::from_millis(500));
-    let drives = scenario.since(typed)?.drives();
-    assert!(drives.len() > 5, "{drives}");
+    let wire = wait_for_wire(&scenario, typed, "drive frames", |wire| {
+        wire.drives().len() >= 20
+    })?;
+    let drives = wire.drives();
     assert!(
         drives
             .frames
