@@ -49,7 +49,7 @@ fn is_driven(page: &Page) -> Result<bool> {
     let said = page.evaluate("document.body.innerText")?;
     let said = said.as_str().unwrap_or_default();
     ensure!(
-        said.contains("it did not answer for 200 ms"),
+        said.contains("no reply for 200 ms"),
         "driven no more, and it does not say why: {said}"
     );
     Ok(false)
@@ -68,7 +68,7 @@ fn press_until_driven(scenario: &Scenario) -> Result<u64> {
         if driven.is_ok() {
             return Ok(Ok(pressed));
         }
-        the_page_says(&scenario.page, "has not answered, so its loop is not known")?;
+        the_page_says(&scenario.page, "has not replied, so its loop is unknown")?;
         Ok(Err("the motor had not answered".to_owned()))
     })
 }

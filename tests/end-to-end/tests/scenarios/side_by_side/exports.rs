@@ -37,7 +37,7 @@ fn a_busy_minute(scenario: &Scenario) -> Result<()> {
     page.click("tab", "ID Manager")?;
     page.click("button", "Scan")?;
     // Whoever is heard, or nobody where the machine is held up.
-    page.wait_for_text("status", "Scan result", |text| text.contains("answer"))?;
+    page.wait_for_text("status", "Scan result", |text| text.contains("found"))?;
     disconnect(scenario)
 }
 
@@ -177,7 +177,7 @@ fn collapsed_polls_are_counted_and_exported_all_the_same() -> Result<()> {
     if !page.find("checkbox", "Collapse status polls")?.on {
         page.click("checkbox", "Collapse status polls")?;
     }
-    page.wait_for_text("output", "Entries", |text| text.contains("hidden"))?;
+    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
     disconnect(&scenario)?;
     let table = Table::read(&page.download("Export CSV")?)?;
     assert_same(&table, &scenario.adapter.wire()?)?;

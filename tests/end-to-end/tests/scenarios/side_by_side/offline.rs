@@ -206,8 +206,8 @@ fn a_new_version_is_taken() -> Result<bool> {
     let other = bench.open(&format!("/{SUB_PATH}/?port=virtual"))?;
     other.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
     page.show()?;
-    page.click("button", "Take it")?;
-    notices(&page, |text| text.contains("Another tab of MotorLink"))?;
+    page.click("button", "Update")?;
+    notices(&page, |text| text.contains("Another MotorLink tab"))?;
     // A hidden tab has no accessibility tree.
     let state = other
         .evaluate("document.querySelector('.connection').dataset.state")
@@ -215,7 +215,7 @@ fn a_new_version_is_taken() -> Result<bool> {
     assert_eq!(state, Value::from("Connected"));
     bench.close(other)?;
 
-    page.click("button", "Take it")?;
+    page.click("button", "Update")?;
     wait_until("the next version", end_to_end::WAIT_MAX, || {
         // While it loads there is nobody to ask.
         let version = version(&page).unwrap_or_default();
@@ -244,7 +244,7 @@ fn where_the_page_cannot_be_installed_settings_say_why() -> Result<()> {
     open_panel(&page, "Settings")?;
     let install = page.find("button", "Install")?;
     assert!(
-        !install.disabled || install.description.contains("does not offer it"),
+        !install.disabled || install.description.contains("does not offer installation"),
         "{}",
         install.description
     );

@@ -36,8 +36,8 @@ fn press_until_answered(page: &Page) -> Result<String> {
         page.click("button", "Send")?;
         // What is said of the press before is not of this one.
         thread::sleep(Duration::from_millis(500));
-        let said = |text: &str| text.contains("01 02") || text.contains("No answer");
-        let answer = page.wait_for_text("output", "Answer", said)?;
+        let said = |text: &str| text.contains("01 02") || text.contains("No reply");
+        let answer = page.wait_for_text("output", "Reply", said)?;
         Ok(if answer.contains("01 02") {
             Ok(answer)
         } else {
@@ -82,7 +82,7 @@ fn a_motor_that_is_not_there_is_said_to_be_silent() -> Result<()> {
     type_bytes(page, "0x09,0x74,00,00,00,00,00,00,00")?;
     let pressed = now_us();
     page.click("button", "Send")?;
-    page.wait_for_text("output", "Answer", |text| text.contains("No answer"))?;
+    page.wait_for_text("output", "Reply", |text| text.contains("No reply"))?;
     let wire = scenario.since(pressed)?;
     assert_eq!(wire.of_motor(9).from_host().len(), 1, "{wire}");
     assert!(wire.of_motor(9).from_motors().is_empty(), "{wire}");
@@ -95,7 +95,7 @@ fn ten_bytes_are_sent_as_they_are() -> Result<()> {
     let scenario = in_the_editor()?;
     let page = &scenario.page;
     type_bytes(page, &format!("{QUERY} FF"))?;
-    page.wait_for_text("output", "Frame with CRC", |text| text.contains("wrong"))?;
+    page.wait_for_text("output", "Frame with CRC", |text| text.contains("bad CRC"))?;
     let pressed = now_us();
     page.click("button", "Send")?;
     agree(page)?;
@@ -103,7 +103,7 @@ fn ten_bytes_are_sent_as_they_are() -> Result<()> {
         let wrong = |frame: &Frame| hex(frame) == format!("{QUERY} FF");
         wire.from_host().frames.iter().any(wrong)
     })?;
-    page.wait_for_text("output", "Answer", |text| text.contains("No answer"))?;
+    page.wait_for_text("output", "Reply", |text| text.contains("No reply"))?;
     assert_quiet_console(page);
     Ok(())
 }
@@ -181,7 +181,7 @@ fn a_frame_is_repeated_as_often_as_it_says() -> Result<()> {
     page.fill("spinbutton", "Interval", "30")?;
     let pressed = now_us();
     page.click("button", "Send")?;
-    page.wait_for_text("output", "Answer", |text| text.contains("7 of 7"))?;
+    page.wait_for_text("output", "Reply", |text| text.contains("7 of 7"))?;
     let sent = scenario.since(pressed)?.from_host().of_motor(9);
     assert_eq!(sent.len(), 7, "{sent}");
     assert_quiet_console(page);

@@ -175,11 +175,11 @@ fn a_scan_names_one_motor_and_tells_when_several_answer() -> Result<()> {
         let said = scenario
             .page
             .wait_for_text("status", "Scan result", |text| {
-                ["answers", "answered", "No motor"]
+                ["found", "replied", "No motors"]
                     .iter()
                     .any(|end| text.contains(end))
             })?;
-        Ok(if said.contains("0x07 answers") {
+        Ok(if said.contains("0x07 found") {
             Ok(())
         } else {
             Err(said)
@@ -247,7 +247,7 @@ fn an_id_change_survives_reconnecting() -> Result<()> {
     let pressed = now_us();
     propose_id(page, 5)?;
     let question = page.text("alertdialog", "Change the ID?")?;
-    for words in ["0x01", "0x05", "keeps", "power-off"] {
+    for words in ["0x01", "0x05", "flash", "power-off"] {
         assert!(question.contains(words), "{question}");
     }
     assert_eq!(
@@ -301,13 +301,13 @@ fn an_id_change_survives_reconnecting() -> Result<()> {
 #[test]
 fn a_motor_that_has_taken_an_id_takes_the_next_after_power_off() -> Result<()> {
     let mut scenario = in_the_id_manager(Line::default())?;
-    set_id(&scenario.page, 5, "motor 0x05 now")?;
-    set_id(&scenario.page, 6, "0x05 kept its ID")?;
+    set_id(&scenario.page, 5, "now has ID 0x05")?;
+    set_id(&scenario.page, 6, "0x05 did not change its ID")?;
     let said = scenario.page.text("status", "Scan result")?;
-    assert!(said.contains("power off and on"), "{said}");
+    assert!(said.contains("ower-cycle the motor"), "{said}");
     scenario.adapter.act("power 5 off")?;
     scenario.adapter.act("power 5 on")?;
-    set_id(&scenario.page, 6, "motor 0x06 now")?;
+    set_id(&scenario.page, 6, "now has ID 0x06")?;
     assert_quiet_console(&scenario.page);
     Ok(())
 }

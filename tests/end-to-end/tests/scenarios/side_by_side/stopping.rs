@@ -61,7 +61,7 @@ fn stops_and_stays_stopped(scenario: &Scenario, by: impl FnOnce() -> Result<()>)
 fn the_button_space_and_escape_stop_a_turning_wheel() -> Result<()> {
     let scenario = Scenario::spinning()?;
     let page = &scenario.page;
-    stops_and_stays_stopped(&scenario, || page.click("button", "Stop all motors"))?;
+    stops_and_stays_stopped(&scenario, || page.click("button", "STOP all motors"))?;
     spin(page, "+100", 97..=103)?;
     page.evaluate("document.activeElement?.blur()")?;
     stops_and_stays_stopped(&scenario, || page.press(" "))?;

@@ -65,10 +65,10 @@ fn two_wheels_start_and_stop_as_one_and_the_right_one_is_mirrored() -> Result<()
     let scenario = rover()?;
     let page = &scenario.page;
     let pressed = now_us();
-    page.click("button", "Start together")?;
+    page.click("button", "Start group")?;
     wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let pressed = now_us();
-    page.click("button", "Stop together")?;
+    page.click("button", "Stop group")?;
     assert_both_braked(&scenario, pressed)?;
     assert_quiet_console(page);
     Ok(())
@@ -102,7 +102,7 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
     page.click("button", "Drive together")?;
     let side = page.find("combobox", "Side of 0x01")?;
     assert!(
-        side.disabled && side.description.contains("driven"),
+        side.disabled && side.description.contains("running"),
         "{}",
         side.description
     );
@@ -118,7 +118,7 @@ fn a_mirrored_wheel_is_asked_and_read_with_the_other_sign() -> Result<()> {
 fn when_one_wheel_loses_power_the_other_stops() -> Result<()> {
     let mut scenario = rover()?;
     let pressed = now_us();
-    scenario.page.click("button", "Start together")?;
+    scenario.page.click("button", "Start group")?;
     wait_for_setpoints(&scenario, pressed, [80, -80])?;
     let cut = now_us();
     scenario.adapter.act("power 2 off")?;

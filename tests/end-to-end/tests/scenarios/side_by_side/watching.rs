@@ -54,7 +54,7 @@ fn the_log_shows_both_directions_in_hex_and_in_words() -> Result<()> {
     wait_for_packets(page, polled)?;
     tick(page, "Collapse status polls", true)?;
     wait_for_packets(page, |rows| !polled(rows))?;
-    page.wait_for_text("output", "Entries", |text| text.contains("hidden"))?;
+    page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
     assert_quiet_console(page);
     Ok(())
 }
@@ -117,11 +117,11 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
     })?;
     // What is read stays where it is while more comes.
     let rows = page.text("log", "Packets")?;
-    page.wait_for_text("button", "Back to the newest", |text| {
+    page.wait_for_text("button", "Jump to newest", |text| {
         number(text).is_some_and(|new| new > 20.0)
     })?;
     assert_eq!(page.text("log", "Packets")?, rows);
-    page.click("button", "Back to the newest")?;
+    page.click("button", "Jump to newest")?;
     wait_until("the log to follow", WAIT_MAX, || {
         let on = page.find("checkbox", "Auto-scroll")?.on;
         Ok(if on {
@@ -150,7 +150,7 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
         })
     })?;
     // Without its traces there is less to see, and with them it is back.
-    for trace in ["Show speed", "Show current", "Show goal"] {
+    for trace in ["Show speed", "Show current", "Show target"] {
         page.click("checkbox", trace)?;
     }
     wait_until("an empty graph", WAIT_MAX, || {
@@ -161,7 +161,7 @@ fn the_graph_draws_what_the_motor_does_and_gives_its_picture() -> Result<()> {
             Err(format!("{pixels} of {drawn}"))
         })
     })?;
-    for trace in ["Show speed", "Show current", "Show goal"] {
+    for trace in ["Show speed", "Show current", "Show target"] {
         page.click("checkbox", trace)?;
     }
     wait_until("the traces again", WAIT_MAX, || {
