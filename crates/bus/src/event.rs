@@ -1,8 +1,11 @@
 //! What the bus tells.
 
-use motorlink_protocol::{AssignableId, Faults, Instant, Mode, MotorId, Reply, Rpm};
+use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm};
 
-use crate::{Crossed, IdChangeOutcome, ScanReport, Traffic};
+use crate::{
+    id_change::outcome::IdChangeOutcome, limits::Crossed, sample::Sample, scan::report::ScanReport,
+    traffic::Traffic,
+};
 
 /// Something that happened, in the order in which it happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -57,16 +60,6 @@ pub enum Event {
     StopEnded(StopReport),
     /// Ask the page whether it lives; it has to answer through [`Bus::page_answered`](crate::Bus::page_answered).
     PingPage,
-}
-
-/// One reply, when it was complete, and how long its exchange took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sample {
-    /// When its last byte was read.
-    pub at: Instant,
-    /// What it says.
-    pub reply: Reply,
 }
 
 /// Who answered the ID query.

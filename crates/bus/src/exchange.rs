@@ -1,10 +1,10 @@
 //! One request and the window of its reply.
 
-use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request};
-
-use crate::{raw::addressee, timing::SETTLE};
-use motorlink_protocol::FRAME_AIRTIME;
 use std::time::Duration;
+
+use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, MotorId, Request};
+
+use crate::{raw::frame::addressee, timing::SETTLE};
 
 /// Who has the line.
 #[derive(Clone, Copy, Debug)]

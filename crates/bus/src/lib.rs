@@ -17,56 +17,69 @@
 //! What must be done for safety is decided by pure functions from what is known, [`stop_plan`],
 //! [`check_position_switch`] and [`needs_consent`] among them; they are tested as tables.
 
-mod angles;
+mod angle_estimate;
+mod angle_filter;
+mod broadcast;
 mod bus;
 mod command;
 mod counters;
+mod dispatch;
+mod driving;
 mod event;
 mod exchange;
+mod group;
 mod id_change;
 mod in_flight;
+mod job;
 mod last_second;
 mod late_replies;
 mod limits;
+mod line_load;
 mod line_use;
 mod mode_switch;
 mod motor;
+mod next_request;
+mod packet_log;
+mod pending_transmit;
+mod probe;
 mod ramp;
 mod rate;
 mod raw;
 mod receiver;
-mod reckoning;
+mod replies;
 mod round_trip;
 mod safety;
+mod sample;
 mod scan;
 mod schedule;
+mod sending;
 mod stop;
-mod survey;
-mod temperatures;
+mod stopping;
+mod supervision;
+mod temperature_filter;
 mod timing;
-mod together;
 mod torque;
 mod traffic;
 mod watchdog;
 
 pub use bus::{Bus, Output};
-pub use command::{ACT_AGE_MAX, Command, Consent, Refusal, is_hazardous, unassignable_id};
+pub use command::{ACT_AGE_MAX, Command, Consent, Refusal};
 pub use counters::{Counters, LinkQuality};
-pub use event::{
-    Event, IdQueryOutcome, Sample, StopOutcome, StopReason, StopReport, WithdrawReason,
-};
+pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
+pub use group::setpoints::{NotTogether, Together};
+pub use id_change::outcome::{IdChangeOutcome, SetIdFrames};
 pub use in_flight::InFlight;
+pub use job::status::SurveyStatus;
 pub use limits::{Crossed, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
+pub use raw::hazard::{is_hazardous, unassignable_id};
+pub use raw::status::{IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat};
 pub use round_trip::{ROUND_TRIP_CLASSES_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
-pub use survey::{
-    IdChangeOutcome, IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat, ScanReport,
-    SetIdFrames, SurveyStatus,
-};
+pub use sample::Sample;
+pub use scan::report::ScanReport;
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
-pub use together::{NotTogether, Together};
 pub use traffic::{JunkBytes, Passed, Traffic};

@@ -4,7 +4,7 @@ use std::{fmt, time::Duration};
 
 use motorlink_protocol::{Celsius, Current, Instant, Rpm, Setpoint};
 
-use crate::Sample;
+use crate::sample::Sample;
 
 /// A wheel overshoots the speed that it is asked for by so much: one at its limit is not to be stopped
 /// for that. 5 % of the motor's own no-load speed.

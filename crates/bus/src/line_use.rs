@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_protocol::{Frame, Instant, Request};
 
 use crate::{
-    Counters,
+    counters::Counters,
     last_second::{LastSecond, OVER_US},
     rate::RateMeter,
     round_trip::RoundTripStatus,

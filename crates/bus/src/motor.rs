@@ -7,19 +7,19 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    Counters, Crossed, Limits, LinkQuality, Sample,
-    angles::Angles,
-    counters::LossMeter,
+    angle_estimate::{Hold, Reckoning},
+    angle_filter::Angles,
+    counters::{Counters, LinkQuality, LossMeter},
     late_replies::LateReplies,
-    limits::Overcurrent,
+    limits::{Crossed, Limits, Overcurrent},
     mode_switch::Switch,
     ramp::Ramped,
     rate::RateMeter,
-    reckoning::{Hold, Reckoning},
     round_trip::RoundTrip,
     safety::Known,
+    sample::Sample,
     stop::Stopping,
-    temperatures::Temperatures,
+    temperature_filter::Temperatures,
     timing::{
         DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD,
     },

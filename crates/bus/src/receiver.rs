@@ -2,7 +2,7 @@
 
 use motorlink_protocol::{FRAME_LEN, Frame, Mode, MotorId, Reply};
 
-use crate::JunkBytes;
+use crate::traffic::JunkBytes;
 
 /// Bytes kept while a reply is looked for. Twelve replies and an echo at once fit into it; what is
 /// more than that is a flood of junk, of which the oldest is let go.

@@ -5,7 +5,9 @@ use std::time::Duration;
 use motorlink_protocol::{Celsius, CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpoint};
 
 use crate::{
-    Consent, Crossed, Limits, Refusal, WithdrawReason,
+    command::{Consent, Refusal},
+    event::WithdrawReason,
+    limits::{Crossed, Limits},
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 

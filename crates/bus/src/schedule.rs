@@ -6,7 +6,7 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     motor::{Control, Motor},
-    scan::Ask,
+    probe::Ask,
     stop::Stopping,
     timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };

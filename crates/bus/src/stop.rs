@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
 
 use crate::{
-    StopOutcome, StopReason, StopReport,
+    event::{StopOutcome, StopReason, StopReport},
     safety::{StopPlan, stop_plan},
     timing::{
         SILENT_SWITCHES, STANDSTILL_REPLIES, STOP_PERIOD, STOP_WINDOW, SWITCH_FRAMES, SWITCH_PERIOD,

@@ -39,10 +39,11 @@ const SABOTAGES: [Sabotage; 20] = [
     Sabotage {
         rule: "DrivenByCommandOnly",
         what: "a stopped motor is driven on at 50 rpm",
-        file: "crates/bus/src/bus/upkeep.rs",
+        file: "crates/bus/src/stopping.rs",
         from: "                motor.control = Control::Idle;\n                let speed",
-        to: "                let fifty = Setpoint::velocity(SpeedTarget::clamped(50));
-                motor.control = Control::Driven(Driven::begin(now, fifty, None));
+        to: "                let fifty = motorlink_protocol::SpeedTarget::clamped(50);
+                let fifty = motorlink_protocol::Setpoint::velocity(fifty);
+                motor.control = Control::Driven(crate::motor::Driven::begin(now, fifty, None));
                 let speed",
     },
     Sabotage {
@@ -55,7 +56,7 @@ const SABOTAGES: [Sabotage; 20] = [
     Sabotage {
         rule: "NoMoreThanCommanded",
         what: "one rpm more is sent than was asked for",
-        file: "crates/bus/src/bus/commands.rs",
+        file: "crates/bus/src/driving.rs",
         from: "                    goal: setpoint,\n                    hold: None,",
         to: "                    goal: match setpoint {
                         Setpoint::Velocity { speed, .. } if speed.rpm() > 0 => Setpoint::velocity(
@@ -118,7 +119,7 @@ const SABOTAGES: [Sabotage; 20] = [
     Sabotage {
         rule: "GoodRepliesAreHeard",
         what: "the last byte of one chunk in 64 is dropped",
-        file: "crates/bus/src/bus/listening.rs",
+        file: "crates/bus/src/replies.rs",
         from: "        self.receiver.push(bytes);\n",
         to: "        let kept = bytes.len() - usize::from(now.as_micros() % 64 == 0);
         self.receiver.push(bytes.get(..kept).unwrap_or_default());\n",
@@ -126,28 +127,28 @@ const SABOTAGES: [Sabotage; 20] = [
     Sabotage {
         rule: "IdChangeIsProved",
         what: "an ID is set without a scan",
-        file: "crates/bus/src/bus/surveying.rs",
+        file: "crates/bus/src/id_change/control.rs",
         from: "        if self.use_proof(now)? != from {\n            return Err(Refusal::NotProvedAlone);",
         to: "        if self.use_proof(now).is_ok_and(|alone| alone != from) {\n            return Err(Refusal::NotProvedAlone);",
     },
     Sabotage {
         rule: "LogIsComplete",
         what: "a frame that the port refused is logged as sent",
-        file: "crates/bus/src/bus/speaking.rs",
+        file: "crates/bus/src/sending.rs",
         from: "self.log(at, Passed::Unsent { frame });",
         to: "self.log(at, Passed::Sent { frame, mode: None });",
     },
     Sabotage {
         rule: "ComesToRest",
         what: "the bus asks to be woken at once, again and again",
-        file: "crates/bus/src/bus/mod.rs",
+        file: "crates/bus/src/bus.rs",
         from: "next.max(now + Duration::from_micros(1))",
         to: "next.min(now + Duration::from_micros(50))",
     },
     Sabotage {
         rule: "GapWithdraws",
         what: "a gap of less than an hour stops nothing",
-        file: "crates/bus/src/bus/mod.rs",
+        file: "crates/bus/src/bus.rs",
         from: "        if self.is_active(now) {\n            self.stop_all(now, reason);",
         to: "        if self.is_active(now) && late > Duration::from_secs(3_600) {
             self.stop_all(now, reason);",
@@ -162,7 +163,7 @@ const SABOTAGES: [Sabotage; 20] = [
     Sabotage {
         rule: "HoldHolds",
         what: "a hold goes on to the old angle",
-        file: "crates/bus/src/bus/commands.rs",
+        file: "crates/bus/src/driving.rs",
         from: "            goal: Setpoint::Position(angle),\n            hold: Some(hold),\n",
         to: "            hold: None,\n",
     },

@@ -2,16 +2,16 @@
 
 use motorlink_protocol::{Instant, Layout, MotorId, Reply};
 
-use super::{
-    Bus,
-    listening::{count_line, micros},
-};
 use crate::{
-    Event, IdQueryOutcome, Passed, RawAnswer,
+    bus::Bus,
+    event::{Event, IdQueryOutcome},
     exchange::{Exchange, Purpose},
     motor::Motor,
-    raw::addressee,
+    raw::frame::addressee,
+    raw::status::RawAnswer,
     receiver::{Leftovers, Piece},
+    replies::{count_line, micros},
+    traffic::Passed,
 };
 
 /// Junk that may stand beside one clean reply to the ID query: less than half a frame is noise, more
@@ -20,7 +20,7 @@ const STRAY_BYTES_MAX: usize = 4;
 
 impl Bus {
     /// The window in which everyone could answer has passed.
-    pub(super) fn everyone_heard(
+    pub(crate) fn everyone_heard(
         &mut self,
         now: Instant,
         exchange: &Exchange,

@@ -1,38 +1,28 @@
 //! The bus itself: what goes in, what comes out, and the order in which it is handled.
 
-mod calling;
-mod commands;
-mod listening;
-mod logging;
-mod raw_frames;
-mod sharing;
-mod speaking;
-mod surveying;
-mod together;
-mod upkeep;
-
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 
 use crate::{
-    Activity, CommandRate, Counters, Event, Limits, MotorStatus, Ramp, StopReason,
+    counters::Counters,
+    event::{Event, StopReason},
     exchange::Line,
+    job::state::{Proof, Survey},
+    limits::Limits,
     line_use::LineUse,
-    motor::{Control, Motor},
-    raw::Raw,
+    motor::{Activity, Control, Motor, MotorStatus},
+    pending_transmit::HandedOut,
+    probe::Ask,
+    ramp::Ramp,
+    rate::CommandRate,
+    raw::frame::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
-    scan::Ask,
     schedule::{Errand, Pace, Turn, next_turn},
     stop::ActiveStop,
     timing::{CALL_FORGOTTEN, EARLY, JUST_FREED, LATE_CALL, SLEPT_AT_LEAST},
     watchdog::{Bark, Watchdog},
-};
-
-use self::{
-    speaking::HandedOut,
-    surveying::{Proof, Survey},
 };
 
 /// What [`Bus::poll`] wants done.
@@ -48,7 +38,7 @@ pub enum Output {
 
 /// Where the last drive frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LastDrive {
+pub(crate) enum LastDrive {
     /// A byte has come since: the line carries what it is given.
     Carried,
     /// It was sent at this moment, and no byte has come since: the adapter may still have it.
@@ -61,54 +51,54 @@ enum LastDrive {
 /// at that moment at the latest.
 #[derive(Debug)]
 pub struct Bus {
-    motors: Vec<Motor>,
-    line: Line,
-    receiver: Receiver,
+    pub(crate) motors: Vec<Motor>,
+    pub(crate) line: Line,
+    pub(crate) receiver: Receiver,
     /// Round trips of all motors on this adapter.
-    round_trip: RoundTrip,
-    rate: CommandRate,
-    ramp: Option<Ramp>,
-    limits: Limits,
+    pub(crate) round_trip: RoundTrip,
+    pub(crate) rate: CommandRate,
+    pub(crate) ramp: Option<Ramp>,
+    pub(crate) limits: Limits,
     /// The number of the last group that was driven together.
-    last_group: u32,
-    line_use: LineUse,
+    pub(crate) last_group: u32,
+    pub(crate) line_use: LineUse,
     /// Whether the last frame was a query.
-    query_was_last: bool,
-    last_drive: LastDrive,
+    pub(crate) query_was_last: bool,
+    pub(crate) last_drive: LastDrive,
     /// When a good frame came last outside its window.
-    late_heard: Option<Instant>,
+    pub(crate) late_heard: Option<Instant>,
     /// Where several motors are driven, when the line may carry a query again.
-    queries_from: Instant,
+    pub(crate) queries_from: Instant,
     /// When the last exchange ended.
-    freed_at: Instant,
+    pub(crate) freed_at: Instant,
     /// Set by Stop all motors; nothing drives until it is released.
-    halted: bool,
-    stop: Option<ActiveStop>,
-    id_query_wanted: bool,
+    pub(crate) halted: bool,
+    pub(crate) stop: Option<ActiveStop>,
+    pub(crate) id_query_wanted: bool,
     /// When the last ID query was sent whose window is spent.
-    called: Option<Instant>,
-    survey: Option<Survey>,
+    pub(crate) called: Option<Instant>,
+    pub(crate) survey: Option<Survey>,
     /// The motor that a full scan has proved to be alone.
-    proved_alone: Option<Proof>,
-    raw: Option<Raw>,
+    pub(crate) proved_alone: Option<Proof>,
+    pub(crate) raw: Option<Raw>,
     /// What happened on the line while no single motor was asked.
-    counters: Counters,
-    watchdog: Watchdog,
+    pub(crate) counters: Counters,
+    pub(crate) watchdog: Watchdog,
     /// The frame that was handed out last, until the next call says that it was taken.
-    handed_out: Option<HandedOut>,
+    pub(crate) handed_out: Option<HandedOut>,
     /// Frames in a row that the port did not take.
-    refused_in_a_row: u32,
+    pub(crate) refused_in_a_row: u32,
     /// A question or a set-ID frame that the port did not take.
-    survey_again: Option<Errand>,
+    pub(crate) survey_again: Option<Errand>,
     /// When the next call was asked for.
-    call_due: Instant,
+    pub(crate) call_due: Instant,
     /// During a stop: a motor that does not answer gets its next frame once all that answer have had this
     /// many.
-    silent_stop_round: u32,
+    pub(crate) silent_stop_round: u32,
     /// First frames of a stop to motors that do not answer, since those that do got theirs.
-    silent_firsts: u8,
+    pub(crate) silent_firsts: u8,
     /// Drained by every poll, so it holds what one input can cause: a few a motor.
-    events: VecDeque<Event>,
+    pub(crate) events: VecDeque<Event>,
 }
 
 impl Bus {
@@ -235,7 +225,7 @@ impl Bus {
     }
 
     /// What every call begins with: the last frame was taken, and the time is as it was expected.
-    pub(super) fn begin_call(&mut self, now: Instant) {
+    pub(crate) fn begin_call(&mut self, now: Instant) {
         self.settle_handed_out();
         let late = now.since(self.call_due);
         self.call_due = self.call_due.max(now);
@@ -312,12 +302,12 @@ impl Bus {
         self.events.drain(..)
     }
 
-    fn motor_mut(&mut self, id: MotorId) -> Option<&mut Motor> {
+    pub(crate) fn motor_mut(&mut self, id: MotorId) -> Option<&mut Motor> {
         self.motors.iter_mut().find(|motor| motor.id == id)
     }
 
     /// The record of this motor, new if there was none. At most 254, one an address.
-    fn watch(&mut self, now: Instant, id: MotorId) -> &mut Motor {
+    pub(crate) fn watch(&mut self, now: Instant, id: MotorId) -> &mut Motor {
         let place = self
             .motors
             .iter()

@@ -2,14 +2,17 @@
 
 use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Rpm, Setpoint};
 
-use super::Bus;
 use crate::{
-    Consent, Event, IdQueryOutcome, Limits, RawAnswer, RawStatus, Refusal, Repeat, StopReason,
+    bus::Bus,
+    command::{Consent, Refusal},
+    event::{Event, IdQueryOutcome, StopReason},
     exchange::Expects,
+    limits::Limits,
     motor::{Control, Motor},
-    raw::{Deed, Raw},
+    raw::frame::{Deed, Raw},
+    raw::hazard::unassignable_id,
+    raw::status::{RawAnswer, RawStatus, Repeat},
     safety::{Known, check_driven, check_position_switch, needs_consent},
-    unassignable_id,
 };
 
 impl Bus {
@@ -19,7 +22,7 @@ impl Bus {
         self.raw.as_ref().map(Raw::status)
     }
 
-    pub(super) fn send_raw(
+    pub(crate) fn send_raw(
         &mut self,
         now: Instant,
         frame: Frame,
@@ -94,7 +97,7 @@ impl Bus {
     }
 
     /// Sends no more of them, and stops what they may have moved.
-    pub(super) fn stop_raw(&mut self, now: Instant) {
+    pub(crate) fn stop_raw(&mut self, now: Instant) {
         let Some(raw) = &mut self.raw else {
             return;
         };
@@ -110,7 +113,7 @@ impl Bus {
     }
 
     /// While a frame that may move a wheel is being repeated, nothing else may.
-    pub(super) fn check_no_raw_hazard(&self) -> Result<(), Refusal> {
+    pub(crate) fn check_no_raw_hazard(&self) -> Result<(), Refusal> {
         if self.raw.is_some_and(|raw| raw.is_hazard_running()) {
             Err(Refusal::RawRunning)
         } else {
@@ -133,7 +136,7 @@ impl Bus {
     }
 
     /// The frame goes out: what it may do is noted.
-    pub(super) fn raw_goes_out(&mut self, now: Instant) {
+    pub(crate) fn raw_goes_out(&mut self, now: Instant) {
         let Some(raw) = &mut self.raw else {
             return;
         };
@@ -162,7 +165,7 @@ impl Bus {
         }
     }
 
-    pub(super) fn raw_answered(&mut self, answer: RawAnswer) {
+    pub(crate) fn raw_answered(&mut self, answer: RawAnswer) {
         if let Some(raw) = &mut self.raw {
             raw.answered(answer);
         }
@@ -170,7 +173,7 @@ impl Bus {
 
     /// What the ID query before a set-ID frame brought. Where the motor is not alone any more, none is
     /// sent.
-    pub(super) fn raw_checked(&mut self, outcome: IdQueryOutcome) {
+    pub(crate) fn raw_checked(&mut self, outcome: IdQueryOutcome) {
         if let Some(raw) = &mut self.raw
             && let Some(alone) = raw.to_check.take()
             && outcome != IdQueryOutcome::One(alone)
@@ -181,7 +184,7 @@ impl Bus {
 
     /// Motors that a person drives by raw frames lose them for the same reasons as any other. Those that
     /// one frame may drive lose it together.
-    pub(super) fn look_after_raw(&mut self, now: Instant) {
+    pub(crate) fn look_after_raw(&mut self, now: Instant) {
         let Some(raw) = self.raw.as_mut().filter(|raw| raw.is_hazard_running()) else {
             return;
         };
@@ -222,13 +225,13 @@ impl Bus {
     }
 
     /// Whether a set-ID frame is next, with nothing between it and the others.
-    pub(super) fn raw_has_line(&self) -> Option<Instant> {
+    pub(crate) fn raw_has_line(&self) -> Option<Instant> {
         let raw = self.raw.filter(|raw| raw.deed == Deed::SetId)?;
         raw.next_frame()
     }
 
     /// Whether a person drives this motor by raw frames, alone or with others.
-    pub(super) fn is_driven_raw(&self, id: MotorId) -> bool {
+    pub(crate) fn is_driven_raw(&self, id: MotorId) -> bool {
         self.raw
             .is_some_and(|raw| raw.is_hazard_running() && raw.may_move(id))
     }

@@ -2,9 +2,9 @@
 
 use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Rpm, Setpoint, SpeedTarget};
 
-use super::Bus;
 use crate::{
-    Event, StopOutcome, StopReason,
+    bus::Bus,
+    event::{Event, StopReason},
     mode_switch::{Progress, Switch},
     motor::{Control, Driven, Motor},
     safety::check_driven,
@@ -13,7 +13,7 @@ use crate::{
 
 impl Bus {
     /// Withdraws setpoints that may not stand, ends mode switches and stops, notices silence.
-    pub(super) fn look_after_motors(&mut self, now: Instant) {
+    pub(crate) fn look_after_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
         for motor in &mut self.motors {
             if !motor.silent && now >= motor.silent_at() {
@@ -79,39 +79,8 @@ impl Bus {
         self.end_stop(now);
     }
 
-    /// Ends the stop when each of its motors stands or has spent its window. Until then all of them
-    /// stay braked: a wheel let go while another still brakes would turn the vehicle.
-    fn end_stop(&mut self, now: Instant) {
-        let under_way = |motor: &Motor| match &motor.control {
-            Control::Stopping(stop) => !stop.over(now),
-            _ => false,
-        };
-        if self.stop.is_none() || self.motors.iter().any(under_way) {
-            return;
-        }
-        let mut outcomes = Vec::new();
-        for motor in &mut self.motors {
-            if let Control::Stopping(stop) = motor.control {
-                let confirmed = stop.confirmed();
-                motor.may_turn = !confirmed;
-                motor.control = Control::Idle;
-                let speed = motor.fresh_speed(now);
-                outcomes.push(StopOutcome {
-                    id: motor.id,
-                    confirmed,
-                    speed,
-                });
-            }
-        }
-        self.way_was_made(&outcomes);
-        if let Some(stop) = self.stop.take() {
-            self.events
-                .push_back(Event::StopEnded(stop.report(outcomes)));
-        }
-    }
-
     /// When a motor has to be looked after next.
-    pub(super) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
+    pub(crate) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
         let silent = (!motor.silent).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,

@@ -2,33 +2,21 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{AssignableId, Instant, MotorId, Request};
+use motorlink_protocol::{Instant, MotorId};
 
-use super::Bus;
 use crate::{
-    Event, IdChangeOutcome, IdQueryOutcome, Refusal, SetIdFrames, StopOutcome, StopReason,
-    SurveyStatus,
+    bus::Bus,
+    command::Refusal,
+    event::{Event, IdQueryOutcome, StopOutcome, StopReason},
     exchange::{Exchange, Expects, Line, Purpose},
-    id_change::{IdChange, Want},
+    id_change::outcome::IdChangeOutcome,
+    id_change::state::Want,
+    job::state::{Proof, Survey},
+    job::status::SurveyStatus,
     motor::{Control, Motor},
-    scan::{Ask, Look, Scan},
+    probe::Look,
     schedule::{Errand, Turn},
-    timing::PROOF_LASTS,
 };
-
-/// What has the line to itself.
-#[derive(Clone, Debug)]
-pub(super) enum Survey {
-    Scan(Box<Scan>),
-    IdChange(IdChange),
-}
-
-/// A full scan has found this motor and no other.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Proof {
-    id: MotorId,
-    at: Instant,
-}
 
 impl Bus {
     /// The scan or ID change that is under way.
@@ -44,61 +32,8 @@ impl Bus {
         })
     }
 
-    pub(super) fn begin_id_query(&mut self, now: Instant) -> Result<(), Refusal> {
-        if self.survey.is_some() {
-            return Err(Refusal::Surveying);
-        }
-        self.make_way(now);
-        self.id_query_wanted = true;
-        Ok(())
-    }
-
-    pub(super) fn begin_scan(&mut self, now: Instant) -> Result<(), Refusal> {
-        self.check_no_survey()?;
-        self.make_way(now);
-        self.proved_alone = None;
-        let heard = self.motors.iter().filter(|motor| motor.ever_heard());
-        let known: Vec<MotorId> = heard.map(|motor| motor.id).collect();
-        // What was lost before may have been a motor without power; what was not is good news.
-        let histories = self.motors.iter().map(|motor| motor.loss.known());
-        let clean_exchanges = histories
-            .filter(|(_, lost)| *lost == 0)
-            .map(|(seen, _)| seen)
-            .sum();
-        let scan = Scan::begin(now, &known, self.round_trip.clone(), clean_exchanges);
-        self.survey = Some(Survey::Scan(Box::new(scan)));
-        Ok(())
-    }
-
-    pub(super) fn begin_id_change(
-        &mut self,
-        now: Instant,
-        from: MotorId,
-        to: AssignableId,
-        frames: SetIdFrames,
-    ) -> Result<(), Refusal> {
-        self.check_no_survey()?;
-        if from == to.id() {
-            return Err(Refusal::SameId(from));
-        }
-        self.check_not_halted()?;
-        if self.use_proof(now)? != from {
-            return Err(Refusal::NotProvedAlone);
-        }
-        self.make_way(now);
-        self.survey = Some(Survey::IdChange(IdChange::begin(now, from, to, frames)));
-        Ok(())
-    }
-
-    /// The motor that is proved to be alone. A proof is used once.
-    pub(super) fn use_proof(&mut self, now: Instant) -> Result<MotorId, Refusal> {
-        let proof = self.proved_alone.take();
-        let fresh = proof.filter(|proof| now <= proof.at + PROOF_LASTS);
-        fresh.map(|proof| proof.id).ok_or(Refusal::NotProvedAlone)
-    }
-
     /// Whether nothing has or wants the line to itself.
-    pub(super) fn check_no_survey(&self) -> Result<(), Refusal> {
+    pub(crate) fn check_no_survey(&self) -> Result<(), Refusal> {
         let calling = matches!(
             self.line,
             Line::Busy(Exchange {
@@ -115,7 +50,7 @@ impl Bus {
     }
 
     /// Stops what is driven or was left turning, so that the line is free and no wheel turns unasked.
-    fn make_way(&mut self, now: Instant) {
+    pub(crate) fn make_way(&mut self, now: Instant) {
         if let Some(raw) = &mut self.raw {
             raw.stop();
         }
@@ -130,7 +65,7 @@ impl Bus {
     }
 
     /// What a survey wants of the line; `None` where there is none, or it has just ended.
-    pub(super) fn survey_turn(&mut self, now: Instant) -> Option<Turn> {
+    pub(crate) fn survey_turn(&mut self, now: Instant) -> Option<Turn> {
         let ended = match self.survey.as_mut()? {
             Survey::Scan(scan) => match scan.next(now) {
                 Some(ask) => return Some(Turn::Now(Errand::Survey(ask))),
@@ -149,7 +84,7 @@ impl Bus {
     }
 
     /// Ends whatever has the line to itself, at once.
-    pub(super) fn cancel_survey(&mut self, now: Instant) {
+    pub(crate) fn cancel_survey(&mut self, now: Instant) {
         self.survey_again = None;
         if std::mem::take(&mut self.id_query_wanted) {
             let outcome = IdQueryOutcome::Cancelled;
@@ -182,7 +117,7 @@ impl Bus {
     }
 
     /// How long a survey waits for the answer to this.
-    pub(super) fn survey_window(&self) -> Option<Duration> {
+    pub(crate) fn survey_window(&self) -> Option<Duration> {
         match self.survey.as_ref()? {
             Survey::Scan(scan) => Some(scan.window()),
             Survey::IdChange(_) => None,
@@ -190,7 +125,7 @@ impl Bus {
     }
 
     /// What an address that was asked at `sent` brought.
-    pub(super) fn survey_looked(&mut self, now: Instant, sent: Instant, id: MotorId, look: Look) {
+    pub(crate) fn survey_looked(&mut self, now: Instant, sent: Instant, id: MotorId, look: Look) {
         let found = match &mut self.survey {
             Some(Survey::Scan(scan)) => scan.looked(id, sent, look),
             Some(Survey::IdChange(change)) => {
@@ -205,7 +140,7 @@ impl Bus {
     }
 
     /// What the ID query brought; `took` is when its last byte came.
-    pub(super) fn survey_called(&mut self, outcome: IdQueryOutcome, took: Option<Duration>) {
+    pub(crate) fn survey_called(&mut self, outcome: IdQueryOutcome, took: Option<Duration>) {
         match &mut self.survey {
             Some(Survey::Scan(scan)) => {
                 scan.called(took.filter(|_| outcome != IdQueryOutcome::Nobody));
@@ -216,31 +151,23 @@ impl Bus {
     }
 
     /// A good frame came from a motor that was not asked.
-    pub(super) fn survey_heard_late(&mut self, now: Instant, id: MotorId) {
+    pub(crate) fn survey_heard_late(&mut self, now: Instant, id: MotorId) {
         if let Some(Survey::Scan(scan)) = &mut self.survey {
             scan.heard_late(now, id);
         }
     }
 
     /// Somebody spoke. Where it is another than the one that was alone, it is not alone.
-    pub(super) fn doubt_proof(&mut self, heard: u8) {
+    pub(crate) fn doubt_proof(&mut self, heard: u8) {
         self.proved_alone = self.proved_alone.filter(|proof| proof.id.get() == heard);
     }
 
     /// The stop before a survey has ended.
-    pub(super) fn way_was_made(&mut self, outcomes: &[StopOutcome]) {
+    pub(crate) fn way_was_made(&mut self, outcomes: &[StopOutcome]) {
         if let Some(Survey::IdChange(change)) = &mut self.survey
             && outcomes.iter().any(|outcome| !outcome.confirmed)
         {
             change.not_stopped();
         }
-    }
-}
-
-/// The request of a question.
-pub(super) fn request_of(ask: Ask) -> Request {
-    match ask {
-        Ask::Everyone => Request::IdQuery,
-        Ask::One(id) => Request::Query { id },
     }
 }

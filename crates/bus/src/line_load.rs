@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use motorlink_protocol::Instant;
 
-use super::Bus;
 use crate::{
-    LineStatus,
+    bus::Bus,
+    line_use::LineStatus,
     motor::{Control, Motor},
     timing::{BUSY_PER_MILLE, BUSY_QUERY_PERIOD, QUERY_PERIOD},
 };
@@ -28,13 +28,13 @@ impl Bus {
         }
     }
 
-    pub(super) fn anyone_driven(&self) -> bool {
+    pub(crate) fn anyone_driven(&self) -> bool {
         self.motors.iter().any(is_driven)
     }
 
     /// How often a motor that answers is asked: drive frames go first, so where they need much of
     /// the line there are fewer queries.
-    pub(super) fn query_period(&self) -> Duration {
+    pub(crate) fn query_period(&self) -> Duration {
         if self.drive_need() < BUSY_PER_MILLE {
             QUERY_PERIOD
         } else {
@@ -45,7 +45,7 @@ impl Bus {
     /// From one query on the line to the next, where several motors are driven: those of six motors in a
     /// row would take as long as all their drive frames, and make a gap in each. Less than an even share,
     /// so that what was held up is made up for.
-    pub(super) fn query_distance(&self) -> Duration {
+    pub(crate) fn query_distance(&self) -> Duration {
         let several = self.motors.iter().filter(|motor| is_driven(motor)).count() > 1;
         let watched = u32::try_from(self.motors.len()).unwrap_or(u32::MAX);
         if several {

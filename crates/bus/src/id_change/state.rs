@@ -7,8 +7,10 @@
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
-    IdChangeOutcome, IdQueryOutcome, SetIdFrames, SurveyStatus,
-    scan::{Ask, Look},
+    event::IdQueryOutcome,
+    id_change::outcome::{IdChangeOutcome, SetIdFrames},
+    job::status::SurveyStatus,
+    probe::{Ask, Look},
     timing::{ID_LOOK_PERIOD, ID_SETTLE, SET_ID_PERIOD},
 };
 

@@ -2,16 +2,19 @@
 
 use motorlink_protocol::{Instant, MotorId, Setpoint};
 
-use super::{Bus, commands::rests};
 use crate::{
-    Consent, Refusal, StopReason, Together,
+    bus::Bus,
+    command::{Consent, Refusal},
+    driving::rests,
+    event::StopReason,
+    group::setpoints::Together,
     motor::{Control, Motor},
     safety::check_drive,
 };
 
 impl Bus {
     /// Drives all of them, or refuses and drives none.
-    pub(super) fn drive_together(
+    pub(crate) fn drive_together(
         &mut self,
         now: Instant,
         parts: &Together,
@@ -44,7 +47,7 @@ impl Bus {
     }
 
     /// Changes the setpoints of a group that is driven.
-    pub(super) fn adjust_together(
+    pub(crate) fn adjust_together(
         &mut self,
         now: Instant,
         parts: &Together,
@@ -70,7 +73,7 @@ impl Bus {
     }
 
     /// Zero, or the brake, for a motor of a group is a stop of the group. Whether it was one.
-    pub(super) fn rests_with_its_group(
+    pub(crate) fn rests_with_its_group(
         &mut self,
         now: Instant,
         id: MotorId,
@@ -84,7 +87,7 @@ impl Bus {
     }
 
     /// Refuses what would drive one motor of a group apart from the others.
-    pub(super) fn check_alone(&self, id: MotorId) -> Result<(), Refusal> {
+    pub(crate) fn check_alone(&self, id: MotorId) -> Result<(), Refusal> {
         let motor = self.motors.iter().find(|motor| motor.id == id);
         match motor.and_then(Motor::group) {
             Some(_) => Err(Refusal::Together(id)),
@@ -106,7 +109,7 @@ impl Bus {
     }
 
     /// Adds to motors that are to be stopped those that are driven together with one of them.
-    pub(super) fn add_companions(&self, ids: &mut Vec<MotorId>) {
+    pub(crate) fn add_companions(&self, ids: &mut Vec<MotorId>) {
         let group_of = |id: &MotorId| {
             let motor = self.motors.iter().find(|motor| motor.id == *id);
             motor.and_then(Motor::group)

@@ -4,15 +4,20 @@ use std::time::Duration;
 
 use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
 
-use super::{Bus, LastDrive, surveying::Survey};
 use crate::{
-    Counters, Event, Passed, RawAnswer, Sample,
+    bus::{Bus, LastDrive},
+    counters::Counters,
+    event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
+    job::state::Survey,
     line_use::Use,
     motor::{Control, Motor},
+    probe::Look,
+    raw::status::RawAnswer,
     receiver::{Found, Leftovers, Piece},
-    scan::Look,
+    sample::Sample,
     timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, MIN_WINDOW},
+    traffic::Passed,
 };
 
 impl Bus {
@@ -31,7 +36,7 @@ impl Bus {
     }
 
     /// Ends the exchange in flight if its reply is there.
-    pub(super) fn look_for_reply(&mut self, now: Instant) {
+    pub(crate) fn look_for_reply(&mut self, now: Instant) {
         while let Line::Busy(exchange) = self.line
             && let Expects::Reply { id, layout } = exchange.expects
         {
@@ -81,7 +86,7 @@ impl Bus {
     }
 
     /// Ends the exchange in flight if its window is spent.
-    pub(super) fn end_spent_window(&mut self, now: Instant) {
+    pub(crate) fn end_spent_window(&mut self, now: Instant) {
         let Line::Busy(exchange) = self.line else {
             return;
         };
@@ -174,7 +179,7 @@ impl Bus {
     }
 
     /// Bytes that came while nobody was asked: late replies, and echoes of what is not answered.
-    pub(super) fn sort_unasked_bytes(&mut self, now: Instant) {
+    pub(crate) fn sort_unasked_bytes(&mut self, now: Instant) {
         let Line::Free { last } = self.line else {
             return;
         };
@@ -283,7 +288,7 @@ impl Bus {
         }
     }
 
-    pub(super) fn keep(&mut self, now: Instant, reply: Reply) {
+    pub(crate) fn keep(&mut self, now: Instant, reply: Reply) {
         // One that was forgotten meanwhile stays forgotten.
         let limits = self.limits;
         let round = self.stop_round();
@@ -327,11 +332,11 @@ impl Bus {
     }
 }
 
-pub(super) fn micros(duration: Duration) -> u32 {
+pub(crate) fn micros(duration: Duration) -> u32 {
     u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
 }
 
-pub(super) fn count_line(counters: &mut Counters, rest: &Leftovers) {
+pub(crate) fn count_line(counters: &mut Counters, rest: &Leftovers) {
     match rest.echoed {
         0 => {}
         FRAME_LEN => counters.echoes_whole += 1,

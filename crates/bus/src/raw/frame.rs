@@ -7,7 +7,12 @@ use std::time::Duration;
 
 use motorlink_protocol::{CurrentTarget, Frame, Instant, Mode, MotorId, Request};
 
-use crate::{RawAnswer, RawStatus, Repeat, SetIdFrames, is_hazardous, timing::PROOF_LASTS};
+use crate::{
+    id_change::outcome::SetIdFrames,
+    raw::hazard::is_hazardous,
+    raw::status::{RawAnswer, RawStatus, Repeat},
+    timing::PROOF_LASTS,
+};
 
 /// More set-ID frames in a row are of no use.
 const SET_ID_FRAMES_MAX: u32 = SetIdFrames::MAX.count() as u32;

@@ -18,8 +18,10 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
-    ScanReport, SurveyStatus,
+    job::status::SurveyStatus,
+    probe::{Ask, Look},
     round_trip::RoundTrip,
+    scan::report::ScanReport,
     timing::{FIRST_WINDOW, LATE_REPLY_MAX, SCAN_MARGIN, SCAN_SAMPLING_MAX, SCAN_WINDOW_MAX},
 };
 
@@ -53,26 +55,6 @@ const REPLIES_WANTED: u8 = 2;
 
 /// Looks at one address in one pass, where noise or a single reply asks for another.
 const LOOKS_MAX: u8 = 6;
-
-/// Whom a scan asks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ask {
-    /// All at once, by the ID query.
-    Everyone,
-    /// One address, by a feedback query.
-    One(MotorId),
-}
-
-/// What a look at one address brought.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Look {
-    /// A good reply, after so long.
-    Reply(Duration),
-    /// Bytes, but no good reply.
-    Noise,
-    /// Nothing.
-    Silence,
-}
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Address {
@@ -404,5 +386,5 @@ const fn place(id: MotorId) -> usize {
 }
 
 #[cfg(test)]
-#[path = "scan_tests.rs"]
+#[path = "tests.rs"]
 mod tests;

@@ -1,0 +1,99 @@
+//! Operator commands.
+
+use motorlink_protocol::{Instant, MotorId};
+
+use crate::{
+    bus::Bus,
+    command::{Command, Refusal},
+    event::StopReason,
+    motor::{Control, Motor},
+};
+
+impl Bus {
+    /// Carries out an operator's command.
+    ///
+    /// # Errors
+    /// The [`Refusal`] says why; nothing has changed then.
+    pub fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
+        let was_halted = self.halted;
+        self.begin_call(now);
+        if command.releases() && self.halted && !was_halted {
+            // It was given before the gap that has just stopped the motors.
+            return Err(Refusal::Halted);
+        }
+        if self.watchdog.has_bitten() && (command.may_move() || command.releases()) {
+            // It may have been given long ago, to a page that has only now come to send it.
+            return Err(Refusal::PageSilent);
+        }
+        match command {
+            Command::Watch(id) => {
+                self.watch(now, id);
+            }
+            Command::Forget(id) => self.forget(id)?,
+            Command::IdQuery => self.begin_id_query(now)?,
+            Command::FullScan => self.begin_scan(now)?,
+            Command::SetId { from, to, frames } => self.begin_id_change(now, from, to, frames)?,
+            Command::CancelSurvey => self.cancel_survey(now),
+            Command::SendRaw {
+                frame,
+                repeat,
+                consent,
+            } => self.send_raw(now, frame, repeat, consent)?,
+            Command::StopRaw => self.stop_raw(now),
+            Command::SetRate(rate) => self.set_rate(now, rate),
+            Command::SetRamp(ramp) => self.ramp = ramp,
+            Command::SetLimits(limits) => self.limits = limits,
+            Command::DriveTogether { parts, consent } => {
+                self.drive_together(now, &parts, consent)?;
+            }
+            Command::AdjustTogether { parts, consent } => {
+                self.adjust_together(now, &parts, consent)?;
+            }
+            Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
+            Command::Drive {
+                id,
+                setpoint,
+                consent,
+            } => {
+                if !self.rests_with_its_group(now, id, setpoint) {
+                    self.check_alone(id)?;
+                    self.drive(now, id, setpoint, consent)?;
+                }
+            }
+            Command::Adjust {
+                id,
+                setpoint,
+                consent,
+            } => {
+                if !self.rests_with_its_group(now, id, setpoint) {
+                    self.check_alone(id)?;
+                    self.adjust(now, id, setpoint, consent)?;
+                }
+            }
+            Command::Hold(id) => self.hold(now, id)?,
+            Command::Stop(id) => {
+                self.watch(now, id);
+                self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            }
+            Command::StopAll(reason) => self.stop_all(now, reason),
+            Command::Release => self.halted = false,
+        }
+        Ok(())
+    }
+
+    fn forget(&mut self, id: MotorId) -> Result<(), Refusal> {
+        match self.motor_mut(id) {
+            // One that never answered is perhaps not there.
+            Some(motor) if motor.may_turn && motor.ever_heard() => Err(Refusal::Driven(id)),
+            Some(Motor {
+                control: Control::Idle,
+                ..
+            }) => {
+                self.motors.retain(|motor| motor.id != id);
+                Ok(())
+            }
+            Some(_) => Err(Refusal::Driven(id)),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! What operators ask for.
+
+use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
+
+use crate::{
+    bus::Bus,
+    command::{Consent, Refusal},
+    event::StopReason,
+    mode_switch::Switch,
+    motor::{Control, Driven, Motor},
+    rate::CommandRate,
+    safety::{Known, check_drive, check_position_switch},
+};
+
+impl Bus {
+    pub(crate) fn switch_mode(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        mode: Mode,
+    ) -> Result<(), Refusal> {
+        self.check_not_halted()?;
+        self.check_no_survey()?;
+        self.check_no_raw_hazard()?;
+        self.check_alone(id)?;
+        let motor = self.watch(now, id);
+        if mode == Mode::Position {
+            check_position_switch(id, motor.fresh_speed(now))?;
+        }
+        let driven_in = match motor.control {
+            Control::Stopping(_) => return Err(Refusal::Stopping(id)),
+            Control::Driven(driven) => Some(driven.goal.mode()),
+            // Which loop the motor is in is in the air, so nothing may be sent that one could
+            // misread: as if it were held at an angle.
+            Control::Switching(switch) => switch.was_driven.then_some(Mode::Position),
+            Control::Idle => None,
+        };
+        motor.control = Control::Switching(Switch::begin(now, mode, driven_in));
+        Ok(())
+    }
+
+    pub(crate) fn drive(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        setpoint: Setpoint,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        self.check_not_halted()?;
+        self.check_no_survey()?;
+        self.check_no_raw_hazard()?;
+        let limits = self.limits;
+        let motor = self.watch(now, id);
+        let known = motor.known(now);
+        let speed = motor.fresh_speed(now);
+        match &mut motor.control {
+            Control::Stopping(_) => return Err(Refusal::Stopping(id)),
+            Control::Switching(switch) => {
+                let reported = Some(switch.to);
+                check_drive(id, setpoint, consent, limits, Known { reported, ..known })?;
+                switch.then = Some(setpoint);
+            }
+            Control::Driven(driven) => {
+                // Whatever is known of its loop, values of that loop are sent already: rest is no worse.
+                let comes_to_rest = rests(setpoint) && setpoint.mode() == driven.goal.mode();
+                if !comes_to_rest {
+                    check_drive(id, setpoint, consent, limits, known)?;
+                }
+                // An operator's act shows at once, at any rate.
+                *driven = Driven {
+                    goal: setpoint,
+                    hold: None,
+                    next_frame: now,
+                    ..*driven
+                };
+                if rests(setpoint) {
+                    self.cut_exchange_short(now);
+                }
+            }
+            Control::Idle => {
+                check_drive(id, setpoint, consent, limits, known)?;
+                motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
+                motor.may_turn = true;
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn adjust(
+        &mut self,
+        now: Instant,
+        id: MotorId,
+        setpoint: Setpoint,
+        consent: Consent,
+    ) -> Result<(), Refusal> {
+        match self.motor_mut(id).map(|motor| motor.control) {
+            Some(Control::Driven(driven)) if driven.goal.mode() == setpoint.mode() => {
+                self.drive(now, id, setpoint, consent)?;
+                // Dragging keeps to the rate, unless it comes to rest.
+                if let Some(Motor {
+                    control: Control::Driven(adjusted),
+                    ..
+                }) = self.motor_mut(id)
+                    && !rests(setpoint)
+                {
+                    adjusted.next_frame = driven.next_frame;
+                }
+                Ok(())
+            }
+            _ => Err(Refusal::NotDriven(id)),
+        }
+    }
+
+    pub(crate) fn hold(&mut self, now: Instant, id: MotorId) -> Result<(), Refusal> {
+        let motor = self.motor_mut(id).ok_or(Refusal::NotHolding(id))?;
+        let Control::Driven(driven) = &mut motor.control else {
+            return Err(Refusal::NotHolding(id));
+        };
+        if driven.goal.mode() != Mode::Position {
+            return Err(Refusal::NotHolding(id));
+        }
+        if driven.group.is_some() {
+            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            return Ok(());
+        }
+        let Some((hold, angle)) = motor.reckoning.hold(now) else {
+            self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
+            return Ok(());
+        };
+        // At once where the wheel should be by its speed; the next reply says it better.
+        *driven = Driven {
+            goal: Setpoint::Position(angle),
+            hold: Some(hold),
+            next_frame: now,
+            ..*driven
+        };
+        self.cut_exchange_short(now);
+        Ok(())
+    }
+
+    pub(crate) fn set_rate(&mut self, now: Instant, rate: CommandRate) {
+        self.rate = rate;
+        for motor in &mut self.motors {
+            if let Control::Driven(driven) = &mut motor.control {
+                driven.next_frame = driven.next_frame.min(now + rate.period());
+            }
+        }
+    }
+
+    pub(crate) const fn check_not_halted(&self) -> Result<(), Refusal> {
+        if self.halted {
+            Err(Refusal::Halted)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// Whether a setpoint is what a person calls stopping: it does not wait for the next period.
+pub(crate) fn rests(setpoint: Setpoint) -> bool {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
+        Setpoint::Current(current) => current.raw() == 0,
+        Setpoint::Brake => true,
+        Setpoint::Position(_) => false,
+    }
+}

@@ -1,0 +1,4 @@
+//! Groups: motors that are driven as one.
+
+mod control;
+pub(crate) mod setpoints;

@@ -1,0 +1,37 @@
+//! How an ID change begins.
+
+use motorlink_protocol::{AssignableId, Instant, MotorId};
+
+use crate::{
+    bus::Bus, command::Refusal, id_change::outcome::SetIdFrames, id_change::state::IdChange,
+    job::state::Survey, timing::PROOF_LASTS,
+};
+
+impl Bus {
+    pub(crate) fn begin_id_change(
+        &mut self,
+        now: Instant,
+        from: MotorId,
+        to: AssignableId,
+        frames: SetIdFrames,
+    ) -> Result<(), Refusal> {
+        self.check_no_survey()?;
+        if from == to.id() {
+            return Err(Refusal::SameId(from));
+        }
+        self.check_not_halted()?;
+        if self.use_proof(now)? != from {
+            return Err(Refusal::NotProvedAlone);
+        }
+        self.make_way(now);
+        self.survey = Some(Survey::IdChange(IdChange::begin(now, from, to, frames)));
+        Ok(())
+    }
+
+    /// The motor that is proved to be alone. A proof is used once.
+    pub(crate) fn use_proof(&mut self, now: Instant) -> Result<MotorId, Refusal> {
+        let proof = self.proved_alone.take();
+        let fresh = proof.filter(|proof| now <= proof.at + PROOF_LASTS);
+        fresh.map(|proof| proof.id).ok_or(Refusal::NotProvedAlone)
+    }
+}

@@ -1,0 +1,6 @@
+//! Raw frames: bytes that an operator wrote.
+
+mod control;
+pub(crate) mod frame;
+pub(crate) mod hazard;
+pub(crate) mod status;
