@@ -1,6 +1,6 @@
 //! What is heard when everyone was asked at once.
 
-use motorlink_protocol::{Instant, Layout, MotorId, Reply};
+use motorlink_protocol::{Instant, Layout, MotorId};
 
 use crate::{
     bus::Bus,
@@ -9,6 +9,7 @@ use crate::{
     motor::Motor,
     raw::frame::addressee,
     raw::status::RawAnswer,
+    receiver::ReceivedReply,
     receiver::{Leftovers, Piece},
     replies::{count_line, micros},
     traffic::Passed,
@@ -36,15 +37,12 @@ impl Bus {
         let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;
         for piece in &rest.pieces {
-            let frame = match piece {
-                Piece::Frame(frame) => *frame,
+            let ReceivedReply { frame, reply } = match piece {
+                Piece::Reply(received) => *received,
                 Piece::Junk(junk) => {
                     self.log(now, Passed::Junk(*junk));
                     continue;
                 }
-            };
-            let Ok(reply) = Reply::decode(&frame, None) else {
-                continue;
             };
             if outcome != IdQueryOutcome::One(reply.id) {
                 // Several voices may pass the CRC as one that nobody has.
@@ -61,24 +59,17 @@ impl Bus {
             self.log_heard(now, &frame, asked);
             // A motor that is not known may have answered with it, so what was asked of all tells who
             // is there, and nothing of how it is.
-            if let Ok(reply) = Reply::decode(&frame, asked)
-                && only.is_some()
-            {
+            if only.is_some() {
                 // Not now: the window may have ended behind a sleep.
-                self.keep(exchange.last_byte.unwrap_or(exchange.sent), reply);
+                let at = exchange.last_byte.unwrap_or(exchange.sent);
+                self.keep(at, reply.in_layout(asked));
             }
             answer = answer.or(Some((frame, asked)));
         }
         if layout.is_some() {
             // The answers of the others may still come, to one who was not known before too.
-            let answered = |id: u8| {
-                rest.frames()
-                    .any(|frame| frame.bytes().first() == Some(&id))
-            };
-            let others = self
-                .motors
-                .iter_mut()
-                .filter(|motor| !answered(motor.id.get()));
+            let answered = |id: MotorId| rest.replies().any(|received| received.reply.id == id);
+            let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));
             for motor in others {
                 motor.call_unanswered(exchange.sent);
             }
@@ -114,11 +105,9 @@ impl Bus {
             self.counters.silences += 1;
             return IdQueryOutcome::Nobody;
         }
-        let mut frames = rest.frames();
-        let one = match (frames.next(), frames.next()) {
-            (Some(frame), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
-                Reply::decode(frame, None).ok().map(|reply| reply.id)
-            }
+        let mut replies = rest.replies();
+        let one = match (replies.next(), replies.next()) {
+            (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => Some(received.reply.id),
             _ => None,
         };
         // Where another is there, it has answered as well.

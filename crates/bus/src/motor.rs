@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Celsius, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
+    Celsius, Detail, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
 };
 
 use crate::{
@@ -199,13 +199,11 @@ impl Motor {
     pub(crate) fn layout_of(
         &mut self,
         now: Instant,
-        frame: &Frame,
+        reply: Reply,
         layout: Layout,
     ) -> Option<Layout> {
         let layout = self.late.layout_of_reply(now, layout)?;
-        let Ok(reply) = Reply::decode(frame, Some(layout)) else {
-            return Some(layout);
-        };
+        let reply = reply.in_layout(Some(layout));
         let certain = self.late.none_was_ever_owed();
         let (degrees, fits) = match reply.detail {
             Detail::Query {

@@ -46,20 +46,28 @@ pub(crate) struct Leftovers {
     pub(crate) junk_bytes: usize,
 }
 
+/// A good frame of any motor with what it says, decoded here and nowhere else in the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ReceivedReply {
+    pub(crate) frame: Frame,
+    /// Bytes 6 and 7 are undetermined: only the bus knows what was asked.
+    pub(crate) reply: Reply,
+}
+
 /// A run of bytes that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Piece {
     /// A good frame of any motor.
-    Frame(Frame),
+    Reply(ReceivedReply),
     /// Up to ten bytes that are no good frame.
     Junk(JunkBytes),
 }
 
 impl Leftovers {
     /// Good frames of any motor.
-    pub(crate) fn frames(&self) -> impl Iterator<Item = &Frame> {
+    pub(crate) fn replies(&self) -> impl Iterator<Item = &ReceivedReply> {
         self.pieces.iter().filter_map(|piece| match piece {
-            Piece::Frame(frame) => Some(frame),
+            Piece::Reply(reply) => Some(reply),
             Piece::Junk(_) => None,
         })
     }
@@ -122,11 +130,15 @@ impl Receiver {
     }
 
     /// Takes everything up to and with the frame at `offset`; says what stood in front of it.
-    pub(crate) fn take(&mut self, offset: usize, sent: &Frame) -> Option<(Frame, Leftovers)> {
-        let frame = frame_at(&self.buffer, offset)?;
+    pub(crate) fn take(
+        &mut self,
+        offset: usize,
+        sent: &Frame,
+    ) -> Option<(ReceivedReply, Leftovers)> {
+        let received = reply_at(&self.buffer, offset)?;
         let leftovers = self.sort(offset, sent);
         self.buffer.drain(..offset + FRAME_LEN);
-        Some((frame, leftovers))
+        Some((received, leftovers))
     }
 
     /// Empties the buffer at the end of an exchange.
@@ -167,8 +179,8 @@ impl Receiver {
             }
             leftovers.junk_bytes += next - at;
             at = next;
-            if let Some(frame) = frame_at(bytes, at) {
-                leftovers.pieces.push(Piece::Frame(frame));
+            if let Some(received) = reply_at(bytes, at) {
+                leftovers.pieces.push(Piece::Reply(received));
                 at += FRAME_LEN;
             }
         }
@@ -222,21 +234,26 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
     Some(Window { offset, is_open })
 }
 
-/// Whose reply begins here.
+/// The motor whose reply begins at `offset`: mode byte, CRC and ID are those of a reply. The search tries
+/// every offset, so it checks these bytes and decodes none.
 fn replier_at(bytes: &[u8], offset: usize) -> Option<MotorId> {
-    // Before its CRC: it tells most bytes apart.
+    // The mode byte before the CRC: it rules out most offsets.
     Mode::from_byte(*bytes.get(offset + 1)?).ok()?;
-    replies(&frame_at(bytes, offset)?)
+    let frame = frame_at(bytes, offset).filter(Frame::crc_holds)?;
+    let &[id, ..] = frame.bytes();
+    MotorId::new(id).ok()
+}
+
+/// The reply that begins at `offset`, decoded.
+fn reply_at(bytes: &[u8], offset: usize) -> Option<ReceivedReply> {
+    let frame = frame_at(bytes, offset)?;
+    let reply = Reply::decode(&frame, None).ok()?;
+    Some(ReceivedReply { frame, reply })
 }
 
 fn frame_at(bytes: &[u8], offset: usize) -> Option<Frame> {
     let window = bytes.get(offset..offset + FRAME_LEN)?;
     window.try_into().ok().map(Frame::new)
-}
-
-/// Whose reply this is, where it is one.
-fn replies(frame: &Frame) -> Option<MotorId> {
-    Reply::decode(frame, None).ok().map(|reply| reply.id)
 }
 
 #[cfg(test)]
@@ -249,6 +266,15 @@ mod tests {
 
     fn frame(text: &str) -> Frame {
         text.parse().unwrap()
+    }
+
+    fn received(frame: Frame) -> Piece {
+        let reply = Reply::decode(&frame, None).unwrap();
+        Piece::Reply(ReceivedReply { frame, reply })
+    }
+
+    fn frames(leftovers: &Leftovers) -> Vec<Frame> {
+        leftovers.replies().map(|received| received.frame).collect()
     }
 
     fn after(bytes: &[u8]) -> Receiver {
@@ -269,7 +295,7 @@ mod tests {
                 "echo of {cut} bytes"
             );
             let (found, before) = receiver.take(cut, &frame(QUERY)).unwrap();
-            assert_eq!(found, frame(REPLY));
+            assert_eq!(found.frame, frame(REPLY));
             assert_eq!(
                 before,
                 Leftovers {
@@ -350,8 +376,7 @@ mod tests {
                 assert_eq!(found, Found::At(offset), "{id}");
             }
         }
-        let frames: Vec<Frame> = after(&bytes).clear(&sent).frames().copied().collect();
-        assert_eq!(frames, [first, second]);
+        assert_eq!(frames(&after(&bytes).clear(&sent)), [first, second]);
     }
 
     /// Before the rest of the second has come, nothing tells them apart but that more may come.
@@ -386,11 +411,7 @@ mod tests {
         let id = MotorId::new(2).unwrap();
         assert_eq!(receiver.find(id, &frame(QUERY), false), Found::At(10));
         let rest = receiver.clear(&frame(QUERY));
-        assert_eq!(
-            rest.frames().copied().collect::<Vec<_>>(),
-            [first, second],
-            "{last:02X}"
-        );
+        assert_eq!(frames(&rest), [first, second], "{last:02X}");
     }
 
     #[test]
@@ -404,7 +425,7 @@ mod tests {
         assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::Ambiguous);
         assert_eq!(receiver.find(ID, &frame(QUERY), true), Found::At(4));
         let (taken, before) = receiver.take(4, &frame(QUERY)).unwrap();
-        assert_eq!((taken, before.junk_bytes), (frame(REPLY), 4));
+        assert_eq!((taken.frame, before.junk_bytes), (frame(REPLY), 4));
     }
 
     #[test]
@@ -413,7 +434,7 @@ mod tests {
         assert_eq!(
             rest,
             Leftovers {
-                pieces: vec![Piece::Frame(frame(REPLY))],
+                pieces: vec![received(frame(REPLY))],
                 ..Leftovers::default()
             }
         );
@@ -447,7 +468,7 @@ mod tests {
             before,
             Leftovers {
                 echoed: 0,
-                pieces: vec![Piece::Junk(JunkBytes::new(&[0x33])), Piece::Frame(other)],
+                pieces: vec![Piece::Junk(JunkBytes::new(&[0x33])), received(other)],
                 junk_bytes: 1
             }
         );
@@ -466,6 +487,6 @@ mod tests {
             panic!("no reply");
         };
         let (found, _) = receiver.take(offset, &query).unwrap();
-        assert_eq!(found, reply);
+        assert_eq!(found.frame, reply);
     }
 }

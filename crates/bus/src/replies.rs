@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, MotorId, Reply, Setpoint};
+use motorlink_protocol::{FRAME_LEN, Instant, Layout, MotorId, Reply, Setpoint};
 
 use crate::{
     bus::{Bus, LastDrive},
@@ -14,6 +14,7 @@ use crate::{
     motor::{Control, Motor},
     probe::Look,
     raw::status::RawAnswer,
+    receiver::ReceivedReply,
     receiver::{Found, Leftovers, Piece},
     sample::Sample,
     timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, MIN_WINDOW},
@@ -56,13 +57,14 @@ impl Bus {
                     return;
                 }
                 Found::At(offset) => {
-                    let Some((frame, before)) = self.receiver.take(offset, &exchange.frame) else {
+                    let Some((received, before)) = self.receiver.take(offset, &exchange.frame)
+                    else {
                         return;
                     };
                     self.note(now, &exchange, &before);
                     if now.since(exchange.sent) < EARLIEST_REPLY {
                         // It cannot answer a request that has hardly left.
-                        self.heard_late(now, &frame);
+                        self.heard_late(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
                             exchange.held_until = None;
                         }
@@ -74,7 +76,7 @@ impl Bus {
                     let took = now.since(exchange.sent);
                     self.line_use.add(now, Use::of(&exchange.frame), took);
                     self.freed_at = now;
-                    self.replied(now, &exchange, id, layout, &frame);
+                    self.replied(now, &exchange, layout, received);
                 }
             }
         }
@@ -192,19 +194,21 @@ impl Bus {
         &mut self,
         now: Instant,
         exchange: &Exchange,
-        id: MotorId,
         layout: Layout,
-        frame: &Frame,
+        received: ReceivedReply,
     ) {
+        let ReceivedReply { frame, reply } = received;
+        let id = reply.id;
         let took = now.since(exchange.sent);
         let (asked, owed) = match self.motor_mut(id) {
             Some(motor) => {
                 let owed = motor.late.may_come(now);
-                (motor.layout_of(now, frame, layout), owed)
+                (motor.layout_of(now, reply, layout), owed)
             }
             None => (Some(layout), false),
         };
-        self.log_heard(now, frame, asked);
+        let reply = reply.in_layout(asked);
+        self.log_heard(now, &frame, asked);
         let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
         if owed && own_reply > now {
             // This may be the reply to an earlier request, and the own one still be on the wire.
@@ -214,7 +218,7 @@ impl Bus {
             Purpose::Control | Purpose::Pause => {}
             Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Reply(took)),
             Purpose::Raw => self.raw_answered(RawAnswer::Reply {
-                frame: *frame,
+                frame,
                 asked,
                 after_us: micros(took),
             }),
@@ -233,9 +237,6 @@ impl Bus {
             motor.loop_reported();
             motor.torque.answered(&exchange.frame);
         }
-        let Ok(reply) = Reply::decode(frame, asked) else {
-            return;
-        };
         let in_the_air = motor.loop_is_in_the_air();
         motor.reckoning.replied(now, &reply);
         let seen = motor.reckoning.just_seen(now);
@@ -266,12 +267,10 @@ impl Bus {
 
     /// A good frame outside its window. What was asked is not certain any more, so bytes 6 and 7
     /// stay undetermined.
-    fn heard_late(&mut self, now: Instant, frame: &Frame) {
-        self.log_heard(now, frame, None);
+    fn heard_late(&mut self, now: Instant, received: ReceivedReply) {
+        let ReceivedReply { frame, reply } = received;
+        self.log_heard(now, &frame, None);
         self.late_heard = Some(now);
-        let Ok(reply) = Reply::decode(frame, None) else {
-            return;
-        };
         self.survey_heard_late(now, reply.id);
         let expected = |motor: &Motor| motor.id == reply.id && motor.late.may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
@@ -325,7 +324,7 @@ impl Bus {
     fn pass_on(&mut self, now: Instant, rest: &Leftovers) {
         for piece in &rest.pieces {
             match piece {
-                Piece::Frame(frame) => self.heard_late(now, frame),
+                Piece::Reply(received) => self.heard_late(now, *received),
                 Piece::Junk(junk) => self.log(now, Passed::Junk(*junk)),
             }
         }

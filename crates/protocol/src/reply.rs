@@ -97,16 +97,7 @@ impl Reply {
             mode: Mode::from_byte(mode).map_err(ReplyError::BadMode)?,
             current: Current::from_raw(i16::from_be_bytes([i_hi, i_lo])),
             speed: Rpm::new(i16::from_be_bytes([v_hi, v_lo])),
-            detail: match asked {
-                Some(Layout::Drive) => Detail::Drive {
-                    position: Position::from_raw(u16::from_be_bytes([d0, d1])),
-                },
-                Some(Layout::Query) => Detail::Query {
-                    temperature: Celsius::new(d0),
-                    position: CoarsePosition::from_raw(d1),
-                },
-                None => Detail::Undetermined([d0, d1]),
-            },
+            detail: Detail::read([d0, d1], asked),
             faults: Faults::from_byte(faults),
         })
     }
@@ -116,25 +107,53 @@ impl Reply {
     pub fn frame(&self) -> Frame {
         let [i_hi, i_lo] = self.current.raw().to_be_bytes();
         let [v_hi, v_lo] = self.speed.rpm().to_be_bytes();
-        let [d0, d1] = match self.detail {
-            Detail::Drive { position } => position.raw().to_be_bytes(),
-            Detail::Query {
-                temperature,
-                position,
-            } => [temperature.degrees(), position.raw()],
-            Detail::Undetermined(bytes) => bytes,
-        };
+        let [d0, d1] = self.detail.bytes();
         let (id, mode) = (self.id.get(), self.mode.byte());
         Frame::with_crc([id, mode, i_hi, i_lo, v_hi, v_lo, d0, d1, self.faults.byte()])
     }
 
+    /// This reply with bytes 6 and 7 read in another layout; with `None` they stay undetermined.
+    ///
+    /// A receiver that learns the layout after the frame decodes the frame once and reads the two bytes
+    /// later.
+    #[must_use]
+    pub const fn in_layout(self, asked: Option<Layout>) -> Self {
+        Self {
+            detail: Detail::read(self.detail.bytes(), asked),
+            ..self
+        }
+    }
+
     /// This reply without a meaning for bytes 6 and 7.
     #[must_use]
-    pub fn undetermined(self) -> Self {
-        let &[.., d0, d1, _, _] = self.frame().bytes();
-        Self {
-            detail: Detail::Undetermined([d0, d1]),
-            ..self
+    pub const fn undetermined(self) -> Self {
+        self.in_layout(None)
+    }
+}
+
+impl Detail {
+    const fn read(bytes: [u8; 2], asked: Option<Layout>) -> Self {
+        let [high, low] = bytes;
+        match asked {
+            Some(Layout::Drive) => Self::Drive {
+                position: Position::from_raw(u16::from_be_bytes(bytes)),
+            },
+            Some(Layout::Query) => Self::Query {
+                temperature: Celsius::new(high),
+                position: CoarsePosition::from_raw(low),
+            },
+            None => Self::Undetermined(bytes),
+        }
+    }
+
+    const fn bytes(self) -> [u8; 2] {
+        match self {
+            Self::Drive { position } => position.raw().to_be_bytes(),
+            Self::Query {
+                temperature,
+                position,
+            } => [temperature.degrees(), position.raw()],
+            Self::Undetermined(bytes) => bytes,
         }
     }
 }

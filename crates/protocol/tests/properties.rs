@@ -61,7 +61,9 @@ proptest! {
         let frame = Frame::new(bytes);
         if let Ok(reply) = Reply::decode(&frame, layout) {
             prop_assert_eq!(reply.frame(), frame);
-            prop_assert_eq!(Reply::decode(&frame, None), Ok(reply.undetermined()));
+            let undetermined = Reply::decode(&frame, None);
+            prop_assert_eq!(undetermined, Ok(reply.undetermined()));
+            prop_assert_eq!(undetermined.map(|reply| reply.in_layout(layout)), Ok(reply));
         }
         prop_assert!(!explain_heard(&frame, layout).to_string().is_empty());
     }
