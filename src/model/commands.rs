@@ -33,7 +33,7 @@ impl Page {
         let mirror = |id| self.motors.fleet.with_untracked(|fleet| fleet.mirror(id));
         if matches!(
             command,
-            Command::Drive { .. } | Command::DriveTogether { .. } | Command::SendRaw { .. }
+            Command::Drive { .. } | Command::DriveGroup { .. } | Command::SendRaw { .. }
         ) {
             self.worker.started_ms.set_value(page_now_ms());
         }

@@ -5,7 +5,7 @@ use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{
-    bus::{NotTogether, Together},
+    bus::{GroupError, GroupSetpoints},
     protocol::{MotorId, Setpoint, SpeedTarget},
 };
 
@@ -185,13 +185,16 @@ impl Fleet {
 }
 
 /// What each motor is told so that the vehicle's wheels turn so.
-pub(crate) fn parts(crew: &[(MotorId, Side)], wheels: Wheels) -> Result<Together, NotTogether> {
+pub(crate) fn parts(
+    crew: &[(MotorId, Side)],
+    wheels: Wheels,
+) -> Result<GroupSetpoints, GroupError> {
     let part = |(id, side): &(MotorId, Side)| {
         let speed = SpeedTarget::clamped(side.rpm(wheels));
         (*id, Setpoint::velocity(speed))
     };
     let parts: Vec<_> = crew.iter().map(part).collect();
-    Together::new(&parts)
+    GroupSetpoints::new(&parts)
 }
 
 /// The rows of the panel `Drive together` as HTML: those who have answered, and those who are to drive
@@ -285,7 +288,7 @@ mod tests {
         assert_eq!(speeds(&[(id(3), Side::None)], -20, -20), [(3, -20)]);
         assert_eq!(speeds(&crew, 999, 999), [(1, 330), (2, -330)]);
         let wheels = Wheels { left: 1, right: 1 };
-        assert_eq!(parts(&[], wheels), Err(NotTogether::Nobody));
+        assert_eq!(parts(&[], wheels), Err(GroupError::Empty));
     }
 
     #[test]

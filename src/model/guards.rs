@@ -14,7 +14,7 @@ use crate::{
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection,
-    bus::{Activity, NotTogether, Refusal, Together, check_position_switch},
+    bus::{Activity, GroupError, GroupSetpoints, Refusal, check_position_switch},
     protocol::{Mode, MotorId},
 };
 
@@ -27,11 +27,11 @@ fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
         return Some(terms::refusal(Refusal::Halted));
     }
     let heard = session.mode(id).filter(super::snapshot::Reading::is_fresh);
-    if session.survey.is_some() {
-        return Some(terms::refusal(Refusal::Surveying));
+    if session.job.is_some() {
+        return Some(terms::refusal(Refusal::JobRunning));
     }
     if heard.is_none() {
-        return Some(terms::refusal(Refusal::NotHeard(id)));
+        return Some(terms::refusal(Refusal::NotAnswering(id)));
     }
     let mut activities = session.motors.iter().map(|motor| motor.activity);
     activities
@@ -94,14 +94,14 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
     if session.halted {
         return Some(terms::refusal(Refusal::Halted));
     }
-    if session.survey.is_some() {
-        return Some(terms::refusal(Refusal::Surveying));
+    if session.job.is_some() {
+        return Some(terms::refusal(Refusal::JobRunning));
     }
     if crew.is_empty() {
         return Some(tr!("Select the motors to drive.").to_owned());
     }
-    if crew.len() > Together::MAX {
-        return Some(terms::not_together(NotTogether::TooMany));
+    if crew.len() > GroupSetpoints::MAX {
+        return Some(terms::not_together(GroupError::TooMany));
     }
     crew.iter().find_map(|(id, _)| {
         let reason = why_not_drive(session, *id, Mode::Velocity)?;
@@ -165,14 +165,14 @@ pub(crate) fn why_not_scan(session: &Session) -> Option<String> {
     if let Some(reason) = why_not_connected(session.connection) {
         return Some(reason.to_owned());
     }
-    let surveying = session.survey.is_some();
-    surveying.then(|| terms::refusal(Refusal::Surveying))
+    let surveying = session.job.is_some();
+    surveying.then(|| terms::refusal(Refusal::JobRunning))
 }
 
 /// Why there is no scan to end.
 pub(crate) fn why_not_cancel(session: &Session) -> Option<String> {
     session
-        .survey
+        .job
         .is_none()
         .then(|| tr!("No scan is running.").to_owned())
 }

@@ -1,7 +1,7 @@
 //! What may be pressed, and why not.
 
 use motorlink_messages::{
-    bus::SurveyStatus,
+    bus::JobStatus,
     protocol::{Faults, Rpm, Setpoint, SpeedTarget},
 };
 
@@ -47,7 +47,7 @@ fn nothing_drives_while_it_must_not() {
     });
     case("Press Release", &|s| s.halted = true);
     case("bus scan is running", &|s| {
-        s.survey = Some(SurveyStatus::Stopping);
+        s.job = Some(JobStatus::Stopping);
     });
     case("raw frame", &|s| s.motors[0].activity = Activity::DrivenRaw);
     case("has not replied", &|s| s.motors.clear());
@@ -121,7 +121,7 @@ fn motors_drive_together_where_each_of_them_may() {
     });
     case("Press Release", &|s| s.halted = true);
     case("bus scan is running", &|s| {
-        s.survey = Some(SurveyStatus::Stopping);
+        s.job = Some(JobStatus::Stopping);
     });
     case("Motor 0x01 is in the current loop", &|s| {
         s.motors = vec![status(1_000, Mode::Current, 0)];
@@ -144,11 +144,11 @@ fn one_scan_at_a_time_and_no_frame_beside_it() {
     let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
     assert_eq!(why_not_scan(&session), None);
     assert!(why_not_cancel(&session).is_some());
-    session.survey = Some(SurveyStatus::Stopping);
+    session.job = Some(JobStatus::Stopping);
     assert!(why_not_scan(&session).is_some());
     assert!(why_not_send(&session, false).is_some());
     assert_eq!(why_not_cancel(&session), None);
-    session.survey = None;
+    session.job = None;
     session.connection = Connection::Disconnected;
     assert!(why_not_scan(&session).is_some());
 }

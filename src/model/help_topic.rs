@@ -123,7 +123,7 @@ impl HelpTopic {
     /// Where the help says more about a refused command.
     pub(crate) const fn of_refusal(refusal: Refusal) -> Option<Self> {
         Some(match refusal {
-            Refusal::NotHeard(_) | Refusal::PageSilent => Self::NoAnswer,
+            Refusal::NotAnswering(_) | Refusal::PageSilent => Self::NoAnswer,
             Refusal::OtherLoop { .. }
             | Refusal::SpeedUnknown(_)
             | Refusal::TooFast(_)

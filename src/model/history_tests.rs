@@ -38,7 +38,7 @@ pub(crate) fn update(now_ms: u64, samples: Vec<Sample>, motors: Vec<MotorStatus>
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
         motors,
-        survey: None,
+        job: None,
         raw: None,
         line: None,
         samples,

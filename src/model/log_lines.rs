@@ -159,7 +159,7 @@ mod tests {
             connection,
             halted: false,
             motors: vec![motor],
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             samples: vec![],

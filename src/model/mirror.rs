@@ -102,7 +102,7 @@ pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> C
 #[cfg(test)]
 mod tests {
     use motorlink_messages::{
-        bus::{Consent, Together, needs_consent},
+        bus::{Consent, GroupSetpoints, needs_consent},
         protocol::{Acceleration, PositionTarget},
     };
 
@@ -177,8 +177,8 @@ mod tests {
             setpoint,
             consent: Consent::None,
         };
-        let together = Command::DriveTogether {
-            parts: Together::new(&[(id(1), rpm(80)), (id(2), rpm(-80))]).unwrap(),
+        let together = Command::DriveGroup {
+            setpoints: GroupSetpoints::new(&[(id(1), rpm(80)), (id(2), rpm(-80))]).unwrap(),
             consent: Consent::None,
         };
         for (asked, sent) in [

@@ -21,7 +21,7 @@ const STANDSTILL_REPLIES: u8 = 3;
 /// What makes the words of this notice untrue.
 pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
     match notice {
-        Notice::IdQueryEnded(IdQueryOutcome::Nobody) => Until::AnyAnswer,
+        Notice::IdQueryEnded(IdQueryOutcome::NoReply) => Until::AnyAnswer,
         Notice::MotorSilent(id) => Until::Answers(silent(session, *id)),
         Notice::ModeSwitchFailed { id, asked, .. } => Until::Loop(*id, *asked),
         Notice::Withdrawn { id, reason } => Until::AtRest {

@@ -36,7 +36,7 @@ impl Story {
             connection: Connection::Connected(Adapter::Virtual),
             halted: false,
             motors: motors.collect(),
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             samples: vec![],
@@ -88,7 +88,7 @@ impl Story {
 #[test]
 fn no_motor_answers_until_one_does() {
     let mut story = Story::new();
-    let nobody = Notice::IdQueryEnded(IdQueryOutcome::Nobody);
+    let nobody = Notice::IdQueryEnded(IdQueryOutcome::NoReply);
     let said = ["No motors found on this adapter"];
     assert_eq!(story.tells(&[nobody]), said);
     assert_eq!(story.tells(&[]), said, "an update without an answer");

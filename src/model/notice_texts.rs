@@ -39,8 +39,9 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             &[tr!("Press Connect or Virtual motor.")],
         ),
         Notice::IdQueryEnded(
-            outcome
-            @ (IdQueryOutcome::Nobody | IdQueryOutcome::Garbled | IdQueryOutcome::Cancelled),
+            outcome @ (IdQueryOutcome::NoReply
+            | IdQueryOutcome::Garbled
+            | IdQueryOutcome::Cancelled),
         ) => scan_texts::of_id_query(*outcome),
         Notice::ScanEnded(report) => scan_texts::of_scan(report),
         Notice::IdChangeEnded { from, to, outcome } => {
@@ -98,14 +99,14 @@ fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
     // be confirmed is asked about.
     if matches!(
         command,
-        Command::Adjust { .. } | Command::AdjustTogether { .. } | Command::Forget(_)
+        Command::Adjust { .. } | Command::AdjustGroup { .. } | Command::Forget(_)
     ) || matches!(refusal, Refusal::NeedsConsent(_))
     {
         return None;
     }
     let title = match command {
         Command::Drive { id, .. } => tr!("Motor {id} not started", id),
-        Command::DriveTogether { .. } => tr!("Motors not started").to_owned(),
+        Command::DriveGroup { .. } => tr!("Motors not started").to_owned(),
         Command::SwitchMode { mode, .. } => {
             tr!("Not switched to the {mode}", mode = terms::mode(mode))
         }
@@ -341,7 +342,7 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         }
         StopReason::Disconnect => tr!("The port was closed."),
         StopReason::OneMotor => tr!("A motor was stopped."),
-        StopReason::Survey => tr!("A bus scan is starting."),
+        StopReason::Job => tr!("A bus scan is starting."),
     }
 }
 

@@ -24,7 +24,7 @@ fn refused(command: Command) -> Notice {
 fn a_silent_motor_gets_the_checklist() {
     for notice in [
         Notice::MotorSilent(ID),
-        Notice::IdQueryEnded(IdQueryOutcome::Nobody),
+        Notice::IdQueryEnded(IdQueryOutcome::NoReply),
     ] {
         let said = said(&notice).unwrap();
         for check in ["18 V", "brown", "orange and white", "ID correct"] {

@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdChangeOutcome, IdQueryOutcome, ScanReport, SurveyStatus},
+    bus::{Command, IdChangeOutcome, IdQueryOutcome, JobStatus, ScanReport},
     protocol::{AssignableId, MotorId},
 };
 
@@ -71,7 +71,7 @@ pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> NoticeText {
             tr!("A stop cancelled the ID query"),
             &[tr!("Press Scan again.")],
         ),
-        IdQueryOutcome::Nobody => text(
+        IdQueryOutcome::NoReply => text(
             Tone::Warning,
             tr!("No motors found on this adapter"),
             &wiring(),
@@ -271,18 +271,18 @@ pub(crate) fn of_id_change(
 }
 
 /// How far a scan or ID change is.
-pub(crate) fn of_progress(survey: Option<&SurveyStatus>) -> String {
-    match survey {
+pub(crate) fn of_progress(job: Option<&JobStatus>) -> String {
+    match job {
         None => tr!("No scan running. A scan stops all motors first.").to_owned(),
-        Some(SurveyStatus::Stopping) => tr!("Stopping motors first").to_owned(),
-        Some(SurveyStatus::Scanning {
+        Some(JobStatus::Stopping) => tr!("Stopping motors first").to_owned(),
+        Some(JobStatus::Scanning {
             asked, of, left_ms, ..
         }) => {
             // Rounded up: nobody minds a scan that is over sooner.
             let left = left_ms.div_ceil(1_000).max(1);
             tr!("{asked} of {of}, about {left} s left", asked, of, left)
         }
-        Some(SurveyStatus::SettingId { from, to }) => {
+        Some(JobStatus::SettingId { from, to }) => {
             tr!("Changing motor {from} to ID {to}", from, to = to.id())
         }
     }

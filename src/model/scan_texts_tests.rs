@@ -123,15 +123,15 @@ fn two_motors_at_once_are_offered_the_full_scan() {
 
 #[test]
 fn progress_is_said_with_an_estimate() {
-    let scanning = |asked, left_ms| SurveyStatus::Scanning {
+    let scanning = |asked, left_ms| JobStatus::Scanning {
         asked,
         of: 254,
         left_ms,
         found: vec![],
     };
-    let words = |survey| of_progress(Some(&survey));
+    let words = |job| of_progress(Some(&job));
     assert_eq!(words(scanning(118, 900)), "118 of 254, about 1 s left");
     assert_eq!(words(scanning(0, 6_001)), "0 of 254, about 7 s left");
-    assert!(words(SurveyStatus::Stopping).contains("Stopping motors first"));
+    assert!(words(JobStatus::Stopping).contains("Stopping motors first"));
     assert!(of_progress(None).contains("stops all motors first"));
 }

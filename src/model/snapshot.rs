@@ -5,8 +5,8 @@ use std::time::Duration;
 use motorlink_messages::{
     Connection, Notice, Update,
     bus::{
-        Activity, FRESH_FOR, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome, StopReason,
-        SurveyStatus,
+        Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome,
+        StopReason,
     },
     protocol::{
         Celsius, CoarsePosition, Current, Detail, Faults, Instant, Mode, MotorId, Position, Reply,
@@ -28,7 +28,7 @@ pub(crate) struct Session {
     /// Every motor that is asked for telemetry.
     pub(crate) motors: Vec<MotorStatus>,
     /// The scan or ID change that is under way.
-    pub(crate) survey: Option<SurveyStatus>,
+    pub(crate) job: Option<JobStatus>,
     /// The last frame of the raw editor.
     pub(crate) raw: Option<RawStatus>,
     /// How the line works; `None` while no port is open.
@@ -97,7 +97,7 @@ impl Default for Session {
             connection: Connection::Disconnected,
             halted: false,
             motors: Vec::new(),
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             stop: None,
@@ -114,7 +114,7 @@ impl Session {
         self.connection = update.connection;
         self.halted = update.halted;
         self.motors.clone_from(&update.motors);
-        self.survey.clone_from(&update.survey);
+        self.job.clone_from(&update.job);
         self.raw = update.raw;
         self.line = update.line;
         for notice in &update.notices {
@@ -181,7 +181,7 @@ impl Session {
         self.connection != other.connection
             || self.halted != other.halted
             || self.stop != other.stop
-            || self.survey != other.survey
+            || self.job != other.job
             || self.raw.map(|raw| raw.running) != other.raw.map(|raw| raw.running)
             || !self
                 .motors
@@ -277,7 +277,7 @@ pub(crate) fn is_in_hand(motor: &MotorStatus) -> bool {
 pub(crate) fn concerns_all(reason: StopReason) -> bool {
     !matches!(
         reason,
-        StopReason::OneMotor | StopReason::Disconnect | StopReason::Survey
+        StopReason::OneMotor | StopReason::Disconnect | StopReason::Job
     )
 }
 

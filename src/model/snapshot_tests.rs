@@ -53,7 +53,7 @@ fn update(halted: bool, notices: Vec<Notice>) -> Update {
         now: Instant::from_millis(1),
         connection: Connection::Connected(Adapter::Virtual),
         halted,
-        survey: None,
+        job: None,
         raw: None,
         line: None,
         motors: vec![],

@@ -6,7 +6,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
 use motorlink_messages::{
     Adapter,
-    bus::{Crossed, NotTogether, Refusal, Together},
+    bus::{Crossed, GroupError, GroupSetpoints, Refusal},
 };
 
 use crate::ui::format;
@@ -44,11 +44,11 @@ pub(crate) fn crossed(crossed: Crossed) -> String {
 }
 
 /// Why motors cannot be driven as one.
-pub(crate) fn not_together(why: NotTogether) -> String {
+pub(crate) fn not_together(why: GroupError) -> String {
     match why {
-        NotTogether::Nobody => tr!("No motor is selected.").to_owned(),
-        NotTogether::TooMany => tr!("A group has at most {count} motors.", count = Together::MAX),
-        NotTogether::Twice(id) => tr!("Motor {id} is listed twice.", id),
+        GroupError::Empty => tr!("No motor is selected.").to_owned(),
+        GroupError::TooMany => tr!("A group has at most {count} motors.", count = GroupSetpoints::MAX),
+        GroupError::Duplicate(id) => tr!("Motor {id} is listed twice.", id),
     }
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn not_together(why: NotTogether) -> String {
 pub(crate) fn refusal(refusal: Refusal) -> String {
     match refusal {
         Refusal::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),
-        Refusal::NotHeard(id) => tr!(
+        Refusal::NotAnswering(id) => tr!(
             "Motor {id} has not replied, so its loop is unknown. Check its power and ID.",
             id
         ),
@@ -109,13 +109,13 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
         ),
         Refusal::NotDriven(id) => tr!("Motor {id} is not running. Press Start.", id),
         Refusal::PageSilent => tr!("The page was not responding. Press again.").to_owned(),
-        Refusal::Together(id) => tr!(
+        Refusal::InGroup(id) => tr!(
             "Motor {id} is running in a group. Stop the group first.",
             id
         ),
         Refusal::Switching(id) => tr!("Motor {id} is switching loops. Press again afterwards.", id),
         Refusal::Driven(id) => tr!("Motor {id} is running. Stop it first.", id),
-        Refusal::Surveying => {
+        Refusal::JobRunning => {
             tr!("A bus scan is running. Wait until it ends, or cancel it.").to_owned()
         }
         Refusal::NotProvedAlone => tr!(

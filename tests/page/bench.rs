@@ -147,7 +147,7 @@ impl Bench {
             connection: Connection::Connected(Adapter::Virtual),
             halted,
             motors: vec![motor],
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             samples: vec![],

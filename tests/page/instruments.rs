@@ -59,7 +59,7 @@ fn tell(bench: &Bench, motor: MotorStatus, samples: Vec<Sample>) {
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
         motors: vec![motor],
-        survey: None,
+        job: None,
         raw: None,
         line: None,
         samples,

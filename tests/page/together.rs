@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter, Connection, Notice,
-    bus::{Activity, Command, Consent, Ramp, Refusal, StopReason, Together},
+    bus::{Activity, Command, Consent, GroupSetpoints, Ramp, Refusal, StopReason},
     protocol::{Acceleration, Current, Mode, Rpm, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::JsCast;
@@ -107,21 +107,21 @@ fn entered(control: &EventTarget) {
 }
 
 /// What both wheels are told, as they count it.
-fn parts(first: i32, second: i32) -> Together {
+fn parts(first: i32, second: i32) -> GroupSetpoints {
     let speed = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
-    Together::new(&[(id(1), speed(first)), (id(2), speed(second))]).unwrap()
+    GroupSetpoints::new(&[(id(1), speed(first)), (id(2), speed(second))]).unwrap()
 }
 
 fn start(first: i32, second: i32) -> Command {
-    Command::DriveTogether {
-        parts: parts(first, second),
+    Command::DriveGroup {
+        setpoints: parts(first, second),
         consent: Consent::None,
     }
 }
 
 fn adjust(first: i32, second: i32) -> Command {
-    Command::AdjustTogether {
-        parts: parts(first, second),
+    Command::AdjustGroup {
+        setpoints: parts(first, second),
         consent: Consent::None,
     }
 }

@@ -3,8 +3,8 @@
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
     bus::{
-        Activity, Command, IdChangeOutcome, IdQueryOutcome, MotorStatus, ScanReport, SetIdFrames,
-        StopReason, SurveyStatus,
+        Activity, Command, IdChangeOutcome, IdQueryOutcome, JobStatus, MotorStatus, ScanReport,
+        SetIdFrames, StopReason,
     },
     protocol::{AssignableId, Instant, Mode, MotorId},
 };
@@ -51,7 +51,7 @@ pub fn tell(bench: &Bench, change: impl FnOnce(&mut Update)) {
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
         motors: vec![standing(1)],
-        survey: None,
+        job: None,
         raw: None,
         line: None,
         samples: vec![],
@@ -76,8 +76,8 @@ async fn id_manager(name: &str) -> Bench {
     open(name, "ID Manager").await
 }
 
-fn scanning() -> SurveyStatus {
-    SurveyStatus::Scanning {
+fn scanning() -> JobStatus {
+    JobStatus::Scanning {
         asked: 118,
         of: 254,
         left_ms: 900,
@@ -97,7 +97,7 @@ fn scanned(found: &[u8]) -> Notice {
 
 /// The bus scans, and then tells whom it has found.
 async fn scan(bench: &Bench, found: &[u8]) {
-    tell(bench, |update| update.survey = Some(scanning()));
+    tell(bench, |update| update.job = Some(scanning()));
     let words = || {
         bench
             .find("progressbar", "Scan")
@@ -146,7 +146,7 @@ async fn a_scan_shows_how_far_it_is_and_can_be_cancelled() {
         bench.commands().await,
         [Command::IdQuery, Command::FullScan]
     );
-    tell(&bench, |update| update.survey = Some(scanning()));
+    tell(&bench, |update| update.job = Some(scanning()));
     until_enabled(&bench, "Cancel").await;
     let progress = bench.find("progressbar", "Scan");
     assert_eq!(progress.get_attribute("aria-valuenow").unwrap(), "118");
@@ -161,7 +161,7 @@ async fn a_scan_shows_how_far_it_is_and_can_be_cancelled() {
             .contains("bus scan")
     );
     bench.click("Cancel");
-    assert_eq!(bench.commands().await, [Command::CancelSurvey]);
+    assert_eq!(bench.commands().await, [Command::CancelJob]);
 }
 
 #[wasm_bindgen_test]

@@ -74,7 +74,7 @@ async fn no_motor_answers_is_withdrawn_when_one_does() {
     let bench = Bench::with_motor("truth-answers", Mode::Velocity).await;
     let notices = || bench.text("region", "Notices");
     tell(&bench, |update| {
-        update.notices = vec![Notice::IdQueryEnded(IdQueryOutcome::Nobody)];
+        update.notices = vec![Notice::IdQueryEnded(IdQueryOutcome::NoReply)];
     });
     bench
         .until("the alert", || notices().contains("No motors found"))

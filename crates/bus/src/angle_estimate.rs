@@ -1,7 +1,7 @@
-//! Where a wheel is now, by its last certain angle and its speed since.
+//! Estimate of the wheel's angle, from the last certain angle and the speed since (dead reckoning).
 //!
-//! Every reply reports the speed, but where replies are lost it may long be uncertain what their angle
-//! means. Hold cannot wait for that.
+//! Every reply reports the speed, but after lost replies the meaning of bytes 6 and 7 may stay
+//! uncertain for long. Hold cannot wait for that.
 
 use std::time::Duration;
 
@@ -11,42 +11,42 @@ use motorlink_protocol::{
 
 use crate::timing::{DRIVEN_SILENCE_MAX, FRESH_FOR, HOLD_REFINED_WITHIN};
 
-/// A reading of uncertain meaning confirms the reckoned angle where it lies so near: four steps of the
-/// coarse angle.
+/// An uncertain reading this near to the estimate confirms it: four steps of the coarse angle.
 const NEAR_DEG: f32 = 5.6;
-/// Replies nearer to each other than this do not tell how the speed changes, which they report in whole rpm.
+/// Replies closer together than this do not show how the speed changes: they report it in whole
+/// rpm.
 const TELLS_GAIN: Duration = Duration::from_millis(5);
 /// The fastest wheel, 330 rpm.
 const FASTEST_DPS: f32 = 1_980.0;
-/// The temperature changes by no more from one reading to the next: 10 readings a second of a winding that
+/// Largest change of the temperature between two readings: 10 readings per second of a winding that
 /// takes minutes to heat.
 const TEMPERATURE_STEP_MAX: u8 = 3;
 
-/// The angle of one wheel, carried on by its speed.
+/// The estimated angle of one wheel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Reckoning {
-    last: Option<Reckoned>,
+pub(crate) struct AngleEstimate {
+    last: Option<Estimate>,
     temperature: Option<Celsius>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Reckoned {
+struct Estimate {
     at: Instant,
     degrees: f32,
     speed: Rpm,
-    /// The change of the speed since the reply before, in degrees per second squared.
+    /// Change of the speed since the reply before, in degrees per second squared.
     gain_dps2: f32,
-    /// When a reply last said or confirmed the angle.
+    /// When a reply last reported or confirmed the angle.
     seen: Instant,
 }
 
-impl Reckoned {
-    /// The angle at a later moment, at this speed all the way.
-    fn carried_to(self, at: Instant, speed_dps: f32) -> f32 {
+impl Estimate {
+    /// The angle at a later time, at constant speed.
+    fn advanced_to(self, at: Instant, speed_dps: f32) -> f32 {
         (self.degrees + speed_dps * at.since(self.at).as_secs_f32()).rem_euclid(360.0)
     }
 
-    /// The change of the speed from this reply to the next, where they are far enough apart to tell.
+    /// Change of the speed up to the next reply, if they are far enough apart to show one.
     fn gain_to(self, at: Instant, speed: Rpm) -> f32 {
         let apart = at.since(self.at);
         if apart < TELLS_GAIN {
@@ -55,7 +55,7 @@ impl Reckoned {
         (speed.degrees_per_second() - self.speed.degrees_per_second()) / apart.as_secs_f32()
     }
 
-    /// The angle at a later moment, if the speed goes on as it changed, to a standstill at most.
+    /// The angle at a later time if the speed keeps changing at this rate, at most to a standstill.
     fn extrapolated_to(self, at: Instant) -> f32 {
         let from_dps = self.speed.degrees_per_second();
         let to_dps = from_dps + self.gain_dps2 * at.since(self.at).as_secs_f32();
@@ -64,19 +64,19 @@ impl Reckoned {
         } else {
             to_dps.clamp(0.0, FASTEST_DPS)
         };
-        self.carried_to(at, f32::midpoint(from_dps, to_dps))
+        self.advanced_to(at, f32::midpoint(from_dps, to_dps))
     }
 }
 
-impl Reckoning {
-    /// Takes a reply that answered in time.
+impl AngleEstimate {
+    /// Updates the estimate with a reply that arrived in its window.
     pub(crate) fn replied(&mut self, at: Instant, reply: &Reply) {
         let carried = self.last.map(|before| {
             let mean_dps = f32::midpoint(
                 before.speed.degrees_per_second(),
                 reply.speed.degrees_per_second(),
             );
-            (before.carried_to(at, mean_dps), before.seen)
+            (before.advanced_to(at, mean_dps), before.seen)
         });
         let angle = match reply.detail {
             Detail::Drive { position } => Some((position.degrees(), at)),
@@ -85,7 +85,7 @@ impl Reckoning {
                 temperature,
             } => {
                 self.temperature = Some(temperature);
-                // The coarse angle is a degree off; one that was carried on for a moment is better.
+                // The coarse angle is one degree off. An estimate over a short time is better.
                 let coarse = position.degrees();
                 let fine = carried.filter(|(degrees, _)| apart(*degrees, coarse) <= NEAR_DEG / 2.0);
                 Some((fine.map_or(coarse, |(degrees, _)| degrees), at))
@@ -98,7 +98,7 @@ impl Reckoning {
         let gain_dps2 = self
             .last
             .map_or(0.0, |before| before.gain_to(at, reply.speed));
-        self.last = angle.map(|(degrees, seen)| Reckoned {
+        self.last = angle.map(|(degrees, seen)| Estimate {
             at,
             degrees,
             speed: reply.speed,
@@ -107,9 +107,9 @@ impl Reckoning {
         });
     }
 
-    /// The angle in bytes 6 and 7 of a reply, where one of their two meanings stands out: the first of them
-    /// is no temperature, or one meaning lies where the wheel should be.
-    fn read_uncertain(&self, bytes: [u8; 2], reckoned: f32) -> Option<f32> {
+    /// The angle in bytes 6 and 7, if only one of their two meanings is possible: byte 6 is no
+    /// plausible temperature, or one meaning is near the estimate.
+    fn read_uncertain(&self, bytes: [u8; 2], estimated: f32) -> Option<f32> {
         let [high, low] = bytes;
         let fine = Position::from_raw(u16::from_be_bytes(bytes)).degrees();
         let coarse = CoarsePosition::from_raw(low).degrees();
@@ -120,17 +120,17 @@ impl Reckoning {
             return Some(fine);
         }
         let readings = [fine, coarse].into_iter();
-        let nearest = readings.min_by(|a, b| apart(*a, reckoned).total_cmp(&apart(*b, reckoned)));
-        nearest.filter(|read| apart(*read, reckoned) <= NEAR_DEG)
+        let nearest = readings.min_by(|a, b| apart(*a, estimated).total_cmp(&apart(*b, estimated)));
+        nearest.filter(|read| apart(*read, estimated) <= NEAR_DEG)
     }
 
-    /// The angle that a reply of this very moment has said or confirmed.
-    pub(crate) fn just_seen(&self, now: Instant) -> Option<f32> {
+    /// The angle that a reply at `now` has reported or confirmed.
+    pub(crate) fn confirmed_now(&self, now: Instant) -> Option<f32> {
         let last = self.last.filter(|last| last.seen == now)?;
         Some(last.degrees)
     }
 
-    /// A hold from now on, and the angle that is held first; `None` where that is unknown.
+    /// A hold from now on and its first angle; `None` if the angle is unknown.
     pub(crate) fn hold(&self, now: Instant) -> Option<(Hold, PositionTarget)> {
         let speed = self.last?.speed;
         let degrees = self.degrees(now)?;
@@ -138,8 +138,8 @@ impl Reckoning {
         Some((hold, PositionTarget::from_degrees(degrees)))
     }
 
-    /// The angle now; `None` where the motor has not answered for 200 ms, or where no reply has said or
-    /// confirmed an angle for 500 ms.
+    /// The angle now; `None` without a reply for 200 ms, or without a reported or confirmed angle
+    /// for 500 ms.
     pub(crate) fn degrees(&self, now: Instant) -> Option<f32> {
         let last = self.last?;
         let known = now.since(last.at) < DRIVEN_SILENCE_MAX && now.since(last.seen) <= FRESH_FOR;
@@ -147,11 +147,11 @@ impl Reckoning {
     }
 }
 
-/// The moment of Hold, until a reply says more precisely where the wheel was then.
+/// The start of a hold, until a reply tells precisely where the wheel was then.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hold {
     at: Instant,
-    /// As the last reply before it said.
+    /// By the last reply before it.
     speed: Rpm,
 }
 
@@ -160,28 +160,28 @@ impl Hold {
         self.at
     }
 
-    /// Whether a reply can still say where the wheel was: then frames go out as fast as those of a stop.
+    /// Whether a reply can still refine the angle. Until then frames go out as often as those of a
+    /// stop.
     pub(crate) fn is_open(self, now: Instant) -> bool {
         now.since(self.at) < HOLD_REFINED_WITHIN
     }
 
-    /// The angle to hold from the first reply on, which found the wheel at `degrees`; `None` where it comes
-    /// too late to say.
+    /// The refined angle, from the first reply after Hold; `None` if the reply is too late.
     pub(crate) fn refined(
         self,
         now: Instant,
         degrees: Option<f32>,
         speed: Rpm,
     ) -> Option<PositionTarget> {
-        let gone_on = now.since(self.at);
+        let elapsed = now.since(self.at);
         let degrees = degrees.filter(|_| self.is_open(now))?;
         let mean_dps = f32::midpoint(self.speed.degrees_per_second(), speed.degrees_per_second());
-        let then = degrees - mean_dps * gone_on.as_secs_f32();
+        let then = degrees - mean_dps * elapsed.as_secs_f32();
         Some(PositionTarget::from_degrees(then.rem_euclid(360.0)))
     }
 }
 
-/// The distance of two angles, 0-180 degrees.
+/// Distance of two angles, 0-180 degrees.
 fn apart(one: f32, other: f32) -> f32 {
     ((one - other + 180.0).rem_euclid(360.0) - 180.0).abs()
 }
@@ -219,71 +219,71 @@ mod tests {
         Instant::from_millis(ms)
     }
 
-    fn near(reckoning: &Reckoning, ms: u64, degrees: f32) {
-        let found = reckoning.degrees(at(ms)).expect("a known angle");
+    fn near(angle_estimate: &AngleEstimate, ms: u64, degrees: f32) {
+        let found = angle_estimate.degrees(at(ms)).expect("a known angle");
         assert!(apart(found, degrees) < 0.1, "{found}, not {degrees}");
     }
 
     #[test]
     fn an_angle_goes_on_with_the_speed() {
-        let mut reckoning = Reckoning::default();
-        assert_eq!(reckoning.degrees(at(0)), None);
-        reckoning.replied(at(0), &reply(Some(10.0), 60));
-        near(&reckoning, 50, 352.0);
+        let mut angle_estimate = AngleEstimate::default();
+        assert_eq!(angle_estimate.degrees(at(0)), None);
+        angle_estimate.replied(at(0), &reply(Some(10.0), 60));
+        near(&angle_estimate, 50, 352.0);
         // Uncertain, and far from where the wheel can be.
-        reckoning.replied(at(100), &reply(None, 60));
-        near(&reckoning, 100, 334.0);
-        near(&reckoning, 150, 316.0);
+        angle_estimate.replied(at(100), &reply(None, 60));
+        near(&angle_estimate, 100, 334.0);
+        near(&angle_estimate, 150, 316.0);
     }
 
     #[test]
     fn an_uncertain_angle_near_the_reckoned_one_confirms_it() {
-        let mut reckoning = Reckoning::default();
-        reckoning.replied(at(0), &reply(Some(40.0), 0));
+        let mut angle_estimate = AngleEstimate::default();
+        angle_estimate.replied(at(0), &reply(Some(40.0), 0));
         // 0x1C55 is 79.7 degrees as a fine angle.
-        reckoning.replied(at(100), &reply(None, -100));
-        near(&reckoning, 100, 70.0);
-        reckoning.replied(at(110), &reply(None, -100));
-        near(&reckoning, 110, 79.686);
+        angle_estimate.replied(at(100), &reply(None, -100));
+        near(&angle_estimate, 100, 70.0);
+        angle_estimate.replied(at(110), &reply(None, -100));
+        near(&angle_estimate, 110, 79.686);
     }
 
     #[test]
     fn a_first_byte_that_is_no_temperature_begins_an_angle() {
-        let mut reckoning = Reckoning::default();
+        let mut angle_estimate = AngleEstimate::default();
         let mut query = reply(None, 0);
         query.detail = Detail::Query {
             temperature: Celsius::new(30),
             position: CoarsePosition::from_raw(0),
         };
-        reckoning.replied(at(0), &query);
+        angle_estimate.replied(at(0), &query);
         // 0x1C is 28 degrees Celsius, and may be a temperature.
-        reckoning.replied(at(20), &reply(None, 0));
-        near(&reckoning, 20, 0.0);
+        angle_estimate.replied(at(20), &reply(None, 0));
+        near(&angle_estimate, 20, 0.0);
         query.detail = Detail::Query {
             temperature: Celsius::new(40),
             position: CoarsePosition::from_raw(0),
         };
-        reckoning.replied(at(40), &query);
-        reckoning.replied(at(60), &reply(None, 0));
-        near(&reckoning, 60, 79.686);
+        angle_estimate.replied(at(40), &query);
+        angle_estimate.replied(at(60), &reply(None, 0));
+        near(&angle_estimate, 60, 79.686);
     }
 
     #[test]
     fn an_angle_that_nothing_confirms_is_unknown_after_half_a_second() {
-        let mut reckoning = Reckoning::default();
-        reckoning.replied(at(0), &reply(Some(10.0), 0));
+        let mut angle_estimate = AngleEstimate::default();
+        angle_estimate.replied(at(0), &reply(Some(10.0), 0));
         for ms in (100..=500).step_by(100) {
-            reckoning.replied(at(ms), &reply(None, 0));
+            angle_estimate.replied(at(ms), &reply(None, 0));
         }
-        assert!(reckoning.degrees(at(500)).is_some());
-        assert_eq!(reckoning.degrees(at(501)), None);
+        assert!(angle_estimate.degrees(at(500)).is_some());
+        assert_eq!(angle_estimate.degrees(at(501)), None);
     }
 
     #[test]
     fn a_motor_that_does_not_answer_has_no_angle_after_200_ms() {
-        let mut reckoning = Reckoning::default();
-        reckoning.replied(at(0), &reply(Some(10.0), 0));
-        assert!(reckoning.degrees(at(199)).is_some());
-        assert_eq!(reckoning.degrees(at(200)), None);
+        let mut angle_estimate = AngleEstimate::default();
+        angle_estimate.replied(at(0), &reply(Some(10.0), 0));
+        assert!(angle_estimate.degrees(at(199)).is_some());
+        assert_eq!(angle_estimate.degrees(at(200)), None);
     }
 }

@@ -1,25 +1,27 @@
-//! Whether an angle follows from those before it.
+//! Outlier filter for the angle.
 //!
-//! Bytes 6 and 7 of a reply to a query, read as those of a reply to a drive frame, are 2.8 degrees for each
-//! degree of temperature, wherever the wheel stands. A wheel goes no further than its speed takes it: where
-//! a reply may be one that was owed, an angle that jumps is not believed before the next says the same.
+//! Bytes 6 and 7 of a query reply, read as those of a drive reply, give 2.8 degrees per degree of
+//! temperature, wherever the wheel stands. A wheel turns no further than its speed allows. So while
+//! a reply may answer an earlier request, an angle that jumps needs a second reading that confirms
+//! it.
 
 use motorlink_protocol::{Instant, Rpm};
 
-/// Two readings of a wheel at rest differ by no more: a step of the coarse angle, and what a push gives.
+/// Largest difference of two readings of a wheel at rest: one step of the coarse angle, and the
+/// effect of a push.
 const STEP_MAX_DEG: f32 = 10.0;
-/// The report of the speed lags behind a wheel that is thrown or caught.
+/// The reported speed lags behind a wheel that is pushed or stopped by hand.
 const SPEED_MARGIN: f32 = 1.5;
 
 /// One reading.
 #[derive(Clone, Copy, Debug)]
-struct Read {
+struct Reading {
     at: Instant,
     degrees: f32,
     speed: Rpm,
 }
 
-impl Read {
+impl Reading {
     fn leads_to(self, next: Self) -> bool {
         let apart = (next.degrees - self.degrees + 180.0).rem_euclid(360.0) - 180.0;
         let fastest = self.speed.degrees_per_second().abs();
@@ -31,23 +33,23 @@ impl Read {
 
 /// The last readings of one motor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Angles {
-    believed: Option<Read>,
-    doubted: Option<Read>,
+pub(crate) struct AngleFilter {
+    accepted: Option<Reading>,
+    candidate: Option<Reading>,
 }
 
-impl Angles {
-    /// Whether this reading is to be believed, beside the speed of the same reply. It is where it is
-    /// `certain` what was asked.
-    pub(crate) fn follows(&mut self, at: Instant, degrees: f32, speed: Rpm, certain: bool) -> bool {
-        let read = Read { at, degrees, speed };
-        let near = |before: Option<Read>| before.is_some_and(|before| before.leads_to(read));
-        if certain || near(self.believed) || near(self.doubted) {
-            self.believed = Some(read);
-            self.doubted = None;
+impl AngleFilter {
+    /// Whether to accept this reading, given the speed in the same reply. A reading is accepted if
+    /// its request is `certain`.
+    pub(crate) fn accepts(&mut self, at: Instant, degrees: f32, speed: Rpm, certain: bool) -> bool {
+        let read = Reading { at, degrees, speed };
+        let near = |before: Option<Reading>| before.is_some_and(|before| before.leads_to(read));
+        if certain || near(self.accepted) || near(self.candidate) {
+            self.accepted = Some(read);
+            self.candidate = None;
             true
         } else {
-            self.doubted = Some(read);
+            self.candidate = Some(read);
             false
         }
     }
@@ -60,12 +62,12 @@ mod tests {
     use super::*;
 
     fn follow(readings: &[(u64, f32, i16)], certain: bool) -> Vec<bool> {
-        let mut angles = Angles::default();
+        let mut angle_filter = AngleFilter::default();
         let at = |ms| Instant::ZERO + Duration::from_millis(ms);
-        let follows = |(ms, degrees, rpm): &(u64, f32, i16)| {
-            angles.follows(at(*ms), *degrees, Rpm::new(*rpm), certain)
+        let accepts = |(ms, degrees, rpm): &(u64, f32, i16)| {
+            angle_filter.accepts(at(*ms), *degrees, Rpm::new(*rpm), certain)
         };
-        readings.iter().map(follows).collect()
+        readings.iter().map(accepts).collect()
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What is heard when everyone was asked at once.
+//! Replies to a frame that several motors may answer.
 
 use motorlink_protocol::{Instant, Layout, MotorId};
 
@@ -6,47 +6,47 @@ use crate::{
     bus::Bus,
     event::{Event, IdQueryOutcome},
     exchange::{Exchange, Purpose},
+    line_event::LineEventKind,
     motor::Motor,
     raw::frame::addressee,
     raw::status::RawAnswer,
     receiver::ReceivedReply,
-    receiver::{Leftovers, Piece},
+    receiver::{OtherBytes, Segment},
     replies::{count_line, micros},
-    traffic::Passed,
 };
 
-/// Junk that may stand beside one clean reply to the ID query: less than half a frame is noise, more
-/// is another motor's voice.
+/// Most junk bytes beside one clean reply to the ID query. Less than half a frame is noise; more is
+/// the reply of another motor.
 const STRAY_BYTES_MAX: usize = 4;
 
 impl Bus {
-    /// The window in which everyone could answer has passed.
-    pub(crate) fn everyone_heard(
+    /// The reply window of a broadcast has ended.
+    pub(crate) fn broadcast_window_ended(
         &mut self,
         now: Instant,
         exchange: &Exchange,
         layout: Option<Layout>,
-        rest: &Leftovers,
+        rest: &OtherBytes,
     ) {
         count_line(&mut self.counters, rest);
-        // What only one motor may obey is answered by that one.
+        // A raw frame with one addressee is answered by that motor only.
         let only = match exchange.purpose {
             Purpose::Raw => addressee(&exchange.frame),
-            Purpose::Control | Purpose::Survey | Purpose::Pause => None,
+            Purpose::Control | Purpose::Job | Purpose::Pause => None,
         };
         let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;
-        for piece in &rest.pieces {
+        for piece in &rest.segments {
             let ReceivedReply { frame, reply } = match piece {
-                Piece::Reply(received) => *received,
-                Piece::Junk(junk) => {
-                    self.log(now, Passed::Junk(*junk));
+                Segment::Reply(received) => *received,
+                Segment::Junk(junk) => {
+                    self.log(now, LineEventKind::Junk(*junk));
                     continue;
                 }
             };
             if outcome != IdQueryOutcome::One(reply.id) {
-                // Several voices may pass the CRC as one that nobody has.
-                self.log_heard(now, &frame, None);
+                // Several replies at once may pass the CRC as a reply of no motor.
+                self.log_received(now, &frame, None);
                 continue;
             }
             if exchange.purpose == Purpose::Control {
@@ -56,30 +56,30 @@ impl Bus {
                 Some(motor) => motor.late.layout_of_reply(now, layout),
                 None => Some(layout),
             });
-            self.log_heard(now, &frame, asked);
-            // A motor that is not known may have answered with it, so what was asked of all tells who
-            // is there, and nothing of how it is.
+            self.log_received(now, &frame, asked);
+            // An unknown motor may have answered too. So a broadcast tells which motors exist, not
+            // their state.
             if only.is_some() {
-                // Not now: the window may have ended behind a sleep.
+                // Not `now`: the computer may have slept before the window ended.
                 let at = exchange.last_byte.unwrap_or(exchange.sent);
-                self.keep(at, reply.in_layout(asked));
+                self.record_reply(at, reply.in_layout(asked));
             }
             answer = answer.or(Some((frame, asked)));
         }
         if layout.is_some() {
-            // The answers of the others may still come, to one who was not known before too.
+            // The other motors, and motors added later, may still answer.
             let answered = |id: MotorId| rest.replies().any(|received| received.reply.id == id);
             let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));
             for motor in others {
-                motor.call_unanswered(exchange.sent);
+                motor.id_query_unanswered(exchange.sent);
             }
-            self.called = Some(exchange.sent);
+            self.last_id_query = Some(exchange.sent);
         }
         let took = exchange.last_byte.map(|last| last.since(exchange.sent));
         match exchange.purpose {
             Purpose::Control => self.events.push_back(Event::IdQueryEnded(outcome)),
             Purpose::Pause => {}
-            Purpose::Survey => self.survey_called(outcome, took),
+            Purpose::Job => self.job_id_query_ended(outcome, took),
             Purpose::Raw => self.raw_answered(match (answer, rest.is_silence()) {
                 (Some((frame, asked)), _) => RawAnswer::Reply {
                     frame,
@@ -94,23 +94,23 @@ impl Bus {
         }
     }
 
-    /// Who answered, with the line's counters. `only` is the one motor that may, where it is one.
+    /// Which motor answered; updates the counters. `only` is the single addressee, if there is one.
     fn judge_answers(
         &mut self,
         now: Instant,
         only: Option<MotorId>,
-        rest: &Leftovers,
+        rest: &OtherBytes,
     ) -> IdQueryOutcome {
         if rest.is_silence() {
             self.counters.silences += 1;
-            return IdQueryOutcome::Nobody;
+            return IdQueryOutcome::NoReply;
         }
         let mut replies = rest.replies();
         let one = match (replies.next(), replies.next()) {
             (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => Some(received.reply.id),
             _ => None,
         };
-        // Where another is there, it has answered as well.
+        // If another motor is present, it has answered too.
         let another =
             |id: MotorId| move |motor: &Motor| motor.id != id && motor.fresh_speed(now).is_some();
         let is_alone = |id: &MotorId| match only {

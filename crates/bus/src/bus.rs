@@ -1,4 +1,4 @@
-//! The bus itself: what goes in, what comes out, and the order in which it is handled.
+//! The bus: its state, its inputs and outputs, and the order in which it handles them.
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -8,46 +8,47 @@ use crate::{
     counters::Counters,
     event::{Event, StopReason},
     exchange::Line,
-    job::state::{Proof, Survey},
+    job::state::{Job, Proof},
     limits::Limits,
     line_use::LineUse,
     motor::{Activity, Control, Motor, MotorStatus},
-    pending_transmit::HandedOut,
-    probe::Ask,
+    pending_transmit::PendingTransmit,
+    probe::Probe,
     ramp::Ramp,
     rate::CommandRate,
     raw::frame::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
-    schedule::{Errand, Pace, Turn, next_turn},
+    schedule::{DueFrame, Pacing, Turn, next_turn},
     stop::ActiveStop,
-    timing::{CALL_FORGOTTEN, EARLY, JUST_FREED, LATE_CALL, SLEPT_AT_LEAST},
-    watchdog::{Bark, Watchdog},
+    timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE_CALL, SLEPT_AT_LEAST},
+    watchdog::{Watchdog, WatchdogAction},
 };
 
-/// What [`Bus::poll`] wants done.
+/// What the caller does next.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Write these ten bytes to the port, now; where the port does not take them, say so by [`Bus::unsent`].
+    /// Write these ten bytes to the port now. If the port does not take them, call
+    /// [`Bus::transmit_failed`].
     Transmit(Frame),
-    /// Take note of this.
+    /// Something happened.
     Event(Event),
-    /// Nothing before this moment, unless bytes or a command come: poll again then.
+    /// Poll again at this moment, or earlier when bytes or a command arrive.
     Wait(Instant),
 }
 
-/// Where the last drive frame is.
+/// Whether the line has carried the last drive frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LastDrive {
-    /// A byte has come since: the line carries what it is given.
+    /// A byte arrived after it: the line carries frames.
     Carried,
-    /// It was sent at this moment, and no byte has come since: the adapter may still have it.
+    /// Sent at this moment, and no byte has arrived since: the adapter may still hold it.
     InFlight(Instant),
 }
 
-/// The one owner of the wire.
+/// The only owner of the wire.
 ///
-/// The caller keeps to one rule: after every input it polls until [`Output::Wait`], and polls again
+/// The caller follows one rule: after every input it polls until [`Output::Wait`], and polls again
 /// at that moment at the latest.
 #[derive(Debug)]
 pub struct Bus {
@@ -59,50 +60,50 @@ pub struct Bus {
     pub(crate) rate: CommandRate,
     pub(crate) ramp: Option<Ramp>,
     pub(crate) limits: Limits,
-    /// The number of the last group that was driven together.
+    /// Number of the last group that was driven.
     pub(crate) last_group: u32,
     pub(crate) line_use: LineUse,
     /// Whether the last frame was a query.
     pub(crate) query_was_last: bool,
     pub(crate) last_drive: LastDrive,
-    /// When a good frame came last outside its window.
-    pub(crate) late_heard: Option<Instant>,
-    /// Where several motors are driven, when the line may carry a query again.
+    /// When the last good frame arrived outside its window.
+    pub(crate) last_late_reply: Option<Instant>,
+    /// Earliest time of the next query while several motors are driven.
     pub(crate) queries_from: Instant,
     /// When the last exchange ended.
     pub(crate) freed_at: Instant,
-    /// Set by Stop all motors; nothing drives until it is released.
+    /// Set by Stop all motors. Nothing drives until Release.
     pub(crate) halted: bool,
     pub(crate) stop: Option<ActiveStop>,
     pub(crate) id_query_wanted: bool,
-    /// When the last ID query was sent whose window is spent.
-    pub(crate) called: Option<Instant>,
-    pub(crate) survey: Option<Survey>,
-    /// The motor that a full scan has proved to be alone.
+    /// When the last ID query was sent whose window has ended.
+    pub(crate) last_id_query: Option<Instant>,
+    pub(crate) job: Option<Job>,
+    /// The only motor on the bus, proved by a full scan.
     pub(crate) proved_alone: Option<Proof>,
     pub(crate) raw: Option<Raw>,
-    /// What happened on the line while no single motor was asked.
+    /// Counters of exchanges with no single motor as addressee.
     pub(crate) counters: Counters,
     pub(crate) watchdog: Watchdog,
-    /// The frame that was handed out last, until the next call says that it was taken.
-    pub(crate) handed_out: Option<HandedOut>,
-    /// Frames in a row that the port did not take.
+    /// The last frame given to the caller, until the next call confirms that the port took it.
+    pub(crate) pending_transmit: Option<PendingTransmit>,
+    /// Frames in a row that the port refused.
     pub(crate) refused_in_a_row: u32,
-    /// A question or a set-ID frame that the port did not take.
-    pub(crate) survey_again: Option<Errand>,
-    /// When the next call was asked for.
+    /// The frame of a scan or ID change that the port refused, to be sent again.
+    pub(crate) job_retry: Option<DueFrame>,
+    /// When the bus asked for the next call.
     pub(crate) call_due: Instant,
-    /// During a stop: a motor that does not answer gets its next frame once all that answer have had this
+    /// During a stop, a silent motor gets its next frame after every answering motor has got this
     /// many.
     pub(crate) silent_stop_round: u32,
-    /// First frames of a stop to motors that do not answer, since those that do got theirs.
+    /// First stop frames to silent motors since the last frame to an answering one.
     pub(crate) silent_firsts: u8,
-    /// Drained by every poll, so it holds what one input can cause: a few a motor.
+    /// Every poll drains it, so its length is bounded by the events of one input: a few per motor.
     pub(crate) events: VecDeque<Event>,
 }
 
 impl Bus {
-    /// A bus on which nothing drives, whatever was before.
+    /// A bus that drives nothing.
     #[must_use]
     pub fn new(now: Instant) -> Self {
         Self {
@@ -119,21 +120,21 @@ impl Bus {
             line_use: LineUse::default(),
             query_was_last: false,
             last_drive: LastDrive::Carried,
-            late_heard: None,
+            last_late_reply: None,
             queries_from: now,
             freed_at: now,
             halted: false,
             stop: None,
             id_query_wanted: false,
-            called: None,
-            survey: None,
+            last_id_query: None,
+            job: None,
             proved_alone: None,
             raw: None,
             counters: Counters::default(),
             watchdog: Watchdog::new(now),
-            handed_out: None,
+            pending_transmit: None,
             refused_in_a_row: 0,
-            survey_again: None,
+            job_retry: None,
             call_due: now,
             silent_stop_round: 0,
             silent_firsts: 0,
@@ -141,7 +142,7 @@ impl Bus {
         }
     }
 
-    /// A bus that starts as Stop all motors left another: nothing drives until it is released.
+    /// A bus that starts halted, as after Stop all motors: nothing drives until Release.
     #[must_use]
     pub fn halted(now: Instant) -> Self {
         Self {
@@ -150,14 +151,14 @@ impl Bus {
         }
     }
 
-    /// Whether Stop all motors stands.
+    /// Whether Stop all motors is in force.
     #[must_use]
     pub const fn is_halted(&self) -> bool {
         self.halted
     }
 
-    /// Whether a motor is driven, switched or being stopped, or turns by what we sent: the line must
-    /// not be let go.
+    /// Whether a motor is driven, switched or being stopped, or still turns because of the bus. The
+    /// caller must keep the port open.
     #[must_use]
     pub fn is_active(&self, now: Instant) -> bool {
         let turns = |motor: &Motor| {
@@ -168,7 +169,7 @@ impl Bus {
         self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
     }
 
-    /// Everything known of every motor.
+    /// Status of every watched motor.
     pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
         self.motors.iter().map(move |motor| {
             let mut status = motor.status(now);
@@ -185,27 +186,27 @@ impl Bus {
         self.watchdog.answered(now);
     }
 
-    /// What to do next. To be called until it answers [`Output::Wait`].
+    /// The next step. Call it until it returns [`Output::Wait`].
     pub fn poll(&mut self, now: Instant) -> Output {
         self.begin_call(now);
-        match self.watchdog.wake(now) {
-            Some(Bark::Ping) => self.events.push_back(Event::PingPage),
-            Some(Bark::PageSilent) if self.is_active(now) => {
+        match self.watchdog.poll(now) {
+            Some(WatchdogAction::Ping) => self.events.push_back(Event::PingPage),
+            Some(WatchdogAction::Expired) if self.is_active(now) => {
                 self.stop_all(now, StopReason::PageSilent);
             }
-            // Nobody would see how it ends.
-            Some(Bark::PageSilent) => self.cancel_survey(now),
+            // No page is left to show the result.
+            Some(WatchdogAction::Expired) => self.cancel_job(now),
             None => {}
         }
         self.look_for_reply(now);
         self.end_spent_window(now);
-        self.look_after_motors(now);
+        self.supervise_motors(now);
         let turn = match self.line {
             Line::Busy(exchange) => Turn::At(exchange.deadline()),
             Line::Free { .. } => self.next_turn(now),
         };
         let next_on_the_line = match turn {
-            Turn::Now(errand) => return Output::Transmit(self.speak(now, errand)),
+            Turn::Now(due_frame) => return Output::Transmit(self.prepare_frame(now, due_frame)),
             Turn::At(at) => Some(at),
             Turn::Never => None,
         };
@@ -219,20 +220,20 @@ impl Bus {
         let next = timers
             .chain(next_on_the_line)
             .fold(self.watchdog.deadline(), Instant::min);
-        // Whatever is due was done above; a moment that is not in the future would be a busy loop.
+        // Everything due is done. A time that is not in the future would make a busy loop.
         self.call_due = next.max(now + Duration::from_micros(1));
         Output::Wait(self.call_due)
     }
 
-    /// What every call begins with: the last frame was taken, and the time is as it was expected.
+    /// Start of every call: confirms the last frame and checks the time since the last call.
     pub(crate) fn begin_call(&mut self, now: Instant) {
-        self.settle_handed_out();
+        self.commit_transmit();
         let late = now.since(self.call_due);
         self.call_due = self.call_due.max(now);
         if late < LATE_CALL {
             return;
         }
-        // What has waited meanwhile is no reading of now.
+        // Bytes that waited during the gap are not current.
         self.end_spent_window(now);
         self.watchdog.resumed(now);
         let reason = if late < SLEPT_AT_LEAST {
@@ -243,31 +244,31 @@ impl Bus {
         if self.is_active(now) {
             self.stop_all(now, reason);
         } else {
-            // Nobody asked for the rest of it now.
-            self.cancel_survey(now);
+            // The operator asked for it before the gap.
+            self.cancel_job(now);
         }
     }
 
     fn next_turn(&mut self, now: Instant) -> Turn {
         if self.stop.is_none() {
-            if let Some(errand) = self.survey_again.take()
-                && self.survey.is_some()
+            if let Some(due_frame) = self.job_retry.take()
+                && self.job.is_some()
             {
-                return Turn::Now(errand);
+                return Turn::Now(due_frame);
             }
             if self.id_query_wanted {
-                return Turn::Now(Errand::IdQuery);
+                return Turn::Now(DueFrame::IdQuery);
             }
-            if let Some(turn) = self.survey_turn(now) {
+            if let Some(turn) = self.next_job_turn(now) {
                 return turn;
             }
             if let Some(at) = self.raw_has_line() {
                 return self.raw_set_id_turn(now, at);
             }
         }
-        // A stop has the line to itself but for what is driven beside it.
+        // During a stop only driven motors share the line with it.
         let raw = self.raw.filter(|_| self.stop.is_none());
-        let pace = Pace {
+        let pacing = Pacing {
             usual: self.round_trip.usual(),
             period: self.rate.period(),
             query_was_last: self.query_was_last,
@@ -280,25 +281,25 @@ impl Bus {
             &self.motors,
             raw.and_then(|raw| raw.next_frame()),
             now,
-            pace,
+            pacing,
         )
     }
 
-    /// Set-ID frames that a person wrote: the ID query first, then one behind the other.
+    /// Raw set-ID frames: the ID query first, then all frames in a row.
     fn raw_set_id_turn(&self, now: Instant, at: Instant) -> Turn {
         if self.raw.is_some_and(|raw| raw.to_check.is_some()) {
-            Turn::Now(Errand::Survey(Ask::Everyone))
+            Turn::Now(DueFrame::Probe(Probe::IdQuery))
         } else if now + EARLY >= at {
-            Turn::Now(Errand::Raw)
+            Turn::Now(DueFrame::Raw)
         } else {
             Turn::At(at)
         }
     }
 
-    /// Ends what is under way as the line is let go, and gives what is still to be told.
+    /// Ends the current job before the port closes and returns the events that are left.
     pub fn close(&mut self, now: Instant) -> impl Iterator<Item = Event> {
-        self.settle_handed_out();
-        self.cancel_survey(now);
+        self.commit_transmit();
+        self.cancel_job(now);
         self.events.drain(..)
     }
 
@@ -306,7 +307,7 @@ impl Bus {
         self.motors.iter_mut().find(|motor| motor.id == id)
     }
 
-    /// The record of this motor, new if there was none. At most 254, one an address.
+    /// The state of this motor, created if it is new. At most 254 motors, one per address.
     pub(crate) fn watch(&mut self, now: Instant, id: MotorId) -> &mut Motor {
         let place = self
             .motors
@@ -314,9 +315,11 @@ impl Bus {
             .position(|motor| motor.id == id)
             .unwrap_or_else(|| {
                 let mut motor = Motor::new(now, id);
-                let called = self.called.filter(|sent| now.since(*sent) < CALL_FORGOTTEN);
-                if let Some(sent) = called {
-                    motor.call_unanswered(sent);
+                let last_id_query = self
+                    .last_id_query
+                    .filter(|sent| now.since(*sent) < ID_QUERY_FORGOTTEN);
+                if let Some(sent) = last_id_query {
+                    motor.id_query_unanswered(sent);
                 }
                 self.motors.push(motor);
                 self.motors.len() - 1

@@ -1,4 +1,4 @@
-//! What an operator can ask of the bus, and why the bus may refuse.
+//! Operator commands, and why the bus may refuse them.
 
 use std::{fmt, time::Duration};
 
@@ -8,7 +8,7 @@ use motorlink_protocol::{
 
 use crate::{
     event::StopReason,
-    group::setpoints::Together,
+    group::setpoints::GroupSetpoints,
     id_change::outcome::SetIdFrames,
     limits::{Crossed, Limits},
     ramp::Ramp,
@@ -17,90 +17,91 @@ use crate::{
     raw::status::Repeat,
 };
 
-/// An operator's act. Motion starts by [`Command::Drive`], by [`Command::DriveTogether`], by a frame
-/// that a person wrote ([`Command::SendRaw`]), and by nothing else.
+/// A command of the operator. Only [`Command::Drive`], [`Command::DriveGroup`] and a raw frame
+/// ([`Command::SendRaw`]) start motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Command {
-    /// Ask this motor for telemetry from now on.
+    /// Poll this motor for telemetry.
     Watch(MotorId),
-    /// Ask no more. Refused for a motor that is driven or being stopped.
+    /// Stop polling this motor. Refused while it is driven or being stopped.
     Forget(MotorId),
-    /// Ask who is there, by the ID query. What is driven is stopped first.
+    /// Send the ID query, which every motor answers. Driven motors are stopped first.
     IdQuery,
-    /// Ask every address who is there. What is driven is stopped first, and nothing drives until it
-    /// has ended.
+    /// Query every address. Driven motors are stopped first, and nothing drives until the scan has
+    /// ended.
     FullScan,
-    /// Give the only motor on the bus another ID, which it keeps. Refused unless a full scan of the
-    /// last minute has proved that it is the only one.
+    /// Give the only motor on the bus another ID, which the motor stores. Refused unless a full
+    /// scan of the last minute has proved that it is the only one.
     SetId {
         /// Its present ID.
         from: MotorId,
         /// The new one.
         to: AssignableId,
-        /// How often it is sent.
+        /// How many set-ID frames are sent.
         frames: SetIdFrames,
     },
-    /// End a scan or an ID change.
-    CancelSurvey,
-    /// Send ten bytes that a person wrote, as they are.
+    /// Cancel a scan or an ID change.
+    CancelJob,
+    /// Send ten bytes as the operator wrote them: a raw frame.
     SendRaw {
         /// The bytes.
         frame: Frame,
         /// How often.
         repeat: Repeat,
-        /// What the operator was asked and said yes to.
+        /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Send them no more. What they may have set in motion is stopped.
+    /// Stop repeating the raw frame, and stop motors that it may have moved.
     StopRaw,
     /// Send this many drive frames a second to each driven motor.
     SetRate(CommandRate),
-    /// Close another loop. The motor starts no motion by it.
+    /// Switch to another loop. Starts no motion.
     SwitchMode {
         /// Which motor.
         id: MotorId,
         /// The loop to close.
         mode: Mode,
     },
-    /// Drive until told otherwise.
+    /// Drive until the next command.
     Drive {
         /// Which motor.
         id: MotorId,
-        /// What it is to do.
+        /// The setpoint.
         setpoint: Setpoint,
-        /// What the operator was asked and said yes to.
+        /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Change the setpoint of a motor that is driven in the same loop; never starts one. What a
-    /// slider sends while it is dragged: a drag that outlasts a stop must not undo it.
+    /// Change the setpoint of a motor that is driven in the same loop; never starts one. A slider
+    /// sends it while it is dragged: a drag that outlasts a stop must not restart the motor.
     Adjust {
         /// Which motor.
         id: MotorId,
-        /// What it is to do.
+        /// The setpoint.
         setpoint: Setpoint,
-        /// What the operator was asked and said yes to.
+        /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Drive several motors as one, until told otherwise. Where one of them may not be driven, none
-    /// is. When one of them is stopped, withdrawn or falls silent, all are stopped.
-    DriveTogether {
-        /// Which motors, and what each is to do.
-        parts: Together,
-        /// What the operator was asked and said yes to.
+    /// Drive several motors as a group until the next command. If one of them may not be driven,
+    /// none is. When one is stopped, withdrawn or silent, all are stopped.
+    DriveGroup {
+        /// Each motor with its setpoint.
+        setpoints: GroupSetpoints,
+        /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Change the setpoints of motors that are driven together; never starts one.
-    AdjustTogether {
-        /// All motors of the group, and what each is to do.
-        parts: Together,
-        /// What the operator was asked and said yes to.
+    /// Change the setpoints of a driven group; never starts one.
+    AdjustGroup {
+        /// All motors of the group with their setpoints.
+        setpoints: GroupSetpoints,
+        /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Let commanded speeds grow no faster than this; `None` is as fast as they are given. What is
-    /// slower, and every stop, is sent at once.
+    /// Limit how fast commanded speeds grow; `None` is no limit. Lower speeds and stops are sent at
+    /// once.
     SetRamp(Option<Ramp>),
-    /// Stop a driven motor that crosses one of these, and start none that asks for more or is hotter.
+    /// Stop a driven motor that crosses a limit. Refuse to start one that asks for more or is
+    /// hotter.
     SetLimits(Limits),
     /// Hold the present angle of a motor that is driven in the position loop.
     Hold(MotorId),
@@ -112,32 +113,33 @@ pub enum Command {
     Release,
 }
 
-/// An act older than this is not carried out if a wheel may move by it: a page that hung hands over at
-/// its end what was clicked at its beginning. Half of what the watchdog allows, and five times what a
-/// click takes on a slow machine.
-pub const ACT_AGE_MAX: Duration = Duration::from_millis(500);
+/// Commands older than this are dropped if they may move a wheel: a page that hung delivers old
+/// clicks when it resumes. Half of [`PAGE_SILENCE_MAX`](crate::PAGE_SILENCE_MAX), and five times
+/// the delay of a click on a slow machine.
+pub const COMMAND_AGE_MAX: Duration = Duration::from_millis(500);
 
 impl Command {
-    /// Whether this was asked for too long ago to be carried out.
+    /// Whether a command of this age is dropped.
     #[must_use]
     pub fn is_too_old(self, age: Duration) -> bool {
-        (self.may_move() || self.releases()) && age > ACT_AGE_MAX
+        (self.may_move() || self.releases()) && age > COMMAND_AGE_MAX
     }
 
-    /// Whether motors may be driven again by it. One that was given before a stop does not release that.
+    /// Whether the command releases a halt. A release given before a stop does not release that
+    /// stop.
     #[must_use]
     pub fn releases(self) -> bool {
         matches!(self, Self::Release)
     }
 
-    /// Whether a wheel may move by it, or a motor change.
+    /// Whether the command may move a wheel or change a motor.
     #[must_use]
     pub fn may_move(self) -> bool {
         match self {
             Self::Drive { .. }
             | Self::Adjust { .. }
-            | Self::DriveTogether { .. }
-            | Self::AdjustTogether { .. }
+            | Self::DriveGroup { .. }
+            | Self::AdjustGroup { .. }
             | Self::SwitchMode { .. }
             | Self::SetId { .. } => true,
             Self::SendRaw { frame, .. } => is_hazardous(&frame),
@@ -145,7 +147,7 @@ impl Command {
             | Self::Forget(_)
             | Self::IdQuery
             | Self::FullScan
-            | Self::CancelSurvey
+            | Self::CancelJob
             | Self::StopRaw
             | Self::SetRate(_)
             | Self::SetRamp(_)
@@ -158,26 +160,26 @@ impl Command {
     }
 }
 
-/// What the operator was asked before the command was given.
+/// What the operator confirmed before the command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Consent {
     /// Nothing.
     #[default]
     None,
-    /// Whether a current above 25,000 raw (6.1 A) is really meant.
+    /// A current above 25,000 raw (6.1 A).
     HighCurrent,
 }
 
-/// Why a command was not carried out. Nothing has changed by it.
+/// Why the bus refuses a command. A refused command changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Refusal {
-    /// Stop all motors stands until it is released.
+    /// Stop all motors is in force until Release.
     Halted,
-    /// The motor has not answered lately, so its loop is not known.
-    NotHeard(MotorId),
-    /// The setpoint belongs to another loop than the motor reports.
+    /// No reply within the last 500 ms, so the motor's loop is unknown.
+    NotAnswering(MotorId),
+    /// The setpoint belongs to another loop than the one that the motor reports.
     OtherLoop {
         /// Which motor.
         id: MotorId,
@@ -190,22 +192,23 @@ pub enum Refusal {
     SpeedUnknown(MotorId),
     /// The position loop needs less than 10 rpm.
     TooFast(Rpm),
-    /// The motor reports a fault and would ignore the command, then obey it when the fault clears.
+    /// The motor reports a fault. It ignores the command now and would obey it when the fault
+    /// clears.
     FaultActive {
         /// Which motor.
         id: MotorId,
         /// What it reports.
         faults: Faults,
     },
-    /// The operator has to be asked first.
+    /// The operator must confirm first.
     NeedsConsent(CurrentTarget),
-    /// It asks for more than the speed limit, in rpm.
+    /// The setpoint exceeds this speed limit in rpm.
     AboveSpeedLimit(u16),
     /// The motor is hotter than its limit.
     TooHot {
         /// Which motor.
         id: MotorId,
-        /// How hot, and the limit.
+        /// The reported temperature and the limit.
         crossed: Crossed,
     },
     /// The motor is being stopped.
@@ -214,23 +217,23 @@ pub enum Refusal {
     NotHolding(MotorId),
     /// The motor is not driven in that loop, so there is no setpoint to change.
     NotDriven(MotorId),
-    /// The page did not answer for a second, and has not answered since.
+    /// The page has not answered its ping for a second or more.
     PageSilent,
-    /// The motor is driven together with others.
-    Together(MotorId),
-    /// The motor changes its loop.
+    /// The motor is driven in a group.
+    InGroup(MotorId),
+    /// The motor is switching its loop.
     Switching(MotorId),
-    /// A motor is driven, and this would disturb it.
+    /// A motor is driven and the command would disturb it.
     Driven(MotorId),
-    /// A scan or an ID change is under way.
-    Surveying,
+    /// A scan or an ID change is running.
+    JobRunning,
     /// No full scan of the last minute has proved that this motor is the only one.
     NotProvedAlone,
     /// The motor has this ID already.
     SameId(MotorId),
     /// A frame of the raw editor is still being repeated.
     RawRunning,
-    /// No motor may have this ID: see [`unassignable_id`].
+    /// No motor may have this ID: see [`unassignable_id`](crate::unassignable_id).
     NotAssignable(u8),
     /// A raw frame asks for the opposite of a current that the motor may still follow.
     ReversesTorque(MotorId),
@@ -240,7 +243,7 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Halted => f.write_str("All motors are stopped. Press Release to drive again."),
-            Self::NotHeard(id) => {
+            Self::NotAnswering(id) => {
                 write!(
                     f,
                     "Motor {id} has not replied, so its loop is unknown. Check its power and ID."
@@ -273,7 +276,7 @@ impl fmt::Display for Refusal {
             }
             Self::AboveSpeedLimit(limit) => write!(
                 f,
-                "Above your speed limit of {limit} rpm. Lower the target, or raise the limit."
+                "That is above your speed limit of {limit} rpm. Probe for less, or raise the limit."
             ),
             Self::TooHot { id, crossed } => write!(
                 f,
@@ -293,7 +296,7 @@ impl fmt::Display for Refusal {
             Self::PageSilent => {
                 f.write_str("The page was not responding. Press again.")
             }
-            Self::Together(id) => write!(
+            Self::InGroup(id) => write!(
                 f,
                 "Motor {id} is running in a group. Stop the group first."
             ),
@@ -302,7 +305,7 @@ impl fmt::Display for Refusal {
                 "Motor {id} is switching loops. Press again afterwards."
             ),
             Self::Driven(id) => write!(f, "Motor {id} is running. Stop it first."),
-            Self::Surveying => f.write_str("A bus scan is running. Wait until it ends, or cancel it."),
+            Self::JobRunning => f.write_str("A bus scan is running. Wait until it ends, or cancel it."),
             Self::NotProvedAlone => f.write_str(
                 "Setting an ID affects every motor on the bus. Run a full scan first: it must find exactly one motor.",
             ),

@@ -1,9 +1,9 @@
-//! What happened on the line, counted.
+//! Counters of the line.
 
-/// Ends of exchanges and oddities of the line, since the bus began.
+/// Counts how exchanges end and what else the line carries, since the bus began.
 ///
-/// Silence, a bad CRC and a wrong ID are events of a bus, not errors; each is counted apart because
-/// each has its own cause.
+/// Silence, a bad CRC and a wrong ID are events of a bus, not errors. Each has its own counter
+/// because each has its own cause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counters {
@@ -11,29 +11,29 @@ pub struct Counters {
     pub requests: u64,
     /// Requests answered in their window.
     pub replies: u64,
-    /// Windows in which nothing came but an echo.
+    /// Windows with no bytes except an echo.
     pub silences: u64,
-    /// Windows in which a frame's worth of bytes came and no CRC held: flipped bits, or two talkers.
+    /// Windows with ten bytes or more and no good CRC: flipped bits, or a collision.
     pub bad_crcs: u64,
-    /// Windows in which less than a frame came.
+    /// Windows with less than a frame.
     pub fragments: u64,
-    /// Good frames of another motor than the one asked.
+    /// Good frames of another motor than the one that was asked.
     pub wrong_ids: u64,
-    /// Good frames of a motor whose window was spent already.
+    /// Good frames of a motor after its window.
     pub late: u64,
-    /// Requests that came back whole.
+    /// Requests echoed whole.
     pub echoes_whole: u64,
-    /// Requests that came back cut short.
+    /// Requests echoed in part.
     pub echoes_cut: u64,
-    /// Bytes that were part of no frame and no echo.
+    /// Bytes outside any frame and echo.
     pub junk_bytes: u64,
 }
 
-/// How well the line works, for one motor.
+/// Quality of the link to one motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinkQuality {
-    /// Drive frames a second over the last second.
+    /// Drive frames per second over the last second.
     pub command_hz: u16,
     /// Median round trip of the last exchanges in microseconds; `None` before the first reply.
     pub round_trip_us: Option<u32>,
@@ -41,10 +41,10 @@ pub struct LinkQuality {
     pub loss_per_mille: Option<u16>,
 }
 
-/// The last 100 exchanges, good or lost.
+/// Loss over the last 100 exchanges.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LossMeter {
-    /// One bit an exchange, the newest in bit 0; set where it was lost.
+    /// One bit per exchange, the newest in bit 0; 1 is lost.
     lost: u128,
     seen: u8,
 }
@@ -57,7 +57,7 @@ impl LossMeter {
         self.seen = (self.seen + 1).min(Self::DEPTH);
     }
 
-    /// How many exchanges are remembered, and how many of them were lost.
+    /// Number of recorded exchanges, and how many of them were lost.
     pub(crate) const fn known(&self) -> (u32, u32) {
         (self.seen as u32, self.lost.count_ones())
     }

@@ -1,4 +1,4 @@
-//! Operator commands.
+//! Checks operator commands and passes each to the part that carries it out.
 
 use motorlink_protocol::{Instant, MotorId};
 
@@ -21,8 +21,8 @@ impl Bus {
             // It was given before the gap that has just stopped the motors.
             return Err(Refusal::Halted);
         }
-        if self.watchdog.has_bitten() && (command.may_move() || command.releases()) {
-            // It may have been given long ago, to a page that has only now come to send it.
+        if self.watchdog.has_expired() && (command.may_move() || command.releases()) {
+            // The page hung. The operator may have given the command long ago.
             return Err(Refusal::PageSilent);
         }
         match command {
@@ -33,7 +33,7 @@ impl Bus {
             Command::IdQuery => self.begin_id_query(now)?,
             Command::FullScan => self.begin_scan(now)?,
             Command::SetId { from, to, frames } => self.begin_id_change(now, from, to, frames)?,
-            Command::CancelSurvey => self.cancel_survey(now),
+            Command::CancelJob => self.cancel_job(now),
             Command::SendRaw {
                 frame,
                 repeat,
@@ -43,11 +43,17 @@ impl Bus {
             Command::SetRate(rate) => self.set_rate(now, rate),
             Command::SetRamp(ramp) => self.ramp = ramp,
             Command::SetLimits(limits) => self.limits = limits,
-            Command::DriveTogether { parts, consent } => {
-                self.drive_together(now, &parts, consent)?;
+            Command::DriveGroup {
+                setpoints: parts,
+                consent,
+            } => {
+                self.drive_group(now, &parts, consent)?;
             }
-            Command::AdjustTogether { parts, consent } => {
-                self.adjust_together(now, &parts, consent)?;
+            Command::AdjustGroup {
+                setpoints: parts,
+                consent,
+            } => {
+                self.adjust_group(now, &parts, consent)?;
             }
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
             Command::Drive {
@@ -55,8 +61,8 @@ impl Bus {
                 setpoint,
                 consent,
             } => {
-                if !self.rests_with_its_group(now, id, setpoint) {
-                    self.check_alone(id)?;
+                if !self.stops_group(now, id, setpoint) {
+                    self.check_not_in_group(id)?;
                     self.drive(now, id, setpoint, consent)?;
                 }
             }
@@ -65,8 +71,8 @@ impl Bus {
                 setpoint,
                 consent,
             } => {
-                if !self.rests_with_its_group(now, id, setpoint) {
-                    self.check_alone(id)?;
+                if !self.stops_group(now, id, setpoint) {
+                    self.check_not_in_group(id)?;
                     self.adjust(now, id, setpoint, consent)?;
                 }
             }
@@ -83,8 +89,8 @@ impl Bus {
 
     fn forget(&mut self, id: MotorId) -> Result<(), Refusal> {
         match self.motor_mut(id) {
-            // One that never answered is perhaps not there.
-            Some(motor) if motor.may_turn && motor.ever_heard() => Err(Refusal::Driven(id)),
+            // A motor that never answered may not exist.
+            Some(motor) if motor.may_turn && motor.has_answered() => Err(Refusal::Driven(id)),
             Some(Motor {
                 control: Control::Idle,
                 ..

@@ -1,4 +1,4 @@
-//! What operators ask for.
+//! Drive, adjust, hold and mode switch of one motor.
 
 use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 
@@ -20,9 +20,9 @@ impl Bus {
         mode: Mode,
     ) -> Result<(), Refusal> {
         self.check_not_halted()?;
-        self.check_no_survey()?;
+        self.check_no_job()?;
         self.check_no_raw_hazard()?;
-        self.check_alone(id)?;
+        self.check_not_in_group(id)?;
         let motor = self.watch(now, id);
         if mode == Mode::Position {
             check_position_switch(id, motor.fresh_speed(now))?;
@@ -30,8 +30,8 @@ impl Bus {
         let driven_in = match motor.control {
             Control::Stopping(_) => return Err(Refusal::Stopping(id)),
             Control::Driven(driven) => Some(driven.goal.mode()),
-            // Which loop the motor is in is in the air, so nothing may be sent that one could
-            // misread: as if it were held at an angle.
+            // The motor's loop is unconfirmed during a switch. The position loop is the safe
+            // assumption: no drive frame is sent between it and another loop.
             Control::Switching(switch) => switch.was_driven.then_some(Mode::Position),
             Control::Idle => None,
         };
@@ -47,7 +47,7 @@ impl Bus {
         consent: Consent,
     ) -> Result<(), Refusal> {
         self.check_not_halted()?;
-        self.check_no_survey()?;
+        self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.limits;
         let motor = self.watch(now, id);
@@ -58,22 +58,22 @@ impl Bus {
             Control::Switching(switch) => {
                 let reported = Some(switch.to);
                 check_drive(id, setpoint, consent, limits, Known { reported, ..known })?;
-                switch.then = Some(setpoint);
+                switch.queued_setpoint = Some(setpoint);
             }
             Control::Driven(driven) => {
-                // Whatever is known of its loop, values of that loop are sent already: rest is no worse.
-                let comes_to_rest = rests(setpoint) && setpoint.mode() == driven.goal.mode();
+                // The motor already gets values of this loop, so a zero makes nothing worse.
+                let comes_to_rest = is_rest(setpoint) && setpoint.mode() == driven.goal.mode();
                 if !comes_to_rest {
                     check_drive(id, setpoint, consent, limits, known)?;
                 }
-                // An operator's act shows at once, at any rate.
+                // A command takes effect at once, at any command rate.
                 *driven = Driven {
                     goal: setpoint,
                     hold: None,
                     next_frame: now,
                     ..*driven
                 };
-                if rests(setpoint) {
+                if is_rest(setpoint) {
                     self.cut_exchange_short(now);
                 }
             }
@@ -96,12 +96,12 @@ impl Bus {
         match self.motor_mut(id).map(|motor| motor.control) {
             Some(Control::Driven(driven)) if driven.goal.mode() == setpoint.mode() => {
                 self.drive(now, id, setpoint, consent)?;
-                // Dragging keeps to the rate, unless it comes to rest.
+                // A dragged slider keeps the command rate. A zero is sent at once.
                 if let Some(Motor {
                     control: Control::Driven(adjusted),
                     ..
                 }) = self.motor_mut(id)
-                    && !rests(setpoint)
+                    && !is_rest(setpoint)
                 {
                     adjusted.next_frame = driven.next_frame;
                 }
@@ -123,11 +123,11 @@ impl Bus {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         }
-        let Some((hold, angle)) = motor.reckoning.hold(now) else {
+        let Some((hold, angle)) = motor.angle_estimate.hold(now) else {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         };
-        // At once where the wheel should be by its speed; the next reply says it better.
+        // The first frame holds the estimated angle. The next reply refines it.
         *driven = Driven {
             goal: Setpoint::Position(angle),
             hold: Some(hold),
@@ -156,8 +156,8 @@ impl Bus {
     }
 }
 
-/// Whether a setpoint is what a person calls stopping: it does not wait for the next period.
-pub(crate) fn rests(setpoint: Setpoint) -> bool {
+/// Whether a setpoint asks for rest. It does not wait for the next period.
+pub(crate) fn is_rest(setpoint: Setpoint) -> bool {
     match setpoint {
         Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
         Setpoint::Current(current) => current.raw() == 0,

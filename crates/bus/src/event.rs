@@ -1,28 +1,28 @@
-//! What the bus tells.
+//! Events of the bus.
 
 use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm};
 
 use crate::{
-    id_change::outcome::IdChangeOutcome, limits::Crossed, sample::Sample, scan::report::ScanReport,
-    traffic::Traffic,
+    id_change::outcome::IdChangeOutcome, limits::Crossed, line_event::LineEvent, sample::Sample,
+    scan::report::ScanReport,
 };
 
-/// Something that happened, in the order in which it happened.
+/// What happened, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A motor has reported.
+    /// A reply of a motor.
     Telemetry(Sample),
-    /// The ID query has been answered, or not.
+    /// The ID query has ended.
     IdQueryEnded(IdQueryOutcome),
-    /// Something has passed on the line.
-    Traffic(Traffic),
+    /// An event of the line, for the packet log.
+    Line(LineEvent),
     /// A full scan has ended.
     ScanEnded(ScanReport),
     /// An ID change has ended.
     IdChangeEnded {
         /// The ID that the motor had.
         from: MotorId,
-        /// The ID that it was to get.
+        /// The new ID.
         to: AssignableId,
         /// How it ended.
         outcome: IdChangeOutcome,
@@ -40,10 +40,10 @@ pub enum Event {
         id: MotorId,
         /// The loop that was asked for.
         asked: Mode,
-        /// The loop that it reports instead; `None` where it reports nothing.
+        /// The loop that it reports instead; `None` without a fresh reply.
         reported: Option<Mode>,
     },
-    /// A setpoint was withdrawn by the bus and its motor is being stopped.
+    /// The bus has withdrawn a setpoint and stops the motor.
     Withdrawn {
         /// Which motor.
         id: MotorId,
@@ -56,23 +56,23 @@ pub enum Event {
     MotorBack(MotorId),
     /// A stop has begun.
     StopBegan(StopReason),
-    /// Every motor of the stop stands, or its window is spent.
+    /// Every motor of the stop stands, or its stop window has ended.
     StopEnded(StopReport),
-    /// Ask the page whether it lives; it has to answer through [`Bus::page_answered`](crate::Bus::page_answered).
+    /// Ping the page. It answers through [`Bus::page_answered`](crate::Bus::page_answered).
     PingPage,
 }
 
-/// Who answered the ID query.
+/// Result of the ID query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum IdQueryOutcome {
-    /// Nobody.
-    Nobody,
-    /// One motor, undisturbed.
+    /// No reply.
+    NoReply,
+    /// One motor, with a clean reply.
     One(MotorId),
-    /// Bytes came that are not one clean reply: several motors answered at once, or noise.
+    /// Bytes that are not one clean reply: several motors answered at once, or noise.
     Garbled,
-    /// A stop came before it was asked.
+    /// A stop came before the query was sent.
     Cancelled,
 }
 
@@ -82,7 +82,7 @@ pub enum IdQueryOutcome {
 pub enum StopReason {
     /// The operator pressed Stop all motors.
     Operator,
-    /// The page was hidden and is set to stop then.
+    /// The page was hidden, and is set to stop in that case.
     PageHidden,
     /// The page was closed, reloaded or frozen.
     PageGone,
@@ -90,51 +90,52 @@ pub enum StopReason {
     PageSilent,
     /// The computer slept, or the wall clock was set forward, which looks the same.
     ComputerSlept,
-    /// The program that owns the port did nothing for over half a second.
+    /// The worker that owns the port did not run for over half a second.
     LoopDelayed,
     /// The operator disconnects.
     Disconnect,
-    /// The bus is to be scanned.
-    Survey,
-    /// One motor was to be stopped, by the operator or by the bus.
+    /// A scan or an ID change begins.
+    Job,
+    /// The operator or the bus stops one motor or group.
     OneMotor,
 }
 
-/// Why the bus took a setpoint back.
+/// Why the bus withdrew a setpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WithdrawReason {
-    /// It did not answer for 200 ms.
+    /// No reply for 200 ms.
     Silent,
-    /// It reports a fault.
+    /// The motor reports a fault.
     Fault(Faults),
-    /// It reports another loop than the setpoint belongs to: it lost power, or another master spoke.
+    /// The motor reports another loop than the setpoint's: it lost power, or another host switched
+    /// it.
     OtherLoop {
         /// The loop that it reports.
         reported: Mode,
     },
-    /// It crossed a limit that a person has set.
+    /// A limit of the operator was crossed.
     Limit(Crossed),
 }
 
-/// How a stop ended, motor by motor.
+/// Result of a stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StopReport {
     /// Why it began.
     pub reason: StopReason,
-    /// Every motor that it was for.
+    /// One outcome per motor.
     pub motors: Vec<StopOutcome>,
 }
 
-/// How a stop ended for one motor.
+/// Result of a stop for one motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StopOutcome {
     /// Which motor.
     pub id: MotorId,
-    /// Whether its own replies reported standstill.
+    /// Whether the motor's replies reported standstill.
     pub confirmed: bool,
-    /// Its speed by the last reply of the last 500 ms; `None` is unknown, not zero.
+    /// Speed by a reply of the last 500 ms; `None` is unknown, not zero.
     pub speed: Option<Rpm>,
 }

@@ -1,4 +1,4 @@
-//! One request and the window of its reply.
+//! One exchange: a request and the window of its reply.
 
 use std::time::Duration;
 
@@ -6,51 +6,51 @@ use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, MotorId, Request
 
 use crate::{raw::frame::addressee, timing::SETTLE};
 
-/// Who has the line.
+/// State of the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Line {
-    /// Nobody. The last request is remembered, because its echo may still come.
+    /// Free. The last request is kept because its echo may still arrive.
     Free { last: Frame },
-    /// A request is on its way or its reply is.
+    /// A request or its reply is on the wire.
     Busy(Exchange),
 }
 
-/// A request that was handed out to be sent, and what is expected of it.
+/// A request that was sent, and the expected answer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Exchange {
     pub(crate) frame: Frame,
     pub(crate) expects: Expects,
     pub(crate) purpose: Purpose,
     pub(crate) sent: Instant,
-    /// When the line is free again, whatever came.
+    /// When the line is free again, with or without a reply.
     pub(crate) window_ends: Instant,
-    /// Until when a reply that may be a shifted image is held back.
+    /// Until when an ambiguous window is held back: it may be the shifted image of another reply.
     pub(crate) held_until: Option<Instant>,
-    /// When the last byte came.
+    /// When the last byte arrived.
     pub(crate) last_byte: Option<Instant>,
 }
 
-/// Whose exchange it is.
+/// What the exchange is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Purpose {
     /// Driving, stopping, switching, telemetry.
     Control,
     /// A scan or an ID change.
-    Survey,
-    /// A frame that a person wrote.
+    Job,
+    /// A raw frame.
     Raw,
-    /// None: the line is left alone.
+    /// None: the line rests.
     Pause,
 }
 
-/// Which answer ends an exchange.
+/// The answer that ends an exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Expects {
     /// One reply of one motor, in one layout.
     Reply { id: MotorId, layout: Layout },
-    /// Replies of everyone; the window is always waited for.
+    /// Replies of several motors. The exchange lasts the whole window.
     Everyone {
-        /// `None` where it is not known what was asked.
+        /// `None` if the request is unknown.
         layout: Option<Layout>,
     },
     /// None: mode switches and set ID.
@@ -60,15 +60,15 @@ pub(crate) enum Expects {
 impl Expects {
     /// The answer to a request.
     pub(crate) fn of(request: &Request) -> Self {
-        match (request.addressee(), request.answered_in()) {
+        match (request.addressee(), request.reply_layout()) {
             (Some(id), Some(layout)) => Self::Reply { id, layout },
             (None, layout @ Some(_)) => Self::Everyone { layout },
             (_, None) => Self::Nothing,
         }
     }
 
-    /// The answer to a frame that a person wrote. What nobody can read, somebody may answer, and so may
-    /// all whom a drive frame without one addressee reaches.
+    /// The answer to a raw frame. An unreadable frame may be answered by any motor, and so may a
+    /// drive frame without a single addressee.
     pub(crate) fn of_raw(frame: &Frame) -> Self {
         match Request::parse(frame) {
             Ok(Request::Drive { .. }) if addressee(frame).is_none() => {
@@ -105,7 +105,7 @@ impl Exchange {
         }
     }
 
-    /// The line is left alone until a moment. This frame was sent last, or was to be.
+    /// A pause of the line until `until`. `frame` is the last one, sent or refused.
     pub(crate) fn pause(now: Instant, frame: Frame, until: Instant) -> Self {
         Self {
             frame,

@@ -1,31 +1,31 @@
-//! What a port was given and the line may not have carried yet.
+//! Bounds what waits in a port behind the wire.
 
 use std::time::Duration;
 
 use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant};
 
-/// Behind a frame that moves a wheel, and that the line has not proved to have carried, none goes for
-/// so long. A motor that cannot answer still gets what a person sends it by hand.
+/// Without a received byte, a second frame that moves a wheel waits this long. A motor that cannot
+/// answer still gets raw frames.
 const UNPROVED_MAX: Duration = Duration::from_secs(1);
 
 /// Frames on their way from a port to the wire.
 ///
-/// A browser says only that it has taken a frame: into a pipe of its own, behind which the system and
-/// the adapter have theirs. Behind an adapter that stalls some 3,500 frames fit (measured on Chromium
-/// 156 and a pseudo-terminal), and they come out of it in order, a stop behind all of them. So it is
-/// counted here what the line can have carried since: no more than its speed allows, and of frames
-/// that move a wheel only what a byte that came back proves.
+/// A browser only confirms that it has taken a frame, into its own pipe in front of those of the
+/// system and the adapter. A stalled adapter lets some 3,500 frames pile up there (measured on
+/// Chromium 156 and a pseudo-terminal). They go out in order, a stop behind all of them. So this
+/// counts what the line can have carried: at most what its speed allows, and of the frames that
+/// move a wheel only what a received byte proves.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InFlight {
-    /// When the line has carried everything, if it carries at full speed.
+    /// When the line has carried everything at full speed.
     carried_at: Instant,
-    /// When a frame that moves a wheel was handed over, if nothing has come back since.
+    /// When a frame that moves a wheel was handed over, if no byte has arrived since.
     moving: Option<Instant>,
 }
 
 impl InFlight {
-    /// Whether a frame may be handed over now. It waits behind one other at the most, and one that
-    /// moves a wheel behind no other of its kind.
+    /// Whether a frame may be handed over now: behind at most one other frame, and a frame that
+    /// moves a wheel behind no other such frame.
     #[must_use]
     pub fn admits(&self, now: Instant, frame: &Frame) -> bool {
         let queue = self.carried_at.since(now);
@@ -41,15 +41,15 @@ impl InFlight {
         }
     }
 
-    /// Bytes have come: the line carries what it is given.
-    pub fn heard(&mut self) {
+    /// Bytes have arrived: the line carries frames.
+    pub fn received(&mut self) {
         self.moving = None;
     }
 }
 
-/// Whether a frame may move a wheel, whatever else is wrong with it: all drive frames but zeros, with or
-/// without the brake. They end a motion, and wait for nothing. In the position loop zero is an angle, for
-/// which the bus itself waits.
+/// Whether a frame may move a wheel, even if it is malformed: every drive frame except zeros, with
+/// or without brake. Zeros end a motion and wait for nothing. In the position loop zero is an
+/// angle; the bus itself waits there.
 fn moves(frame: &Frame) -> bool {
     let &[_, command, high, low, ..] = frame.bytes();
     command == 0x64 && (high, low) != (0, 0)
@@ -97,7 +97,7 @@ mod tests {
         in_flight.handed_over(at(0), &drive(100));
         assert!(!in_flight.admits(at(999_999), &drive(100)));
         assert!(in_flight.admits(at(1_000_000), &drive(100)));
-        in_flight.heard();
+        in_flight.received();
         assert!(in_flight.admits(at(2_000), &drive(-50)));
     }
 

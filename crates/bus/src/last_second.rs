@@ -1,30 +1,30 @@
-//! Something that is added up over the last second, in ten slots of 100 ms.
+//! Sums over the last second, in ten slots of 100 ms.
 
 use motorlink_protocol::Instant;
 
 const SLOTS: usize = 10;
 const SLOT_US: u64 = 100_000;
 
-/// How long the slots are that [`LastSecond::over`] gives.
+/// Total length of the slots of [`LastSecond::over`] in microseconds.
 pub(crate) const OVER_US: u64 = (SLOTS as u64 - 1) * SLOT_US;
 
-/// Ten slots, of which the oldest gives way every 100 ms.
+/// A ring buffer of ten slots. Every 100 ms the oldest is cleared.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LastSecond<T> {
     slots: [T; SLOTS],
-    /// Number of the slot in progress, since the epoch.
+    /// Number of the current slot since the epoch.
     newest: u64,
 }
 
 impl<T: Copy + Default> LastSecond<T> {
-    /// The slot in progress, to add to.
+    /// The current slot.
     pub(crate) fn now(&mut self, now: Instant) -> &mut T {
         self.advance(now);
         #[allow(clippy::indexing_slicing, reason = "the remainder is below ten")]
         &mut self.slots[place(self.newest)]
     }
 
-    /// The nine slots that are over. That in progress is not, and is left out.
+    /// The nine complete slots. The current one is left out.
     pub(crate) fn over(&self, now: Instant) -> impl Iterator<Item = T> {
         let mut moved = self.clone();
         moved.advance(now);

@@ -1,61 +1,62 @@
-//! Replies that may still come though their window is spent.
+//! Replies that may still arrive after their window.
 //!
-//! A reply does not say what it answers, and the two layouts differ in bytes 6 and 7: while a reply in
-//! the other layout may still come, those two are not read. Time alone does not tell: an adapter, or a
-//! machine that is held up, may hand out what it has held for as long as it likes. But it hands it out in
-//! order, so a reply that is owed comes before those of later requests: a few replies in time say that
-//! none is owed.
+//! A reply does not name its request, and the two layouts differ in bytes 6 and 7. While a reply in
+//! the other layout may still arrive, those bytes are not read. Time alone does not end the doubt:
+//! an adapter or a delayed machine may hold replies for any time. But it delivers them in order, so
+//! an outstanding reply comes before those of later requests: a few replies in their windows show
+//! that none is outstanding.
 
 use motorlink_protocol::{Instant, Layout};
 
 use crate::timing::LATE_REPLY_MAX;
 
-/// As many replies as one request after the other was left without, and so many more, say that none is
-/// owed. On a machine with four times the work that it can do, two exchanges in a row were seen in which
-/// each request was met by the reply to the one before it.
+/// No reply is outstanding after as many replies as requests in a row were unanswered, plus this
+/// many. On a machine with four times the load that it can carry, two exchanges in a row were seen
+/// in which each request met the reply to the one before.
 const REPLIES_MORE: u32 = 3;
-/// But not more than this: a motor that was away owes nothing.
+/// At most this many: a motor that was absent has nothing outstanding.
 const REPLIES_MAX: u32 = 8;
 
-/// What one motor may owe in either layout.
+/// Outstanding replies of one motor, per layout.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LateReplies {
-    drive: Owed,
-    query: Owed,
+    drive: Outstanding,
+    query: Outstanding,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Owed {
-    /// When the last request without reply was sent.
+struct Outstanding {
+    /// When the last unanswered request was sent.
     sent: Option<Instant>,
-    /// Replies that are to come before none is owed.
+    /// Replies to receive before none counts as outstanding.
     replies: u32,
 }
 
 impl LateReplies {
-    /// A request had no reply in its window; it was the last of so many in a row.
+    /// Records a request without a reply in its window, the last of `in_a_row`.
     pub(crate) fn unanswered(&mut self, layout: Layout, sent: Instant, in_a_row: u32) {
-        let owed = match layout {
+        let outstanding = match layout {
             Layout::Drive => &mut self.drive,
             Layout::Query => &mut self.query,
         };
         let replies = in_a_row.saturating_add(REPLIES_MORE).min(REPLIES_MAX);
-        *owed = Owed {
+        *outstanding = Outstanding {
             sent: Some(sent),
-            // What was owed before is owed still.
-            replies: replies.max(owed.replies),
+            // Earlier outstanding replies stay outstanding.
+            replies: replies.max(outstanding.replies),
         };
     }
 
-    /// A reply came, to whatever request.
+    /// Records a reply to any request.
     pub(crate) fn replied(&mut self) {
-        for owed in [&mut self.drive, &mut self.query] {
-            owed.replies = owed.replies.saturating_sub(1);
+        for outstanding in [&mut self.drive, &mut self.query] {
+            outstanding.replies = outstanding.replies.saturating_sub(1);
         }
     }
 
-    /// The layout in which a reply to a request in `layout` can be read now: none while one in the other
-    /// may still come. Then this reply was perhaps that one, and the one to this request is owed as long.
+    /// The layout to read a reply in, to a request in `layout`; `None` while a reply in the other
+    /// layout may still arrive. This reply was perhaps that one, so the reply to this request is
+    /// outstanding as long.
     pub(crate) fn layout_of_reply(&mut self, now: Instant, layout: Layout) -> Option<Layout> {
         let (own, other) = match layout {
             Layout::Drive => (&mut self.drive, &self.query),
@@ -69,28 +70,28 @@ impl LateReplies {
         None
     }
 
-    /// Whether any may still come.
+    /// Whether a late reply may still arrive.
     pub(crate) fn may_come(&self, now: Instant) -> bool {
         self.drive.may_come(now) || self.query.may_come(now)
     }
 
-    /// Whether one is so recent that the next reply's time says nothing of the line (Karn's algorithm).
-    pub(crate) fn blurs_round_trips(&self, now: Instant) -> bool {
+    /// Whether a lost reply is so recent that the next round trip is ambiguous (Karn's algorithm).
+    pub(crate) fn makes_round_trip_ambiguous(&self, now: Instant) -> bool {
         self.drive.is_recent(now) || self.query.is_recent(now)
     }
 
-    /// Whether every request so far had its reply in its window.
-    pub(crate) const fn none_was_ever_owed(&self) -> bool {
+    /// Whether every request so far was answered in its window.
+    pub(crate) const fn all_answered_in_time(&self) -> bool {
         self.drive.sent.is_none() && self.query.sent.is_none()
     }
 
-    /// Until when a query had better wait for the reply to a drive frame.
+    /// Until when a query should wait for the reply to a drive frame.
     pub(crate) fn drive_expected_until(&self) -> Option<Instant> {
         self.drive.sent.map(|sent| sent + LATE_REPLY_MAX)
     }
 }
 
-impl Owed {
+impl Outstanding {
     fn may_come(&self, now: Instant) -> bool {
         self.replies > 0 || self.is_recent(now)
     }
@@ -153,7 +154,7 @@ mod tests {
         assert!(!late.may_come(at(9_999)));
     }
 
-    /// Each request is met by the reply to the one before it.
+    /// Each request meets the reply to the one before it.
     #[test]
     fn one_that_was_met_by_another_is_owed_as_long() {
         let mut late = LateReplies::default();

@@ -14,8 +14,8 @@
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
 //!
-//! What must be done for safety is decided by pure functions from what is known, [`stop_plan`],
-//! [`check_position_switch`] and [`needs_consent`] among them; they are tested as tables.
+//! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
+//! [`check_position_switch`], [`needs_consent`] and others.
 
 mod angle_estimate;
 mod angle_filter;
@@ -34,6 +34,7 @@ mod job;
 mod last_second;
 mod late_replies;
 mod limits;
+mod line_event;
 mod line_load;
 mod line_use;
 mod mode_switch;
@@ -59,27 +60,26 @@ mod supervision;
 mod temperature_filter;
 mod timing;
 mod torque;
-mod traffic;
 mod watchdog;
 
 pub use bus::{Bus, Output};
-pub use command::{ACT_AGE_MAX, Command, Consent, Refusal};
+pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
 pub use counters::{Counters, LinkQuality};
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
-pub use group::setpoints::{NotTogether, Together};
+pub use group::setpoints::{GroupError, GroupSetpoints};
 pub use id_change::outcome::{IdChangeOutcome, SetIdFrames};
 pub use in_flight::InFlight;
-pub use job::status::SurveyStatus;
+pub use job::status::JobStatus;
 pub use limits::{Crossed, LimitOutOfRange, Limits, OVERCURRENT_FOR};
+pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};
 pub use raw::status::{IntervalOutOfRange, RawAnswer, RawInterval, RawStatus, Repeat};
-pub use round_trip::{ROUND_TRIP_CLASSES_US, RoundTripStatus};
+pub use round_trip::{ROUND_TRIP_BINS_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use sample::Sample;
 pub use scan::report::ScanReport;
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};
-pub use traffic::{JunkBytes, Passed, Traffic};

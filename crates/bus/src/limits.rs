@@ -1,4 +1,4 @@
-//! What a person lets a driven motor reach before it is stopped.
+//! The operator's limits for driven motors.
 
 use std::{fmt, time::Duration};
 
@@ -6,14 +6,14 @@ use motorlink_protocol::{Celsius, Current, Instant, Rpm, Setpoint};
 
 use crate::sample::Sample;
 
-/// A wheel overshoots the speed that it is asked for by so much: one at its limit is not to be stopped
-/// for that. 5 % of the motor's own no-load speed.
+/// A wheel overshoots its setpoint by this much. A wheel at its limit must not be stopped for that.
+/// 5 % of the motor's own no-load speed.
 const OVERSHOOT_RPM: u16 = 10;
 
-/// A current above its limit is let pass for so long: a wheel that starts draws more for a moment.
+/// A current above its limit is tolerated for this long: a starting wheel draws more for a moment.
 pub const OVERCURRENT_FOR: Duration = Duration::from_millis(500);
 
-/// The highest speed, current and temperature at which a driven motor is left driven.
+/// Highest speed, current and temperature of a driven motor.
 ///
 /// | limit | at first | allowed | crossed |
 /// |---|---|---|---|
@@ -21,7 +21,7 @@ pub const OVERCURRENT_FOR: Duration = Duration::from_millis(500);
 /// | current | 2.7 A, the stall current | 0.1-8 A | by every reply of half a second |
 /// | temperature | 75 deg C | 30-80 deg C | by one reply that reports it |
 ///
-/// The motor protects itself at 80 deg C (`motor.md`); a higher limit would never be reached.
+/// The motor protects itself at 80 deg C (`motor.md`); a higher limit would have no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "[u16; 3]", into = "[u16; 3]"))]
@@ -35,27 +35,27 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LimitOutOfRange;
 
-/// The limit that was crossed, and what the motor reported then.
+/// A crossed limit, and the value that the motor reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Crossed {
-    /// It turned too fast.
+    /// Too fast.
     Speed {
-        /// As it reported.
+        /// Reported value.
         reached: Rpm,
         /// In rpm.
         limit: u16,
     },
-    /// It drew too much for half a second.
+    /// Too much current for half a second.
     Current {
-        /// As it reported last.
+        /// Last reported value.
         reached: Current,
         /// In mA.
         limit: u16,
     },
-    /// It was too hot.
+    /// Too hot.
     Temperature {
-        /// As it reported.
+        /// Reported value.
         reached: Celsius,
         /// In deg C.
         limit: u16,
@@ -111,12 +111,12 @@ impl Limits {
         self.temperature_c
     }
 
-    /// Whether a motor may be asked for this at all.
+    /// Whether the limits allow this setpoint.
     #[must_use]
     pub const fn allow(self, setpoint: Setpoint) -> bool {
         match setpoint {
             Setpoint::Velocity { speed, .. } => speed.rpm().unsigned_abs() <= self.speed_rpm,
-            // What it draws is another thing than what it is asked for, and a moment is allowed.
+            // The drawn current differs from the setpoint, and a short excess is tolerated.
             Setpoint::Current(_) | Setpoint::Position(_) | Setpoint::Brake => true,
         }
     }
@@ -126,8 +126,8 @@ impl Limits {
         milliamps > self.current_ma as u32
     }
 
-    /// Which of them a motor has crossed that is driven since `driven_since`, by its last reply and a
-    /// temperature that is no older than it may be.
+    /// The limit that a motor has crossed since `driven_since`, by its last reply and a fresh
+    /// temperature.
     pub(crate) fn crossed(
         self,
         last: Sample,
@@ -151,7 +151,7 @@ impl Limits {
         self.too_hot(temperature)
     }
 
-    /// What a setpoint that stands crosses: the limit may have been set below it.
+    /// The limit that an active setpoint exceeds: the operator may have lowered it.
     pub(crate) fn exceeded_by(self, setpoint: Setpoint) -> Option<Crossed> {
         match setpoint {
             Setpoint::Velocity { speed, .. } if !self.allow(setpoint) => Some(Crossed::Speed {
@@ -212,7 +212,7 @@ impl std::error::Error for LimitOutOfRange {}
 impl fmt::Display for Crossed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // Without a sign, which a mirrored motor has the other way round.
+            // Without a sign: a mirrored motor has the opposite one.
             Self::Speed { reached, limit } => {
                 let reached = reached.magnitude();
                 write!(f, "{reached} rpm, above your limit of {limit} rpm")
@@ -229,7 +229,7 @@ impl fmt::Display for Crossed {
     }
 }
 
-/// As amps, to a tenth where that is all.
+/// In amps, with one decimal if that is exact.
 struct Milliamps(u16);
 
 impl fmt::Display for Milliamps {
@@ -243,12 +243,12 @@ impl fmt::Display for Milliamps {
     }
 }
 
-/// Since when every reply of a motor has reported a current above its limit.
+/// Since when every reply reports a current above the limit.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Overcurrent(Option<Instant>);
 
 impl Overcurrent {
-    pub(crate) fn heard(&mut self, sample: Sample, limits: Limits) {
+    pub(crate) fn record(&mut self, sample: Sample, limits: Limits) {
         self.0 = if limits.is_over_current(sample.reply.current) {
             self.0.or(Some(sample.at))
         } else {
@@ -256,7 +256,7 @@ impl Overcurrent {
         };
     }
 
-    /// Up to a reply, of a motor that is driven since `driven_since`.
+    /// How long the overcurrent has lasted at a reply, of a motor driven since `driven_since`.
     fn lasted(self, until: Instant, driven_since: Instant) -> Duration {
         self.0
             .map_or(Duration::ZERO, |since| until.since(since.max(driven_since)))

@@ -21,7 +21,7 @@ fn sample(at_ms: u64, rpm: i16, amps: f32) -> Sample {
 fn crossed(limits: Limits, samples: &[Sample], celsius: Option<u8>) -> Option<Crossed> {
     let mut over = Overcurrent::default();
     for sample in samples {
-        over.heard(*sample, limits);
+        over.record(*sample, limits);
     }
     let last = *samples.last().unwrap();
     limits.crossed(last, celsius.map(Celsius::new), over, Instant::ZERO)
@@ -56,7 +56,7 @@ fn a_current_is_crossed_by_every_reply_of_half_a_second() {
 fn what_it_drew_before_it_was_driven_is_not_counted() {
     let (limits, mut over) = (Limits::default(), Overcurrent::default());
     for ms in [0, 400, 800] {
-        over.heard(sample(ms, 0, 3.0), limits);
+        over.record(sample(ms, 0, 3.0), limits);
     }
     let last = sample(800, 0, 3.0);
     let since = |ms| limits.crossed(last, None, over, Instant::from_millis(ms));

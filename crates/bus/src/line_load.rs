@@ -1,4 +1,4 @@
-//! What the line can carry, and how it is shared.
+//! Load of the line: what it carries, and how drive frames and queries share it.
 
 use std::time::Duration;
 
@@ -28,12 +28,12 @@ impl Bus {
         }
     }
 
-    pub(crate) fn anyone_driven(&self) -> bool {
+    pub(crate) fn any_driven(&self) -> bool {
         self.motors.iter().any(is_driven)
     }
 
-    /// How often a motor that answers is asked: drive frames go first, so where they need much of
-    /// the line there are fewer queries.
+    /// Time between two queries of a motor that answers. Drive frames go first: when they need much
+    /// of the line, queries become rarer.
     pub(crate) fn query_period(&self) -> Duration {
         if self.drive_need() < BUSY_PER_MILLE {
             QUERY_PERIOD
@@ -42,9 +42,9 @@ impl Bus {
         }
     }
 
-    /// From one query on the line to the next, where several motors are driven: those of six motors in a
-    /// row would take as long as all their drive frames, and make a gap in each. Less than an even share,
-    /// so that what was held up is made up for.
+    /// Time between two queries on the line while several motors are driven. The queries of six
+    /// motors in a row would take as long as all their drive frames and delay each of them. It is
+    /// less than an even share, so that a delay can be caught up.
     pub(crate) fn query_distance(&self) -> Duration {
         let several = self.motors.iter().filter(|motor| is_driven(motor)).count() > 1;
         let watched = u32::try_from(self.motors.len()).unwrap_or(u32::MAX);
@@ -55,8 +55,8 @@ impl Bus {
         }
     }
 
-    /// The share of the line that drive frames at the command rate would need, per mille; it may be
-    /// more than there is.
+    /// Share of the line that the drive frames need at the command rate, per mille. May exceed
+    /// 1,000.
     fn drive_need(&self) -> u32 {
         let driven = self.motors.iter().filter(|motor| is_driven(motor));
         let exchange_us: u64 = driven.map(|motor| self.exchange_us(motor)).sum();
@@ -64,7 +64,7 @@ impl Bus {
         u32::try_from(need).unwrap_or(u32::MAX)
     }
 
-    /// Drive frames a second that each driven motor gets, where it is less than the command rate.
+    /// Drive frames per second of each driven motor, if the line cannot carry the command rate.
     fn carries_hz(&self) -> Option<u16> {
         let need = u64::from(self.drive_need());
         let period_us = u64::try_from(self.query_period().as_micros()).unwrap_or(u64::MAX);

@@ -1,4 +1,4 @@
-//! What the time of the line is spent on.
+//! Use of the line's time.
 
 use std::time::Duration;
 
@@ -11,33 +11,32 @@ use crate::{
     round_trip::RoundTripStatus,
 };
 
-/// How the line is used and how well it works, whoever is spoken to.
+/// Use and quality of the line, over all motors.
 ///
-/// The shares are of the last second, in per mille; what is missing to 1,000 is time in which nobody
-/// had the line.
+/// The shares cover the last second, in per mille. The rest to 1,000 is idle time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LineStatus {
-    /// Answered exchanges a second, over the last second.
+    /// Answered exchanges per second, over the last second.
     pub exchanges_hz: u16,
-    /// Share of drive frames and their replies, per mille. Stops are among them.
+    /// Drive and stop frames with their replies, per mille.
     pub drive_per_mille: u16,
-    /// Share of feedback queries and their replies, per mille.
+    /// Feedback queries with their replies, per mille.
     pub query_per_mille: u16,
-    /// Share of all else that is sent, per mille: mode switches, ID queries, set ID, raw frames.
+    /// All other frames, per mille: mode switches, ID queries, set ID, raw frames.
     pub other_per_mille: u16,
-    /// Share of windows in which no reply came, per mille.
+    /// Reply windows without a reply, per mille.
     pub waiting_per_mille: u16,
-    /// How long replies take.
+    /// Round trips.
     pub round_trip: RoundTripStatus,
-    /// Drive frames a second that each driven motor gets at most, where the line cannot carry the
-    /// command rate for all of them; `None` where it can.
+    /// Drive frames per second of each driven motor, if the line cannot carry the command rate for
+    /// all; else `None`.
     pub carries_hz: Option<u16>,
-    /// What happened while no single motor was asked.
+    /// Counters of exchanges with no single motor as addressee.
     pub unaddressed: Counters,
 }
 
-/// Who used the line.
+/// What the line was used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Use {
     Drive,
@@ -47,7 +46,7 @@ pub(crate) enum Use {
 }
 
 impl Use {
-    /// The use of a request that was answered, or expects no answer.
+    /// The use of a request that was answered or expects no answer.
     pub(crate) fn of(frame: &Frame) -> Self {
         match Request::parse(frame) {
             Ok(Request::Drive { .. }) => Self::Drive,
@@ -59,7 +58,7 @@ impl Use {
 
 const USES: usize = 4;
 
-/// Adds up what the line was used for.
+/// Sums the use of the line.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineUse {
     /// Microseconds of each use.
@@ -68,7 +67,7 @@ pub(crate) struct LineUse {
 }
 
 impl LineUse {
-    /// The line was used for this, for so long, until now.
+    /// Adds a use that ended now.
     pub(crate) fn add(&mut self, now: Instant, what: Use, took: Duration) {
         if let Some(share) = self.used.now(now).get_mut(what as usize) {
             let micros = u32::try_from(took.as_micros()).unwrap_or(u32::MAX);
@@ -79,7 +78,7 @@ impl LineUse {
         }
     }
 
-    /// Answered exchanges a second.
+    /// Answered exchanges per second.
     pub(crate) fn exchanges_hz(&self, now: Instant) -> u16 {
         self.exchanges.hertz(now)
     }
@@ -94,7 +93,8 @@ impl LineUse {
         }
         sums.map(|sum| {
             let per_mille = u64::from(sum) * 1_000 / OVER_US;
-            // An exchange belongs to the slot in which it ends, so a share may seem a little too large.
+            // An exchange counts in the slot in which it ends, so a share may come out slightly
+            // high.
             u16::try_from(per_mille.min(1_000)).unwrap_or(1_000)
         })
     }

@@ -1,4 +1,4 @@
-//! Closing another loop: five frames, 20 ms apart, confirmed by what replies report.
+//! Mode switch: five frames, 20 ms apart, confirmed by replies.
 
 use motorlink_protocol::{Drive, Instant, Mode, Setpoint};
 
@@ -7,31 +7,31 @@ use crate::{
     timing::{SWITCH_CONFIRM, SWITCH_FRAMES, SWITCH_PERIOD},
 };
 
-/// A mode switch under way.
+/// A running mode switch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Switch {
     pub(crate) to: Mode,
     pub(crate) began: Instant,
     sent: u8,
     next_frame: Instant,
-    /// Whether the last reply since the first frame reports the loop.
+    /// Whether the last reply since the first frame reports the new loop.
     reported: bool,
-    /// For a motor that was driven: what goes on being sent, and when next.
-    pub(crate) meanwhile: Option<Meanwhile>,
-    /// Whether the motor was driven when the switch was asked for.
+    /// For a driven motor: the neutral drive frame during the switch.
+    pub(crate) neutral_drive: Option<NeutralDrive>,
+    /// Whether the motor was driven when the switch began.
     pub(crate) was_driven: bool,
-    /// What the operator asked for while the switch was under way.
-    pub(crate) then: Option<Setpoint>,
+    /// Setpoint of a drive command that came during the switch.
+    pub(crate) queued_setpoint: Option<Setpoint>,
 }
 
-/// Drive frames that go on during a switch.
+/// Neutral drive frames that continue during a switch.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Meanwhile {
+pub(crate) struct NeutralDrive {
     pub(crate) drive: Drive,
     pub(crate) next_frame: Instant,
 }
 
-/// How far a switch is.
+/// Progress of a switch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
     Underway,
@@ -40,7 +40,7 @@ pub(crate) enum Progress {
 }
 
 impl Switch {
-    /// A switch that begins now. `driven_in` is the loop in which the motor is driven, if it is.
+    /// Starts a switch. `driven_in` is the loop in which the motor is driven, if any.
     pub(crate) fn begin(now: Instant, to: Mode, driven_in: Option<Mode>) -> Self {
         let neutral = driven_in.and_then(|from| neutral_between(from, to));
         Self {
@@ -49,16 +49,16 @@ impl Switch {
             sent: 0,
             next_frame: now,
             reported: false,
-            meanwhile: neutral.map(|drive| Meanwhile {
+            neutral_drive: neutral.map(|drive| NeutralDrive {
                 drive,
                 next_frame: now,
             }),
             was_driven: driven_in.is_some(),
-            then: None,
+            queued_setpoint: None,
         }
     }
 
-    /// When the next mode switch frame is due; `None` when all were sent.
+    /// When the next mode switch frame is due; `None` after the last.
     pub(crate) fn next_frame(&self) -> Option<Instant> {
         (self.sent < SWITCH_FRAMES).then_some(self.next_frame)
     }
@@ -68,7 +68,7 @@ impl Switch {
         self.next_frame = now + SWITCH_PERIOD;
     }
 
-    pub(crate) fn heard(&mut self, mode: Mode) {
+    pub(crate) fn record_mode(&mut self, mode: Mode) {
         if self.sent > 0 {
             self.reported = mode == self.to;
         }
@@ -86,7 +86,7 @@ impl Switch {
         }
     }
 
-    /// When a switch whose frames were all sent is given up.
+    /// When a switch without confirmation fails, after its last frame.
     pub(crate) fn fails_at(&self) -> Instant {
         self.next_frame + SWITCH_CONFIRM
     }

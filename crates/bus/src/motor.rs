@@ -1,4 +1,4 @@
-//! What the bus knows of one motor and does with it.
+//! State of one motor: what the bus knows of it and does with it.
 
 use std::time::Duration;
 
@@ -7,8 +7,8 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    angle_estimate::{Hold, Reckoning},
-    angle_filter::Angles,
+    angle_estimate::{AngleEstimate, Hold},
+    angle_filter::AngleFilter,
     counters::{Counters, LinkQuality, LossMeter},
     late_replies::LateReplies,
     limits::{Crossed, Limits, Overcurrent},
@@ -19,7 +19,7 @@ use crate::{
     safety::Known,
     sample::Sample,
     stop::Stopping,
-    temperature_filter::Temperatures,
+    temperature_filter::TemperatureFilter,
     timing::{
         DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD,
     },
@@ -29,32 +29,32 @@ use crate::{
 /// What the bus does with a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Control {
-    /// Asks for telemetry and nothing else.
+    /// Only queries.
     Idle,
     Switching(Switch),
     Driven(Driven),
     Stopping(Stopping),
 }
 
-/// An operator's command that stands.
+/// An active setpoint of the operator.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Driven {
     pub(crate) goal: Setpoint,
-    /// Since when it is driven; its silence counts from here at the earliest.
+    /// When driving began; silence counts from here at the earliest.
     pub(crate) since: Instant,
     pub(crate) next_frame: Instant,
-    /// When the next frame would be due had every one gone out in time.
+    /// When the next frame is due without any delay so far.
     pub(crate) on_schedule: Instant,
-    /// Since Hold, until a reply within 40 ms has said where the wheel was then.
+    /// Since Hold, until a reply within 40 ms refines the angle.
     pub(crate) hold: Option<Hold>,
-    /// The number of the group that it is driven in; none goes on without the others.
+    /// Number of the group that the motor is driven in.
     pub(crate) group: Option<u32>,
     /// The speed that was sent last.
     pub(crate) ramped: Ramped,
 }
 
 impl Driven {
-    /// Driven from now on, from the speed that the wheel has.
+    /// Starts driving, from the present speed of the wheel.
     pub(crate) fn begin(now: Instant, goal: Setpoint, speed: Option<Rpm>) -> Self {
         Self {
             goal,
@@ -72,34 +72,34 @@ impl Driven {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Activity {
-    /// It is only listened to; the wheel is free.
+    /// Not driven; the wheel is free.
     Idle,
-    /// Its loop is being changed.
+    /// The motor switches its loop.
     Switching {
-        /// To this one.
+        /// The new loop.
         to: Mode,
     },
-    /// It is driven.
+    /// The motor is driven.
     Driven {
-        /// To this setpoint.
+        /// The setpoint.
         setpoint: Setpoint,
     },
-    /// A frame that a person wrote is sent to it again and again.
+    /// A raw frame drives the motor.
     DrivenRaw,
-    /// It is being braked to a standstill.
+    /// The motor is being braked to a standstill.
     Stopping {
-        /// Whether its replies have reported standstill.
+        /// Whether replies have reported standstill.
         confirmed: bool,
     },
 }
 
-/// Everything that the page shows of one motor.
+/// Status of one motor, for the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotorStatus {
     /// Which motor.
     pub id: MotorId,
-    /// What is done with it.
+    /// What the bus does with it.
     pub activity: Activity,
     /// Its last reply.
     pub last: Option<Sample>,
@@ -109,9 +109,9 @@ pub struct MotorStatus {
     pub temperature: Option<(Instant, Celsius)>,
     /// Whether it has not answered for two seconds.
     pub silent: bool,
-    /// How well the line to it works.
+    /// Quality of the link to it.
     pub link: LinkQuality,
-    /// What happened on the line to it.
+    /// Counters of the exchanges with it.
     pub counters: Counters,
 }
 
@@ -119,28 +119,28 @@ pub struct MotorStatus {
 pub(crate) struct Motor {
     pub(crate) id: MotorId,
     pub(crate) control: Control,
-    /// Whether it was driven and has not been seen standing since.
+    /// Whether it was driven and no reply has reported standstill since.
     pub(crate) may_turn: bool,
     last: Option<Sample>,
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
     overcurrent: Overcurrent,
-    /// The limit that a reply has crossed since it is driven, whatever later ones said.
+    /// The first limit that a reply has crossed since driving began.
     crossed: Option<Crossed>,
     watched_since: Instant,
     pub(crate) silent: bool,
     pub(crate) late: LateReplies,
-    temperatures: Temperatures,
-    angles: Angles,
-    pub(crate) reckoning: Reckoning,
+    temperature_filter: TemperatureFilter,
+    angle_filter: AngleFilter,
+    pub(crate) angle_estimate: AngleEstimate,
     pub(crate) torque: Torque,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
-    /// The loop that was asked for since the motor last said which it is in.
+    /// The loop of a mode switch that no reply has confirmed yet.
     switched_to: Option<Mode>,
     pub(crate) next_query: Instant,
-    /// Queries since it fell silent while others were driven.
-    probes: u32,
+    /// Queries since it fell silent, while other motors are driven.
+    silent_queries: u32,
     pub(crate) counters: Counters,
     pub(crate) round_trip: RoundTrip,
     pub(crate) loss: LossMeter,
@@ -161,14 +161,14 @@ impl Motor {
             watched_since: now,
             silent: false,
             late: LateReplies::default(),
-            temperatures: Temperatures::default(),
-            angles: Angles::default(),
-            reckoning: Reckoning::default(),
+            temperature_filter: TemperatureFilter::default(),
+            angle_filter: AngleFilter::default(),
+            angle_estimate: AngleEstimate::default(),
             torque: Torque::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
             next_query: now,
-            probes: 0,
+            silent_queries: 0,
             counters: Counters::default(),
             round_trip: RoundTrip::new(),
             loss: LossMeter::default(),
@@ -176,11 +176,11 @@ impl Motor {
         }
     }
 
-    /// Keeps what a reply says. Returns whether the motor had been silent.
-    pub(crate) fn heard(&mut self, at: Instant, reply: Reply, limits: Limits) -> bool {
+    /// Records a reply. Returns whether the motor was silent before.
+    pub(crate) fn record_reply(&mut self, at: Instant, reply: Reply, limits: Limits) -> bool {
         let sample = Sample { at, reply };
         self.last = Some(sample);
-        self.overcurrent.heard(sample, limits);
+        self.overcurrent.record(sample, limits);
         if let Control::Driven(driven) = self.control {
             let crossed = limits.crossed(sample, None, self.overcurrent, driven.since);
             self.crossed = self.crossed.or(crossed);
@@ -195,7 +195,7 @@ impl Motor {
         std::mem::take(&mut self.silent)
     }
 
-    /// In which layout its reply to a request in `layout` can be read now.
+    /// The layout in which to read its reply to a request in `layout`; `None` if that is uncertain.
     pub(crate) fn layout_of(
         &mut self,
         now: Instant,
@@ -204,24 +204,26 @@ impl Motor {
     ) -> Option<Layout> {
         let layout = self.late.layout_of_reply(now, layout)?;
         let reply = reply.in_layout(Some(layout));
-        let certain = self.late.none_was_ever_owed();
+        let certain = self.late.all_answered_in_time();
         let (degrees, fits) = match reply.detail {
             Detail::Query {
                 temperature,
                 position,
             } => {
-                let fits = self.temperatures.follows(now, temperature, certain);
+                let fits = self.temperature_filter.accepts(now, temperature, certain);
                 (position.degrees(), fits)
             }
             Detail::Drive { position } => (position.degrees(), true),
             Detail::Undetermined(_) => return Some(layout),
         };
-        // Each of them sees every reading.
-        let follows = self.angles.follows(now, degrees, reply.speed, certain);
+        // Both filters see every reading.
+        let follows = self
+            .angle_filter
+            .accepts(now, degrees, reply.speed, certain);
         (fits && follows).then_some(layout)
     }
 
-    /// What it is driven to.
+    /// The active setpoint, if the motor is driven.
     pub(crate) fn driven_mut(&mut self) -> Option<&mut Driven> {
         match &mut self.control {
             Control::Driven(driven) => Some(driven),
@@ -229,7 +231,7 @@ impl Motor {
         }
     }
 
-    /// Whether a reply can still say where the wheel was at Hold.
+    /// Whether a reply can still refine the angle of a hold.
     pub(crate) fn is_holding(&self, now: Instant) -> bool {
         match &self.control {
             Control::Driven(driven) => driven.hold.is_some_and(|hold| hold.is_open(now)),
@@ -250,30 +252,31 @@ impl Motor {
         self.late.unanswered(layout, sent, self.unanswered_in_a_row);
     }
 
-    /// An ID query was sent to all, and its answer, in the layout of a drive reply, was not heard.
-    pub(crate) fn call_unanswered(&mut self, sent: Instant) {
+    /// Records an ID query without an answer of this motor. Its answer has the layout of a drive
+    /// reply.
+    pub(crate) fn id_query_unanswered(&mut self, sent: Instant) {
         self.late.unanswered(Layout::Drive, sent, 1);
     }
 
-    /// A mode switch was sent. Where two were, the position loop, in which zero moves the wheel, is
-    /// the one to reckon with.
+    /// Records a mode switch. Of several unconfirmed switches the position loop counts, in which
+    /// zero moves the wheel.
     pub(crate) fn switch_sent(&mut self, to: Mode) {
         if self.switched_to != Some(Mode::Position) {
             self.switched_to = Some(to);
         }
     }
 
-    /// The motor has said which loop it is in, after the last mode switch that was sent.
+    /// A reply has reported the loop after the last mode switch.
     pub(crate) fn loop_reported(&mut self) {
         self.switched_to = None;
     }
 
-    /// Whether a mode switch was sent since the motor last said which loop it is in.
-    pub(crate) const fn loop_is_in_the_air(&self) -> bool {
+    /// Whether a mode switch was sent that no reply has confirmed yet.
+    pub(crate) const fn loop_is_unconfirmed(&self) -> bool {
         self.switched_to.is_some()
     }
 
-    /// The loop by a reply of the last 500 ms, and by older knowledge.
+    /// The loop by a reply of the last 500 ms, and the last known loop.
     pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
         let last = self.last_mode();
         match self.switched_to {
@@ -283,11 +286,11 @@ impl Motor {
         }
     }
 
-    /// The loop in which the value of a drive frame that is sent now is meant, for the log.
+    /// The loop in which the motor reads a drive frame now, for the packet log.
     pub(crate) fn reads_drive_frames_in(&self, now: Instant) -> Option<Mode> {
         match self.control {
             Control::Driven(driven) => Some(driven.goal.mode()),
-            // A stop brakes, which only the velocity loop knows.
+            // A stop brakes, which only the velocity loop can.
             Control::Stopping(_) => Some(Mode::Velocity),
             Control::Idle | Control::Switching(_) => self.fresh_mode(now),
         }
@@ -328,14 +331,14 @@ impl Motor {
         }
     }
 
-    /// It is stopped: what it crossed is done with.
+    /// Starts the stop of this motor and clears the crossed limit.
     pub(crate) fn stops(&mut self, stop: Stopping) {
         self.control = Control::Stopping(stop);
         self.may_turn = true;
         self.crossed = None;
     }
 
-    /// The limit that it has crossed since it is driven.
+    /// The limit that it has crossed since driving began.
     pub(crate) fn crossed(
         &self,
         now: Instant,
@@ -353,46 +356,47 @@ impl Motor {
         self.last.map(|sample| sample.reply.mode)
     }
 
-    pub(crate) const fn ever_heard(&self) -> bool {
+    pub(crate) const fn has_answered(&self) -> bool {
         self.last.is_some()
     }
 
-    /// Whether its last requests had no answer, one like the other.
+    /// Whether its last requests in a row had no answer.
     pub(crate) const fn is_without_answer(&self) -> bool {
         self.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX
     }
 
-    /// Since when the motor has said nothing.
-    pub(crate) fn quiet_since(&self) -> Instant {
+    /// Since when the motor is silent.
+    pub(crate) fn silent_since(&self) -> Instant {
         self.last.map_or(self.watched_since, |sample| {
             sample.at.max(self.watched_since)
         })
     }
 
     pub(crate) fn silent_at(&self) -> Instant {
-        self.quiet_since() + SILENT_AFTER
+        self.silent_since() + SILENT_AFTER
     }
 
-    /// How long a driven motor has been silent, counted from the command at the earliest.
-    pub(crate) fn quiet_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
-        now.since(self.quiet_since().max(driven.since))
+    /// How long a driven motor has been silent, from the command at the earliest.
+    pub(crate) fn silence_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
+        now.since(self.silent_since().max(driven.since))
     }
 
-    /// It was asked. `period` is how often a motor that answers is asked; `in_the_way` is whether
-    /// others are driven meanwhile.
-    pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, in_the_way: bool) {
-        // A silent motor costs the others a window each time: it is asked ever more rarely.
+    /// Records a query. `period` is the time between two queries of an answering motor;
+    /// `others_driven` is whether other motors are driven.
+    pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, others_driven: bool) {
+        // A silent motor costs the others a reply window each time, so it is queried more and more
+        // rarely.
         let period = if !self.silent {
-            self.probes = 0;
+            self.silent_queries = 0;
             period
-        } else if in_the_way {
-            self.probes = (self.probes + 1).min(PROBE_DOUBLINGS_MAX);
-            SILENT_QUERY_PERIOD * (1 << self.probes)
+        } else if others_driven {
+            self.silent_queries = (self.silent_queries + 1).min(PROBE_DOUBLINGS_MAX);
+            SILENT_QUERY_PERIOD * (1 << self.silent_queries)
         } else {
-            self.probes = 0;
+            self.silent_queries = 0;
             SILENT_QUERY_PERIOD
         };
-        // On schedule where it is kept, without a burst where it was not.
+        // On schedule, but a missed schedule is not caught up by a burst.
         self.next_query = (self.next_query + period).max(now + period / 2);
     }
 

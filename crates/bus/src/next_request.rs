@@ -5,15 +5,15 @@ use std::time::Duration;
 use motorlink_protocol::{Instant, Mode, Request, Setpoint};
 
 use crate::{
-    mode_switch::{Meanwhile, Switch},
+    mode_switch::{NeutralDrive, Switch},
     motor::{Control, Driven, Motor},
     ramp::Ramp,
     safety::step_towards,
-    schedule::Errand,
+    schedule::DueFrame,
     timing::{CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, SILENT_STOP_PERIOD, STOP_PERIOD},
 };
 
-/// What was sent to a motor.
+/// The frame that a request sends to a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Sent {
     Stop,
@@ -21,35 +21,35 @@ pub(crate) enum Sent {
         to: Mode,
         is_last: bool,
     },
-    /// The setpoint; none between two loops, where zero is sent.
+    /// The setpoint; `None` for the neutral zero during a mode switch.
     Drive(Option<Setpoint>),
-    Query(Tempo),
+    Query(SendContext),
 }
 
-/// How often, and how fast.
+/// Rates and limits that apply to the next frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tempo {
-    /// Between two drive frames to one motor.
+pub(crate) struct SendContext {
+    /// Time between two drive frames to one motor.
     pub(crate) period: Duration,
-    /// Between two queries of one motor that answers.
+    /// Time between two queries of a motor that answers.
     pub(crate) query_period: Duration,
     pub(crate) ramp: Option<Ramp>,
     pub(crate) others_driven: bool,
 }
 
-/// The request that an errand means now, and what its motor's control is once it was sent.
+/// The request for the due frame, and the motor's control state once it is sent.
 pub(crate) fn next_request(
     motor: &Motor,
     now: Instant,
-    errand: Errand,
-    tempo: Tempo,
+    due_frame: DueFrame,
+    context: SendContext,
 ) -> (Request, Control, Sent) {
     let id = motor.id;
-    let period = tempo.period;
-    match (motor.control, errand) {
-        (Control::Stopping(mut stop), Errand::Stop(_)) => {
+    let period = context.period;
+    match (motor.control, due_frame) {
+        (Control::Stopping(mut stop), DueFrame::Stop(_)) => {
             let stop_period =
-                if tempo.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
+                if context.others_driven && motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX {
                     SILENT_STOP_PERIOD
                 } else {
                     STOP_PERIOD
@@ -58,7 +58,7 @@ pub(crate) fn next_request(
             stop.sent(now, &request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
-        (Control::Switching(mut switch), Errand::Switch(_)) => {
+        (Control::Switching(mut switch), DueFrame::Switch(_)) => {
             switch.frame_sent(now);
             let to = switch.to;
             let is_last = switch.next_frame().is_none();
@@ -69,10 +69,10 @@ pub(crate) fn next_request(
                 Sent::Switch { to, is_last },
             )
         }
-        (Control::Driven(driven), Errand::Drive(_)) => {
+        (Control::Driven(driven), DueFrame::Drive(_)) => {
             let goal = step_towards(driven.goal, motor.torque.possible());
             let mut ramped = driven.ramped;
-            let setpoint = ramped.step(now, goal, tempo.ramp, period);
+            let setpoint = ramped.step(now, goal, context.ramp, period);
             let (on_schedule, mut next_frame) = kept_schedule(driven.on_schedule, now, period);
             if motor.is_holding(now) {
                 next_frame = next_frame.min(now + STOP_PERIOD);
@@ -91,37 +91,37 @@ pub(crate) fn next_request(
         }
         (
             Control::Switching(Switch {
-                meanwhile: Some(meanwhile),
+                neutral_drive: Some(neutral_drive),
                 ..
             }),
-            Errand::Drive(_),
+            DueFrame::Drive(_),
         ) => {
-            let next_frame = next_on_schedule(meanwhile.next_frame, now, period);
+            let next_frame = next_on_schedule(neutral_drive.next_frame, now, period);
             let mut control = motor.control;
             if let Control::Switching(switch) = &mut control {
-                switch.meanwhile = Some(Meanwhile {
+                switch.neutral_drive = Some(NeutralDrive {
                     next_frame,
-                    ..meanwhile
+                    ..neutral_drive
                 });
             }
-            let drive = meanwhile.drive;
+            let drive = neutral_drive.drive;
             (Request::Drive { id, drive }, control, Sent::Drive(None))
         }
-        (control, _) => (Request::Query { id }, control, Sent::Query(tempo)),
+        (control, _) => (Request::Query { id }, control, Sent::Query(context)),
     }
 }
 
-/// When the frame behind the one that is sent now belongs, and when it may go out: what was held up a
-/// little is made up for, two frames being half a period apart at least, so that a rate is kept on a
-/// busy machine. More than [`CATCH_UP_MAX`] is given up.
+/// The scheduled time of the next frame, and when it may go out. A short delay is caught up, with
+/// at least half a period between two frames, so that a busy machine keeps the rate. A delay beyond
+/// [`CATCH_UP_MAX`] is dropped.
 fn kept_schedule(on_schedule: Instant, now: Instant, period: Duration) -> (Instant, Instant) {
-    // A command that shows at once begins the schedule anew.
+    // A command that is sent at once restarts the schedule.
     let next = (on_schedule.min(now) + period).max(now - CATCH_UP_MAX);
     (next, next.max(now + period / 2))
 }
 
-/// A period after the last deadline, so that lateness does not add up; but where the line could not
-/// keep the schedule, no burst makes up for it.
+/// One period after the last deadline, so that lateness does not add up. A missed schedule is not
+/// caught up by a burst.
 fn next_on_schedule(deadline: Instant, now: Instant, period: Duration) -> Instant {
     (deadline + period).max(now + period / 2)
 }

@@ -1,25 +1,24 @@
-//! What the packet log is told.
+//! Events for the packet log.
 
 use motorlink_protocol::{Frame, Instant, Layout};
 
 use crate::{
     bus::Bus,
     event::Event,
-    traffic::{Passed, Traffic},
+    line_event::{LineEvent, LineEventKind},
 };
 
 impl Bus {
-    /// Adds a line to the packet log.
-    pub(crate) fn log(&mut self, at: Instant, passed: Passed) {
-        self.events
-            .push_back(Event::Traffic(Traffic { at, passed }));
+    /// Reports an event of the line.
+    pub(crate) fn log(&mut self, at: Instant, kind: LineEventKind) {
+        self.events.push_back(Event::Line(LineEvent { at, kind }));
     }
 
-    /// Adds a good frame of a motor, with what was asked of it.
-    pub(crate) fn log_heard(&mut self, at: Instant, frame: &Frame, asked: Option<Layout>) {
+    /// Reports a good frame of a motor with the layout that was asked for.
+    pub(crate) fn log_received(&mut self, at: Instant, frame: &Frame, asked: Option<Layout>) {
         let frame = *frame;
         let [speaker, ..] = *frame.bytes();
-        self.doubt_proof(speaker);
-        self.log(at, Passed::Heard { frame, asked });
+        self.discard_proof_unless(speaker);
+        self.log(at, LineEventKind::Received { frame, asked });
     }
 }

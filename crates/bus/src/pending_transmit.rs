@@ -1,4 +1,4 @@
-//! A frame that was handed out and that the port has not yet taken.
+//! A frame that the caller transmits and the port has not yet confirmed.
 
 use motorlink_protocol::{Frame, Instant, Mode, MotorId};
 
@@ -6,29 +6,29 @@ use crate::{
     exchange::{Expects, Purpose},
     motor::Control,
     next_request::Sent,
-    schedule::Errand,
+    schedule::DueFrame,
 };
 
-/// A frame that was handed out, until the port has taken it or not.
+/// A frame that was given to the caller, until the port takes or refuses it.
 ///
-/// All of its effects wait for that: a frame that the port did not take was not sent, and has none.
+/// Its effects wait for that: a refused frame was not sent and has none.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HandedOut {
+pub(crate) struct PendingTransmit {
     pub(crate) at: Instant,
     pub(crate) frame: Frame,
     pub(crate) expects: Expects,
     pub(crate) purpose: Purpose,
-    /// The loop in which its motor reads a drive frame, for the log.
+    /// The loop in which the motor reads a drive frame, for the packet log.
     pub(crate) mode: Option<Mode>,
     pub(crate) effect: Effect,
 }
 
-/// What a frame changes once it was taken.
+/// What a frame changes once the port has taken it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Effect {
     IdQuery,
-    /// The scan or the ID change has counted it already: where it was not taken it is sent again.
-    Survey(Errand),
+    /// The scan or ID change has counted it already. A refused frame is sent again.
+    Job(DueFrame),
     Raw,
     Motor {
         id: MotorId,

@@ -6,16 +6,16 @@ use motorlink_protocol::{MotorId, Request};
 
 /// Whom a scan asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ask {
+pub(crate) enum Probe {
     /// All at once, by the ID query.
-    Everyone,
+    IdQuery,
     /// One address, by a feedback query.
-    One(MotorId),
+    Query(MotorId),
 }
 
 /// What a look at one address brought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Look {
+pub(crate) enum ProbeResult {
     /// A good reply, after so long.
     Reply(Duration),
     /// Bytes, but no good reply.
@@ -24,12 +24,12 @@ pub(crate) enum Look {
     Silence,
 }
 
-impl Ask {
+impl Probe {
     /// The request of this question.
     pub(crate) const fn request(self) -> Request {
         match self {
-            Self::Everyone => Request::IdQuery,
-            Self::One(id) => Request::Query { id },
+            Self::IdQuery => Request::IdQuery,
+            Self::Query(id) => Request::Query { id },
         }
     }
 }

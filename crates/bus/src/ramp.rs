@@ -1,30 +1,30 @@
-//! How fast a commanded speed may grow.
+//! The ramp: how fast a commanded speed may grow.
 
 use std::{fmt, time::Duration};
 
 use motorlink_protocol::{Instant, Rpm, Setpoint, SpeedTarget};
 
-/// The most that the magnitude of a commanded speed grows by in a second, 1-10,000 rpm.
+/// Largest growth of the magnitude of a commanded speed per second, 1-10,000 rpm.
 ///
-/// It bounds what is sent in the velocity loop, beside the acceleration that the motor's own firmware
-/// takes from the frame. It bounds growth only: a slower speed is sent at once, as zero and the brake
-/// are, so no wheel is driven faster than it was asked to be, or the other way.
+/// It limits the velocity loop, in addition to the acceleration of the motor's firmware. It limits
+/// growth only: a lower speed, zero and the brake are sent at once, so no wheel is driven faster
+/// than asked or in the other direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "u16", into = "u16"))]
 pub struct Ramp(u16);
 
-/// A ramp outside 1-10,000 rpm a second.
+/// A ramp outside 1-10,000 rpm per second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RampOutOfRange;
 
 impl Ramp {
-    /// Gentlest ramp in rpm a second.
+    /// Slowest ramp in rpm per second.
     pub const MIN: u16 = 1;
-    /// Steepest ramp in rpm a second: from standstill to full speed in two drive frames.
+    /// Steepest ramp in rpm per second: from standstill to full speed in two drive frames.
     pub const MAX: u16 = 10_000;
 
-    /// A ramp in rpm a second.
+    /// A ramp in rpm per second.
     ///
     /// # Errors
     /// Outside 1..=10,000.
@@ -36,7 +36,7 @@ impl Ramp {
         }
     }
 
-    /// The most that a speed changes by in this time, in thousandths of an rpm.
+    /// Largest change of speed in this time, in thousandths of an rpm.
     fn most_in(self, time: Duration) -> i64 {
         let micros = i64::try_from(time.as_micros()).unwrap_or(i64::MAX);
         i64::from(self.0).saturating_mul(micros) / 1_000
@@ -65,12 +65,12 @@ impl fmt::Display for RampOutOfRange {
 
 impl std::error::Error for RampOutOfRange {}
 
-/// The longest time that a ramp makes up for at once: frames may have paused, and a wheel must not jump
-/// then.
+/// The longest pause between frames that one step of the ramp covers. A longer pause must not make
+/// a wheel jump.
 const CAUGHT_UP_MAX: Duration = Duration::from_millis(100);
 
-/// The speed that was sent last, finer than the wire's whole rpm, so that a gentle ramp at a high rate
-/// does not stand still.
+/// The speed that was sent last, finer than the whole rpm of the wire, so that a slow ramp at a
+/// high rate advances.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ramped {
     at: Instant,
@@ -78,8 +78,8 @@ pub(crate) struct Ramped {
 }
 
 impl Ramped {
-    /// A wheel that turns so fast, by a reply of the last 500 ms. Where its speed is unknown the ramp
-    /// begins at zero, from which it is the longest.
+    /// Starts from the speed of a reply of the last 500 ms, or from zero if the speed is unknown:
+    /// the longest ramp.
     pub(crate) fn from(at: Instant, speed: Option<Rpm>) -> Self {
         let rpm = speed.map_or(0, |speed| i64::from(speed.rpm()));
         Self {
@@ -88,7 +88,7 @@ impl Ramped {
         }
     }
 
-    /// What is sent now on the way to `goal`, a drive period after the last frame.
+    /// The setpoint to send now on the way to `goal`.
     pub(crate) fn step(
         &mut self,
         now: Instant,

@@ -1,4 +1,4 @@
-//! How often a driven motor is spoken to: as set, and as measured.
+//! The command rate: as set, and as measured.
 
 use std::{fmt, time::Duration};
 
@@ -6,8 +6,8 @@ use motorlink_protocol::Instant;
 
 use crate::last_second::LastSecond;
 
-/// Drive frames a second for each driven motor, 1-500. The motor accepts up to 500 frames a second
-/// and wants at least 50.
+/// Drive frames per second for each driven motor, 1-500. The motor accepts up to 500 and needs at
+/// least 50.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "u16", into = "u16"))]
@@ -18,9 +18,9 @@ pub struct CommandRate(u16);
 pub struct RateOutOfRange;
 
 impl CommandRate {
-    /// Least rate in Hz.
+    /// Lowest rate in Hz.
     pub const MIN: u16 = 1;
-    /// Greatest rate in Hz.
+    /// Highest rate in Hz.
     pub const MAX: u16 = 500;
 
     /// A rate in Hz.
@@ -35,7 +35,7 @@ impl CommandRate {
         }
     }
 
-    /// Frames a second.
+    /// Frames per second.
     #[must_use]
     pub const fn hertz(self) -> u16 {
         self.0
@@ -76,7 +76,7 @@ impl fmt::Display for RateOutOfRange {
 
 impl std::error::Error for RateOutOfRange {}
 
-/// Counts what happened in the last second.
+/// Counts events of the last second.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RateMeter(LastSecond<u16>);
 
@@ -86,7 +86,7 @@ impl RateMeter {
         *slot = slot.saturating_add(1);
     }
 
-    /// Events a second, by those of the last second.
+    /// Events per second, over the last second.
     pub(crate) fn hertz(&self, now: Instant) -> u16 {
         let over: u32 = self.0.over(now).map(u32::from).sum();
         // Nine slots, scaled to ten.

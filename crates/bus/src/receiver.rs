@@ -1,80 +1,80 @@
-//! Finds replies in what the adapter delivers: behind echoes, behind junk, in pieces.
+//! Finds replies in the received bytes: behind echoes, behind junk, in pieces.
 
 use motorlink_protocol::{FRAME_LEN, Frame, Mode, MotorId, Reply};
 
-use crate::traffic::JunkBytes;
+use crate::line_event::JunkBytes;
 
-/// Bytes kept while a reply is looked for. Twelve replies and an echo at once fit into it; what is
-/// more than that is a flood of junk, of which the oldest is let go.
+/// Size of the receive buffer. Twelve replies and an echo fit into it. Of more junk than that the
+/// oldest bytes are dropped.
 const CAPACITY: usize = 128;
 
-/// The place of the faults in a reply, and their bits that no motor is known to set (`motor.md`).
+/// The fault byte of a reply, and its bits that no motor is known to set (`motor.md`).
 const FAULT_BYTE: usize = 8;
 const RESERVED: u8 = 0b1110_0000;
 
-/// The bytes of one exchange.
+/// The received bytes of one exchange.
 ///
-/// Every offset is tried, because an echo that was cut short shifts the reply by a length that
-/// nobody announces. Whether a window is a reply is told by its CRC, its ID and its mode byte; a
-/// request that was echoed whole has a good CRC but 64, 74 or A0 in place of the mode.
+/// Every offset is tried, because a truncated echo shifts the reply by an unknown length. CRC, ID
+/// and mode byte tell whether a window is a reply; a whole echo of a request has a good CRC but 64,
+/// 74 or A0 in place of the mode.
 #[derive(Debug)]
 pub(crate) struct Receiver {
     buffer: Vec<u8>,
-    /// Bytes let go because the buffer was full.
+    /// Bytes dropped because the buffer was full.
     overflowed: usize,
 }
 
-/// What the bytes so far are.
+/// Result of the search for a reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// No reply yet.
     Nothing,
-    /// A good window whose bytes may yet turn out to be the shifted image of another.
+    /// A good window that may still turn out to be the shifted image of another.
     Ambiguous,
     /// A reply that starts at this offset.
     At(usize),
 }
 
-/// What stood in front of a reply, or in a window without one.
+/// The bytes before a reply, or in a window without one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Leftovers {
-    /// Bytes of the request that came back, 0-10.
+pub(crate) struct OtherBytes {
+    /// Echoed bytes of the request, 0-10.
     pub(crate) echoed: usize,
-    /// Good frames of any motor and everything else, as they came.
-    pub(crate) pieces: Vec<Piece>,
-    /// Bytes that are part of no frame and no echo, with those that were let go.
+    /// Good frames of any motor and junk, in order of arrival.
+    pub(crate) segments: Vec<Segment>,
+    /// Bytes outside any frame and echo, including dropped ones.
     pub(crate) junk_bytes: usize,
 }
 
-/// A good frame of any motor with what it says, decoded here and nowhere else in the bus.
+/// A good frame of any motor, decoded. The bus decodes a reply here and nowhere else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ReceivedReply {
     pub(crate) frame: Frame,
-    /// Bytes 6 and 7 are undetermined: only the bus knows what was asked.
+    /// With bytes 6 and 7 undetermined: only the bus knows the request.
     pub(crate) reply: Reply,
 }
 
-/// A run of bytes that belong together.
+/// Bytes that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Piece {
+pub(crate) enum Segment {
     /// A good frame of any motor.
     Reply(ReceivedReply),
-    /// Up to ten bytes that are no good frame.
+    /// Up to ten bytes that are not a good frame.
     Junk(JunkBytes),
 }
 
-impl Leftovers {
+impl OtherBytes {
     /// Good frames of any motor.
     pub(crate) fn replies(&self) -> impl Iterator<Item = &ReceivedReply> {
-        self.pieces.iter().filter_map(|piece| match piece {
-            Piece::Reply(reply) => Some(reply),
-            Piece::Junk(_) => None,
+        self.segments.iter().filter_map(|piece| match piece {
+            Segment::Reply(reply) => Some(reply),
+            Segment::Junk(_) => None,
         })
     }
 
-    /// Whether nothing came but an echo.
+    /// Whether nothing arrived except an echo.
     pub(crate) fn is_silence(&self) -> bool {
-        self.pieces.is_empty() && self.junk_bytes == 0
+        self.segments.is_empty() && self.junk_bytes == 0
     }
 }
 
@@ -100,8 +100,8 @@ impl Receiver {
         self.buffer.len()
     }
 
-    /// Looks for a reply of this motor to the request `sent`. With `settled`, the line has been quiet
-    /// and no more bytes are waited for.
+    /// Searches for the reply of this motor to the request `sent`. `settled` means that no more
+    /// bytes are expected.
     pub(crate) fn find(&self, id: MotorId, sent: &Frame, settled: bool) -> Found {
         let bytes = self.buffer.as_slice();
         let is_its = |offset: usize| replier_at(bytes, offset) == Some(id);
@@ -129,27 +129,28 @@ impl Receiver {
         Found::Nothing
     }
 
-    /// Takes everything up to and with the frame at `offset`; says what stood in front of it.
+    /// Removes everything up to and including the frame at `offset`. Returns the frame and the
+    /// bytes before it.
     pub(crate) fn take(
         &mut self,
         offset: usize,
         sent: &Frame,
-    ) -> Option<(ReceivedReply, Leftovers)> {
+    ) -> Option<(ReceivedReply, OtherBytes)> {
         let received = reply_at(&self.buffer, offset)?;
-        let leftovers = self.sort(offset, sent);
+        let other_bytes = self.sort(offset, sent);
         self.buffer.drain(..offset + FRAME_LEN);
-        Some((received, leftovers))
+        Some((received, other_bytes))
     }
 
     /// Empties the buffer at the end of an exchange.
-    pub(crate) fn clear(&mut self, sent: &Frame) -> Leftovers {
-        let leftovers = self.sort(self.buffer.len(), sent);
+    pub(crate) fn clear(&mut self, sent: &Frame) -> OtherBytes {
+        let other_bytes = self.sort(self.buffer.len(), sent);
         self.buffer.clear();
-        leftovers
+        other_bytes
     }
 
     /// Sorts the first `length` bytes into echo, frames and junk.
-    fn sort(&mut self, length: usize, sent: &Frame) -> Leftovers {
+    fn sort(&mut self, length: usize, sent: &Frame) -> OtherBytes {
         let bytes = self.buffer.get(..length).unwrap_or_default();
         let same = bytes
             .iter()
@@ -157,51 +158,54 @@ impl Receiver {
             .take_while(|(heard, sent)| heard == sent)
             .count();
         let first = next_window(bytes, 0, sent).map(|window| window.offset);
-        // A reply begins with the byte that its request began with. Where a reply starts, whole or
-        // spoilt, that byte is no echo.
+        // A reply and its request begin with the same byte. Where a reply starts, whole or corrupt,
+        // that byte is not an echo.
         let echoed = match first {
-            // A reply that a person sent: no motor answers with what it was asked.
+            // A raw frame that looks like a reply: no motor answers with the bytes of the request.
             _ if same == FRAME_LEN => FRAME_LEN,
             Some(reply) if reply < same => reply,
             _ if same == 1 && replier_at(&self.buffer, 1).is_none() => 0,
             _ => same,
         };
-        let mut leftovers = Leftovers {
+        let mut other_bytes = OtherBytes {
             echoed,
-            pieces: Vec::new(),
+            segments: Vec::new(),
             junk_bytes: std::mem::take(&mut self.overflowed),
         };
         let mut at = echoed;
         while at < bytes.len() {
             let next = next_window(bytes, at, sent).map_or(bytes.len(), |window| window.offset);
             for junk in bytes.get(at..next).unwrap_or_default().chunks(FRAME_LEN) {
-                leftovers.pieces.push(Piece::Junk(JunkBytes::new(junk)));
+                other_bytes
+                    .segments
+                    .push(Segment::Junk(JunkBytes::new(junk)));
             }
-            leftovers.junk_bytes += next - at;
+            other_bytes.junk_bytes += next - at;
             at = next;
             if let Some(received) = reply_at(bytes, at) {
-                leftovers.pieces.push(Piece::Reply(received));
+                other_bytes.segments.push(Segment::Reply(received));
                 at += FRAME_LEN;
             }
         }
-        leftovers
+        other_bytes
     }
 }
 
-/// A good frame of any motor among the bytes.
+/// A window of ten bytes that is a good frame.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     offset: usize,
-    /// Whether more bytes may say that another is the true one.
+    /// Whether more bytes may show that another window is the true one.
     is_open: bool,
 }
 
-/// The next good frame at `from` or behind it.
+/// The next good frame at or after `from`.
 ///
-/// Two windows that overlap cannot both be true: about one in 256 that begins like a reply has a good
-/// CRC by chance, behind a cut echo or across the border of two frames. The first is the true one,
-/// unless it is no part of a row of frames and there is a reason for the other: it has a frame right
-/// behind it, an echo of what was `sent` right before it, or it ends where the bytes end.
+/// Two overlapping windows cannot both be true: about one in 256 windows that begin like a reply
+/// has a good CRC by chance, behind a truncated echo or across two frames. The first is the true
+/// one, unless it is not part of a row of frames and there is a reason for the other: a frame
+/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes
+/// end.
 fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
     let is_good = |offset: usize| replier_at(bytes, offset).is_some();
     let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
@@ -218,14 +222,14 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
         let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
         let has_reason =
             |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
-        // A stray byte behind a reply and a cut echo of one byte before it look alike.
+        // A stray byte after a reply and a truncated echo of one byte before it look alike.
         let is_odd = |offset: usize| {
             bytes
                 .get(offset + FAULT_BYTE)
                 .is_some_and(|b| b & RESERVED != 0)
         };
         let is_likely = |rival: &usize| has_reason(rival) && (is_odd(first) || !is_odd(*rival));
-        // Behind a cut echo the true reply is the last one.
+        // After a truncated echo the true reply is the last one.
         offset = rivals().rfind(is_likely).unwrap_or(first);
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
         let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
@@ -268,13 +272,16 @@ mod tests {
         text.parse().unwrap()
     }
 
-    fn received(frame: Frame) -> Piece {
+    fn received(frame: Frame) -> Segment {
         let reply = Reply::decode(&frame, None).unwrap();
-        Piece::Reply(ReceivedReply { frame, reply })
+        Segment::Reply(ReceivedReply { frame, reply })
     }
 
-    fn frames(leftovers: &Leftovers) -> Vec<Frame> {
-        leftovers.replies().map(|received| received.frame).collect()
+    fn frames(other_bytes: &OtherBytes) -> Vec<Frame> {
+        other_bytes
+            .replies()
+            .map(|received| received.frame)
+            .collect()
     }
 
     fn after(bytes: &[u8]) -> Receiver {
@@ -298,9 +305,9 @@ mod tests {
             assert_eq!(found.frame, frame(REPLY));
             assert_eq!(
                 before,
-                Leftovers {
+                OtherBytes {
                     echoed: cut,
-                    ..Leftovers::default()
+                    ..OtherBytes::default()
                 }
             );
         }
@@ -359,8 +366,8 @@ mod tests {
         assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::At(1));
     }
 
-    /// Two replies in one chunk, from a world that failed: the last byte of one and nine of the other
-    /// have a good CRC as a reply of motor 2 at 2,048 rpm.
+    /// Two replies in one chunk, found by the fault simulation: the last byte of one and nine of
+    /// the other have a good CRC as a reply of motor 2 at 2,048 rpm.
     #[test]
     fn a_window_across_two_good_frames_is_not_taken_for_a_reply() {
         let first = frame("02 02 00 08 00 00 75 7F 00 02");
@@ -379,7 +386,7 @@ mod tests {
         assert_eq!(frames(&after(&bytes).clear(&sent)), [first, second]);
     }
 
-    /// Before the rest of the second has come, nothing tells them apart but that more may come.
+    /// Before the rest of the second arrives, only the fact that more may come tells them apart.
     #[test]
     fn a_window_that_ends_the_bytes_is_not_taken_before_the_line_is_quiet() {
         let bytes = [
@@ -395,7 +402,7 @@ mod tests {
         assert_eq!(receiver.find(second, &sent, false), Found::At(0));
     }
 
-    /// The last byte of a spoilt frame and nine of the good one behind it.
+    /// The last byte of a corrupt frame and nine of the good one after it.
     #[test]
     fn the_first_of_a_row_of_frames_is_found_behind_a_spoilt_one() {
         let first = frame("02 02 00 08 00 00 75 7F 00 02");
@@ -433,9 +440,9 @@ mod tests {
         let rest = after(frame(REPLY).bytes()).clear(&frame(QUERY));
         assert_eq!(
             rest,
-            Leftovers {
-                pieces: vec![received(frame(REPLY))],
-                ..Leftovers::default()
+            OtherBytes {
+                segments: vec![received(frame(REPLY))],
+                ..OtherBytes::default()
             }
         );
     }
@@ -447,10 +454,10 @@ mod tests {
         let rest = after(&spoilt).clear(&frame(QUERY));
         assert_eq!(
             rest,
-            Leftovers {
-                pieces: vec![Piece::Junk(JunkBytes::new(&spoilt))],
+            OtherBytes {
+                segments: vec![Segment::Junk(JunkBytes::new(&spoilt))],
                 junk_bytes: 10,
-                ..Leftovers::default()
+                ..OtherBytes::default()
             }
         );
     }
@@ -466,9 +473,9 @@ mod tests {
         let (_, before) = receiver.take(11, &frame(QUERY)).unwrap();
         assert_eq!(
             before,
-            Leftovers {
+            OtherBytes {
                 echoed: 0,
-                pieces: vec![Piece::Junk(JunkBytes::new(&[0x33])), received(other)],
+                segments: vec![Segment::Junk(JunkBytes::new(&[0x33])), received(other)],
                 junk_bytes: 1
             }
         );

@@ -1,4 +1,4 @@
-//! What is heard.
+//! Replies: matches received bytes to the exchange in flight and updates the motors.
 
 use std::time::Duration;
 
@@ -9,20 +9,20 @@ use crate::{
     counters::Counters,
     event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
-    job::state::Survey,
+    job::state::Job,
+    line_event::LineEventKind,
     line_use::Use,
     motor::{Control, Motor},
-    probe::Look,
+    probe::ProbeResult,
     raw::status::RawAnswer,
     receiver::ReceivedReply,
-    receiver::{Found, Leftovers, Piece},
+    receiver::{Found, OtherBytes, Segment},
     sample::Sample,
     timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, MIN_WINDOW},
-    traffic::Passed,
 };
 
 impl Bus {
-    /// Takes bytes that the port delivered.
+    /// Takes bytes that the port received.
     pub fn receive(&mut self, now: Instant, bytes: &[u8]) {
         self.begin_call(now);
         self.receiver.push(bytes);
@@ -36,7 +36,7 @@ impl Bus {
         self.look_for_reply(now);
     }
 
-    /// Ends the exchange in flight if its reply is there.
+    /// Ends the exchange in flight if its reply has arrived.
     pub(crate) fn look_for_reply(&mut self, now: Instant) {
         while let Line::Busy(exchange) = self.line
             && let Expects::Reply { id, layout } = exchange.expects
@@ -44,7 +44,7 @@ impl Bus {
             let settled = now >= exchange.deadline();
             match self.receiver.find(id, &exchange.frame, settled) {
                 Found::Nothing => {
-                    // What was held back is another motor's: nothing is waited for sooner.
+                    // The bytes held back belong to another motor: keep the whole window.
                     if let Line::Busy(exchange) = &mut self.line {
                         exchange.held_until = None;
                     }
@@ -61,10 +61,10 @@ impl Bus {
                     else {
                         return;
                     };
-                    self.note(now, &exchange, &before);
+                    self.process_other_bytes(now, &exchange, &before);
                     if now.since(exchange.sent) < EARLIEST_REPLY {
-                        // It cannot answer a request that has hardly left.
-                        self.heard_late(now, received);
+                        // It arrives too early to answer this request.
+                        self.receive_late_reply(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
                             exchange.held_until = None;
                         }
@@ -83,11 +83,11 @@ impl Bus {
         if let Line::Free { .. } = self.line
             && self.receiver.len() >= FRAME_LEN
         {
-            self.sort_unasked_bytes(now);
+            self.process_unrequested_bytes(now);
         }
     }
 
-    /// Ends the exchange in flight if its window is spent.
+    /// Ends the exchange in flight if its reply window has ended.
     pub(crate) fn end_spent_window(&mut self, now: Instant) {
         let Line::Busy(exchange) = self.line else {
             return;
@@ -105,7 +105,7 @@ impl Bus {
         self.line_use.add(now, what, now.since(exchange.sent));
         self.freed_at = now;
         if exchange.expects == Expects::Nothing {
-            // Its echo may still be coming in pieces: it is sorted before the next frame is sent.
+            // Its echo may still arrive in pieces. The bytes are processed before the next frame.
             if exchange.purpose == Purpose::Raw {
                 self.raw_answered(RawAnswer::NoneExpected);
             }
@@ -114,40 +114,43 @@ impl Bus {
         let rest = self.receiver.clear(&exchange.frame);
         match exchange.expects {
             Expects::Nothing => {}
-            Expects::Everyone { layout } => self.everyone_heard(now, &exchange, layout, &rest),
+            Expects::Everyone { layout } => {
+                self.broadcast_window_ended(now, &exchange, layout, &rest)
+            }
             Expects::Reply { id, layout } => {
-                self.note(now, &exchange, &rest);
+                self.process_other_bytes(now, &exchange, &rest);
                 self.unanswered(now, &exchange, id, layout, &rest);
             }
         }
     }
 
-    /// The window of a motor that was asked has passed without its reply.
+    /// The reply window of one motor has ended without its reply.
     fn unanswered(
         &mut self,
         now: Instant,
         exchange: &Exchange,
         id: MotorId,
         layout: Layout,
-        rest: &Leftovers,
+        rest: &OtherBytes,
     ) {
         let waited_us = micros(now.since(exchange.sent));
         match exchange.purpose {
-            // That a motor is silent that was silent before says nothing of the adapter, unless all are.
-            Purpose::Control if self.tells_of_the_adapter(now, id) => self.round_trip.lost(),
+            // A motor that was silent before tells nothing about the adapter, unless all motors are
+            // silent.
+            Purpose::Control if self.may_mean_slow_adapter(now, id) => self.round_trip.lost(),
             Purpose::Control | Purpose::Pause => {}
-            Purpose::Survey if rest.is_silence() => {
-                self.survey_looked(now, exchange.sent, id, Look::Silence);
+            Purpose::Job if rest.is_silence() => {
+                self.job_probe_ended(now, exchange.sent, id, ProbeResult::Silence);
             }
-            Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Noise),
+            Purpose::Job => self.job_probe_ended(now, exchange.sent, id, ProbeResult::Noise),
             Purpose::Raw if rest.is_silence() => {
                 self.raw_answered(RawAnswer::Silence { waited_us });
             }
             Purpose::Raw => self.raw_answered(RawAnswer::Garbled),
         }
         // A scan expects most addresses to be silent.
-        if rest.is_silence() && !matches!(self.survey, Some(Survey::Scan(_))) {
-            self.log(now, Passed::Silence { id, waited_us });
+        if rest.is_silence() && !matches!(self.job, Some(Job::Scan(_))) {
+            self.log(now, LineEventKind::Silence { id, waited_us });
         }
         let counters = match self.motors.iter_mut().find(|motor| motor.id == id) {
             Some(motor) => {
@@ -163,7 +166,8 @@ impl Bus {
             _ => counters.bad_crcs += 1,
         }
         if let LastDrive::InFlight(_) = self.last_drive {
-            // It stood for the drive frames that wait for a proof: their motors are as silent.
+            // The query stood for the drive frames that wait for proof: their motors did not answer
+            // either.
             for motor in self.motors.iter_mut().filter(|motor| motor.id != id) {
                 if let Control::Driven(_) = motor.control {
                     motor.unanswered_in_a_row = motor.unanswered_in_a_row.saturating_add(1);
@@ -172,22 +176,23 @@ impl Bus {
         }
     }
 
-    /// Whether a lost reply of this motor may mean that the adapter has grown slower.
-    fn tells_of_the_adapter(&self, now: Instant, id: MotorId) -> bool {
+    /// Whether a lost reply of this motor may mean a slower adapter.
+    fn may_mean_slow_adapter(&self, now: Instant, id: MotorId) -> bool {
         let was_silent = |motor: &Motor| motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX;
         let motor = self.motors.iter().find(|motor| motor.id == id);
         let other_answers = |motor: &Motor| motor.id != id && motor.fresh_speed(now).is_some();
         !motor.is_some_and(was_silent) || !self.motors.iter().any(other_answers)
     }
 
-    /// Bytes that came while nobody was asked: late replies, and echoes of what is not answered.
-    pub(crate) fn sort_unasked_bytes(&mut self, now: Instant) {
+    /// Processes bytes that arrived without a request in flight: late replies, and echoes of frames
+    /// that have no reply.
+    pub(crate) fn process_unrequested_bytes(&mut self, now: Instant) {
         let Line::Free { last } = self.line else {
             return;
         };
         let rest = self.receiver.clear(&last);
         count_line(&mut self.counters, &rest);
-        self.pass_on(now, &rest);
+        self.log_and_record(now, &rest);
     }
 
     fn replied(
@@ -200,23 +205,23 @@ impl Bus {
         let ReceivedReply { frame, reply } = received;
         let id = reply.id;
         let took = now.since(exchange.sent);
-        let (asked, owed) = match self.motor_mut(id) {
+        let (asked, outstanding) = match self.motor_mut(id) {
             Some(motor) => {
-                let owed = motor.late.may_come(now);
-                (motor.layout_of(now, reply, layout), owed)
+                let outstanding = motor.late.may_come(now);
+                (motor.layout_of(now, reply, layout), outstanding)
             }
             None => (Some(layout), false),
         };
         let reply = reply.in_layout(asked);
-        self.log_heard(now, &frame, asked);
+        self.log_received(now, &frame, asked);
         let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
-        if owed && own_reply > now {
-            // This may be the reply to an earlier request, and the own one still be on the wire.
+        if outstanding && own_reply > now {
+            // It may answer an earlier request while the reply to this one is still on the wire.
             self.line = Line::Busy(Exchange::pause(now, exchange.frame, own_reply));
         }
         match exchange.purpose {
             Purpose::Control | Purpose::Pause => {}
-            Purpose::Survey => self.survey_looked(now, exchange.sent, id, Look::Reply(took)),
+            Purpose::Job => self.job_probe_ended(now, exchange.sent, id, ProbeResult::Reply(took)),
             Purpose::Raw => self.raw_answered(RawAnswer::Reply {
                 frame,
                 asked,
@@ -224,31 +229,31 @@ impl Bus {
             }),
         }
         let Some(motor) = self.motors.iter_mut().find(|motor| motor.id == id) else {
-            // One that is not watched is only told of.
+            // A motor that is not watched has no state to update.
             self.counters.replies += 1;
             return;
         };
         motor.counters.replies += 1;
         motor.loss.count(false);
-        let tells_round_trip = !motor.late.blurs_round_trips(now);
-        if tells_round_trip {
+        let measures_round_trip = !motor.late.makes_round_trip_ambiguous(now);
+        if measures_round_trip {
             motor.round_trip.replied(took);
-            // A late reply may speak of the time before a switch, or of the frame before.
+            // A late reply may report the time before a switch or before this frame.
             motor.loop_reported();
             motor.torque.answered(&exchange.frame);
         }
-        let in_the_air = motor.loop_is_in_the_air();
-        motor.reckoning.replied(now, &reply);
-        let seen = motor.reckoning.just_seen(now);
+        let loop_unconfirmed = motor.loop_is_unconfirmed();
+        motor.angle_estimate.replied(now, &reply);
+        let seen = motor.angle_estimate.confirmed_now(now);
         match (&mut motor.control, reply.detail) {
-            (Control::Switching(switch), _) => switch.heard(reply.mode),
-            // A late reply may speak of the time before a switch.
-            (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !in_the_air => {
-                stop.heard(&reply);
+            (Control::Switching(switch), _) => switch.record_mode(reply.mode),
+            // A late reply may report the time before a switch.
+            (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !loop_unconfirmed => {
+                stop.record_reply(&reply);
             }
-            (Control::Stopping(stop), _) => stop.heard_uncertain(reply.mode),
+            (Control::Stopping(stop), _) => stop.record_uncertain_reply(reply.mode),
             (Control::Driven(driven), _) => {
-                // A reply soon after Hold may say where the wheel was then.
+                // A reply soon after Hold may tell where the wheel was then.
                 if let Some(hold) = driven.hold
                     && let Some(held) = hold.refined(now, seen, reply.speed)
                 {
@@ -259,27 +264,28 @@ impl Bus {
             }
             _ => {}
         }
-        self.keep(now, reply);
-        if tells_round_trip {
+        self.record_reply(now, reply);
+        if measures_round_trip {
             self.round_trip.replied(took);
         }
     }
 
-    /// A good frame outside its window. What was asked is not certain any more, so bytes 6 and 7
-    /// stay undetermined.
-    fn heard_late(&mut self, now: Instant, received: ReceivedReply) {
+    /// Processes a good frame outside its window. The request is uncertain, so bytes 6 and 7 stay
+    /// undetermined.
+    fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
         let ReceivedReply { frame, reply } = received;
-        self.log_heard(now, &frame, None);
-        self.late_heard = Some(now);
-        self.survey_heard_late(now, reply.id);
+        self.log_received(now, &frame, None);
+        self.last_late_reply = Some(now);
+        self.job_late_reply(now, reply.id);
         let expected = |motor: &Motor| motor.id == reply.id && motor.late.may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
-                if motor.late.blurs_round_trips(now) {
-                    self.keep(now, reply);
+                if motor.late.makes_round_trip_ambiguous(now) {
+                    self.record_reply(now, reply);
                 } else {
-                    // Nobody knows how old it is: it pays a debt and is no reading of now.
+                    // Its age is unknown: it counts as an outstanding reply, not as a current
+                    // reading.
                     motor.late.replied();
                 }
             }
@@ -287,8 +293,8 @@ impl Bus {
         }
     }
 
-    pub(crate) fn keep(&mut self, now: Instant, reply: Reply) {
-        // One that was forgotten meanwhile stays forgotten.
+    pub(crate) fn record_reply(&mut self, now: Instant, reply: Reply) {
+        // A motor that was forgotten meanwhile stays forgotten.
         let limits = self.limits;
         let round = self.stop_round();
         let Some(motor) = self.motor_mut(reply.id) else {
@@ -297,18 +303,18 @@ impl Bus {
         if motor.is_without_answer()
             && let (Control::Stopping(stop), Some(round)) = (&mut motor.control, round)
         {
-            // It joins those that answer: they keep their brake meanwhile.
+            // It joins the round of the answering motors, which keep their brake meanwhile.
             stop.round = stop.round.max(round);
         }
-        if motor.heard(now, reply, limits) {
+        if motor.record_reply(now, reply, limits) {
             self.events.push_back(Event::MotorBack(reply.id));
         }
         self.events
             .push_back(Event::Telemetry(Sample { at: now, reply }));
     }
 
-    /// Counts what stood beside a reply, or came instead of one.
-    fn note(&mut self, now: Instant, exchange: &Exchange, rest: &Leftovers) {
+    /// Counts and logs the bytes beside a reply or instead of one.
+    fn process_other_bytes(&mut self, now: Instant, exchange: &Exchange, rest: &OtherBytes) {
         let counters = match exchange.expects {
             Expects::Reply { id, .. } => self.motor_mut(id).map(|motor| &mut motor.counters),
             Expects::Everyone { .. } | Expects::Nothing => None,
@@ -317,15 +323,15 @@ impl Bus {
             Some(counters) => count_line(counters, rest),
             None => count_line(&mut self.counters, rest),
         }
-        self.pass_on(now, rest);
+        self.log_and_record(now, rest);
     }
 
-    /// Logs what came beside the reply that was waited for, and keeps what is good of it.
-    fn pass_on(&mut self, now: Instant, rest: &Leftovers) {
-        for piece in &rest.pieces {
+    /// Logs the bytes beside the expected reply and records the good frames among them.
+    fn log_and_record(&mut self, now: Instant, rest: &OtherBytes) {
+        for piece in &rest.segments {
             match piece {
-                Piece::Reply(received) => self.heard_late(now, *received),
-                Piece::Junk(junk) => self.log(now, Passed::Junk(*junk)),
+                Segment::Reply(received) => self.receive_late_reply(now, *received),
+                Segment::Junk(junk) => self.log(now, LineEventKind::Junk(*junk)),
             }
         }
     }
@@ -335,7 +341,7 @@ pub(crate) fn micros(duration: Duration) -> u32 {
     u32::try_from(duration.as_micros()).unwrap_or(u32::MAX)
 }
 
-pub(crate) fn count_line(counters: &mut Counters, rest: &Leftovers) {
+pub(crate) fn count_line(counters: &mut Counters, rest: &OtherBytes) {
     match rest.echoed {
         0 => {}
         FRAME_LEN => counters.echoes_whole += 1,

@@ -1,29 +1,29 @@
-//! How long an exchange takes on this adapter, and so how long to wait for a reply.
+//! Round trips on this adapter, and the reply window that follows from them.
 
 use std::time::Duration;
 
 use crate::timing::{FIRST_WINDOW, MAX_WINDOW, MIN_WINDOW};
 
-/// Samples kept for what the page shows: with fewer, one of a hundred would be chance.
+/// Samples kept for the statistics: with fewer, the 99th percentile would be chance.
 const KEPT: usize = 256;
 
-/// Upper ends of the classes of [`RoundTripStatus::histogram`], in microseconds; the last class has
+/// Upper ends of the bins of [`RoundTripStatus::histogram`], in microseconds; the last bin has
 /// none. An exchange takes at least 1.7 ms on the wire; an FTDI adapter adds 16 ms.
-pub const ROUND_TRIP_CLASSES_US: [u32; 11] = [
+pub const ROUND_TRIP_BINS_US: [u32; 11] = [
     2_000, 2_500, 3_000, 4_000, 5_000, 6_500, 8_000, 10_000, 14_000, 18_000, 25_000,
 ];
 
-/// How long the last 256 replies took.
+/// Round trips of the last 256 replies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundTripStatus {
     /// From the first byte of a request to the last of its reply, in microseconds; `None` before the
     /// first reply.
     pub median_us: Option<u32>,
-    /// What 99 of 100 replies stay under, in microseconds.
+    /// 99th percentile, in microseconds.
     pub p99_us: Option<u32>,
-    /// How many replies took so long: the classes end at [`ROUND_TRIP_CLASSES_US`].
-    pub histogram: [u16; ROUND_TRIP_CLASSES_US.len() + 1],
+    /// Replies per bin; the bins end at [`ROUND_TRIP_BINS_US`].
+    pub histogram: [u16; ROUND_TRIP_BINS_US.len() + 1],
 }
 
 /// Round-trip statistics by the estimator of TCP (RFC 6298): a smoothed mean and deviation.
@@ -68,24 +68,25 @@ impl RoundTrip {
         self.lost = self.lost.saturating_add(1);
     }
 
-    /// How long to wait for a reply before the line is free again; `None` before the first reply.
+    /// Reply window; `None` before the first reply.
     pub(crate) fn window(&self) -> Option<Duration> {
         if self.count == 0 {
             return None;
         }
-        // Four deviations as in the RFC, and never less than a busy browser's hiccup.
+        // Four deviations as in the RFC, and never less than the scheduling delay of a busy
+        // browser.
         let spread = Duration::from_micros(u64::from(self.deviation_us) * 4).max(MIN_WINDOW / 2);
         let window = Duration::from_micros(self.smoothed_us.into()) + spread;
         Some(window.clamp(MIN_WINDOW, MAX_WINDOW))
     }
 
-    /// How often the window is doubled: once for every third loss in a row, since what seems lost may
-    /// be late. One or two are bad luck, and a longer wait would cost a motor drive frames.
+    /// How often the window is doubled: once for every third loss in a row, since a lost reply may
+    /// be late. One or two losses are chance, and a longer window would cost drive frames.
     pub(crate) fn doublings(&self) -> u32 {
         (self.lost / 3).min(3)
     }
 
-    /// How long an exchange that is answered usually takes.
+    /// Usual round trip; [`FIRST_WINDOW`] before the first reply.
     pub(crate) fn usual(&self) -> Duration {
         if self.count == 0 {
             FIRST_WINDOW
@@ -94,7 +95,7 @@ impl RoundTrip {
         }
     }
 
-    /// How long an exchange that is answered takes; `None` before the first reply.
+    /// Smoothed round trip; `None` before the first reply.
     pub(crate) fn measured(&self) -> Option<Duration> {
         (self.count > 0).then(|| Duration::from_micros(self.smoothed_us.into()))
     }
@@ -108,9 +109,9 @@ impl RoundTrip {
     pub(crate) fn status(&self) -> RoundTripStatus {
         let mut kept = self.kept;
         let samples = kept.get_mut(..self.count.min(KEPT)).unwrap_or_default();
-        let mut histogram = [0_u16; ROUND_TRIP_CLASSES_US.len() + 1];
+        let mut histogram = [0_u16; ROUND_TRIP_BINS_US.len() + 1];
         for took in &*samples {
-            let class = ROUND_TRIP_CLASSES_US.partition_point(|end| end <= took);
+            let class = ROUND_TRIP_BINS_US.partition_point(|end| end <= took);
             if let Some(count) = histogram.get_mut(class) {
                 *count += 1;
             }
@@ -123,7 +124,7 @@ impl RoundTrip {
     }
 }
 
-/// The sample that so many are no longer than; `None` of none.
+/// The sample at this rank; `None` if there are fewer.
 fn nth(samples: &mut [u32], place: usize) -> Option<u32> {
     if place >= samples.len() {
         return None;
@@ -131,7 +132,7 @@ fn nth(samples: &mut [u32], place: usize) -> Option<u32> {
     Some(*samples.select_nth_unstable(place).1)
 }
 
-/// The old mean with one `weight`th of the sample.
+/// Exponential moving average: one `weight`th of the sample is new.
 fn mix(mean: u32, sample: u32, weight: u32) -> u32 {
     let mixed = (u64::from(mean) * u64::from(weight - 1) + u64::from(sample)) / u64::from(weight);
     u32::try_from(mixed).unwrap_or(u32::MAX)

@@ -1,4 +1,4 @@
-//! The decisions that keep fingers whole: pure functions from what is known to what must be done.
+//! Safety decisions: pure functions from the known state to the required action.
 
 use std::time::Duration;
 
@@ -11,31 +11,31 @@ use crate::{
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 
-/// A current above this asks first: 25,000 raw is 6.1 A.
+/// A current above this needs consent: 25,000 raw is 6.1 A.
 pub const HIGH_CURRENT_RAW: u16 = 25_000;
 
-/// How a motor is brought to a standstill, by what is known of its loop.
+/// How a motor is stopped, by what is known of its loop.
 ///
 /// A stop is zero and brake in the velocity loop. The same frame is "coast" in the current loop and
 /// "turn to 0 degrees" in the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopPlan {
-    /// It is in the velocity loop: brake, and spend no time on switching.
+    /// In the velocity loop: brake, without a switch.
     Brake,
-    /// A brake frame does no harm before the switch and bites after it: send both in turn.
+    /// A brake frame is harmless before the switch and brakes after it: send both in turn.
     BrakeWhileSwitching,
-    /// A brake frame would turn the wheel before the switch: switch first.
+    /// A brake frame before the switch would turn the wheel: switch first.
     SwitchThenBrake,
 }
 
-/// The way to stop a motor whose loop is `fresh` by a reply of the last 500 ms, or was `last` known
-/// some time ago.
+/// How to stop a motor whose loop is `fresh` by a reply of the last 500 ms, or was `last` known
+/// before.
 #[must_use]
 pub const fn stop_plan(fresh: Option<Mode>, last: Option<Mode>) -> StopPlan {
     match (fresh, last) {
         (Some(Mode::Velocity), _) => StopPlan::Brake,
         // A motor leaves a loop by itself only through a power cycle, which ends in the velocity
-        // loop. So one that was not in the position loop is not in it now.
+        // loop. So a motor that was not in the position loop is not in it now.
         (Some(Mode::Current), _) | (None, Some(Mode::Velocity | Mode::Current)) => {
             StopPlan::BrakeWhileSwitching
         }
@@ -45,10 +45,11 @@ pub const fn stop_plan(fresh: Option<Mode>, last: Option<Mode>) -> StopPlan {
     }
 }
 
-/// The frame that may be sent while a driven motor changes loops, harmless in both.
+/// The frame to send while a driven motor switches loops, harmless in both.
 ///
-/// Zero is 0 rpm and 0 A. Nothing is harmless in the position loop and another: any angle would be
-/// read as a speed or a current, and zero as "turn to 0 degrees". There the drive frames pause.
+/// Zero is 0 rpm and 0 A. No frame is harmless in the position loop and another loop: any angle
+/// would be read as a speed or a current, and zero as "turn to 0 degrees". Then the drive frames
+/// pause.
 #[must_use]
 pub(crate) fn neutral_between(from: Mode, to: Mode) -> Option<Drive> {
     match (from, to) {
@@ -59,9 +60,9 @@ pub(crate) fn neutral_between(from: Mode, to: Mode) -> Option<Drive> {
     }
 }
 
-/// Whether the position loop may be asked for: the motor silently refuses it above 10 rpm.
+/// Checks a switch to the position loop: the motor silently refuses it at 10 rpm and above.
 ///
-/// `speed` is the speed by a reply of the last 500 ms.
+/// `speed` comes from a reply of the last 500 ms.
 ///
 /// # Errors
 /// [`Refusal::SpeedUnknown`] and [`Refusal::TooFast`].
@@ -73,7 +74,7 @@ pub const fn check_position_switch(id: MotorId, speed: Option<Rpm>) -> Result<()
     }
 }
 
-/// What a person must be asked before this setpoint is sent.
+/// The consent that this setpoint needs.
 #[must_use]
 pub const fn needs_consent(setpoint: Setpoint) -> Consent {
     match setpoint {
@@ -84,7 +85,7 @@ pub const fn needs_consent(setpoint: Setpoint) -> Consent {
     }
 }
 
-/// What is known of a motor by replies of the last 500 ms.
+/// What replies of the last 500 ms tell about a motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known {
     pub(crate) reported: Option<Mode>,
@@ -93,7 +94,7 @@ pub(crate) struct Known {
 }
 
 impl Known {
-    /// Of a motor that has not answered lately.
+    /// A motor without fresh replies.
     pub(crate) const NOTHING: Self = Self {
         reported: None,
         faults: None,
@@ -101,7 +102,7 @@ impl Known {
     };
 }
 
-/// Whether a motor may be driven to a setpoint now, by what is known of it.
+/// Checks whether a motor may be driven to a setpoint now.
 pub(crate) fn check_drive(
     id: MotorId,
     setpoint: Setpoint,
@@ -130,7 +131,7 @@ pub(crate) fn check_drive(
         return Err(Refusal::TooHot { id, crossed });
     }
     match reported {
-        None => Err(Refusal::NotHeard(id)),
+        None => Err(Refusal::NotAnswering(id)),
         Some(reported) if reported != setpoint.mode() => Err(Refusal::OtherLoop {
             id,
             asked: setpoint.mode(),
@@ -140,10 +141,10 @@ pub(crate) fn check_drive(
     }
 }
 
-/// Whether a driven motor's setpoint must be taken back, by its last reply, the limit that it crossed
-/// and the silence since.
+/// Whether a driven motor's setpoint must be withdrawn, by its last reply, the limit that it
+/// crossed and the silence since.
 ///
-/// A fault would end with the wheel starting by itself; a motor that lost power comes back in the
+/// When a fault clears, the wheel would start by itself. A motor that lost power restarts in the
 /// velocity loop, where a raw current is read as a speed.
 #[must_use]
 pub(crate) fn check_driven(
@@ -169,8 +170,8 @@ pub(crate) fn check_driven(
     silent.then_some(WithdrawReason::Silent)
 }
 
-/// The setpoint of the next frame on the way to `goal`: a torque reversal passes through a zero that the
-/// motor has answered. `possible` is the current that the motor may still follow.
+/// The setpoint of the next frame on the way to `goal`. A torque reversal passes through a zero
+/// that the motor has answered. `possible` is the current that the motor may still follow.
 #[must_use]
 pub(crate) fn step_towards(goal: Setpoint, possible: Option<CurrentTarget>) -> Setpoint {
     if let (Setpoint::Current(goal), Some(present)) = (goal, possible)

@@ -85,7 +85,7 @@ fn a_drive_is_refused_for_each_reason_by_name() {
     );
     assert_eq!(
         drive(velocity, Consent::None, None, None),
-        Err(Refusal::NotHeard(ID))
+        Err(Refusal::NotAnswering(ID))
     );
     assert_eq!(
         drive(velocity, Consent::None, Some(Mode::Current), none),

@@ -1,4 +1,4 @@
-//! Who speaks next on the line.
+//! Schedule: which frame goes out next.
 
 use std::time::Duration;
 
@@ -6,25 +6,25 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     motor::{Control, Motor},
-    probe::Ask,
+    probe::Probe,
     stop::Stopping,
     timing::{EARLY, QUERY_MARGIN_MAX, QUERY_PATIENCE},
 };
 
-/// What the line is to be used for.
+/// When the next frame goes out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Turn {
-    /// Send this now.
-    Now(Errand),
+    /// Send this frame now.
+    Now(DueFrame),
     /// Nothing is due before this.
     At(Instant),
-    /// Nothing will be due.
+    /// Nothing is scheduled.
     Never,
 }
 
-/// What the line is wanted for.
+/// A frame that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Errand {
+pub(crate) enum DueFrame {
     /// The next frame of this motor's stop.
     Stop(MotorId),
     /// The next frame of this motor's mode switch.
@@ -33,41 +33,48 @@ pub(crate) enum Errand {
     Drive(MotorId),
     /// This motor's telemetry.
     Query(MotorId),
-    /// Who is there.
+    /// The ID query.
     IdQuery,
-    /// The next question of a scan or an ID change.
-    Survey(Ask),
+    /// The next probe of a scan or an ID change.
+    Probe(Probe),
     /// The next set-ID frame.
     SetId(AssignableId),
-    /// The frame that a person wrote.
+    /// The raw frame.
     Raw,
 }
 
-/// How fast the line is spoken on.
+/// Pacing of the line.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub(crate) struct Pacing {
     /// How long an exchange usually takes.
     pub(crate) usual: Duration,
-    /// Between two drive frames to one motor.
+    /// Time between two drive frames to one motor.
     pub(crate) period: Duration,
-    /// Whether the last frame was a query. No other makes a drive frame late then.
+    /// Whether the last frame was a query. A second one must not delay a drive frame.
     pub(crate) query_was_last: bool,
-    /// Whether the last exchange has only just ended.
+    /// Whether the last exchange has just ended.
     pub(crate) just_freed: bool,
-    /// When the line may carry a query again.
+    /// Earliest time of the next query.
     pub(crate) queries_from: Instant,
-    /// The round of a stop behind which a motor that does not answer gets its next frame.
+    /// The stop round after which a silent motor gets its next frame.
     pub(crate) silent_stop_round: u32,
-    /// Whether drive frames wait until a byte proves that the line carries the last. A stop does not.
+    /// Whether drive frames wait for a byte that proves that the line carried the last one. Stop
+    /// frames do not wait.
     pub(crate) drive_waits_for_proof: bool,
 }
 
-/// The first frame of a stop before everything; then mode switches, queries that have waited too
-/// long, stops and drive frames by deadline, and queries where they make no drive frame late.
+/// Picks the next frame. The first frame of a stop goes before everything; then mode switches,
+/// queries that have waited too long, stop and drive frames by deadline, and queries that delay no
+/// drive frame.
 ///
-/// `raw` is when the frame that a person wrote is due; it is scheduled as a drive frame is.
-pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pace: Pace) -> Turn {
-    let Pace {
+/// `raw` is when the raw frame is due; it is scheduled like a drive frame.
+pub(crate) fn next_turn(
+    motors: &[Motor],
+    raw: Option<Instant>,
+    now: Instant,
+    pacing: Pacing,
+) -> Turn {
+    let Pacing {
         usual,
         period,
         query_was_last,
@@ -75,31 +82,33 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
         queries_from,
         silent_stop_round,
         drive_waits_for_proof,
-    } = pace;
+    } = pacing;
     let due = |at: Instant| now + EARLY >= at;
     let stop = next_stop(motors, silent_stop_round);
     if let Some((_, id, false)) = stop {
-        return Turn::Now(Errand::Stop(id));
+        return Turn::Now(DueFrame::Stop(id));
     }
-    let stop = stop.map(|(at, id, _)| (at, Errand::Stop(id)));
+    let stop = stop.map(|(at, id, _)| (at, DueFrame::Stop(id)));
     let switch = earliest(motors, |motor| match &motor.control {
         Control::Switching(switch) => switch.next_frame(),
         _ => None,
     })
-    .map(|(at, id)| (at, Errand::Switch(id)));
+    .map(|(at, id)| (at, DueFrame::Switch(id)));
     let drive = earliest(motors, |motor| match &motor.control {
         Control::Driven(driven) => Some(driven.next_frame),
-        Control::Switching(switch) => switch.meanwhile.map(|meanwhile| meanwhile.next_frame),
+        Control::Switching(switch) => switch
+            .neutral_drive
+            .map(|neutral_drive| neutral_drive.next_frame),
         _ => None,
     })
-    .map(|(at, id)| (at, Errand::Drive(id)));
+    .map(|(at, id)| (at, DueFrame::Drive(id)));
     let query = next_query(motors);
 
-    if let Some((_, errand)) = switch.filter(|(at, _)| due(*at)) {
-        return Turn::Now(errand);
+    if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at)) {
+        return Turn::Now(due_frame);
     }
-    // A stop that goes on does not take the line from the motors that are driven beside it.
-    let raw = raw.map(|at| (at, Errand::Raw));
+    // A running stop does not take the line from driven motors.
+    let raw = raw.map(|at| (at, DueFrame::Raw));
     let frames = stop.into_iter().chain(drive).chain(raw);
     let frame = match stop.filter(|(at, _)| drive_waits_for_proof && due(*at)) {
         Some(stop) => Some(stop),
@@ -107,16 +116,16 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     };
     let next_appointment = frame.into_iter().chain(switch).map(|(at, _)| at).min();
 
-    // Right behind a reply a query makes the next frame least late.
+    // Right after a reply a query delays the next frame least.
     let squeezes = next_appointment.is_some_and(|at| at < now + usual);
-    let waits = |frame: Option<(Instant, Errand)>| frame.is_some_and(|(at, _)| due(at));
+    let waits = |frame: Option<(Instant, DueFrame)>| frame.is_some_and(|(at, _)| due(at));
     let its_turn = (just_freed || !squeezes) && !(query_was_last && (waits(drive) || waits(stop)));
     let has_waited = |at: Instant| now >= (at + QUERY_PATIENCE).max(queries_from);
     if let Some((_, id)) = query.filter(|(at, _)| its_turn && has_waited(*at)) {
-        return Turn::Now(Errand::Query(id));
+        return Turn::Now(DueFrame::Query(id));
     }
-    if let Some((_, errand)) = frame.filter(|(at, _)| due(*at)) {
-        return Turn::Now(errand);
+    if let Some((_, due_frame)) = frame.filter(|(at, _)| due(*at)) {
+        return Turn::Now(due_frame);
     }
 
     let driven = motors
@@ -126,8 +135,8 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     let margin = (period / 2 / frames_a_period).min(QUERY_MARGIN_MAX);
     let fits = next_appointment.is_none_or(|at| now + usual + margin <= at);
     let query_turn = query.map(|(at, id)| match (due(at.max(queries_from)), fits) {
-        (true, true) => Turn::Now(Errand::Query(id)),
-        // It goes behind the next reply.
+        (true, true) => Turn::Now(DueFrame::Query(id)),
+        // It goes after the next reply.
         (true, false) if has_waited(at) => Turn::Never,
         (true, false) => Turn::At((at + QUERY_PATIENCE).max(queries_from)),
         (false, _) => Turn::At(at.max(queries_from)),
@@ -140,11 +149,11 @@ pub(crate) fn next_turn(motors: &[Motor], raw: Option<Instant>, now: Instant, pa
     }
 }
 
-/// The motor whose stop is furthest behind: of those that answer, none gets its next frame before all got
-/// this one. With it, whether its first frame was sent.
+/// The next frame of a stop, and whether the first frame was sent. Every answering motor gets a
+/// frame before any of them gets its next one.
 ///
-/// A motor that does not answer costs a window each time. So between two of their frames, all that answer
-/// get theirs: 15 motors without power do not let go of the 16th.
+/// A silent motor costs a reply window each time. So all answering motors get their frame between
+/// two frames of silent ones: 15 motors without power do not release the 16th.
 fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, bool)> {
     let furthest_behind = |of_silent: bool| {
         let stops = motors.iter().filter_map(|motor| match &motor.control {
@@ -158,7 +167,7 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
     let frame = |(id, stop): (MotorId, &Stopping)| (stop.next_frame, id, stop.first_frame_sent);
     match (furthest_behind(false), furthest_behind(true)) {
         (Some((id, answers)), Some((silent_id, silent))) => {
-            // A motor that has joined since may be far behind the round that was noted.
+            // A motor that joined later may be far behind the recorded round.
             let is_round_over = answers.round >= silent_round || answers.round + 1 < silent_round;
             let has_its_turn = answers.first_frame_sent && is_round_over;
             let is_due = !silent.first_frame_sent || silent.next_frame <= answers.next_frame;
@@ -175,7 +184,7 @@ fn next_stop(motors: &[Motor], silent_round: u32) -> Option<(Instant, MotorId, b
 
 fn next_query(motors: &[Motor]) -> Option<(Instant, MotorId)> {
     earliest(motors, |motor| {
-        // A stop asks for what it needs by itself.
+        // A stop queries the motor by itself.
         if let Control::Stopping(_) = motor.control {
             return None;
         }

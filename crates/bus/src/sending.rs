@@ -1,4 +1,4 @@
-//! What is sent, and what is known of it once the port has taken it.
+//! Sends frames and applies their effects once the port has taken them.
 
 use std::time::Duration;
 
@@ -6,64 +6,68 @@ use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request, Setpoint};
 
 use crate::{
     bus::{Bus, LastDrive},
-    driving::rests,
+    driving::is_rest,
     exchange::{Exchange, Expects, Line, Purpose},
+    line_event::LineEventKind,
     motor::Control,
-    next_request::{Sent, Tempo, next_request},
-    pending_transmit::{Effect, HandedOut},
+    next_request::{SendContext, Sent, next_request},
+    pending_transmit::{Effect, PendingTransmit},
     raw::status::RawAnswer,
-    schedule::Errand,
+    schedule::DueFrame,
     timing::{
         FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE,
         SILENT_FIRSTS_MAX,
     },
-    traffic::Passed,
 };
 
 impl Bus {
-    /// Hands out the frame of an errand.
-    pub(crate) fn speak(&mut self, now: Instant, errand: Errand) -> Frame {
-        self.sort_unasked_bytes(now);
-        let errand = match errand {
-            // An adapter that stalls takes frames and carries none, and each comes out of it later, behind
-            // a stop that was pressed meanwhile. So one drive frame may be in flight, and behind it a query
-            // asks whether the line carries anything: it moves no wheel, however late it comes.
-            Errand::Drive(id) if self.waits_for_proof(now, id) => {
-                Errand::Query(self.last_to_answer(id))
+    /// The frame that is due, for the caller to transmit.
+    pub(crate) fn prepare_frame(&mut self, now: Instant, due_frame: DueFrame) -> Frame {
+        self.process_unrequested_bytes(now);
+        let due_frame = match due_frame {
+            // A stalled adapter accepts frames and sends them later, behind a stop that the
+            // operator has pressed meanwhile. So at most one drive frame is in flight. After it a
+            // query, which moves no wheel however late it is sent, asks whether the line carries
+            // frames.
+            DueFrame::Drive(id) if self.waits_for_proof(now, id) => {
+                DueFrame::Query(self.last_to_answer(id))
             }
-            errand => errand,
+            due_frame => due_frame,
         };
-        let tempo = Tempo {
+        let context = SendContext {
             period: self.rate.period(),
             query_period: self.query_period(),
             ramp: self.ramp,
-            others_driven: self.anyone_driven(),
+            others_driven: self.any_driven(),
         };
-        let (frame, expects, purpose, effect) = match errand {
-            Errand::Raw => {
-                // Without a frame nothing would be due; the ID query harms nobody.
+        let (frame, expects, purpose, effect) = match due_frame {
+            DueFrame::Raw => {
+                // A raw frame exists whenever one is due. The ID query is a harmless fallback.
                 let frame = self.raw.map_or(Request::IdQuery.frame(), |raw| raw.frame);
                 let expects = Expects::of_raw(&frame);
                 (frame, expects, Purpose::Raw, Effect::Raw)
             }
-            Errand::IdQuery => {
+            DueFrame::IdQuery => {
                 let request = Request::IdQuery;
                 let expects = Expects::of(&request);
                 (request.frame(), expects, Purpose::Control, Effect::IdQuery)
             }
-            Errand::Survey(_) | Errand::SetId(_) => {
-                let request = match errand {
-                    Errand::SetId(id) => Request::SetId { id },
-                    Errand::Survey(ask) => ask.request(),
+            DueFrame::Probe(_) | DueFrame::SetId(_) => {
+                let request = match due_frame {
+                    DueFrame::SetId(id) => Request::SetId { id },
+                    DueFrame::Probe(ask) => ask.request(),
                     _ => Request::IdQuery,
                 };
-                let effect = Effect::Survey(errand);
+                let effect = Effect::Job(due_frame);
                 let expects = Expects::of(&request);
-                (request.frame(), expects, Purpose::Survey, effect)
+                (request.frame(), expects, Purpose::Job, effect)
             }
-            Errand::Stop(id) | Errand::Switch(id) | Errand::Drive(id) | Errand::Query(id) => {
+            DueFrame::Stop(id)
+            | DueFrame::Switch(id)
+            | DueFrame::Drive(id)
+            | DueFrame::Query(id) => {
                 let motor = self.watch(now, id);
-                let (request, control, sent) = next_request(motor, now, errand, tempo);
+                let (request, control, sent) = next_request(motor, now, due_frame, context);
                 let effect = Effect::Motor { id, control, sent };
                 let expects = Expects::of(&request);
                 (request.frame(), expects, Purpose::Control, effect)
@@ -72,7 +76,7 @@ impl Bus {
         let [addressee, ..] = *frame.bytes();
         let motor = self.motors.iter().find(|motor| motor.id.get() == addressee);
         let mode = motor.and_then(|motor| motor.reads_drive_frames_in(now));
-        self.handed_out = Some(HandedOut {
+        self.pending_transmit = Some(PendingTransmit {
             at: now,
             frame,
             expects,
@@ -83,24 +87,25 @@ impl Bus {
         frame
     }
 
-    /// The motor that is the most likely to answer, or `otherwise`.
+    /// The motor that answered last, or `otherwise`.
     fn last_to_answer(&self, otherwise: MotorId) -> MotorId {
-        let heard = self.motors.iter().filter(|motor| motor.ever_heard());
-        let last = heard.max_by_key(|motor| motor.quiet_since());
+        let heard = self.motors.iter().filter(|motor| motor.has_answered());
+        let last = heard.max_by_key(|motor| motor.silent_since());
         last.map_or(otherwise, |motor| motor.id)
     }
 
-    /// Whether the next drive frame to this motor waits until a byte proves that the line carries the last.
+    /// Whether the next drive frame to this motor waits until a received byte proves that the line
+    /// carried the last one.
     fn waits_for_proof(&self, now: Instant, id: MotorId) -> bool {
         let LastDrive::InFlight(since) = self.last_drive else {
             return false;
         };
         let motor = self.motors.iter().find(|motor| motor.id == id);
         match motor.map(|motor| motor.control) {
-            // The port has refused one: it waits for the proof as well.
+            // After a refused frame every drive frame waits.
             _ if self.refused_in_a_row > 0 => true,
-            Some(Control::Driven(driven)) if rests(driven.goal) => false,
-            // Hold ends a motion: its first frame is offered at once, and each other behind a query.
+            Some(Control::Driven(driven)) if is_rest(driven.goal) => false,
+            // Hold ends a motion: its first frame goes at once, each later one behind a query.
             Some(Control::Driven(driven)) => match driven.hold.filter(|hold| hold.is_open(now)) {
                 Some(hold) => !self.query_was_last && hold.began() <= since,
                 None => true,
@@ -109,46 +114,46 @@ impl Bus {
         }
     }
 
-    /// The frame that was handed out last was taken: the next call of any kind says so.
-    pub(crate) fn settle_handed_out(&mut self) {
-        let Some(handed) = self.handed_out.take() else {
+    /// Confirms the last frame: any call after it means that the port took it.
+    pub(crate) fn commit_transmit(&mut self) {
+        let Some(handed) = self.pending_transmit.take() else {
             return;
         };
         self.refused_in_a_row = 0;
-        let HandedOut {
+        let PendingTransmit {
             at, frame, mode, ..
         } = handed;
-        self.log(at, Passed::Sent { frame, mode });
-        self.take_effect(&handed);
+        self.log(at, LineEventKind::Sent { frame, mode });
+        self.apply_effect(&handed);
         self.begin_exchange(&handed);
     }
 
-    /// The port did not take the frame that was handed out last; to be called before anything else.
+    /// The port refused the last frame. Call it before anything else.
     ///
-    /// The log has it as not sent, and it has no effect: what was to be sent is still to be sent, a little
-    /// later. For its motor it counts as unanswered, so that a port that takes nothing ends in withdrawn
-    /// setpoints.
-    pub fn unsent(&mut self) {
-        let Some(handed) = self.handed_out.take() else {
+    /// The packet log records the frame as not sent, and the frame has no effect. The bus sends it
+    /// again a little later. The frame counts as unanswered for its motor, so a port that takes
+    /// nothing ends with withdrawn setpoints.
+    pub fn transmit_failed(&mut self) {
+        let Some(handed) = self.pending_transmit.take() else {
             return;
         };
-        let HandedOut { at, frame, .. } = handed;
-        self.log(at, Passed::Unsent { frame });
+        let PendingTransmit { at, frame, .. } = handed;
+        self.log(at, LineEventKind::NotSent { frame });
         self.refused_in_a_row = self.refused_in_a_row.saturating_add(1);
         match handed.effect {
-            // What a person wrote is not sent at a moment that the person did not choose.
+            // A raw frame is not sent at a time that the operator did not choose.
             Effect::Raw => {
-                self.take_effect(&handed);
+                self.apply_effect(&handed);
                 let raw = self.raw;
                 self.count_refused(|id| raw.is_some_and(|raw| raw.may_move(id)));
                 self.raw_answered(RawAnswer::NotSent);
             }
-            Effect::Survey(errand) if self.refused_in_a_row < REFUSED_MAX => {
-                self.survey_again = Some(errand);
+            Effect::Job(due_frame) if self.refused_in_a_row < REFUSED_MAX => {
+                self.job_retry = Some(due_frame);
             }
-            Effect::Survey(Errand::SetId(_)) => self.cancel_survey(at),
-            // A port that takes nothing for so long answers nothing.
-            Effect::Survey(_) => {
+            Effect::Job(DueFrame::SetId(_)) => self.cancel_job(at),
+            // The port has refused frames for a second: it counts as a line without replies.
+            Effect::Job(_) => {
                 self.begin_exchange(&handed);
                 return;
             }
@@ -160,19 +165,19 @@ impl Bus {
         self.line = Line::Busy(Exchange::pause(at, frame, at + REFUSED_PAUSE));
     }
 
-    /// A frame to these motors was refused.
+    /// Counts a refused frame as unanswered for these motors.
     fn count_refused(&mut self, concerns: impl Fn(MotorId) -> bool) {
         for motor in self.motors.iter_mut().filter(|motor| concerns(motor.id)) {
             motor.unanswered_in_a_row = motor.unanswered_in_a_row.saturating_add(1);
         }
     }
 
-    fn take_effect(&mut self, handed: &HandedOut) {
+    fn apply_effect(&mut self, handed: &PendingTransmit) {
         let now = handed.at;
         self.query_was_last = false;
         match handed.effect {
             Effect::IdQuery => self.id_query_wanted = false,
-            Effect::Survey(_) => {}
+            Effect::Job(_) => {}
             Effect::Raw => self.raw_goes_out(now),
             Effect::Motor { id, control, sent } => {
                 let is_query = matches!(sent, Sent::Query(_));
@@ -188,20 +193,20 @@ impl Bus {
                     }
                     Sent::Switch { to, is_last } => {
                         if is_last {
-                            // Ask whether it took.
+                            // Ask whether the motor has switched.
                             motor.next_query = now;
                         }
                         motor.switch_sent(to);
                     }
                     Sent::Drive(setpoint) => {
-                        drives = setpoint.is_some_and(|setpoint| !rests(setpoint));
+                        drives = setpoint.is_some_and(|setpoint| !is_rest(setpoint));
                         motor.drive_frames.count(now);
                         if let Some(Setpoint::Current(current)) = setpoint {
                             motor.torque.sent(current);
                         }
                     }
-                    Sent::Query(tempo) => {
-                        motor.query_sent(now, tempo.query_period, tempo.others_driven);
+                    Sent::Query(context) => {
+                        motor.query_sent(now, context.query_period, context.others_driven);
                     }
                 }
                 if drives {
@@ -222,8 +227,8 @@ impl Bus {
         }
     }
 
-    fn begin_exchange(&mut self, handed: &HandedOut) {
-        let &HandedOut {
+    fn begin_exchange(&mut self, handed: &PendingTransmit) {
+        let &PendingTransmit {
             at,
             frame,
             expects,
@@ -243,15 +248,15 @@ impl Bus {
         self.line = Line::Busy(exchange);
     }
 
-    /// How long the reply may take.
+    /// How long the bus waits for the reply.
     fn window(&mut self, at: Instant, expects: Expects, purpose: Purpose) -> Duration {
         let (id, layout) = match expects {
             Expects::Reply { id, layout } => (id, layout),
             Expects::Everyone { layout: None } => return FIRST_WINDOW,
             Expects::Everyone { .. } | Expects::Nothing => return ID_QUERY_WINDOW,
         };
-        if purpose == Purpose::Survey
-            && let Some(window) = self.survey_window()
+        if purpose == Purpose::Job
+            && let Some(window) = self.job_window()
         {
             return window;
         }
@@ -259,11 +264,12 @@ impl Bus {
             .motor_mut(id)
             .and_then(|motor| motor.round_trip.window());
         let window = own.or(self.round_trip.window()).unwrap_or(FIRST_WINDOW);
-        // While any motor answers, the adapter is as fast as it was, and one that does not answer
-        // costs the others no more than that. A query for a proof, a frame that holds and the stop of a
-        // silent motor have no time to lose: a wheel goes on meanwhile. But where replies come late, the next request would meet one.
+        // While another motor answers, the adapter is not slower than before, so a silent motor
+        // costs the others no longer window. A query for proof, a hold and the stop of a silent
+        // motor are urgent: the wheel turns meanwhile. But if replies come late, a short window
+        // would let the next request collide with one.
         let in_time = self
-            .late_heard
+            .last_late_reply
             .is_none_or(|heard| at.since(heard) > LATE_FORGOTTEN);
         let unproved = matches!(self.last_drive, LastDrive::InFlight(_));
         let holds = self

@@ -1,4 +1,4 @@
-//! Bringing motors to a standstill: velocity loop, zero, brake, until their replies say so.
+//! Brings motors to a standstill: velocity loop, zero and brake, until their replies confirm it.
 
 use std::time::Duration;
 
@@ -12,33 +12,33 @@ use crate::{
     },
 };
 
-/// A motor on its way to a standstill.
+/// The stop of one motor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stopping {
     plan: StopPlan,
     began: Instant,
-    /// When an operator asked for it last.
+    /// When the operator last asked for it.
     asked: Instant,
-    /// Frames sent to this motor since. All motors of a stop get their nth frame before any gets
-    /// its next, so that no wheel bites first.
+    /// Frames sent to this motor since the stop began. All motors get their nth frame before any
+    /// gets its next, so that no wheel brakes first.
     pub(crate) round: u32,
     pub(crate) next_frame: Instant,
-    /// Until the first frame is sent it goes before everything else on the line.
+    /// The first frame has priority over everything else on the line.
     pub(crate) first_frame_sent: bool,
     switches: u8,
     next_switch: Instant,
-    /// Replies in a row that reported standstill in the velocity loop.
-    still: u8,
-    /// Whether the last reply since it began, of whatever age, reports the position loop.
-    says_position: bool,
+    /// Replies in a row that report standstill in the velocity loop.
+    standstill_replies: u8,
+    /// Whether the last reply since the stop began, of any age, reports the position loop.
+    reports_position: bool,
 }
 
 impl Stopping {
-    /// A stop that begins now, for a motor whose loop is `fresh` or was `last` known. `round` is that
-    /// of the motors that are being stopped already: they keep their brake while this one joins.
+    /// Starts a stop of a motor whose loop is `fresh`, or was `last` known. `round` is the round of
+    /// the motors that are already being stopped: they keep their brake while this one joins.
     pub(crate) fn begin(now: Instant, fresh: Option<Mode>, last: Option<Mode>, round: u32) -> Self {
         let plan = stop_plan(fresh, last);
-        // Where the brake may come first, it does, and the switch follows it.
+        // If the brake is harmless before the switch, it goes first.
         let first_switch = if plan == StopPlan::SwitchThenBrake {
             now
         } else {
@@ -53,12 +53,12 @@ impl Stopping {
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
-            still: 0,
-            says_position: false,
+            standstill_replies: 0,
+            reports_position: false,
         }
     }
 
-    /// What goes to the motor next.
+    /// The next request to the motor.
     pub(crate) fn next_request(&self, now: Instant, id: MotorId) -> Request {
         if self.plan != StopPlan::Brake && now >= self.next_switch {
             Request::SwitchMode {
@@ -72,17 +72,17 @@ impl Stopping {
         }
     }
 
-    /// Out of the position loop the motor has to say that it has left it. One that does not say so, and not
-    /// the contrary either, gets the brake after many switches: it heard enough of them, or hears nothing.
+    /// A motor in the position loop must report that it has left it. A motor without replies gets
+    /// the brake after many switches: it received enough of them, or receives nothing.
     fn may_brake(&self) -> bool {
-        let has_left = !self.says_position && self.switches >= SILENT_SWITCHES;
+        let has_left = !self.reports_position && self.switches >= SILENT_SWITCHES;
         self.plan != StopPlan::SwitchThenBrake || has_left
     }
 
-    /// A frame was sent; the next round begins `period` later.
+    /// Records a sent frame; the next round begins `period` later.
     ///
-    /// Between two switches a motor that answers is asked for its loop; one that does not is asked behind
-    /// every fifth, since each question costs a window.
+    /// Between two switches an answering motor is queried for its loop; a silent one is queried
+    /// after every fifth, since each query costs a reply window.
     pub(crate) fn sent(
         &mut self,
         now: Instant,
@@ -96,30 +96,30 @@ impl Stopping {
         if matches!(request, Request::SwitchMode { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
-            // A switch is not answered; what follows it need not wait for a round.
+            // A switch has no reply, so the next frame need not wait for a round.
             let asks = answers || self.may_brake() || self.switches.is_multiple_of(SWITCH_FRAMES);
             self.next_frame = if asks { now } else { self.next_switch };
         }
     }
 
-    /// A reply to a request of this stop.
-    pub(crate) fn heard(&mut self, reply: &Reply) {
-        self.says_position = reply.mode == Mode::Position;
+    /// Records a reply to a request of this stop.
+    pub(crate) fn record_reply(&mut self, reply: &Reply) {
+        self.reports_position = reply.mode == Mode::Position;
         self.plan = stop_plan(Some(reply.mode), None);
         let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
-        self.still = if standing {
-            self.still.saturating_add(1)
+        self.standstill_replies = if standing {
+            self.standstill_replies.saturating_add(1)
         } else {
             0
         };
     }
 
-    /// A reply that may be older than this stop. Where it reports the position loop, that counts.
-    pub(crate) fn heard_uncertain(&mut self, mode: Mode) {
-        self.says_position = mode == Mode::Position;
+    /// Records a reply that may be older than this stop. It counts if it reports the position loop.
+    pub(crate) fn record_uncertain_reply(&mut self, mode: Mode) {
+        self.reports_position = mode == Mode::Position;
         if mode == Mode::Position {
             self.plan = stop_plan(Some(mode), None);
-            self.still = 0;
+            self.standstill_replies = 0;
         }
     }
 
@@ -127,16 +127,16 @@ impl Stopping {
         self.began
     }
 
-    /// It was asked for once more: it gets its whole window again.
-    pub(crate) fn asked_again(&mut self, now: Instant) {
+    /// The operator asked again: the stop window restarts.
+    pub(crate) fn restart_window(&mut self, now: Instant) {
         self.asked = now;
     }
 
     pub(crate) fn confirmed(&self) -> bool {
-        self.still >= STANDSTILL_REPLIES
+        self.standstill_replies >= STANDSTILL_REPLIES
     }
 
-    pub(crate) fn over(&self, now: Instant) -> bool {
+    pub(crate) fn is_over(&self, now: Instant) -> bool {
         self.confirmed() || now >= self.window_ends()
     }
 
@@ -145,7 +145,7 @@ impl Stopping {
     }
 }
 
-/// The stop that is under way; its report is made when the last motor is done.
+/// The running stop. Its report follows when the last motor is done.
 #[derive(Clone, Debug)]
 pub(crate) struct ActiveStop {
     reason: StopReason,
@@ -156,11 +156,12 @@ impl ActiveStop {
         Self { reason }
     }
 
-    /// A stop of all motors takes over a stop of one, and that before a scan takes over none of all.
+    /// Joins another stop. A stop of all motors replaces the reason of a stop of one; a stop for a
+    /// job does not replace that of a stop of all.
     pub(crate) fn join(&mut self, reason: StopReason) {
         let weaker = match reason {
             StopReason::OneMotor => true,
-            StopReason::Survey => self.reason != StopReason::OneMotor,
+            StopReason::Job => self.reason != StopReason::OneMotor,
             _ => false,
         };
         if !weaker {

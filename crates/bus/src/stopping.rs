@@ -12,41 +12,41 @@ use crate::{
 };
 
 impl Bus {
-    /// Stops whatever was driven or turns, and drives nothing until released.
+    /// Stops every motor that is driven or may turn. Nothing drives until Release.
     pub(crate) fn stop_all(&mut self, now: Instant, reason: StopReason) {
         self.halted = true;
         self.begin_stop(now, reason, |motor| {
             let active = !matches!(motor.control, Control::Idle);
-            // A wheel that reports no speed may turn; one that never answered is not there.
+            // A motor without a fresh speed may turn. A motor that never answered does not exist.
             let stands = motor
                 .fresh_speed(now)
                 .is_some_and(|speed| speed.magnitude() == 0);
-            active || motor.may_turn || (motor.ever_heard() && !stands)
+            active || motor.may_turn || (motor.has_answered() && !stands)
         });
     }
 
-    /// Brings the chosen motors to a standstill, beginning with the next frame on the wire.
+    /// Brings the chosen motors to a standstill. The first frame is the next one on the wire.
     pub(crate) fn begin_stop(
         &mut self,
         now: Instant,
         reason: StopReason,
         concerns: impl Fn(&Motor) -> bool,
     ) {
-        if reason != StopReason::Survey {
-            self.cancel_survey(now);
+        if reason != StopReason::Job {
+            self.cancel_job(now);
         }
-        // Whatever a person repeats, it must not take the line from a stop.
+        // A repeated raw frame must not take the line from a stop.
         if let Some(raw) = &mut self.raw {
             raw.stop();
         }
-        // None of a group goes on without the others.
+        // All motors of a group stop together.
         let mut ids: Vec<MotorId> = self
             .motors
             .iter()
             .filter(|motor| concerns(motor))
             .map(|motor| motor.id)
             .collect();
-        self.add_companions(&mut ids);
+        self.add_group_members(&mut ids);
         if self.stop.is_none() {
             self.silent_stop_round = 0;
             self.silent_firsts = 0;
@@ -58,7 +58,7 @@ impl Bus {
             .filter(|motor| ids.contains(&motor.id))
         {
             if let Control::Stopping(stop) = &mut motor.control {
-                stop.asked_again(now);
+                stop.restart_window(now);
                 continue;
             }
             let (fresh, last) = motor.known_loop(now);
@@ -72,7 +72,7 @@ impl Bus {
         self.cut_exchange_short(now);
     }
 
-    /// The frames of their stop that all motors which answer have got; `None` where none is stopped.
+    /// Number of stop frames that every answering motor has got; `None` if none is being stopped.
     pub(crate) fn stop_round(&self) -> Option<u32> {
         let rounds = self.motors.iter().filter_map(|motor| match &motor.control {
             Control::Stopping(stop) if !motor.is_without_answer() => Some(stop.round),
@@ -81,7 +81,7 @@ impl Bus {
         rounds.min()
     }
 
-    /// A stop waits for the exchange in flight, but not for a motor that does not answer.
+    /// A stop waits for the reply in flight, but not for a motor that does not answer.
     pub(crate) fn cut_exchange_short(&mut self, now: Instant) {
         if let Line::Busy(exchange) = &mut self.line {
             let patience = (exchange.sent + STOP_PATIENCE).max(now);
@@ -89,11 +89,11 @@ impl Bus {
         }
     }
 
-    /// Ends the stop when each of its motors stands or has spent its window. Until then all of them
-    /// stay braked: a wheel let go while another still brakes would turn the vehicle.
+    /// Ends the stop when each motor stands or its stop window has ended. Until then all motors
+    /// stay braked: releasing one while another still brakes would turn the vehicle.
     pub(crate) fn end_stop(&mut self, now: Instant) {
         let under_way = |motor: &Motor| match &motor.control {
-            Control::Stopping(stop) => !stop.over(now),
+            Control::Stopping(stop) => !stop.is_over(now),
             _ => false,
         };
         if self.stop.is_none() || self.motors.iter().any(under_way) {
@@ -113,7 +113,7 @@ impl Bus {
                 });
             }
         }
-        self.way_was_made(&outcomes);
+        self.stop_for_job_ended(&outcomes);
         if let Some(stop) = self.stop.take() {
             self.events
                 .push_back(Event::StopEnded(stop.report(outcomes)));

@@ -1,4 +1,4 @@
-//! What happens because time passes.
+//! Periodic checks of every motor: setpoints, mode switches, stops, silence.
 
 use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Rpm, Setpoint, SpeedTarget};
 
@@ -12,8 +12,9 @@ use crate::{
 };
 
 impl Bus {
-    /// Withdraws setpoints that may not stand, ends mode switches and stops, notices silence.
-    pub(crate) fn look_after_motors(&mut self, now: Instant) {
+    /// Withdraws setpoints that are no longer safe, ends mode switches and stops, reports silent
+    /// motors.
+    pub(crate) fn supervise_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
         for motor in &mut self.motors {
             if !motor.silent && now >= motor.silent_at() {
@@ -47,9 +48,10 @@ impl Bus {
                     }
                 }
             }
-            // Behind the switch: what it starts has to stand the same questions before its first frame.
+            // After the switch: a setpoint that it starts passes the same checks before its first
+            // frame.
             if let Control::Driven(driven) = motor.control {
-                let quiet = motor.quiet_while_driven(now, &driven);
+                let quiet = motor.silence_while_driven(now, &driven);
                 let faults = motor.fresh_faults(now).unwrap_or(Faults::NONE);
                 let withdrawn = check_driven(
                     Some(driven.goal.mode()),
@@ -75,39 +77,42 @@ impl Bus {
                 to_stop.contains(&motor.id)
             });
         }
-        self.look_after_raw(now);
+        self.supervise_raw(now);
         self.end_stop(now);
     }
 
-    /// When a motor has to be looked after next.
+    /// When this motor must be checked next.
     pub(crate) fn deadline(motor: &Motor, now: Instant) -> Option<Instant> {
         let silent = (!motor.silent).then(|| motor.silent_at());
         let control = match &motor.control {
             Control::Idle => None,
-            // Before so many are unanswered, the end of a window comes first, and is looked at.
+            // With fewer unanswered requests, the end of a reply window comes first and wakes the
+            // bus.
             Control::Driven(driven) => (motor.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX)
-                .then(|| motor.quiet_since().max(driven.since) + DRIVEN_SILENCE_MAX),
+                .then(|| motor.silent_since().max(driven.since) + DRIVEN_SILENCE_MAX),
             Control::Switching(switch) => switch.next_frame().is_none().then(|| switch.fails_at()),
-            // Where its window is spent, it waits for the other motors of the stop.
-            Control::Stopping(stop) => (!stop.over(now)).then(|| stop.window_ends()),
+            // After its window it only waits for the other motors of the stop.
+            Control::Stopping(stop) => (!stop.is_over(now)).then(|| stop.window_ends()),
         };
         silent.into_iter().chain(control).min()
     }
 }
 
-/// A motor that was driven stays driven at zero, where the two loops share one; else it is left
-/// alone until an operator asks.
+/// The control state after a switch. A driven motor stays driven at zero if both loops know a
+/// neutral zero; else it is idle until the operator asks.
 fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>, faulty: bool) -> Control {
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
         Mode::Position => None,
     };
-    let goal = switch.then.or(zero.filter(|_| switch.was_driven));
-    // A motor that reports a fault is not driven into it.
+    let goal = switch
+        .queued_setpoint
+        .or(zero.filter(|_| switch.was_driven));
+    // A motor with a fault is not driven.
     goal.filter(|_| !faulty).map_or(Control::Idle, |goal| {
         Control::Driven(Driven {
-            // A motor that fell silent during the switch does not get its time again.
+            // Silence during the switch counts.
             since: switch.began,
             ..Driven::begin(now, goal, speed)
         })

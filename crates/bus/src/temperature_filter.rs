@@ -1,39 +1,40 @@
-//! Whether a temperature follows from those before it.
+//! Outlier filter for the temperature.
 //!
-//! Bytes 6 and 7 of a reply to a drive frame, read as those of a reply to a query, are any temperature at
-//! all. A motor is a kilogram of metal: what jumps is no temperature of it. One that jumps is not believed
-//! before the next says the same.
+//! Bytes 6 and 7 of a drive reply, read as those of a query reply, give any temperature. A motor is
+//! a kilogram of metal: its temperature cannot jump. A value that jumps needs a second reading that
+//! confirms it.
 
 use motorlink_protocol::{Celsius, Instant};
 
-/// Two readings of one temperature differ by no more: a step of the sensor up and one down, and one spare.
+/// Largest difference of two readings at constant temperature: one step of the sensor each way, and
+/// one spare.
 const STEP_MAX_C: f32 = 3.0;
-/// Three times the rate of the simulated motor where it stands under its stall current.
+/// Three times the heating rate of the simulated motor at its stall current.
 const RATE_MAX_C_PER_S: f32 = 3.0;
 
 /// The last readings of one motor.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Temperatures {
-    believed: Option<(Instant, Celsius)>,
-    doubted: Option<(Instant, Celsius)>,
+pub(crate) struct TemperatureFilter {
+    accepted: Option<(Instant, Celsius)>,
+    candidate: Option<(Instant, Celsius)>,
 }
 
-impl Temperatures {
-    /// Whether this reading is to be believed. The first is where it is `certain` that it is one.
-    pub(crate) fn follows(&mut self, at: Instant, read: Celsius, certain: bool) -> bool {
+impl TemperatureFilter {
+    /// Whether to accept this reading. The first is accepted if its request is `certain`.
+    pub(crate) fn accepts(&mut self, at: Instant, read: Celsius, certain: bool) -> bool {
         let near = |before: Option<(Instant, Celsius)>| {
             before.is_some_and(|(then, before)| {
                 let step = f32::from(read.degrees()) - f32::from(before.degrees());
                 step.abs() <= STEP_MAX_C + RATE_MAX_C_PER_S * at.since(then).as_secs_f32()
             })
         };
-        let first = self.believed.is_none() && certain;
-        if first || near(self.believed) || near(self.doubted) {
-            self.believed = Some((at, read));
-            self.doubted = None;
+        let first = self.accepted.is_none() && certain;
+        if first || near(self.accepted) || near(self.candidate) {
+            self.accepted = Some((at, read));
+            self.candidate = None;
             true
         } else {
-            self.doubted = Some((at, read));
+            self.candidate = Some((at, read));
             false
         }
     }
@@ -46,11 +47,12 @@ mod tests {
     use super::*;
 
     fn follow(readings: &[(u64, u8)], certain: bool) -> Vec<bool> {
-        let mut temperatures = Temperatures::default();
+        let mut temperature_filter = TemperatureFilter::default();
         let at = |ms| Instant::ZERO + Duration::from_millis(ms);
-        let follows =
-            |(ms, read): &(u64, u8)| temperatures.follows(at(*ms), Celsius::new(*read), certain);
-        readings.iter().map(follows).collect()
+        let accepts = |(ms, read): &(u64, u8)| {
+            temperature_filter.accepts(at(*ms), Celsius::new(*read), certain)
+        };
+        readings.iter().map(accepts).collect()
     }
 
     #[test]

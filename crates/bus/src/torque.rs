@@ -1,26 +1,26 @@
-//! The current that a motor may follow, for a reversal that passes through zero.
+//! The current that a motor may still follow, so that a torque reversal passes through zero.
 
 use motorlink_protocol::{CurrentTarget, Frame, Request};
 
-/// The last current other than zero that was sent to a motor, until it has answered a zero.
+/// The last non-zero current that was sent to a motor, until the motor answers a zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Torque(Option<CurrentTarget>);
 
 impl Torque {
-    /// A drive frame was sent in the current loop.
+    /// Records a drive frame in the current loop.
     pub(crate) fn sent(&mut self, current: CurrentTarget) {
         if current.raw() != 0 {
             self.0 = Some(current);
         }
     }
 
-    /// Whether this current would reverse the torque without a zero between.
+    /// Whether this current reverses the torque without a zero in between.
     pub(crate) fn is_reversed_by(self, current: CurrentTarget) -> bool {
         let possible = self.0.map_or(0, |possible| i32::from(possible.raw()));
         possible * i32::from(current.raw()) < 0
     }
 
-    /// The motor has answered this frame.
+    /// Records that the motor has answered this frame.
     pub(crate) fn answered(&mut self, frame: &Frame) {
         if let Ok(Request::Drive { drive, .. }) = Request::parse(frame)
             && drive.signed() == 0
@@ -29,7 +29,7 @@ impl Torque {
         }
     }
 
-    /// The current that the motor may follow; `None` where it is zero for sure.
+    /// The current that the motor may follow; `None` if it is certainly zero.
     pub(crate) const fn possible(self) -> Option<CurrentTarget> {
         self.0
     }
@@ -54,7 +54,7 @@ mod tests {
         torque.sent(forward);
         torque.answered(&drive(5_000));
         assert_eq!(torque.possible(), Some(forward));
-        // Sent is not answered.
+        // A zero that is sent is not yet answered.
         torque.sent(CurrentTarget::ZERO);
         assert_eq!(torque.possible(), Some(forward));
         let query = Request::Query { id: MotorId::FIRST }.frame();

@@ -1,68 +1,68 @@
-//! Does the page still live? A ping is a message, and a hidden page answers messages at once.
+//! Watchdog of the page. It pings by message, because a hidden page still answers messages at once.
 
 use motorlink_protocol::Instant;
 
 use crate::timing::{PAGE_SILENCE_MAX, PING_PERIOD};
 
-/// Pings the page and says when it has not answered for too long.
+/// Pings the page and expires when the page is silent for too long.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watchdog {
-    heard: Instant,
+    last_answer: Instant,
     next_ping: Instant,
-    bitten: bool,
+    expired: bool,
 }
 
-/// What the watchdog wants done.
+/// What the bus must do for the watchdog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Bark {
-    /// Ask the page.
+pub(crate) enum WatchdogAction {
+    /// Ping the page.
     Ping,
-    /// The page has been silent for too long. Said once for each silence.
-    PageSilent,
+    /// The page has been silent for too long. Reported once per silence.
+    Expired,
 }
 
 impl Watchdog {
     pub(crate) fn new(now: Instant) -> Self {
         Self {
-            heard: now,
+            last_answer: now,
             next_ping: now + PING_PERIOD,
-            bitten: false,
+            expired: false,
         }
     }
 
     pub(crate) fn answered(&mut self, now: Instant) {
-        self.heard = now;
-        self.bitten = false;
+        self.last_answer = now;
+        self.expired = false;
     }
 
-    /// We were not there ourselves until now: a page that answered before gets its time again.
+    /// The bus itself did not run until now: a page that answered before gets its full time again.
     pub(crate) fn resumed(&mut self, now: Instant) {
-        if !self.bitten {
-            self.heard = now;
+        if !self.expired {
+            self.last_answer = now;
         }
     }
 
     /// Whether the page was silent for too long and has not answered since.
-    pub(crate) const fn has_bitten(&self) -> bool {
-        self.bitten
+    pub(crate) const fn has_expired(&self) -> bool {
+        self.expired
     }
 
-    pub(crate) fn wake(&mut self, now: Instant) -> Option<Bark> {
-        if !self.bitten && now >= self.heard + PAGE_SILENCE_MAX {
-            self.bitten = true;
-            return Some(Bark::PageSilent);
+    pub(crate) fn poll(&mut self, now: Instant) -> Option<WatchdogAction> {
+        if !self.expired && now >= self.last_answer + PAGE_SILENCE_MAX {
+            self.expired = true;
+            return Some(WatchdogAction::Expired);
         }
         (now >= self.next_ping).then(|| {
             self.next_ping = now + PING_PERIOD;
-            Bark::Ping
+            WatchdogAction::Ping
         })
     }
 
     pub(crate) fn deadline(&self) -> Instant {
-        if self.bitten {
+        if self.expired {
             self.next_ping
         } else {
-            self.next_ping.min(self.heard + PAGE_SILENCE_MAX)
+            self.next_ping.min(self.last_answer + PAGE_SILENCE_MAX)
         }
     }
 }

@@ -7,22 +7,22 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
 use std::time::Duration;
 
-use bench::{Bench, ID, id, longest_gap, ms, rpm};
+use fixture::{Fixture, ID, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Detail, Drive, Instant, MotorId, Request, Setpoint};
 use motorlink_simulator::WorldConfig;
 
-fn watching(addresses: &[u8]) -> Bench {
+fn watching(addresses: &[u8]) -> Fixture {
     let ids: Vec<MotorId> = addresses.iter().map(|address| id(*address)).collect();
-    Bench::watching(WorldConfig::with_ids(ids.clone()), &ids)
+    Fixture::watching(WorldConfig::with_ids(ids.clone()), &ids)
 }
 
-fn drive(bench: &mut Bench, motor: MotorId) {
-    bench
+fn drive(fixture: &mut Fixture, motor: MotorId) {
+    fixture
         .command(Command::Drive {
             id: motor,
             setpoint: rpm(100),
@@ -31,9 +31,9 @@ fn drive(bench: &mut Bench, motor: MotorId) {
         .unwrap();
 }
 
-fn brakes(bench: &Bench, motor: MotorId) -> Vec<Instant> {
+fn brakes(fixture: &Fixture, motor: MotorId) -> Vec<Instant> {
     let brake: Drive = Setpoint::Brake.into();
-    let brakes = bench
+    let brakes = fixture
         .sent
         .iter()
         .filter(|sent| sent.drive_of(motor) == Some(brake));
@@ -42,35 +42,35 @@ fn brakes(bench: &Bench, motor: MotorId) -> Vec<Instant> {
 
 #[test]
 fn a_stop_that_joins_another_does_not_take_the_brake_from_it() {
-    let mut bench = watching(&[1, 2]);
-    drive(&mut bench, id(1));
-    drive(&mut bench, id(2));
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    bench.command(Command::Stop(id(1))).unwrap();
-    bench.run(ms(120));
-    bench
+    let mut fixture = watching(&[1, 2]);
+    drive(&mut fixture, id(1));
+    drive(&mut fixture, id(2));
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    fixture.command(Command::Stop(id(1))).unwrap();
+    fixture.run(ms(120));
+    fixture
         .command(Command::StopAll(StopReason::Operator))
         .unwrap();
-    bench.run(ms(300));
-    let gap = longest_gap(&brakes(&bench, id(1)));
+    fixture.run(ms(300));
+    let gap = longest_gap(&brakes(&fixture, id(1)));
     assert!(gap <= ms(20), "{gap:?} without brake");
 }
 
 #[test]
 fn a_motor_that_loses_power_does_not_take_the_other_down() {
-    let mut bench = watching(&[1, 2]);
-    drive(&mut bench, id(1));
-    drive(&mut bench, id(2));
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    bench.world.motor_mut(id(1)).unwrap().power(false);
-    bench.run(ms(4_000));
+    let mut fixture = watching(&[1, 2]);
+    drive(&mut fixture, id(1));
+    drive(&mut fixture, id(2));
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    fixture.world.motor_mut(id(1)).unwrap().power(false);
+    fixture.run(ms(4_000));
     let withdrawn =
-        |motor| bench.happened(|e| matches!(e, Event::Withdrawn { id, .. } if *id == motor));
+        |motor| fixture.happened(|e| matches!(e, Event::Withdrawn { id, .. } if *id == motor));
     assert!(withdrawn(id(1)));
     assert!(!withdrawn(id(2)));
-    let gap = longest_gap(&bench.drive_times(id(2)));
+    let gap = longest_gap(&fixture.drive_times(id(2)));
     assert!(gap <= ms(30), "{gap:?}");
 }
 
@@ -78,77 +78,77 @@ fn a_motor_that_loses_power_does_not_take_the_other_down() {
 fn silent_motors_cost_a_driven_one_next_to_nothing() {
     for silent in [1, 3] {
         let addresses: Vec<u8> = (1..=1 + silent).collect();
-        let mut bench = watching(&addresses);
-        drive(&mut bench, ID);
+        let mut fixture = watching(&addresses);
+        drive(&mut fixture, ID);
         for address in 2..=1 + silent {
-            bench.world.motor_mut(id(address)).unwrap().power(false);
+            fixture.world.motor_mut(id(address)).unwrap().power(false);
         }
-        bench.run(ms(4_000));
-        bench.forget_the_past();
-        bench.run(ms(2_000));
-        let frames = bench.drive_times(ID);
+        fixture.run(ms(4_000));
+        fixture.forget_the_past();
+        fixture.run(ms(2_000));
+        let frames = fixture.drive_times(ID);
         assert!(
             frames.len() >= 98,
             "{} of 100 beside {silent} silent",
             frames.len()
         );
         assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
-        bench.forget_the_past();
-        bench
+        fixture.forget_the_past();
+        fixture
             .command(Command::StopAll(StopReason::Operator))
             .unwrap();
-        bench.run(ms(250));
+        fixture.run(ms(250));
         // All of them are braked, round by round, since any may hear.
-        let gap = longest_gap(&brakes(&bench, ID));
+        let gap = longest_gap(&brakes(&fixture, ID));
         assert!(
             gap <= ms(10 + 10 * u64::from(silent)),
             "{gap:?} beside {silent} silent"
         );
-        bench.run(ms(150));
-        assert!(bench.true_rpm().abs() < 1.0);
+        fixture.run(ms(150));
+        assert!(fixture.true_rpm().abs() < 1.0);
     }
 }
 
 #[test]
 fn temperature_is_known_at_any_rate_and_no_motor_is_called_silent_for_want_of_asking() {
     for hertz in [50, 100, 200, 300, 400, 500] {
-        let mut bench = watching(&[1, 2]);
-        bench
+        let mut fixture = watching(&[1, 2]);
+        fixture
             .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
             .unwrap();
-        drive(&mut bench, ID);
-        bench.run(ms(5_000));
-        let readings = bench.events.iter().filter(|(_, event)| {
+        drive(&mut fixture, ID);
+        fixture.run(ms(5_000));
+        let readings = fixture.events.iter().filter(|(_, event)| {
             matches!(event, Event::Telemetry(sample)
                 if sample.reply.id == ID && matches!(sample.reply.detail, Detail::Query { .. }))
         });
         let readings = readings.count();
         assert!(readings >= 24, "{readings} in 5 s at {hertz} Hz");
         assert!(
-            !bench.happened(|event| *event == Event::MotorSilent(id(2))),
+            !fixture.happened(|event| *event == Event::MotorSilent(id(2))),
             "{hertz} Hz"
         );
     }
 }
 
 /// A rover with a motor that answers after 0.2 ms.
-fn driven(addresses: &[u8]) -> Bench {
+fn driven(addresses: &[u8]) -> Fixture {
     let ids: Vec<MotorId> = addresses.iter().map(|address| id(*address)).collect();
     let config = WorldConfig {
         turnaround: Duration::from_micros(200),
         ..WorldConfig::with_ids(ids.clone())
     };
-    let mut bench = Bench::watching(config, &ids);
+    let mut fixture = Fixture::watching(config, &ids);
     for motor in ids {
-        drive(&mut bench, motor);
+        drive(&mut fixture, motor);
     }
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    bench
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    fixture
 }
 
-fn queries(bench: &Bench, motor: MotorId) -> usize {
-    let asked = bench.sent.iter().map(bench::Sent::request);
+fn queries(fixture: &Fixture, motor: MotorId) -> usize {
+    let asked = fixture.sent.iter().map(fixture::Sent::request);
     asked
         .filter(|request| *request == Request::Query { id: motor })
         .count()
@@ -156,30 +156,30 @@ fn queries(bench: &Bench, motor: MotorId) -> usize {
 
 #[test]
 fn six_motors_are_held_at_50_hz_and_asked_five_times_a_second() {
-    let mut bench = driven(&[1, 2, 3, 4, 5, 6]);
-    bench.run(ms(10_000));
+    let mut fixture = driven(&[1, 2, 3, 4, 5, 6]);
+    fixture.run(ms(10_000));
     for address in 1..=6 {
-        let frames = bench.drive_times(id(address));
+        let frames = fixture.drive_times(id(address));
         assert!(frames.len() >= 495, "{} frames to {address}", frames.len());
         assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
-        let asked = queries(&bench, id(address));
+        let asked = queries(&fixture, id(address));
         assert!(asked >= 48, "{asked} queries of {address}");
     }
-    assert_eq!(bench.bus.line_status(bench.now).carries_hz, None);
+    assert_eq!(fixture.bus.line_status(fixture.now).carries_hz, None);
 }
 
 #[test]
 fn what_is_more_than_the_line_carries_is_said_and_shared() {
     let addresses: Vec<u8> = (1..=12).collect();
-    let mut bench = driven(&addresses);
-    bench.run(ms(10_000));
+    let mut fixture = driven(&addresses);
+    fixture.run(ms(10_000));
     let shares: Vec<usize> = addresses
         .iter()
-        .map(|address| bench.drive_times(id(*address)).len())
+        .map(|address| fixture.drive_times(id(*address)).len())
         .collect();
     let (least, most) = (shares.iter().min().unwrap(), shares.iter().max().unwrap());
     assert!(most - least <= most / 20, "{shares:?}");
-    let line = bench.bus.line_status(bench.now);
+    let line = fixture.bus.line_status(fixture.now);
     let carries = usize::from(line.carries_hz.expect("50 Hz is too much for twelve"));
     let got = least / 10;
     assert!(
@@ -188,45 +188,45 @@ fn what_is_more_than_the_line_carries_is_said_and_shared() {
     );
     let used = line.drive_per_mille + line.query_per_mille + line.waiting_per_mille;
     assert!(used > 950, "{line:?}");
-    assert!(!bench.happened(|event| matches!(event, Event::Withdrawn { .. })));
+    assert!(!fixture.happened(|event| matches!(event, Event::Withdrawn { .. })));
 }
 
 #[test]
 fn one_of_four_that_falls_silent_costs_the_others_no_frame() {
-    let mut bench = driven(&[1, 2, 3, 4]);
-    bench.world.motor_mut(id(4)).unwrap().power(false);
-    bench.run(ms(30_000));
+    let mut fixture = driven(&[1, 2, 3, 4]);
+    fixture.world.motor_mut(id(4)).unwrap().power(false);
+    fixture.run(ms(30_000));
     for address in 1..=3 {
-        let frames = bench.drive_times(id(address));
+        let frames = fixture.drive_times(id(address));
         assert!(frames.len() >= 1_485, "{} to {address}", frames.len());
         assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
     }
     // It is asked ever more rarely, and heard when it is back.
-    bench.forget_the_past();
-    bench.run(ms(16_000));
-    assert!((1..=3).contains(&queries(&bench, id(4))));
-    bench.world.motor_mut(id(4)).unwrap().power(true);
-    bench.run_until(ms(9_000), |bench| {
-        bench.happened(|event| *event == Event::MotorBack(id(4)))
+    fixture.forget_the_past();
+    fixture.run(ms(16_000));
+    assert!((1..=3).contains(&queries(&fixture, id(4))));
+    fixture.world.motor_mut(id(4)).unwrap().power(true);
+    fixture.run_until(ms(9_000), |fixture| {
+        fixture.happened(|event| *event == Event::MotorBack(id(4)))
     });
 }
 
 /// Motors that have lost their bus have lower IDs than those that turn.
 #[test]
 fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
-    let mut bench = driven(&[1, 2, 3, 4, 5, 6, 7, 8]);
+    let mut fixture = driven(&[1, 2, 3, 4, 5, 6, 7, 8]);
     for address in 1..=5 {
-        bench.world.motor_mut(id(address)).unwrap().power(false);
+        fixture.world.motor_mut(id(address)).unwrap().power(false);
     }
-    bench.run(ms(250));
-    bench.forget_the_past();
-    let stopped = bench.now;
-    bench
+    fixture.run(ms(250));
+    fixture.forget_the_past();
+    let stopped = fixture.now;
+    fixture
         .command(Command::StopAll(StopReason::Operator))
         .unwrap();
-    bench.run(ms(400));
+    fixture.run(ms(400));
     for address in 6..=8 {
-        let brakes = brakes(&bench, id(address));
+        let brakes = brakes(&fixture, id(address));
         let first = brakes[0].since(stopped);
         assert!(first <= ms(20), "{first:?} to the first brake of {address}");
         assert!(longest_gap(&brakes) <= ms(60), "{:?}", longest_gap(&brakes));
@@ -235,40 +235,40 @@ fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
 
 #[test]
 fn queries_make_no_drive_frame_late_at_200_hz() {
-    let mut bench = watching(&[1]);
-    bench
+    let mut fixture = watching(&[1]);
+    fixture
         .command(Command::SetRate(CommandRate::new(200).unwrap()))
         .unwrap();
-    drive(&mut bench, ID);
-    bench.run(ms(1_000));
-    bench.forget_the_past();
-    bench.run(ms(5_000));
-    let frames = bench.drive_times(ID);
+    drive(&mut fixture, ID);
+    fixture.run(ms(1_000));
+    fixture.forget_the_past();
+    fixture.run(ms(5_000));
+    let frames = fixture.drive_times(ID);
     assert!((999..=1_001).contains(&frames.len()), "{}", frames.len());
     let first = frames[0];
     let due = |place: usize| first + Duration::from_micros(5_000 * place as u64);
     let late = frames.iter().enumerate();
     let latest = late.map(|(place, at)| at.since(due(place).min(*at))).max();
     assert!(latest.unwrap() <= ms(1), "{latest:?}");
-    assert!(queries(&bench, ID) >= 25);
+    assert!(queries(&fixture, ID) >= 25);
 }
 
 /// A busy machine looks at the clock 12 ms late, ten times a second.
 #[test]
 fn a_rate_is_kept_on_a_machine_that_is_held_up() {
-    let mut bench = watching(&[1]);
-    bench
+    let mut fixture = watching(&[1]);
+    fixture
         .command(Command::SetRate(CommandRate::new(200).unwrap()))
         .unwrap();
-    drive(&mut bench, ID);
-    bench.run(ms(1_000));
-    bench.forget_the_past();
+    drive(&mut fixture, ID);
+    fixture.run(ms(1_000));
+    fixture.forget_the_past();
     for _ in 0..50 {
-        bench.run(ms(88));
-        bench.now = bench.now + ms(12);
-        bench.world.advance(bench.now);
+        fixture.run(ms(88));
+        fixture.now = fixture.now + ms(12);
+        fixture.world.advance(fixture.now);
     }
-    let frames = bench.drive_times(ID);
+    let frames = fixture.drive_times(ID);
     assert!(frames.len() >= 995, "{} frames in 5 s", frames.len());
     let shortest = frames.windows(2).map(|pair| pair[1].since(pair[0])).min();
     assert!(
@@ -276,39 +276,44 @@ fn a_rate_is_kept_on_a_machine_that_is_held_up() {
         "{shortest:?}"
     );
     // A long pause is not made up for.
-    bench.forget_the_past();
-    bench.now = bench.now + ms(400);
-    bench.world.advance(bench.now);
-    bench.run(ms(600));
-    assert!(bench.drive_times(ID).len() <= 132);
+    fixture.forget_the_past();
+    fixture.now = fixture.now + ms(400);
+    fixture.world.advance(fixture.now);
+    fixture.run(ms(600));
+    assert!(fixture.drive_times(ID).len() <= 132);
 }
 
 #[test]
 fn a_motor_forgotten_while_it_is_asked_stays_forgotten() {
-    let mut bench = Bench::one_motor();
-    bench.command(Command::Watch(id(9))).unwrap();
-    bench.run_until(ms(500), |bench| {
-        bench
+    let mut fixture = Fixture::one_motor();
+    fixture.command(Command::Watch(id(9))).unwrap();
+    fixture.run_until(ms(500), |fixture| {
+        fixture
             .sent
             .last()
             .is_some_and(|sent| sent.request() == Request::Query { id: id(9) })
     });
-    bench.command(Command::Forget(id(9))).unwrap();
-    bench.run(ms(500));
-    assert!(bench.bus.motors(bench.now).all(|motor| motor.id != id(9)));
+    fixture.command(Command::Forget(id(9))).unwrap();
+    fixture.run(ms(500));
+    assert!(
+        fixture
+            .bus
+            .motors(fixture.now)
+            .all(|motor| motor.id != id(9))
+    );
 }
 
 /// The queries of all motors in a row would take as long as all their drive frames.
 #[test]
 fn the_queries_of_many_motors_are_spread_over_their_period() {
-    let mut bench = watching(&[1, 2, 3, 4, 5, 6]);
+    let mut fixture = watching(&[1, 2, 3, 4, 5, 6]);
     for address in 1..=6 {
-        drive(&mut bench, id(address));
+        drive(&mut fixture, id(address));
     }
-    bench.run(ms(3_000));
-    bench.forget_the_past();
-    bench.run(ms(5_000));
-    let queries = bench.sent.iter().filter(|sent| sent.is_query());
+    fixture.run(ms(3_000));
+    fixture.forget_the_past();
+    fixture.run(ms(5_000));
+    let queries = fixture.sent.iter().filter(|sent| sent.is_query());
     let times: Vec<Instant> = queries.map(|sent| sent.at).collect();
     assert!(times.len() >= 140, "{}", times.len());
     let nearest = times.windows(2).map(|pair| pair[1].since(pair[0])).min();
@@ -320,39 +325,39 @@ fn the_queries_of_many_motors_are_spread_over_their_period() {
 fn a_stop_of_16_motors_of_which_15_have_no_power_brakes_the_16th_as_if_alone() {
     let ids: Vec<MotorId> = (1..=16).map(id).collect();
     for live in [1, 9, 16] {
-        let mut bench = Bench::watching(WorldConfig::with_ids(ids.clone()), &ids);
+        let mut fixture = Fixture::watching(WorldConfig::with_ids(ids.clone()), &ids);
         let live = id(live);
-        bench
+        fixture
             .command(Command::Drive {
                 id: live,
                 setpoint: rpm(100),
                 consent: Consent::None,
             })
             .unwrap();
-        bench.run(ms(1_500));
+        fixture.run(ms(1_500));
         for other in ids.iter().filter(|other| **other != live) {
-            bench.world.motor_mut(*other).unwrap().power(false);
+            fixture.world.motor_mut(*other).unwrap().power(false);
         }
-        bench.run(ms(3_000));
-        bench.forget_the_past();
-        let asked = bench.now;
-        bench
+        fixture.run(ms(3_000));
+        fixture.forget_the_past();
+        let asked = fixture.now;
+        fixture
             .command(Command::StopAll(StopReason::Operator))
             .unwrap();
         // Every one of them is stopped: none is known to stand.
-        let stands = bench.run_until(ms(1_000), |bench| {
-            bench.world.motor(live).unwrap().speed_rpm().abs() < 1.0
+        let stands = fixture.run_until(ms(1_000), |fixture| {
+            fixture.world.motor(live).unwrap().speed_rpm().abs() < 1.0
         });
-        let brakes: Vec<Instant> = bench.drive_times(live);
+        let brakes: Vec<Instant> = fixture.drive_times(live);
         assert!(brakes[0].since(asked) <= ms(10));
         let gap = longest_gap(&brakes);
         println!("motor {live} of 16: {stands:?} to rest, brake frames {gap:?} apart at most");
         assert!(gap <= ms(25), "{gap:?}");
         assert!(stands <= ms(230), "{stands:?}");
         let others = ids.iter().filter(|other| **other != live);
-        bench.run(ms(1_500));
+        fixture.run(ms(1_500));
         for other in others {
-            let frames = bench.sent.iter();
+            let frames = fixture.sent.iter();
             let to_it = frames.filter(|sent| sent.frame.bytes()[0] == other.get());
             assert!(to_it.count() > 3, "motor {other} was given up");
         }

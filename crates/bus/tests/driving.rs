@@ -7,9 +7,9 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, amps, id, longest_gap, ms, rpm};
+use fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
 use motorlink_bus::{Activity, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal};
 use motorlink_protocol::{Detail, Drive, Mode, MotorId};
 use motorlink_simulator::{MotorConfig, WorldConfig};
@@ -25,9 +25,9 @@ fn with_motors(addresses: &[u8]) -> WorldConfig {
     }
 }
 
-fn temperatures(bench: &Bench) -> usize {
+fn temperatures(fixture: &Fixture) -> usize {
     let is_query = |event: &Event| matches!(event, Event::Telemetry(sample) if matches!(sample.reply.detail, Detail::Query { .. }));
-    bench
+    fixture
         .events
         .iter()
         .filter(|(_, event)| is_query(event))
@@ -36,70 +36,70 @@ fn temperatures(bench: &Bench) -> usize {
 
 #[test]
 fn the_id_query_finds_the_one_motor() {
-    let mut bench = Bench::new(with_motors(&[7]));
-    bench.command(Command::IdQuery).unwrap();
-    bench.run(ms(100));
-    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::One(id(7)))));
+    let mut fixture = Fixture::new(with_motors(&[7]));
+    fixture.command(Command::IdQuery).unwrap();
+    fixture.run(ms(100));
+    assert!(fixture.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::One(id(7)))));
 }
 
 #[test]
 fn several_motors_that_answer_the_id_query_at_once_are_called_garbled() {
-    let mut bench = Bench::new(with_motors(&[1, 2, 3]));
-    bench.command(Command::IdQuery).unwrap();
-    bench.run(ms(100));
-    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::Garbled)));
+    let mut fixture = Fixture::new(with_motors(&[1, 2, 3]));
+    fixture.command(Command::IdQuery).unwrap();
+    fixture.run(ms(100));
+    assert!(fixture.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::Garbled)));
 }
 
 #[test]
 fn an_empty_line_answers_nobody() {
-    let mut bench = Bench::new(with_motors(&[]));
-    bench.command(Command::IdQuery).unwrap();
-    bench.run(ms(100));
-    assert!(bench.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::Nobody)));
+    let mut fixture = Fixture::new(with_motors(&[]));
+    fixture.command(Command::IdQuery).unwrap();
+    fixture.run(ms(100));
+    assert!(fixture.happened(|e| *e == Event::IdQueryEnded(IdQueryOutcome::NoReply)));
 }
 
 #[test]
 fn a_driven_motor_gets_fifty_drive_frames_a_second_and_ten_queries_in_addition() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(10_000));
-    let frames = bench.drive_times(ID);
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(10_000));
+    let frames = fixture.drive_times(ID);
     assert!((499..=501).contains(&frames.len()), "{}", frames.len());
     assert!(longest_gap(&frames) <= ms(21), "{:?}", longest_gap(&frames));
-    let fresh = temperatures(&bench);
+    let fresh = temperatures(&fixture);
     assert!((98..=102).contains(&fresh), "{fresh} temperatures");
-    assert!((bench.true_rpm() - 100.0).abs() < 3.0);
-    assert_eq!(bench.status(ID).link.command_hz, 50);
-    assert_eq!(bench.status(ID).link.loss_per_mille, Some(0));
+    assert!((fixture.true_rpm() - 100.0).abs() < 3.0);
+    assert_eq!(fixture.status(ID).link.command_hz, 50);
+    assert_eq!(fixture.status(ID).link.loss_per_mille, Some(0));
 }
 
 #[test]
 fn the_rate_is_a_setting() {
     for hertz in [1, 20, 200] {
-        let mut bench = Bench::one_motor();
-        bench
+        let mut fixture = Fixture::one_motor();
+        fixture
             .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
             .unwrap();
         // At 1 Hz the wheel coasts between frames; nothing is withdrawn, since queries answer.
-        bench.drive(rpm(50)).unwrap();
-        bench.run(ms(5_000));
-        let frames = bench.drive_times(ID).len();
+        fixture.drive(rpm(50)).unwrap();
+        fixture.run(ms(5_000));
+        let frames = fixture.drive_times(ID).len();
         let asked = usize::from(hertz) * 5;
         assert!(
             frames.abs_diff(asked) <= 1 + asked / 100,
             "{frames} at {hertz} Hz"
         );
-        assert!(temperatures(&bench) >= 40);
+        assert!(temperatures(&fixture) >= 40);
     }
 }
 
 #[test]
 fn several_motors_are_driven_side_by_side() {
     let ids: Vec<MotorId> = (1..=4).map(id).collect();
-    let mut bench = Bench::watching(with_motors(&[1, 2, 3, 4]), &ids);
+    let mut fixture = Fixture::watching(with_motors(&[1, 2, 3, 4]), &ids);
     for (place, motor) in ids.iter().enumerate() {
         let setpoint = rpm(40 + 20 * i32::try_from(place).unwrap());
-        bench
+        fixture
             .command(Command::Drive {
                 id: *motor,
                 setpoint,
@@ -107,9 +107,9 @@ fn several_motors_are_driven_side_by_side() {
             })
             .unwrap();
     }
-    bench.run(ms(5_000));
+    fixture.run(ms(5_000));
     for motor in ids {
-        let frames = bench.drive_times(motor);
+        let frames = fixture.drive_times(motor);
         assert!(
             (248..=252).contains(&frames.len()),
             "{motor:?}: {}",
@@ -120,13 +120,13 @@ fn several_motors_are_driven_side_by_side() {
             "{motor:?}: {:?}",
             longest_gap(&frames)
         );
-        assert!(bench.status(motor).temperature.is_some());
+        assert!(fixture.status(motor).temperature.is_some());
     }
 }
 
 #[test]
 fn nothing_but_a_drive_command_sends_a_drive_frame() {
-    let mut bench = Bench::one_motor();
+    let mut fixture = Fixture::one_motor();
     for command in [
         Command::Watch(id(9)),
         Command::IdQuery,
@@ -137,24 +137,24 @@ fn nothing_but_a_drive_command_sends_a_drive_frame() {
         Command::SetRate(CommandRate::default()),
         Command::Release,
     ] {
-        bench.command(command).unwrap();
-        bench.run(ms(500));
+        fixture.command(command).unwrap();
+        fixture.run(ms(500));
     }
     let adjust = Command::Adjust {
         id: ID,
         setpoint: amps(1.0),
         consent: Consent::None,
     };
-    assert_eq!(bench.command(adjust), Err(Refusal::NotDriven(ID)));
-    bench.run(ms(500));
-    assert!(bench.drive_times(ID).is_empty());
+    assert_eq!(fixture.command(adjust), Err(Refusal::NotDriven(ID)));
+    fixture.run(ms(500));
+    assert!(fixture.drive_times(ID).is_empty());
 }
 
 #[test]
 fn a_setpoint_of_another_loop_is_refused() {
-    let mut bench = Bench::one_motor();
+    let mut fixture = Fixture::one_motor();
     assert_eq!(
-        bench.drive(amps(1.0)),
+        fixture.drive(amps(1.0)),
         Err(Refusal::OtherLoop {
             id: ID,
             asked: Mode::Current,
@@ -162,28 +162,28 @@ fn a_setpoint_of_another_loop_is_refused() {
         })
     );
     assert_eq!(
-        bench.command(Command::Hold(ID)),
+        fixture.command(Command::Hold(ID)),
         Err(Refusal::NotHolding(ID))
     );
 }
 
 #[test]
 fn a_motor_that_never_answered_is_not_driven() {
-    let mut bench = Bench::one_motor();
+    let mut fixture = Fixture::one_motor();
     let command = Command::Drive {
         id: id(9),
         setpoint: rpm(50),
         consent: Consent::None,
     };
-    assert_eq!(bench.command(command), Err(Refusal::NotHeard(id(9))));
+    assert_eq!(fixture.command(command), Err(Refusal::NotAnswering(id(9))));
 }
 
 #[test]
 fn a_high_current_asks_first() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
     assert!(matches!(
-        bench.drive(amps(6.2)),
+        fixture.drive(amps(6.2)),
         Err(Refusal::NeedsConsent(_))
     ));
     let command = Command::Drive {
@@ -191,19 +191,19 @@ fn a_high_current_asks_first() {
         setpoint: amps(6.2),
         consent: Consent::HighCurrent,
     };
-    assert_eq!(bench.command(command), Ok(()));
+    assert_eq!(fixture.command(command), Ok(()));
 }
 
 #[test]
 fn a_torque_reversal_passes_through_zero() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
-    bench.drive(amps(0.2)).unwrap();
-    bench.run(ms(100));
-    bench.forget_the_past();
-    bench.drive(amps(-0.2)).unwrap();
-    bench.run(ms(100));
-    let values: Vec<i16> = bench
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    fixture.drive(amps(0.2)).unwrap();
+    fixture.run(ms(100));
+    fixture.forget_the_past();
+    fixture.drive(amps(-0.2)).unwrap();
+    fixture.run(ms(100));
+    let values: Vec<i16> = fixture
         .sent
         .iter()
         .filter_map(|s| s.drive_of(ID))
@@ -215,27 +215,30 @@ fn a_torque_reversal_passes_through_zero() {
 
 #[test]
 fn an_adjustment_moves_the_setpoint_of_a_driven_motor_only() {
-    let mut bench = Bench::one_motor();
+    let mut fixture = Fixture::one_motor();
     let adjust = |to| Command::Adjust {
         id: ID,
         setpoint: rpm(to),
         consent: Consent::None,
     };
-    assert_eq!(bench.command(adjust(80)), Err(Refusal::NotDriven(ID)));
-    bench.drive(rpm(50)).unwrap();
-    bench.run(ms(200));
-    bench.command(adjust(80)).unwrap();
-    assert_eq!(bench.activity(), Activity::Driven { setpoint: rpm(80) });
+    assert_eq!(fixture.command(adjust(80)), Err(Refusal::NotDriven(ID)));
+    fixture.drive(rpm(50)).unwrap();
+    fixture.run(ms(200));
+    fixture.command(adjust(80)).unwrap();
+    assert_eq!(fixture.activity(), Activity::Driven { setpoint: rpm(80) });
     // A drag that outlasts a stop does not undo it.
-    bench.command(Command::Stop(ID)).unwrap();
-    assert!(bench.command(adjust(80)).is_err());
-    bench.run(ms(1_000));
-    assert!(bench.command(adjust(80)).is_err());
+    fixture.command(Command::Stop(ID)).unwrap();
+    assert!(fixture.command(adjust(80)).is_err());
+    fixture.run(ms(1_000));
+    assert!(fixture.command(adjust(80)).is_err());
 }
 
 #[test]
 fn a_motor_that_is_driven_is_not_forgotten() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(50)).unwrap();
-    assert_eq!(bench.command(Command::Forget(ID)), Err(Refusal::Driven(ID)));
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(50)).unwrap();
+    assert_eq!(
+        fixture.command(Command::Forget(ID)),
+        Err(Refusal::Driven(ID))
+    );
 }

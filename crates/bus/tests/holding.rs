@@ -7,16 +7,16 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, degrees, ms};
+use fixture::{Fixture, ID, degrees, ms};
 use motorlink_bus::{Activity, Command};
 use motorlink_protocol::Mode;
 use motorlink_simulator::{WireFaults, WorldConfig};
 
 const GOAL_DEG: f32 = 170.0;
 
-fn losing(lose_reply: f64, seed: u64) -> Bench {
+fn losing(lose_reply: f64, seed: u64) -> Fixture {
     let config = WorldConfig {
         seed,
         faults: WireFaults {
@@ -25,15 +25,15 @@ fn losing(lose_reply: f64, seed: u64) -> Bench {
         },
         ..WorldConfig::default()
     };
-    let mut bench = Bench::watching(config, &[ID]);
+    let mut fixture = Fixture::watching(config, &[ID]);
     for _ in 0..10 {
-        let _ = bench.command(Command::SwitchMode {
+        let _ = fixture.command(Command::SwitchMode {
             id: ID,
             mode: Mode::Position,
         });
-        bench.run(ms(600));
-        if bench.drive(degrees(GOAL_DEG)).is_ok() {
-            return bench;
+        fixture.run(ms(600));
+        if fixture.drive(degrees(GOAL_DEG)).is_ok() {
+            return fixture;
         }
     }
     panic!("not in the position loop with {lose_reply} lost, seed {seed}");
@@ -42,15 +42,15 @@ fn losing(lose_reply: f64, seed: u64) -> Bench {
 /// The distance that the wheel lies from where it was at Hold once it rests, in degrees, and whether it
 /// lies at the goal that was given up.
 fn travel(lose_reply: f64, seed: u64) -> Option<(f32, bool)> {
-    let mut bench = losing(lose_reply, seed);
-    bench.run(ms(40 + seed * 2));
-    let turns = |bench: &Bench| bench.world.motor(ID).unwrap().turns();
-    let before = turns(&bench);
+    let mut fixture = losing(lose_reply, seed);
+    fixture.run(ms(40 + seed * 2));
+    let turns = |fixture: &Fixture| fixture.world.motor(ID).unwrap().turns();
+    let before = turns(&fixture);
     // On so bad a line the setpoint may have been withdrawn: then there is nothing to hold.
-    bench.command(Command::Hold(ID)).ok()?;
-    bench.run(ms(2_500));
-    let off_deg = (turns(&bench) - before).abs() * 360.0;
-    let angle = bench.world.motor(ID).unwrap().angle_deg();
+    fixture.command(Command::Hold(ID)).ok()?;
+    fixture.run(ms(2_500));
+    let off_deg = (turns(&fixture) - before).abs() * 360.0;
+    let angle = fixture.world.motor(ID).unwrap().angle_deg();
     Some((off_deg, (angle - GOAL_DEG).abs() < 3.0 && off_deg > 5.0))
 }
 
@@ -81,16 +81,16 @@ fn a_held_wheel_stays_within_10_degrees_however_many_replies_are_lost() {
 
 #[test]
 fn hold_without_any_angle_is_a_stop() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Position);
-    bench.drive(degrees(170.0)).unwrap();
-    bench.run(ms(100));
-    bench.world.motor_mut(ID).unwrap().mute(true);
-    bench.run(ms(205));
-    if bench.command(Command::Hold(ID)).is_ok() {
-        assert!(matches!(bench.activity(), Activity::Stopping { .. }));
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Position);
+    fixture.drive(degrees(170.0)).unwrap();
+    fixture.run(ms(100));
+    fixture.world.motor_mut(ID).unwrap().mute(true);
+    fixture.run(ms(205));
+    if fixture.command(Command::Hold(ID)).is_ok() {
+        assert!(matches!(fixture.activity(), Activity::Stopping { .. }));
     } else {
         // The silence has withdrawn the setpoint already.
-        assert!(!matches!(bench.activity(), Activity::Driven { .. }));
+        assert!(!matches!(fixture.activity(), Activity::Driven { .. }));
     }
 }

@@ -7,26 +7,26 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, Sent, amps, degrees, id, ms, rpm};
+use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{
-    Activity, Command, Consent, Crossed, Event, Limits, RawInterval, Refusal, Repeat, Together,
-    WithdrawReason,
+    Activity, Command, Consent, Crossed, Event, GroupSetpoints, Limits, RawInterval, Refusal,
+    Repeat, WithdrawReason,
 };
 use motorlink_protocol::{Mode, Request};
 use motorlink_simulator::WorldConfig;
 
-fn limited(speed_rpm: u16, current_ma: u16, temperature_c: u16) -> Bench {
-    let mut bench = Bench::one_motor();
+fn limited(speed_rpm: u16, current_ma: u16, temperature_c: u16) -> Fixture {
+    let mut fixture = Fixture::one_motor();
     let limits = Limits::new(speed_rpm, current_ma, temperature_c).unwrap();
-    bench.command(Command::SetLimits(limits)).unwrap();
-    bench
+    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
 }
 
 /// The limit that the motor was stopped for.
-fn crossed(bench: &Bench) -> Option<Crossed> {
-    bench.events.iter().find_map(|(_, event)| match event {
+fn crossed(fixture: &Fixture) -> Option<Crossed> {
+    fixture.events.iter().find_map(|(_, event)| match event {
         Event::Withdrawn {
             id: ID,
             reason: WithdrawReason::Limit(crossed),
@@ -35,144 +35,151 @@ fn crossed(bench: &Bench) -> Option<Crossed> {
     })
 }
 
-fn heat(bench: &mut Bench, steps_c: &[u8]) {
+fn heat(fixture: &mut Fixture, steps_c: &[u8]) {
     for celsius in steps_c {
-        let motor = bench.world.motor_mut(ID).unwrap();
+        let motor = fixture.world.motor_mut(ID).unwrap();
         motor.set_temperature_c((*celsius).into());
-        bench.run(ms(400));
+        fixture.run(ms(400));
     }
 }
 
 /// It was stopped for a limit, stands, and is driven by nobody.
-fn assert_stopped_for_good(bench: &mut Bench) {
-    bench.run(ms(3_500));
-    assert!(bench.true_rpm().abs() < 1.0);
-    assert_eq!(bench.status(ID).activity, Activity::Idle);
-    bench.forget_the_past();
-    bench.run(ms(2_000));
-    assert!(bench.sent.iter().all(Sent::is_query));
+fn assert_stopped_for_good(fixture: &mut Fixture) {
+    fixture.run(ms(3_500));
+    assert!(fixture.true_rpm().abs() < 1.0);
+    assert_eq!(fixture.status(ID).activity, Activity::Idle);
+    fixture.forget_the_past();
+    fixture.run(ms(2_000));
+    assert!(fixture.sent.iter().all(Sent::is_query));
 }
 
 #[test]
 fn a_wheel_that_runs_away_in_the_current_loop_is_stopped_at_its_speed_limit() {
-    let mut bench = limited(60, 2_700, 75);
-    bench.switch(Mode::Current);
-    bench.drive(amps(0.4)).unwrap();
-    bench.run_until(ms(2_000), |bench| crossed(bench).is_some());
+    let mut fixture = limited(60, 2_700, 75);
+    fixture.switch(Mode::Current);
+    fixture.drive(amps(0.4)).unwrap();
+    fixture.run_until(ms(2_000), |fixture| crossed(fixture).is_some());
     assert!(matches!(
-        crossed(&bench),
+        crossed(&fixture),
         Some(Crossed::Speed { limit: 60, .. })
     ));
     // Unloaded it gains some 50 rpm in a drive period, and its report lags; it would reach 200.
-    let fastest = bench.true_rpm().abs();
+    let fastest = fixture.true_rpm().abs();
     assert!(fastest < 150.0, "{fastest} rpm when it was stopped");
-    assert_stopped_for_good(&mut bench);
+    assert_stopped_for_good(&mut fixture);
 }
 
 #[test]
 fn a_wheel_at_its_speed_limit_goes_on() {
-    let mut bench = limited(100, 2_700, 75);
-    bench.drive(rpm(-100)).unwrap();
-    bench.run(ms(3_000));
-    assert_eq!(crossed(&bench), None);
-    assert!((bench.true_rpm() + 100.0).abs() < 3.0);
+    let mut fixture = limited(100, 2_700, 75);
+    fixture.drive(rpm(-100)).unwrap();
+    fixture.run(ms(3_000));
+    assert_eq!(crossed(&fixture), None);
+    assert!((fixture.true_rpm() + 100.0).abs() < 3.0);
 }
 
 #[test]
 fn more_than_the_speed_limit_is_not_asked_for_alone_or_together_or_by_a_slider() {
-    let mut bench = limited(100, 2_700, 75);
+    let mut fixture = limited(100, 2_700, 75);
     let above = Err(Refusal::AboveSpeedLimit(100));
-    assert_eq!(bench.drive(rpm(101)), above);
-    let parts = Together::new(&[(ID, rpm(-101))]).unwrap();
+    assert_eq!(fixture.drive(rpm(101)), above);
+    let parts = GroupSetpoints::new(&[(ID, rpm(-101))]).unwrap();
     let consent = Consent::None;
-    let together = Command::DriveTogether { parts, consent };
-    assert_eq!(bench.command(together), above);
-    bench.drive(rpm(100)).unwrap();
+    let together = Command::DriveGroup {
+        setpoints: parts,
+        consent,
+    };
+    assert_eq!(fixture.command(together), above);
+    fixture.drive(rpm(100)).unwrap();
     let setpoint = rpm(150);
     let adjust = Command::Adjust {
         id: ID,
         setpoint,
         consent,
     };
-    assert_eq!(bench.command(adjust), above);
-    bench.run(ms(1_000));
+    assert_eq!(fixture.command(adjust), above);
+    fixture.run(ms(1_000));
     assert!(
-        (bench.true_rpm() - 100.0).abs() < 3.0,
+        (fixture.true_rpm() - 100.0).abs() < 3.0,
         "as it was asked before"
     );
 }
 
 #[test]
 fn a_limit_that_is_lowered_below_what_turns_stops_it() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(150)).unwrap();
-    bench.run(ms(1_500));
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(150)).unwrap();
+    fixture.run(ms(1_500));
     let limits = Limits::new(100, 2_700, 75).unwrap();
-    bench.command(Command::SetLimits(limits)).unwrap();
-    bench.run(ms(100));
+    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture.run(ms(100));
     assert!(matches!(
-        crossed(&bench),
+        crossed(&fixture),
         Some(Crossed::Speed { limit: 100, .. })
     ));
-    assert_stopped_for_good(&mut bench);
+    assert_stopped_for_good(&mut fixture);
 }
 
 #[test]
 fn a_current_above_its_limit_stops_after_half_a_second_and_not_before() {
-    let mut bench = limited(330, 1_000, 75);
-    bench.drive(rpm(60)).unwrap();
-    bench.run(ms(1_000));
-    assert_eq!(crossed(&bench), None, "what a start takes is let pass");
-    bench.world.motor_mut(ID).unwrap().set_load_nm(1.2);
-    let overloaded = |bench: &Bench| bench.status(ID).last.unwrap().reply.current.amps() > 1.0;
-    bench.run_until(ms(500), overloaded);
-    bench.run(ms(400));
-    assert_eq!(crossed(&bench), None);
-    bench.run(ms(150));
+    let mut fixture = limited(330, 1_000, 75);
+    fixture.drive(rpm(60)).unwrap();
+    fixture.run(ms(1_000));
+    assert_eq!(crossed(&fixture), None, "what a start takes is let pass");
+    fixture.world.motor_mut(ID).unwrap().set_load_nm(1.2);
+    let overloaded =
+        |fixture: &Fixture| fixture.status(ID).last.unwrap().reply.current.amps() > 1.0;
+    fixture.run_until(ms(500), overloaded);
+    fixture.run(ms(400));
+    assert_eq!(crossed(&fixture), None);
+    fixture.run(ms(150));
     assert!(matches!(
-        crossed(&bench),
+        crossed(&fixture),
         Some(Crossed::Current { limit: 1_000, .. })
     ));
-    bench.world.motor_mut(ID).unwrap().set_load_nm(0.0);
-    assert_stopped_for_good(&mut bench);
+    fixture.world.motor_mut(ID).unwrap().set_load_nm(0.0);
+    assert_stopped_for_good(&mut fixture);
 }
 
 #[test]
 fn a_hot_motor_is_stopped_before_it_protects_itself_and_not_started_before_it_is_cooler() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(60)).unwrap();
-    bench.run(ms(500));
-    heat(&mut bench, &[72, 74, 76]);
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(60)).unwrap();
+    fixture.run(ms(500));
+    heat(&mut fixture, &[72, 74, 76]);
     assert!(matches!(
-        crossed(&bench),
+        crossed(&fixture),
         Some(Crossed::Temperature { limit: 75, .. })
     ));
-    assert_stopped_for_good(&mut bench);
-    heat(&mut bench, &[77, 77]);
+    assert_stopped_for_good(&mut fixture);
+    heat(&mut fixture, &[77, 77]);
     assert!(matches!(
-        bench.drive(rpm(60)),
+        fixture.drive(rpm(60)),
         Err(Refusal::TooHot { id: ID, .. })
     ));
-    heat(&mut bench, &[73, 71]);
-    bench.drive(rpm(60)).unwrap();
+    heat(&mut fixture, &[73, 71]);
+    fixture.drive(rpm(60)).unwrap();
 }
 
 #[test]
 fn the_other_motors_of_a_group_stop_too() {
     let config = WorldConfig::with_ids([ID, id(2)]);
-    let mut bench = Bench::watching(config, &[ID, id(2)]);
+    let mut fixture = Fixture::watching(config, &[ID, id(2)]);
     let limits = Limits::new(330, 1_000, 75).unwrap();
-    bench.command(Command::SetLimits(limits)).unwrap();
-    let parts = Together::new(&[(ID, rpm(60)), (id(2), rpm(60))]).unwrap();
+    fixture.command(Command::SetLimits(limits)).unwrap();
+    let parts = GroupSetpoints::new(&[(ID, rpm(60)), (id(2), rpm(60))]).unwrap();
     let consent = Consent::None;
-    bench
-        .command(Command::DriveTogether { parts, consent })
+    fixture
+        .command(Command::DriveGroup {
+            setpoints: parts,
+            consent,
+        })
         .unwrap();
-    bench.run(ms(1_000));
-    bench.world.motor_mut(ID).unwrap().set_load_nm(1.2);
-    bench.run(ms(3_000));
-    assert!(matches!(crossed(&bench), Some(Crossed::Current { .. })));
-    assert_eq!(bench.status(id(2)).activity, Activity::Idle);
+    fixture.run(ms(1_000));
+    fixture.world.motor_mut(ID).unwrap().set_load_nm(1.2);
+    fixture.run(ms(3_000));
+    assert!(matches!(crossed(&fixture), Some(Crossed::Current { .. })));
+    assert_eq!(fixture.status(id(2)).activity, Activity::Idle);
 }
 
 #[test]
@@ -184,52 +191,52 @@ fn raw_frames_are_held_to_the_limits_as_any_driving_is() {
         repeat: Repeat::Times { count: 0, interval },
         consent,
     };
-    let mut bench = limited(50, 2_700, 75);
+    let mut fixture = limited(50, 2_700, 75);
     assert_eq!(
-        bench.command(send(rpm(100))),
+        fixture.command(send(rpm(100))),
         Err(Refusal::AboveSpeedLimit(50))
     );
-    bench.switch(Mode::Current);
-    bench.command(send(amps(0.4))).unwrap();
-    bench.run(ms(2_000));
+    fixture.switch(Mode::Current);
+    fixture.command(send(amps(0.4))).unwrap();
+    fixture.run(ms(2_000));
     assert!(matches!(
-        crossed(&bench),
+        crossed(&fixture),
         Some(Crossed::Speed { limit: 50, .. })
     ));
-    assert_stopped_for_good(&mut bench);
-    heat(&mut bench, &[72, 74, 76]);
+    assert_stopped_for_good(&mut fixture);
+    heat(&mut fixture, &[72, 74, 76]);
     assert!(matches!(
-        bench.command(send(rpm(10))),
+        fixture.command(send(rpm(10))),
         Err(Refusal::TooHot { id: ID, .. })
     ));
 }
 
 #[test]
 fn an_angle_is_gone_to_within_the_limits() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Position);
-    bench.drive(degrees(180.0)).unwrap();
-    bench.run(ms(2_000));
-    assert_eq!(crossed(&bench), None);
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Position);
+    fixture.drive(degrees(180.0)).unwrap();
+    fixture.run(ms(2_000));
+    assert_eq!(crossed(&fixture), None);
 }
 
 #[test]
 fn a_speed_limit_that_is_set_below_what_is_driven_stops_it_before_the_next_frame() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_000));
-    bench.forget_the_past();
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    fixture.forget_the_past();
     let limits = Limits::new(60, 2_700, 75).unwrap();
-    bench.command(Command::SetLimits(limits)).unwrap();
-    bench.run(ms(1_000));
+    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture.run(ms(1_000));
     let fast = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() > 60);
-    assert!(!bench.sent.iter().any(fast));
-    assert!(bench.happened(|event| matches!(
+    assert!(!fixture.sent.iter().any(fast));
+    assert!(fixture.happened(|event| matches!(
         event,
         Event::Withdrawn {
             reason: WithdrawReason::Limit(Crossed::Speed { limit: 60, .. }),
             ..
         }
     )));
-    assert!(bench.true_rpm().abs() < 1.0);
+    assert!(fixture.true_rpm().abs() < 1.0);
 }

@@ -6,9 +6,9 @@
     reason = "a broken expectation is a failed test"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, ms, rpm};
+use fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Activity, Command};
 use motorlink_simulator::LineCase;
 
@@ -17,19 +17,19 @@ use motorlink_simulator::LineCase;
 #[test]
 fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
     for since_ms in 0..20 {
-        let mut bench = Bench::one_motor();
-        bench.drive(rpm(100)).unwrap();
-        bench.run(ms(500 + since_ms));
-        bench.bus.command(bench.now, Command::Stop(ID)).unwrap();
-        bench.world.set_case(bench.now, LineCase::SharedId);
+        let mut fixture = Fixture::one_motor();
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(500 + since_ms));
+        fixture.bus.command(fixture.now, Command::Stop(ID)).unwrap();
+        fixture.world.set_case(fixture.now, LineCase::SharedId);
         let mut fastest_rpm = 0.0_f32;
         for _ in 0..4_000 {
-            bench.run(ms(1));
-            let second = bench.world.motors().nth(1).unwrap();
+            fixture.run(ms(1));
+            let second = fixture.world.motors().nth(1).unwrap();
             fastest_rpm = fastest_rpm.max(second.speed_rpm().abs());
         }
         assert!(fastest_rpm < 0.5, "{fastest_rpm} rpm, {since_ms} ms");
-        assert_eq!(bench.activity(), Activity::Idle);
+        assert_eq!(fixture.activity(), Activity::Idle);
     }
 }
 
@@ -37,16 +37,16 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
 #[test]
 fn no_line_starts_a_wheel() {
     for case in LineCase::ALL {
-        let mut bench = Bench::one_motor();
-        bench.drive(rpm(100)).unwrap();
-        bench.run(ms(500));
-        bench.world.set_case(bench.now, LineCase::Dead);
-        bench.run(ms(12_000));
-        assert_eq!(bench.activity(), Activity::Idle, "withdrawn");
-        assert_eq!(bench.true_rpm().to_bits(), 0, "coasted");
-        bench.world.set_case(bench.now, case);
-        bench.run(ms(3_000));
-        for motor in bench.world.motors() {
+        let mut fixture = Fixture::one_motor();
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(500));
+        fixture.world.set_case(fixture.now, LineCase::Dead);
+        fixture.run(ms(12_000));
+        assert_eq!(fixture.activity(), Activity::Idle, "withdrawn");
+        assert_eq!(fixture.true_rpm().to_bits(), 0, "coasted");
+        fixture.world.set_case(fixture.now, case);
+        fixture.run(ms(3_000));
+        for motor in fixture.world.motors() {
             assert_eq!(motor.speed_rpm().to_bits(), 0, "{case:?}");
         }
     }

@@ -6,45 +6,45 @@
     reason = "a test that cannot go on fails"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, ms, rpm};
-use motorlink_bus::{Command, Event, Passed, Traffic};
-use motorlink_protocol::{Drive, Frame, Layout, Mode, explain_heard, explain_sent};
+use fixture::{Fixture, ID, ms, rpm};
+use motorlink_bus::{Command, Event, LineEvent, LineEventKind};
+use motorlink_protocol::{Drive, Frame, Layout, Mode, explain_received, explain_sent};
 use motorlink_simulator::{Echo, Speaker, Split, WireFaults, WorldConfig};
 
-fn log(bench: &Bench) -> Vec<Traffic> {
-    let traffic = bench.events.iter().filter_map(|(_, event)| match event {
-        Event::Traffic(traffic) => Some(*traffic),
+fn log(fixture: &Fixture) -> Vec<LineEvent> {
+    let traffic = fixture.events.iter().filter_map(|(_, event)| match event {
+        Event::Line(traffic) => Some(*traffic),
         _ => None,
     });
     traffic.collect()
 }
 
 /// Frames of both sides in the order in which they were on the wire.
-fn on_the_wire(bench: &mut Bench) -> Vec<(bool, Vec<u8>)> {
-    let traffic = bench.world.drain_traffic();
+fn on_the_wire(fixture: &mut Fixture) -> Vec<(bool, Vec<u8>)> {
+    let traffic = fixture.world.drain_traffic();
     traffic
         .map(|passed| (passed.from == Speaker::Host, passed.frame.bytes().to_vec()))
         .collect()
 }
 
 /// Drives, switches, scans and stops a motor.
-fn busy_day(bench: &mut Bench) {
-    bench.command(Command::Watch(ID)).unwrap();
-    bench.run(ms(300));
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_000));
-    bench.command(Command::FullScan).unwrap();
-    bench.run(ms(4_000));
-    bench.switch(Mode::Current);
-    bench.run(ms(300));
+fn busy_day(fixture: &mut Fixture) {
+    fixture.command(Command::Watch(ID)).unwrap();
+    fixture.run(ms(300));
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    fixture.command(Command::FullScan).unwrap();
+    fixture.run(ms(4_000));
+    fixture.switch(Mode::Current);
+    fixture.run(ms(300));
 }
 
 #[test]
 fn every_frame_is_logged_once_and_in_order() {
     for echo in [Echo::Off, Echo::Whole, Echo::Cut(4)] {
-        let mut bench = Bench::new(WorldConfig {
+        let mut fixture = Fixture::new(WorldConfig {
             faults: WireFaults {
                 echo,
                 split: Some(Split::default()),
@@ -52,21 +52,21 @@ fn every_frame_is_logged_once_and_in_order() {
             },
             ..WorldConfig::default()
         });
-        on_the_wire(&mut bench);
-        busy_day(&mut bench);
+        on_the_wire(&mut fixture);
+        busy_day(&mut fixture);
         // Until no exchange is under way.
-        bench.run_until(ms(200), |bench| bench.world.next_event().is_none());
-        let logged: Vec<(bool, Vec<u8>)> = log(&bench)
+        fixture.run_until(ms(200), |fixture| fixture.world.next_event().is_none());
+        let logged: Vec<(bool, Vec<u8>)> = log(&fixture)
             .iter()
-            .filter_map(|traffic| match traffic.passed {
-                Passed::Sent { frame, .. } => Some((true, frame.bytes().to_vec())),
-                Passed::Heard { frame, .. } => Some((false, frame.bytes().to_vec())),
-                Passed::Junk(junk) => Some((false, junk.bytes().to_vec())),
-                Passed::Silence { .. } | Passed::Unsent { .. } => None,
+            .filter_map(|traffic| match traffic.kind {
+                LineEventKind::Sent { frame, .. } => Some((true, frame.bytes().to_vec())),
+                LineEventKind::Received { frame, .. } => Some((false, frame.bytes().to_vec())),
+                LineEventKind::Junk(junk) => Some((false, junk.bytes().to_vec())),
+                LineEventKind::Silence { .. } | LineEventKind::NotSent { .. } => None,
             })
             .collect();
         assert!(logged.len() > 500, "{}", logged.len());
-        let wire = on_the_wire(&mut bench);
+        let wire = on_the_wire(&mut fixture);
         for (place, pair) in logged.iter().zip(&wire).enumerate() {
             assert_eq!(
                 pair.0, pair.1,
@@ -79,24 +79,24 @@ fn every_frame_is_logged_once_and_in_order() {
 
 #[test]
 fn the_log_is_in_the_order_of_time() {
-    let mut bench = Bench::new(WorldConfig::default());
-    busy_day(&mut bench);
-    let times: Vec<_> = log(&bench).iter().map(|traffic| traffic.at).collect();
+    let mut fixture = Fixture::new(WorldConfig::default());
+    busy_day(&mut fixture);
+    let times: Vec<_> = log(&fixture).iter().map(|traffic| traffic.at).collect();
     assert!(times.is_sorted());
 }
 
 #[test]
 fn frames_are_logged_with_what_gives_them_meaning() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_000));
-    let words: Vec<String> = log(&bench)
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    let words: Vec<String> = log(&fixture)
         .iter()
-        .filter_map(|traffic| match traffic.passed {
-            Passed::Sent { frame, mode } => Some(explain_sent(&frame, mode).to_string()),
-            Passed::Heard { frame, asked } => {
+        .filter_map(|traffic| match traffic.kind {
+            LineEventKind::Sent { frame, mode } => Some(explain_sent(&frame, mode).to_string()),
+            LineEventKind::Received { frame, asked } => {
                 assert!(asked.is_some());
-                Some(explain_heard(&frame, asked).to_string())
+                Some(explain_received(&frame, asked).to_string())
             }
             _ => None,
         })
@@ -108,62 +108,62 @@ fn frames_are_logged_with_what_gives_them_meaning() {
 
 #[test]
 fn spoilt_replies_and_silence_are_logged_as_such() {
-    let mut bench = Bench::one_motor();
-    bench.world.set_faults(WireFaults {
+    let mut fixture = Fixture::one_motor();
+    fixture.world.set_faults(WireFaults {
         corrupt_reply: 1.0,
         ..WireFaults::default()
     });
-    bench.run(ms(500));
-    let junk: Vec<Frame> = log(&bench)
+    fixture.run(ms(500));
+    let junk: Vec<Frame> = log(&fixture)
         .iter()
-        .filter_map(|traffic| match traffic.passed {
-            Passed::Junk(junk) => Some(Frame::new(junk.bytes().try_into().unwrap())),
-            Passed::Heard { frame, .. } => panic!("{frame} was spoilt"),
+        .filter_map(|traffic| match traffic.kind {
+            LineEventKind::Junk(junk) => Some(Frame::new(junk.bytes().try_into().unwrap())),
+            LineEventKind::Received { frame, .. } => panic!("{frame} was spoilt"),
             _ => None,
         })
         .collect();
     assert!(junk.len() >= 4);
-    let said = explain_heard(&junk[0], Some(Layout::Query)).to_string();
+    let said = explain_received(&junk[0], Some(Layout::Query)).to_string();
     assert!(said.starts_with("CRC"), "{said}");
 
-    bench.world.set_faults(WireFaults {
+    fixture.world.set_faults(WireFaults {
         lose_reply: 1.0,
         ..WireFaults::default()
     });
-    bench.forget_the_past();
-    bench.run(ms(500));
-    let silences = log(&bench);
+    fixture.forget_the_past();
+    fixture.run(ms(500));
+    let silences = log(&fixture);
     let silences = silences.iter().filter(|traffic| {
-        matches!(traffic.passed, Passed::Silence { id, waited_us } if id == ID && waited_us >= 6_000)
+        matches!(traffic.kind, LineEventKind::Silence { id, waited_us } if id == ID && waited_us >= 6_000)
     });
     assert!(silences.count() >= 4);
 }
 
 #[test]
 fn a_frame_that_the_adapter_did_not_take_is_logged_as_not_sent_and_its_setpoint_is_withdrawn() {
-    let mut bench = Bench::new(WorldConfig::default());
-    bench.command(Command::Watch(ID)).unwrap();
-    bench.run(ms(300));
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_000));
-    bench.adapter_is_busy = true;
-    bench.run_until(ms(200), |bench| bench.world.next_event().is_none());
-    on_the_wire(&mut bench);
-    bench.forget_the_past();
-    bench.run(ms(400));
-    assert_eq!(on_the_wire(&mut bench), []);
-    let logged = log(&bench);
-    let is_sent = |traffic: &&Traffic| matches!(traffic.passed, Passed::Sent { .. });
+    let mut fixture = Fixture::new(WorldConfig::default());
+    fixture.command(Command::Watch(ID)).unwrap();
+    fixture.run(ms(300));
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_000));
+    fixture.adapter_is_busy = true;
+    fixture.run_until(ms(200), |fixture| fixture.world.next_event().is_none());
+    on_the_wire(&mut fixture);
+    fixture.forget_the_past();
+    fixture.run(ms(400));
+    assert_eq!(on_the_wire(&mut fixture), []);
+    let logged = log(&fixture);
+    let is_sent = |traffic: &&LineEvent| matches!(traffic.kind, LineEventKind::Sent { .. });
     assert_eq!(logged.iter().find(is_sent), None);
     let unsent = logged
         .iter()
-        .filter(|traffic| matches!(traffic.passed, Passed::Unsent { .. }));
+        .filter(|traffic| matches!(traffic.kind, LineEventKind::NotSent { .. }));
     assert!(unsent.count() >= 10);
-    assert!(bench.happened(|event| matches!(event, Event::Withdrawn { id: ID, .. })));
+    assert!(fixture.happened(|event| matches!(event, Event::Withdrawn { id: ID, .. })));
 
-    bench.adapter_is_busy = false;
-    bench.run(ms(2_000));
-    let drives = bench.sent.iter().filter_map(|sent| sent.drive_of(ID));
+    fixture.adapter_is_busy = false;
+    fixture.run(ms(2_000));
+    let drives = fixture.sent.iter().filter_map(|sent| sent.drive_of(ID));
     let of_zero = |drive: &Drive| drive.value == [0, 0];
     assert!(drives.clone().count() > 0 && drives.clone().all(|drive| of_zero(&drive)));
 }

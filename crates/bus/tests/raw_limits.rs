@@ -6,23 +6,23 @@
     reason = "a test that cannot go on fails"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{
-    Bench, ID, amps, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two,
+use fixture::{
+    Fixture, ID, amps, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two,
 };
 use motorlink_bus::{
     Activity, Command, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
 };
-use motorlink_protocol::{Frame, Mode, MotorId, Request};
+use motorlink_protocol::{CurrentTarget, Frame, Mode, MotorId, Request};
 use motorlink_simulator::WorldConfig;
 
 /// First bytes that no motor has for itself: all may obey what stands behind them.
 const EVERYONE: [u8; 3] = [0xC8, 0x00, 0xFF];
 
-fn limited(bench: &mut Bench, rpm: u16) {
+fn limited(fixture: &mut Fixture, rpm: u16) {
     let limits = Limits::new(rpm, 2_700, 75).unwrap();
-    bench.command(Command::SetLimits(limits)).unwrap();
+    fixture.command(Command::SetLimits(limits)).unwrap();
 }
 
 fn value(first: u8, value: i32) -> Command {
@@ -38,8 +38,8 @@ fn switch(motor: MotorId, mode: Mode) -> Command {
     )
 }
 
-fn withdrawn(bench: &Bench) -> Vec<(MotorId, WithdrawReason)> {
-    let withdrawn = bench.events.iter().filter_map(|(_, event)| match event {
+fn withdrawn(fixture: &Fixture) -> Vec<(MotorId, WithdrawReason)> {
+    let withdrawn = fixture.events.iter().filter_map(|(_, event)| match event {
         Event::Withdrawn { id, reason } => Some((*id, *reason)),
         _ => None,
     });
@@ -52,72 +52,72 @@ const ABOVE: [i32; 9] = [21, -21, 330, 331, -331, 5_000, 32_767, -32_767, -32_76
 fn a_raw_speed_above_the_limit_is_refused_however_large_it_is() {
     let refused = Err(Refusal::AboveSpeedLimit(20));
     for above in ABOVE {
-        let mut bench = Bench::one_motor();
-        limited(&mut bench, 20);
-        assert_eq!(bench.command(value(1, above)), refused, "{above}");
-        bench.run(ms(200));
-        assert!(bench.true_rpm().abs() < 1.0);
+        let mut fixture = Fixture::one_motor();
+        limited(&mut fixture, 20);
+        assert_eq!(fixture.command(value(1, above)), refused, "{above}");
+        fixture.run(ms(200));
+        assert!(fixture.true_rpm().abs() < 1.0);
         // Of one that has not answered, the loop is not known.
-        assert_eq!(bench.command(value(9, above)), refused, "{above} unknown");
+        assert_eq!(fixture.command(value(9, above)), refused, "{above} unknown");
     }
     for within in [20, -20] {
-        let mut bench = Bench::one_motor();
-        limited(&mut bench, 20);
-        assert_eq!(bench.command(value(1, within)), Ok(()), "{within}");
+        let mut fixture = Fixture::one_motor();
+        limited(&mut fixture, 20);
+        assert_eq!(fixture.command(value(1, within)), Ok(()), "{within}");
     }
 }
 
 #[test]
 fn a_raw_value_in_a_loop_without_a_speed_limit_is_sent() {
     for mode in [Mode::Current, Mode::Position] {
-        let mut bench = Bench::one_motor();
-        limited(&mut bench, 20);
-        bench.switch(mode);
-        assert_eq!(bench.command(value(1, 5_000)), Ok(()), "{mode}");
+        let mut fixture = Fixture::one_motor();
+        limited(&mut fixture, 20);
+        fixture.switch(mode);
+        assert_eq!(fixture.command(value(1, 5_000)), Ok(()), "{mode}");
     }
 }
 
 #[test]
 fn a_raw_value_is_a_speed_while_the_loop_is_in_the_air() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
-    bench.command(switch(ID, Mode::Velocity)).unwrap();
-    bench.run_until(ms(300), |bench| bench.bus.raw().unwrap().sent == 5);
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    fixture.command(switch(ID, Mode::Velocity)).unwrap();
+    fixture.run_until(ms(300), |fixture| fixture.bus.raw().unwrap().sent == 5);
     assert_eq!(
-        bench.command(value(1, 5_000)),
+        fixture.command(value(1, 5_000)),
         Err(Refusal::AboveSpeedLimit(330))
     );
 }
 
 #[test]
 fn a_limit_that_is_lowered_ends_raw_frames_above_it() {
-    let mut bench = Bench::one_motor();
-    bench.command(value(1, 100)).unwrap();
-    bench.run(ms(500));
-    bench.forget_the_past();
-    limited(&mut bench, 95);
-    bench.run(ms(500));
-    assert!(!status(&bench).running);
-    let drives = |sent: &bench::Sent| sent.drive_of(ID).is_some_and(|drive| !drive.brakes());
-    assert!(!bench.sent.iter().any(drives));
-    assert!(bench.true_rpm().abs() < 1.0, "{}", bench.true_rpm());
+    let mut fixture = Fixture::one_motor();
+    fixture.command(value(1, 100)).unwrap();
+    fixture.run(ms(500));
+    fixture.forget_the_past();
+    limited(&mut fixture, 95);
+    fixture.run(ms(500));
+    assert!(!status(&fixture).running);
+    let drives = |sent: &fixture::Sent| sent.drive_of(ID).is_some_and(|drive| !drive.brakes());
+    assert!(!fixture.sent.iter().any(drives));
+    assert!(fixture.true_rpm().abs() < 1.0, "{}", fixture.true_rpm());
 }
 
 #[test]
 fn what_every_motor_hears_is_limited_by_each_of_them() {
     for first in EVERYONE {
         for above in ABOVE {
-            let mut bench = two();
-            limited(&mut bench, 20);
+            let mut fixture = two();
+            limited(&mut fixture, 20);
             let refused = Err(Refusal::AboveSpeedLimit(20));
-            assert_eq!(bench.command(value(first, above)), refused, "{first:02X}");
+            assert_eq!(fixture.command(value(first, above)), refused, "{first:02X}");
         }
-        let mut nobody_known = Bench::new(WorldConfig::default());
+        let mut nobody_known = Fixture::new(WorldConfig::default());
         let refused = Err(Refusal::AboveSpeedLimit(330));
         assert_eq!(nobody_known.command(value(first, 331)), refused);
 
-        let mut bench = two();
-        assert_eq!(bench.command(value(first, 20)), Ok(()));
+        let mut fixture = two();
+        assert_eq!(fixture.command(value(first, 20)), Ok(()));
 
         let mut hot = two();
         limited(&mut hot, 330);
@@ -140,10 +140,10 @@ fn what_every_motor_hears_is_limited_by_each_of_them() {
 #[test]
 fn what_every_motor_hears_needs_one_loop_and_stays_below_the_speed_limit_in_any() {
     for first in EVERYONE {
-        let mut bench = two();
-        bench.switch(Mode::Current);
+        let mut fixture = two();
+        fixture.switch(Mode::Current);
         assert_eq!(
-            bench.command(value(first, 10)),
+            fixture.command(value(first, 10)),
             Err(Refusal::OtherLoop {
                 id: id(2),
                 asked: Mode::Current,
@@ -151,16 +151,16 @@ fn what_every_motor_hears_needs_one_loop_and_stays_below_the_speed_limit_in_any(
             })
         );
         let mode = Mode::Current;
-        bench
+        fixture
             .command(Command::SwitchMode { id: id(2), mode })
             .unwrap();
-        bench.run(ms(400));
+        fixture.run(ms(400));
         // A third motor that nobody watches may read it as a speed.
         for beyond in [331, 1_000, -25_000] {
-            let refused = bench.command(value(first, beyond));
+            let refused = fixture.command(value(first, beyond));
             assert_eq!(refused, Err(Refusal::AboveSpeedLimit(330)), "{beyond}");
         }
-        assert_eq!(bench.command(value(first, 330)), Ok(()));
+        assert_eq!(fixture.command(value(first, 330)), Ok(()));
     }
 }
 
@@ -168,13 +168,13 @@ fn what_every_motor_hears_needs_one_loop_and_stays_below_the_speed_limit_in_any(
 fn a_switch_to_the_position_loop_that_every_motor_hears_needs_every_speed() {
     for first in EVERYONE {
         let frame = Frame::new([first, 0xA0, 0, 0, 0, 0, 0, 0, 0, 3]);
-        let mut bench = two();
-        assert_eq!(bench.command(raw(frame, Repeat::Once)), Ok(()));
-        let mut bench = two();
-        bench.world.motor_mut(id(2)).unwrap().power(false);
-        bench.run(ms(600));
+        let mut fixture = two();
+        assert_eq!(fixture.command(raw(frame, Repeat::Once)), Ok(()));
+        let mut fixture = two();
+        fixture.world.motor_mut(id(2)).unwrap().power(false);
+        fixture.run(ms(600));
         assert_eq!(
-            bench.command(raw(frame, Repeat::Once)),
+            fixture.command(raw(frame, Repeat::Once)),
             Err(Refusal::SpeedUnknown(id(2)))
         );
     }
@@ -184,32 +184,32 @@ fn a_switch_to_the_position_loop_that_every_motor_hears_needs_every_speed() {
 fn motors_that_hear_one_frame_are_stopped_together_when_one_of_them_must_be() {
     for first in EVERYONE {
         for reason in ["silent", "fault", "limit"] {
-            let mut bench = two();
-            bench.command(value(first, 100)).unwrap();
-            bench.run(ms(400));
-            assert!(status(&bench).running, "{first:02X} {reason}");
+            let mut fixture = two();
+            fixture.command(value(first, 100)).unwrap();
+            fixture.run(ms(400));
+            assert!(status(&fixture).running, "{first:02X} {reason}");
             for motor in [ID, id(2)] {
-                assert_eq!(bench.status(motor).activity, Activity::DrivenRaw);
+                assert_eq!(fixture.status(motor).activity, Activity::DrivenRaw);
             }
-            bench.forget_the_past();
-            let second = bench.world.motor_mut(id(2)).unwrap();
+            fixture.forget_the_past();
+            let second = fixture.world.motor_mut(id(2)).unwrap();
             match reason {
                 "silent" => second.mute(true),
                 "fault" => second.set_temperature_c(90.0),
                 _ => second.set_temperature_c(78.0),
             }
-            bench.run(ms(700));
-            assert!(!status(&bench).running, "{first:02X} {reason}");
-            let withdrawn = withdrawn(&bench);
+            fixture.run(ms(700));
+            assert!(!status(&fixture).running, "{first:02X} {reason}");
+            let withdrawn = withdrawn(&fixture);
             assert_eq!(withdrawn[0].0, id(2), "{withdrawn:?}");
-            assert!(bench.happened(|event| *event == Event::StopBegan(StopReason::OneMotor)));
+            assert!(fixture.happened(|event| *event == Event::StopBegan(StopReason::OneMotor)));
             for motor in [ID, id(2)] {
-                let brakes = |sent: &bench::Sent| {
+                let brakes = |sent: &fixture::Sent| {
                     sent.frame
                         .bytes()
                         .starts_with(&[motor.get(), 0x64, 0, 0, 0, 0, 0, 0xFF])
                 };
-                assert!(bench.sent.iter().any(brakes), "{motor} {reason}");
+                assert!(fixture.sent.iter().any(brakes), "{motor} {reason}");
             }
         }
     }
@@ -219,18 +219,18 @@ fn motors_that_hear_one_frame_are_stopped_together_when_one_of_them_must_be() {
 #[test]
 fn motors_that_hear_one_frame_are_asked_for_telemetry_meanwhile() {
     for first in EVERYONE {
-        let mut bench = two();
+        let mut fixture = two();
         let Command::SendRaw { frame, .. } = value(first, 100) else {
             panic!("no raw frame");
         };
-        bench.command(raw(frame, every(0, 2))).unwrap();
-        bench.run(ms(1_000));
+        fixture.command(raw(frame, every(0, 2))).unwrap();
+        fixture.run(ms(1_000));
         for motor in [ID, id(2)] {
-            let asked = |sent: &&bench::Sent| sent.frame == Request::Query { id: motor }.frame();
-            let times = bench.sent.iter().filter(asked).count();
+            let asked = |sent: &&fixture::Sent| sent.frame == Request::Query { id: motor }.frame();
+            let times = fixture.sent.iter().filter(asked).count();
             assert!((4..=20).contains(&times), "{first:02X} {motor}: {times}");
         }
-        assert!(status(&bench).running);
+        assert!(status(&fixture).running);
     }
 }
 
@@ -238,43 +238,109 @@ fn motors_that_hear_one_frame_are_asked_for_telemetry_meanwhile() {
 fn an_id_that_no_scan_would_find_is_never_set() {
     for new in [0x00, 0xFF, 0xC8] {
         for last in [0x00, 0x01] {
-            let mut bench = Bench::new(WorldConfig::default());
-            assert_eq!(scan_report(&mut bench).found, [ID]);
+            let mut fixture = Fixture::new(WorldConfig::default());
+            assert_eq!(scan_report(&mut fixture).found, [ID]);
             let frame = Frame::new([0xAA, 0x55, 0x53, new, 0, 0, 0, 0, 0, last]);
-            let refused = bench.command(raw(frame, every(5, 20)));
+            let refused = fixture.command(raw(frame, every(5, 20)));
             assert_eq!(refused, Err(Refusal::NotAssignable(new)));
-            bench.run(ms(500));
-            assert!(!bench.sent.iter().any(is_set_id));
+            fixture.run(ms(500));
+            assert!(!fixture.sent.iter().any(is_set_id));
             // The proof is not used up by it.
-            let frame = Request::SetId { id: bench::to(5) }.frame();
-            assert_eq!(bench.command(raw(frame, every(5, 20))), Ok(()));
+            let frame = Request::SetId { id: fixture::to(5) }.frame();
+            assert_eq!(fixture.command(raw(frame, every(5, 20))), Ok(()));
         }
     }
 }
 
 #[test]
 fn a_frame_for_one_motor_leaves_the_others_alone() {
-    let mut bench = two();
-    bench
+    let mut fixture = two();
+    fixture
         .command(raw(drive_frame(ID, rpm(100)), every(0, 20)))
         .unwrap();
-    bench.run(ms(300));
-    bench.world.motor_mut(id(2)).unwrap().mute(true);
-    bench.run(ms(700));
-    assert!(status(&bench).running);
-    assert_eq!(bench.status(id(2)).activity, Activity::Idle);
+    fixture.run(ms(300));
+    fixture.world.motor_mut(id(2)).unwrap().mute(true);
+    fixture.run(ms(700));
+    assert!(status(&fixture).running);
+    assert_eq!(fixture.status(id(2)).activity, Activity::Idle);
 }
 
 #[test]
 fn a_raw_frame_does_not_reverse_a_current_that_may_be_followed() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
     let frame = |value| drive_frame(ID, amps(value));
-    bench.command(raw(frame(1.0), Repeat::Once)).unwrap();
-    bench.run(ms(50));
-    let reversed = bench.command(raw(frame(-1.0), Repeat::Once));
+    fixture.command(raw(frame(1.0), Repeat::Once)).unwrap();
+    fixture.run(ms(50));
+    let reversed = fixture.command(raw(frame(-1.0), Repeat::Once));
     assert_eq!(reversed, Err(Refusal::ReversesTorque(ID)));
-    bench.command(raw(frame(0.0), Repeat::Once)).unwrap();
-    bench.run(ms(50));
-    bench.command(raw(frame(-1.0), Repeat::Once)).unwrap();
+    fixture.command(raw(frame(0.0), Repeat::Once)).unwrap();
+    fixture.run(ms(50));
+    fixture.command(raw(frame(-1.0), Repeat::Once)).unwrap();
+}
+
+/// -32768 has no positive counterpart.
+#[test]
+fn lowest_raw_current_needs_consent() {
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    let lowest = CurrentTarget::new(CurrentTarget::MIN).unwrap();
+    let refused = fixture.command(value(1, i16::MIN.into()));
+    assert_eq!(refused, Err(Refusal::NeedsConsent(lowest)));
+    assert_eq!(fixture.bus.raw(), None);
+}
+
+/// Byte 8 is reserved; a firmware may ignore it.
+#[test]
+fn malformed_drive_frame_with_a_high_current_needs_consent() {
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    let frame = Frame::with_crc([1, 0x64, 0x7F, 0xFF, 0, 0, 0, 0, 1]);
+    let highest = CurrentTarget::new(CurrentTarget::MAX).unwrap();
+    let refused = fixture.command(raw(frame, Repeat::Once));
+    assert_eq!(refused, Err(Refusal::NeedsConsent(highest)));
+    assert_eq!(fixture.bus.raw(), None);
+}
+
+/// Byte 8 is reserved; a firmware may ignore it.
+#[test]
+fn malformed_switch_to_the_position_loop_needs_a_slow_wheel() {
+    let switch: Frame = "01 A0 00 00 00 00 00 00 01 03".parse().unwrap();
+    let mut fixture = Fixture::one_motor();
+    fixture
+        .command(raw(drive_frame(ID, rpm(100)), every(40, 20)))
+        .unwrap();
+    fixture.run(ms(850));
+    assert!(!status(&fixture).running);
+    let refused = fixture.command(raw(switch, Repeat::Once));
+    assert!(matches!(refused, Err(Refusal::TooFast(_))), "{refused:?}");
+}
+
+#[test]
+fn refused_raw_frame_adds_no_motor_and_sends_nothing() {
+    let mut fixture = Fixture::one_motor();
+    let refused = fixture.command(raw(drive_frame(id(9), amps(7.0)), Repeat::Once));
+    assert_eq!(refused, Err(Refusal::AboveSpeedLimit(330)));
+    fixture.run(ms(300));
+    assert_eq!(fixture.bus.motors(fixture.now).count(), 1);
+    assert_eq!(fixture.bus.raw(), None);
+    let to_nine = |sent: &fixture::Sent| sent.frame.bytes().starts_with(&[9]);
+    assert!(!fixture.sent.iter().any(to_nine));
+}
+
+/// An ID query takes the line for three drive periods.
+#[test]
+fn raw_frames_that_all_may_answer_wait_until_nothing_is_driven() {
+    let query = raw(Request::IdQuery.frame(), every(0, 2));
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    assert_eq!(fixture.command(query), Err(Refusal::Driven(ID)));
+    fixture.command(Command::Stop(ID)).unwrap();
+    assert_eq!(fixture.command(query), Err(Refusal::Stopping(ID)));
+    fixture.run(ms(1_000));
+    fixture.command(query).unwrap();
+    fixture.run(ms(200));
+    assert!(status(&fixture).running && status(&fixture).sent > 1);
+    fixture.command(Command::Stop(ID)).unwrap();
+    assert!(!status(&fixture).running, "every stop ends them");
 }

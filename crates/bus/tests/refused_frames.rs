@@ -7,19 +7,19 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
 use std::time::Duration;
 
-use bench::{Bench, ID, amps, degrees, ms, rpm, scan_report};
-use motorlink_bus::{Activity, Command, Event, Passed, StopReason, WithdrawReason};
+use fixture::{Fixture, ID, amps, degrees, ms, rpm, scan_report};
+use motorlink_bus::{Activity, Command, Event, LineEventKind, StopReason, WithdrawReason};
 use motorlink_protocol::{Drive, Mode, MotorId, Request};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
 const STOP: Command = Command::StopAll(StopReason::Operator);
 
 /// A wheel that is driven in the position loop and has come to 120 degrees, where a zero would turn it.
-fn at_120(mode_switch_frames: u8, faults: WireFaults, seed: u64) -> Bench {
+fn at_120(mode_switch_frames: u8, faults: WireFaults, seed: u64) -> Fixture {
     let motor = MotorConfig {
         mode_switch_frames,
         ..MotorConfig::new(MotorId::FIRST)
@@ -29,21 +29,21 @@ fn at_120(mode_switch_frames: u8, faults: WireFaults, seed: u64) -> Bench {
         motors: vec![motor],
         ..WorldConfig::default()
     };
-    let mut bench = Bench::watching(config, &[ID]);
-    bench.switch(Mode::Position);
-    bench.drive(degrees(120.0)).unwrap();
-    bench.run(ms(2_000));
-    bench.world.set_faults(faults);
-    bench.forget_the_past();
-    bench
+    let mut fixture = Fixture::watching(config, &[ID]);
+    fixture.switch(Mode::Position);
+    fixture.drive(degrees(120.0)).unwrap();
+    fixture.run(ms(2_000));
+    fixture.world.set_faults(faults);
+    fixture.forget_the_past();
+    fixture
 }
 
-fn turns(bench: &Bench) -> f32 {
-    bench.world.motor(ID).unwrap().turns()
+fn turns(fixture: &Fixture) -> f32 {
+    fixture.world.motor(ID).unwrap().turns()
 }
 
-fn moved_deg(bench: &Bench, before: f32) -> f32 {
-    (turns(bench) - before).abs() * 360.0
+fn moved_deg(fixture: &Fixture, before: f32) -> f32 {
+    (turns(fixture) - before).abs() * 360.0
 }
 
 #[test]
@@ -51,16 +51,16 @@ fn switches_of_a_stop_that_were_refused_are_sent_before_the_brake() {
     for frames in [1, 5] {
         for refusals in 1..=30 {
             for begins_us in (0..20_000).step_by(2_500) {
-                let mut bench = at_120(frames, WireFaults::default(), 1);
-                bench.run(Duration::from_micros(begins_us));
-                bench.forget_the_past();
-                let before = turns(&bench);
-                bench.refusals = refusals;
-                bench.command(STOP).unwrap();
-                bench.run(ms(2_500));
-                let moved = moved_deg(&bench, before);
+                let mut fixture = at_120(frames, WireFaults::default(), 1);
+                fixture.run(Duration::from_micros(begins_us));
+                fixture.forget_the_past();
+                let before = turns(&fixture);
+                fixture.refusals = refusals;
+                fixture.command(STOP).unwrap();
+                fixture.run(ms(2_500));
+                let moved = moved_deg(&fixture, before);
                 let what = format!("{refusals} refused from {begins_us} us on, takes {frames}");
-                assert!(bench.sent[0].is_switch(), "{what}");
+                assert!(fixture.sent[0].is_switch(), "{what}");
                 assert!(moved < 2.0, "{moved} degrees: {what}");
             }
         }
@@ -75,13 +75,13 @@ fn a_motor_that_needs_five_switches_is_not_braked_into_the_position_loop() {
                 lose_request: lost,
                 ..WireFaults::default()
             };
-            let mut bench = at_120(5, faults, seed);
-            let before = turns(&bench);
-            bench.command(STOP).unwrap();
-            bench.run(ms(2_000));
-            let moved = moved_deg(&bench, before);
+            let mut fixture = at_120(5, faults, seed);
+            let before = turns(&fixture);
+            fixture.command(STOP).unwrap();
+            fixture.run(ms(2_000));
+            let moved = moved_deg(&fixture, before);
             assert!(moved < 2.0, "{moved} degrees, seed {seed}, {lost} lost");
-            assert_eq!(bench.activity(), Activity::Idle);
+            assert_eq!(fixture.activity(), Activity::Idle);
         }
     }
 }
@@ -94,55 +94,55 @@ fn a_silent_motor_in_the_position_loop_gets_the_brake_after_many_switches() {
             lose_request: 0.1,
             ..WireFaults::default()
         };
-        let mut bench = at_120(5, faults, seed);
-        let before = turns(&bench);
-        bench.world.motor_mut(ID).unwrap().mute(true);
-        bench.command(STOP).unwrap();
-        bench.run(ms(2_000));
-        let moved = moved_deg(&bench, before);
+        let mut fixture = at_120(5, faults, seed);
+        let before = turns(&fixture);
+        fixture.world.motor_mut(ID).unwrap().mute(true);
+        fixture.command(STOP).unwrap();
+        fixture.run(ms(2_000));
+        let moved = moved_deg(&fixture, before);
         assert!(moved < 2.0, "{moved} degrees, seed {seed}");
-        assert!(bench.sent.iter().any(|sent| sent.drive_of(ID).is_some()));
+        assert!(fixture.sent.iter().any(|sent| sent.drive_of(ID).is_some()));
     }
 }
 
 #[test]
 fn a_port_that_takes_nothing_withdraws_the_setpoint() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_500));
-    bench.forget_the_past();
-    bench.adapter_is_busy = true;
-    bench.run(ms(300));
-    assert!(bench.happened(|event| matches!(
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_500));
+    fixture.forget_the_past();
+    fixture.adapter_is_busy = true;
+    fixture.run(ms(300));
+    assert!(fixture.happened(|event| matches!(
         event,
         Event::Withdrawn {
             reason: WithdrawReason::Silent,
             ..
         }
     )));
-    bench.adapter_is_busy = false;
-    bench.run(ms(2_000));
-    let moves = |sent: &&bench::Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0);
-    assert_eq!(bench.sent.iter().filter(moves).count(), 0);
-    assert!(bench.true_rpm().abs() < 1.0);
+    fixture.adapter_is_busy = false;
+    fixture.run(ms(2_000));
+    let moves = |sent: &&fixture::Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0);
+    assert_eq!(fixture.sent.iter().filter(moves).count(), 0);
+    assert!(fixture.true_rpm().abs() < 1.0);
 }
 
 #[test]
 fn every_refused_frame_is_logged_as_not_sent_and_none_as_silence() {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(100));
-    bench.forget_the_past();
-    bench.adapter_is_busy = true;
-    bench.run(ms(100));
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(100));
+    fixture.forget_the_past();
+    fixture.adapter_is_busy = true;
+    fixture.run(ms(100));
     let mut refused = 0;
-    for (_, event) in &bench.events {
-        let Event::Traffic(traffic) = event else {
+    for (_, event) in &fixture.events {
+        let Event::Line(traffic) = event else {
             continue;
         };
-        match traffic.passed {
-            Passed::Unsent { .. } => refused += 1,
-            Passed::Sent { .. } | Passed::Silence { .. } => panic!("{traffic:?}"),
+        match traffic.kind {
+            LineEventKind::NotSent { .. } => refused += 1,
+            LineEventKind::Sent { .. } | LineEventKind::Silence { .. } => panic!("{traffic:?}"),
             _ => {}
         }
     }
@@ -152,27 +152,31 @@ fn every_refused_frame_is_logged_as_not_sent_and_none_as_silence() {
 
 #[test]
 fn a_scan_through_refusals_finds_every_motor() {
-    let mut bench = Bench::new(WorldConfig::with_ids([ID, bench::id(77), bench::id(250)]));
-    bench.command(Command::FullScan).unwrap();
+    let mut fixture = Fixture::new(WorldConfig::with_ids([
+        ID,
+        fixture::id(77),
+        fixture::id(250),
+    ]));
+    fixture.command(Command::FullScan).unwrap();
     for _ in 0..40 {
-        bench.adapter_is_busy = true;
-        bench.run(ms(30));
-        bench.adapter_is_busy = false;
-        bench.run(ms(50));
+        fixture.adapter_is_busy = true;
+        fixture.run(ms(30));
+        fixture.adapter_is_busy = false;
+        fixture.run(ms(50));
     }
-    bench.run(ms(8_000));
-    let found = bench.events.iter().find_map(|(_, event)| match event {
+    fixture.run(ms(8_000));
+    let found = fixture.events.iter().find_map(|(_, event)| match event {
         Event::ScanEnded(report) => Some(report.found.clone()),
         _ => None,
     });
-    assert_eq!(found, Some(vec![ID, bench::id(77), bench::id(250)]));
+    assert_eq!(found, Some(vec![ID, fixture::id(77), fixture::id(250)]));
 }
 
 #[test]
 fn a_scan_on_a_port_that_takes_nothing_ends() {
-    let mut bench = Bench::one_motor();
-    bench.adapter_is_busy = true;
-    let report = scan_report(&mut bench);
+    let mut fixture = Fixture::one_motor();
+    fixture.adapter_is_busy = true;
+    let report = scan_report(&mut fixture);
     assert!(report.found.is_empty());
 }
 
@@ -183,31 +187,31 @@ fn reverses(lose: f64, refuse: bool, seed: u64) -> bool {
         seed,
         ..WorldConfig::default()
     };
-    let mut bench = Bench::watching(config, &[ID]);
-    bench.switch(Mode::Current);
-    bench.drive(amps(2.0)).unwrap();
-    bench.run(ms(100));
-    bench.world.set_faults(WireFaults {
+    let mut fixture = Fixture::watching(config, &[ID]);
+    fixture.switch(Mode::Current);
+    fixture.drive(amps(2.0)).unwrap();
+    fixture.run(ms(100));
+    fixture.world.set_faults(WireFaults {
         lose_request: lose / 2.0,
         lose_reply: lose,
         ..WireFaults::default()
     });
-    bench.forget_the_past();
-    bench.drive(amps(-2.0)).unwrap();
+    fixture.forget_the_past();
+    fixture.drive(amps(-2.0)).unwrap();
     if refuse {
-        bench.adapter_is_busy = true;
-        bench.run(ms(30));
-        bench.adapter_is_busy = false;
+        fixture.adapter_is_busy = true;
+        fixture.run(ms(30));
+        fixture.adapter_is_busy = false;
     }
-    bench.run(ms(400));
+    fixture.run(ms(400));
     let mut zero_at = None;
     let mut answered = false;
-    for (at, event) in &bench.events {
-        let Event::Traffic(traffic) = event else {
+    for (at, event) in &fixture.events {
+        let Event::Line(traffic) = event else {
             continue;
         };
-        match traffic.passed {
-            Passed::Sent { frame, .. } => {
+        match traffic.kind {
+            LineEventKind::Sent { frame, .. } => {
                 if let Ok(Request::Drive { drive, .. }) = Request::parse(&frame) {
                     match drive.signed() {
                         0 => zero_at = Some(*at),
@@ -219,7 +223,7 @@ fn reverses(lose: f64, refuse: bool, seed: u64) -> bool {
                     }
                 }
             }
-            Passed::Heard { .. } => answered |= zero_at.is_some(),
+            LineEventKind::Received { .. } => answered |= zero_at.is_some(),
             _ => {}
         }
     }
@@ -240,15 +244,15 @@ fn a_reversal_waits_for_a_zero_that_is_answered() {
         assert!(reversed >= at_least, "{reversed} of 100, {lose} lost");
     }
     // The same with every zero lost.
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
-    bench.drive(amps(2.0)).unwrap();
-    bench.run(ms(100));
-    bench.world.motor_mut(ID).unwrap().mute(true);
-    bench.forget_the_past();
-    bench.drive(amps(-2.0)).unwrap();
-    bench.run(ms(150));
-    assert!(!bench.sent.is_empty());
-    let value = |sent: &bench::Sent| sent.drive_of(ID).map_or(0, Drive::signed);
-    assert!(bench.sent.iter().all(|sent| value(sent) == 0));
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    fixture.drive(amps(2.0)).unwrap();
+    fixture.run(ms(100));
+    fixture.world.motor_mut(ID).unwrap().mute(true);
+    fixture.forget_the_past();
+    fixture.drive(amps(-2.0)).unwrap();
+    fixture.run(ms(150));
+    assert!(!fixture.sent.is_empty());
+    let value = |sent: &fixture::Sent| sent.drive_of(ID).map_or(0, Drive::signed);
+    assert!(fixture.sent.iter().all(|sent| value(sent) == 0));
 }

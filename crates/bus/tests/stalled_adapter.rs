@@ -7,9 +7,9 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, Sent, degrees, id, longest_gap, ms, rpm};
+use fixture::{Fixture, ID, Sent, degrees, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
@@ -22,26 +22,26 @@ fn stalled() -> WireFaults {
     }
 }
 
-fn as_fast_as_it_goes(bench: &mut Bench) {
-    bench
+fn as_fast_as_it_goes(fixture: &mut Fixture) {
+    fixture
         .command(Command::SetRate(CommandRate::new(500).unwrap()))
         .unwrap();
 }
 
-fn driven(setpoint: Setpoint, mode: Mode) -> Bench {
-    let mut bench = Bench::one_motor();
-    as_fast_as_it_goes(&mut bench);
+fn driven(setpoint: Setpoint, mode: Mode) -> Fixture {
+    let mut fixture = Fixture::one_motor();
+    as_fast_as_it_goes(&mut fixture);
     if mode != Mode::Velocity {
-        bench.switch(mode);
+        fixture.switch(mode);
     }
-    bench.drive(setpoint).unwrap();
-    bench.run(ms(500));
-    bench
+    fixture.drive(setpoint).unwrap();
+    fixture.run(ms(500));
+    fixture
 }
 
 /// When drive frames that are no stop were handed to the adapter since.
-fn moving(bench: &Bench, motor: MotorId, since: Instant) -> Vec<Instant> {
-    let frames = bench.sent.iter().filter(|sent| sent.at >= since);
+fn moving(fixture: &Fixture, motor: MotorId, since: Instant) -> Vec<Instant> {
+    let frames = fixture.sent.iter().filter(|sent| sent.at >= since);
     let moving = frames.filter(|sent| sent.drive_of(motor).is_some_and(|drive| !drive.brakes()));
     moving.map(|sent| sent.at).collect()
 }
@@ -50,15 +50,15 @@ fn moving(bench: &Bench, motor: MotorId, since: Instant) -> Vec<Instant> {
 fn behind_an_adapter_that_stalls_no_more_than_one_drive_frame_waits() {
     for (setpoint, mode) in [(rpm(100), Mode::Velocity), (degrees(90.0), Mode::Position)] {
         for stop_after in [0, 1, 5, 50, 150, 250, 500] {
-            let mut bench = driven(setpoint, mode);
-            let stalls = bench.now;
-            bench.world.set_faults(stalled());
-            bench.run(ms(stop_after));
-            bench
+            let mut fixture = driven(setpoint, mode);
+            let stalls = fixture.now;
+            fixture.world.set_faults(stalled());
+            fixture.run(ms(stop_after));
+            fixture
                 .command(Command::StopAll(StopReason::Operator))
                 .unwrap();
-            bench.run(ms(1000 - stop_after));
-            let waiting = moving(&bench, ID, stalls);
+            fixture.run(ms(1000 - stop_after));
+            let waiting = moving(&fixture, ID, stalls);
             assert!(
                 waiting.len() <= 1,
                 "stopped {stop_after} ms into it, {mode:?}: {} drive frames wait",
@@ -70,28 +70,28 @@ fn behind_an_adapter_that_stalls_no_more_than_one_drive_frame_waits() {
 
 #[test]
 fn what_is_driven_when_a_short_stall_ends_is_driven_on() {
-    let mut bench = driven(rpm(100), Mode::Velocity);
-    bench.world.set_faults(stalled());
-    bench.run(ms(60));
-    bench.world.set_faults(WireFaults::default());
-    let ended = bench.now;
-    bench.run(ms(60));
-    assert!(!moving(&bench, ID, ended).is_empty());
-    assert!((bench.true_rpm() - 100.0).abs() < 5.0);
+    let mut fixture = driven(rpm(100), Mode::Velocity);
+    fixture.world.set_faults(stalled());
+    fixture.run(ms(60));
+    fixture.world.set_faults(WireFaults::default());
+    let ended = fixture.now;
+    fixture.run(ms(60));
+    assert!(!moving(&fixture, ID, ended).is_empty());
+    assert!((fixture.true_rpm() - 100.0).abs() < 5.0);
 }
 
 #[test]
 fn on_a_line_that_loses_frames_a_motor_gets_the_drive_frames_that_it_wants() {
     for (loss, gap_max) in [(0.05, ms(60)), (0.15, ms(90))] {
-        let mut bench = driven(rpm(100), Mode::Velocity);
-        bench.world.set_faults(WireFaults {
+        let mut fixture = driven(rpm(100), Mode::Velocity);
+        fixture.world.set_faults(WireFaults {
             lose_request: loss / 2.0,
             lose_reply: loss / 2.0,
             ..WireFaults::default()
         });
-        let began = bench.now;
-        bench.run(ms(10_000));
-        let frames = moving(&bench, ID, began);
+        let began = fixture.now;
+        fixture.run(ms(10_000));
+        let frames = moving(&fixture, ID, began);
         assert!(frames.len() >= 1500, "{loss}: {} in 10 s", frames.len());
         assert!(
             longest_gap(&frames) <= gap_max,
@@ -104,33 +104,33 @@ fn on_a_line_that_loses_frames_a_motor_gets_the_drive_frames_that_it_wants() {
 /// The echo of a frame proves that the adapter has carried it.
 #[test]
 fn where_the_adapter_echoes_a_lost_reply_holds_no_drive_frame_back() {
-    let mut bench = driven(rpm(100), Mode::Velocity);
-    bench.world.set_faults(WireFaults {
+    let mut fixture = driven(rpm(100), Mode::Velocity);
+    fixture.world.set_faults(WireFaults {
         echo: Echo::Whole,
         lose_reply: 1.0,
         ..WireFaults::default()
     });
-    let began = bench.now;
-    bench.run(ms(100));
-    assert!(moving(&bench, ID, began).len() > 1);
+    let began = fixture.now;
+    fixture.run(ms(100));
+    assert!(moving(&fixture, ID, began).len() > 1);
 }
 
 #[test]
 fn a_motor_that_falls_silent_leaves_those_beside_it_driven() {
-    let mut bench = Bench::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
+    let mut fixture = Fixture::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
     for motor in [ID, id(2)] {
         let drive = Command::Drive {
             id: motor,
             setpoint: rpm(100),
             consent: Consent::None,
         };
-        bench.command(drive).unwrap();
+        fixture.command(drive).unwrap();
     }
-    bench.run(ms(500));
-    bench.world.motor_mut(ID).unwrap().power(false);
-    let since = bench.now;
-    bench.run(ms(5_000));
-    let frames = moving(&bench, id(2), since);
+    fixture.run(ms(500));
+    fixture.world.motor_mut(ID).unwrap().power(false);
+    let since = fixture.now;
+    fixture.run(ms(5_000));
+    let frames = moving(&fixture, id(2), since);
     assert!(frames.len() >= 245, "{} in 5 s", frames.len());
     assert!(longest_gap(&frames) <= ms(60), "{:?}", longest_gap(&frames));
 }
@@ -139,28 +139,28 @@ fn a_motor_that_falls_silent_leaves_those_beside_it_driven() {
 #[test]
 fn of_two_motors_that_lose_power_at_once_neither_is_driven_when_it_is_back() {
     for last in [ID, id(2)] {
-        let mut bench = Bench::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
-        bench.drive(rpm(100)).unwrap();
-        bench.run(ms(1_000));
+        let mut fixture = Fixture::watching(WorldConfig::with_ids([ID, id(2)]), &[ID, id(2)]);
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(1_000));
         // Until the one of them has answered last.
-        bench.run_until(ms(500), |bench| {
-            let newest = bench
+        fixture.run_until(ms(500), |fixture| {
+            let newest = fixture
                 .bus
-                .motors(bench.now)
+                .motors(fixture.now)
                 .max_by_key(|it| it.last.map(|it| it.at));
             newest.unwrap().id == last
         });
         for motor in [ID, id(2)] {
-            bench.world.motor_mut(motor).unwrap().power(false);
+            fixture.world.motor_mut(motor).unwrap().power(false);
         }
-        bench.run(ms(5_000));
-        assert!(bench.happened(|event| matches!(event, Event::Withdrawn { .. })));
+        fixture.run(ms(5_000));
+        assert!(fixture.happened(|event| matches!(event, Event::Withdrawn { .. })));
         for motor in [ID, id(2)] {
-            bench.world.motor_mut(motor).unwrap().power(true);
+            fixture.world.motor_mut(motor).unwrap().power(true);
         }
-        bench.forget_the_past();
-        bench.run(ms(1_000));
+        fixture.forget_the_past();
+        fixture.run(ms(1_000));
         let moves = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0);
-        assert!(!bench.sent.iter().any(moves), "{last} answered last");
+        assert!(!fixture.sent.iter().any(moves), "{last} answered last");
     }
 }

@@ -7,19 +7,19 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
 use std::collections::BTreeMap;
 
-use bench::{Bench, ID, Sent, amps, degrees, id, ms, rpm};
+use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{Activity, Bus, Command, Consent, Event, Refusal, StopReason, StopReport};
 use motorlink_protocol::{Drive, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
 const STOP: Command = Command::StopAll(StopReason::Operator);
 
-fn report(bench: &Bench) -> StopReport {
-    let reports = bench
+fn report(fixture: &Fixture) -> StopReport {
+    let reports = fixture
         .events
         .iter()
         .rev()
@@ -34,33 +34,33 @@ fn brake() -> Drive {
     Setpoint::Brake.into()
 }
 
-fn spinning(target: i32) -> Bench {
-    let mut bench = Bench::one_motor();
-    bench.drive(rpm(target)).unwrap();
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    bench
+fn spinning(target: i32) -> Fixture {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(target)).unwrap();
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    fixture
 }
 
 #[test]
 fn from_100_rpm_the_wheel_stands_within_300_ms_confirmed_and_braked_until_then() {
     for target in [100, -100] {
-        let mut bench = spinning(target);
-        bench.command(STOP).unwrap();
-        let took = bench.run_until(ms(1_000), |b| {
+        let mut fixture = spinning(target);
+        fixture.command(STOP).unwrap();
+        let took = fixture.run_until(ms(1_000), |b| {
             b.happened(|e| matches!(e, Event::StopEnded(_)))
         });
         assert!(took <= ms(300), "{took:?}");
-        assert!(bench.true_rpm().abs() < 1.0, "{}", bench.true_rpm());
-        assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+        assert!(fixture.true_rpm().abs() < 1.0, "{}", fixture.true_rpm());
+        assert!(report(&fixture).motors.iter().all(|motor| motor.confirmed));
         // It was in the velocity loop: no time is spent on switching, and every frame brakes.
-        let ended = bench
+        let ended = fixture
             .events
             .iter()
             .find(|(_, e)| matches!(e, Event::StopEnded(_)))
             .unwrap()
             .0;
-        let of_the_stop = bench.sent.iter().filter(|sent| sent.at < ended);
+        let of_the_stop = fixture.sent.iter().filter(|sent| sent.at < ended);
         assert!(of_the_stop.clone().count() > 20);
         assert!(
             of_the_stop
@@ -73,13 +73,13 @@ fn from_100_rpm_the_wheel_stands_within_300_ms_confirmed_and_braked_until_then()
 #[test]
 fn a_stop_is_the_next_frame_behind_the_exchange_in_flight() {
     for offset_us in (0..20_000).step_by(500) {
-        let mut bench = spinning(100);
-        bench.run(std::time::Duration::from_micros(offset_us));
-        bench.forget_the_past();
-        bench.command(STOP).unwrap();
-        let asked = bench.now;
-        bench.run(ms(10));
-        let first = bench.sent.first().expect("a frame within 10 ms");
+        let mut fixture = spinning(100);
+        fixture.run(std::time::Duration::from_micros(offset_us));
+        fixture.forget_the_past();
+        fixture.command(STOP).unwrap();
+        let asked = fixture.now;
+        fixture.run(ms(10));
+        let first = fixture.sent.first().expect("a frame within 10 ms");
         assert_eq!(first.drive_of(ID), Some(brake()));
         assert!(
             first.at.since(asked) <= ms(3),
@@ -91,102 +91,102 @@ fn a_stop_is_the_next_frame_behind_the_exchange_in_flight() {
 
 #[test]
 fn in_the_current_loop_the_brake_is_sent_while_it_is_switched() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Current);
-    bench.drive(amps(0.3)).unwrap();
-    bench.run(ms(1_500));
-    assert!(bench.true_rpm().abs() > 20.0, "{}", bench.true_rpm());
-    bench.forget_the_past();
-    bench.command(STOP).unwrap();
-    bench.run(ms(1_000));
-    let first = bench
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Current);
+    fixture.drive(amps(0.3)).unwrap();
+    fixture.run(ms(1_500));
+    assert!(fixture.true_rpm().abs() > 20.0, "{}", fixture.true_rpm());
+    fixture.forget_the_past();
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(1_000));
+    let first = fixture
         .sent
         .iter()
         .position(Sent::is_switch)
         .expect("a mode switch");
     assert!(first <= 2);
-    assert_eq!(bench.sent[0].drive_of(ID), Some(brake()));
-    assert!(report(&bench).motors[0].confirmed);
-    assert!(bench.true_rpm().abs() < 1.0);
+    assert_eq!(fixture.sent[0].drive_of(ID), Some(brake()));
+    assert!(report(&fixture).motors[0].confirmed);
+    assert!(fixture.true_rpm().abs() < 1.0);
 }
 
 /// In the position loop a zero setpoint is no stop but a move to 0 degrees.
 #[test]
 fn in_the_position_loop_no_zero_is_sent_before_the_velocity_loop_is_reported() {
-    let mut bench = Bench::one_motor();
-    bench.switch(Mode::Position);
-    bench.drive(degrees(90.0)).unwrap();
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    let before = bench.world.motor(ID).unwrap().angle_deg();
-    bench.command(STOP).unwrap();
-    bench.run(ms(1_000));
-    assert!(bench.sent[0].is_switch());
-    let first_brake = bench
+    let mut fixture = Fixture::one_motor();
+    fixture.switch(Mode::Position);
+    fixture.drive(degrees(90.0)).unwrap();
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    let before = fixture.world.motor(ID).unwrap().angle_deg();
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(1_000));
+    assert!(fixture.sent[0].is_switch());
+    let first_brake = fixture
         .sent
         .iter()
         .find(|s| s.drive_of(ID).is_some())
         .unwrap();
-    let velocity_reported = bench.events.iter().find_map(|(at, event)| match event {
+    let velocity_reported = fixture.events.iter().find_map(|(at, event)| match event {
         Event::Telemetry(sample) if sample.reply.mode == Mode::Velocity => Some(*at),
         _ => None,
     });
     assert!(first_brake.at >= velocity_reported.unwrap());
-    assert!(report(&bench).motors[0].confirmed);
-    let after = bench.world.motor(ID).unwrap().angle_deg();
+    assert!(report(&fixture).motors[0].confirmed);
+    let after = fixture.world.motor(ID).unwrap().angle_deg();
     assert!((after - before).abs() < 2.0, "{before} to {after}");
 }
 
 #[test]
 fn a_stop_during_a_switch_to_the_position_loop_sends_no_zero_into_it() {
     for delay in (0..120).step_by(5) {
-        let mut bench = Bench::one_motor();
+        let mut fixture = Fixture::one_motor();
         // Standing at an angle far from 0, so that a stray zero would show.
-        bench.switch(Mode::Position);
-        bench.drive(degrees(120.0)).unwrap();
-        bench.run(ms(2_000));
-        bench.command(Command::Stop(ID)).unwrap();
-        bench.run(ms(500));
-        let before = bench.world.motor(ID).unwrap().angle_deg();
-        bench
+        fixture.switch(Mode::Position);
+        fixture.drive(degrees(120.0)).unwrap();
+        fixture.run(ms(2_000));
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(500));
+        let before = fixture.world.motor(ID).unwrap().angle_deg();
+        fixture
             .command(Command::SwitchMode {
                 id: ID,
                 mode: Mode::Position,
             })
             .unwrap();
-        bench.run(ms(delay));
-        bench.command(STOP).unwrap();
-        bench.run(ms(1_000));
-        let after = bench.world.motor(ID).unwrap().angle_deg();
+        fixture.run(ms(delay));
+        fixture.command(STOP).unwrap();
+        fixture.run(ms(1_000));
+        let after = fixture.world.motor(ID).unwrap().angle_deg();
         assert!(
             (after - before).abs() < 2.0,
             "after {delay} ms: {before} to {after}"
         );
         // Once the switch was over the wheel stood, idle: there was nothing to stop.
-        assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+        assert!(report(&fixture).motors.iter().all(|motor| motor.confirmed));
     }
 }
 
 #[test]
 fn stopped_means_stopped_until_released_and_release_restores_nothing() {
-    let mut bench = spinning(100);
-    bench.command(STOP).unwrap();
-    bench.run(ms(1_000));
-    assert!(bench.bus.is_halted());
-    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Halted));
+    let mut fixture = spinning(100);
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(1_000));
+    assert!(fixture.bus.is_halted());
+    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Halted));
     assert_eq!(
-        bench.command(Command::SwitchMode {
+        fixture.command(Command::SwitchMode {
             id: ID,
             mode: Mode::Current
         }),
         Err(Refusal::Halted)
     );
-    bench.command(Command::Release).unwrap();
-    bench.forget_the_past();
-    bench.run(ms(2_000));
-    assert!(bench.drive_times(ID).is_empty());
-    assert_eq!(bench.activity(), Activity::Idle);
-    assert_eq!(bench.drive(rpm(50)), Ok(()));
+    fixture.command(Command::Release).unwrap();
+    fixture.forget_the_past();
+    fixture.run(ms(2_000));
+    assert!(fixture.drive_times(ID).is_empty());
+    assert_eq!(fixture.activity(), Activity::Idle);
+    assert_eq!(fixture.drive(rpm(50)), Ok(()));
 }
 
 #[test]
@@ -202,19 +202,19 @@ fn a_halt_outlives_the_port() {
 
 #[test]
 fn a_stop_of_one_motor_does_not_halt_it() {
-    let mut bench = spinning(100);
-    bench.command(Command::Stop(ID)).unwrap();
-    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Stopping(ID)));
-    bench.run(ms(400));
-    assert!(bench.true_rpm().abs() < 1.0);
-    assert_eq!(bench.drive(rpm(50)), Ok(()));
+    let mut fixture = spinning(100);
+    fixture.command(Command::Stop(ID)).unwrap();
+    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Stopping(ID)));
+    fixture.run(ms(400));
+    assert!(fixture.true_rpm().abs() < 1.0);
+    assert_eq!(fixture.drive(rpm(50)), Ok(()));
 }
 
 #[test]
 fn all_motors_are_stopped_round_by_round() {
     let ids: Vec<MotorId> = (1..=4).map(id).collect();
     let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
-    let mut bench = Bench::watching(
+    let mut fixture = Fixture::watching(
         WorldConfig {
             motors,
             ..WorldConfig::default()
@@ -223,7 +223,7 @@ fn all_motors_are_stopped_round_by_round() {
     );
     for motor in &ids {
         let setpoint = rpm(100);
-        bench
+        fixture
             .command(Command::Drive {
                 id: *motor,
                 setpoint,
@@ -231,18 +231,18 @@ fn all_motors_are_stopped_round_by_round() {
             })
             .unwrap();
     }
-    bench.run(ms(2_000));
-    bench.forget_the_past();
-    bench.command(STOP).unwrap();
-    bench.run(ms(1_000));
+    fixture.run(ms(2_000));
+    fixture.forget_the_past();
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(1_000));
     let mut frames: BTreeMap<MotorId, u32> = ids.iter().map(|id| (*id, 0)).collect();
-    let ended = bench
+    let ended = fixture
         .events
         .iter()
         .find(|(_, e)| matches!(e, Event::StopEnded(_)))
         .unwrap()
         .0;
-    for sent in bench.sent.iter().filter(|sent| sent.at < ended) {
+    for sent in fixture.sent.iter().filter(|sent| sent.at < ended) {
         let Request::Drive { id, .. } = sent.request() else {
             panic!("{sent:?}")
         };
@@ -253,15 +253,15 @@ fn all_motors_are_stopped_round_by_round() {
         );
         assert!(most - least <= 1, "{frames:?}");
     }
-    assert_eq!(report(&bench).motors.len(), 4);
-    assert!(report(&bench).motors.iter().all(|motor| motor.confirmed));
+    assert_eq!(report(&fixture).motors.len(), 4);
+    assert!(report(&fixture).motors.iter().all(|motor| motor.confirmed));
 }
 
 #[test]
 fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
     let ids = [id(1), id(2)];
     let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
-    let mut bench = Bench::watching(
+    let mut fixture = Fixture::watching(
         WorldConfig {
             motors,
             ..WorldConfig::default()
@@ -270,7 +270,7 @@ fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
     );
     for motor in ids {
         let setpoint = rpm(100);
-        bench
+        fixture
             .command(Command::Drive {
                 id: motor,
                 setpoint,
@@ -278,17 +278,17 @@ fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
             })
             .unwrap();
     }
-    bench.run(ms(1_500));
-    bench.world.motor_mut(id(2)).unwrap().mute(true);
-    bench.command(STOP).unwrap();
-    bench.run(ms(5_000));
-    let report = report(&bench);
+    fixture.run(ms(1_500));
+    fixture.world.motor_mut(id(2)).unwrap().mute(true);
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(5_000));
+    let report = report(&fixture);
     assert_eq!(report.reason, StopReason::Operator);
     let confirmed: Vec<_> = report.motors.iter().map(|m| (m.id, m.confirmed)).collect();
     assert_eq!(confirmed, [(id(1), true), (id(2), false)]);
     assert_eq!(report.motors[1].speed, None, "unknown is not zero");
     // It hears even though it does not answer, so it was braked all the same.
-    assert!(bench.world.motor(id(2)).unwrap().speed_rpm().abs() < 1.0);
+    assert!(fixture.world.motor(id(2)).unwrap().speed_rpm().abs() < 1.0);
 }
 
 /// Seed 47149: each of the two others was asked while the brake was due, with a window of 40 ms each.
@@ -296,24 +296,24 @@ fn a_motor_that_does_not_answer_is_named_and_costs_the_others_nothing() {
 fn a_brake_that_is_due_waits_for_one_query_at_most() {
     let ids = [id(1), id(2), id(3)];
     let motors = ids.iter().map(|id| MotorConfig::new(*id)).collect();
-    let mut bench = Bench::watching(
+    let mut fixture = Fixture::watching(
         WorldConfig {
             motors,
             ..WorldConfig::default()
         },
         &ids,
     );
-    bench.drive(rpm(100)).unwrap();
-    bench.run(ms(1_500));
-    for motor in bench.world.motors_mut() {
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_500));
+    for motor in fixture.world.motors_mut() {
         motor.mute(true);
     }
-    bench.run_until(ms(1_000), |b| {
+    fixture.run_until(ms(1_000), |b| {
         b.happened(|e| matches!(e, Event::StopBegan(_)))
     });
-    bench.forget_the_past();
-    bench.run(ms(2_000));
-    let of_the_stop = bench.sent.split(|sent| sent.drive_of(ID).is_some());
+    fixture.forget_the_past();
+    fixture.run(ms(2_000));
+    let of_the_stop = fixture.sent.split(|sent| sent.drive_of(ID).is_some());
     let queries: Vec<usize> = of_the_stop.map(<[Sent]>::len).collect();
     assert!(queries.len() > 20, "{queries:?}");
     assert!(queries.iter().all(|queries| *queries <= 1), "{queries:?}");
@@ -321,11 +321,11 @@ fn a_brake_that_is_due_waits_for_one_query_at_most() {
 
 #[test]
 fn a_page_that_does_not_answer_for_a_second_stops_its_motors() {
-    let mut bench = spinning(100);
-    bench.page_lives = false;
-    let hung = bench.now;
-    bench.run(ms(3_000));
-    let first_brake = bench
+    let mut fixture = spinning(100);
+    fixture.page_lives = false;
+    let hung = fixture.now;
+    fixture.run(ms(3_000));
+    let first_brake = fixture
         .sent
         .iter()
         .find(|s| s.drive_of(ID) == Some(brake()))
@@ -335,36 +335,36 @@ fn a_page_that_does_not_answer_for_a_second_stops_its_motors() {
         "{:?}",
         first_brake.at.since(hung)
     );
-    assert!(bench.true_rpm().abs() < 1.0);
-    assert_eq!(report(&bench).reason, StopReason::PageSilent);
+    assert!(fixture.true_rpm().abs() < 1.0);
+    assert_eq!(report(&fixture).reason, StopReason::PageSilent);
     // The page is back: that starts nothing.
-    bench.page_lives = true;
-    bench.forget_the_past();
-    bench.run(ms(2_000));
-    assert!(bench.drive_times(ID).is_empty());
-    assert_eq!(bench.drive(rpm(50)), Err(Refusal::Halted));
+    fixture.page_lives = true;
+    fixture.forget_the_past();
+    fixture.run(ms(2_000));
+    assert!(fixture.drive_times(ID).is_empty());
+    assert_eq!(fixture.drive(rpm(50)), Err(Refusal::Halted));
 }
 
 #[test]
 fn stop_all_brakes_a_watched_wheel_that_turns_though_we_do_not_drive_it() {
-    let mut bench = spinning(100);
+    let mut fixture = spinning(100);
     // As after a reload: another bus, which knows of no command.
-    bench.bus = Bus::new(bench.now);
-    bench.command(Command::Watch(ID)).unwrap();
-    bench.run(ms(150));
-    assert!(bench.true_rpm() > 20.0);
-    bench.command(STOP).unwrap();
-    bench.run(ms(1_000));
-    assert!(bench.true_rpm().abs() < 1.0);
-    assert!(report(&bench).motors[0].confirmed);
+    fixture.bus = Bus::new(fixture.now);
+    fixture.command(Command::Watch(ID)).unwrap();
+    fixture.run(ms(150));
+    assert!(fixture.true_rpm() > 20.0);
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(1_000));
+    assert!(fixture.true_rpm().abs() < 1.0);
+    assert!(report(&fixture).motors[0].confirmed);
 }
 
 #[test]
 fn stop_all_with_nothing_to_stop_ends_at_once_and_halts() {
-    let mut bench = Bench::one_motor();
-    bench.command(STOP).unwrap();
-    bench.run(ms(10));
-    assert_eq!(report(&bench).motors, []);
-    assert!(bench.bus.is_halted());
-    assert!(bench.sent.iter().all(Sent::is_query));
+    let mut fixture = Fixture::one_motor();
+    fixture.command(STOP).unwrap();
+    fixture.run(ms(10));
+    assert_eq!(report(&fixture).motors, []);
+    assert!(fixture.bus.is_halted());
+    assert!(fixture.sent.iter().all(Sent::is_query));
 }

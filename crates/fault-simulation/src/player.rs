@@ -464,14 +464,14 @@ impl Player {
         };
         if let Some(left) = self.refuses.checked_sub(1) {
             self.refuses = left;
-            bus.unsent();
+            bus.transmit_failed();
             self.rules.refused(self.now, frame, 0, true);
             return Ok(());
         }
         if let Some((frames @ 1.., bytes, told)) = self.cuts {
             self.cuts = Some((frames - 1, bytes, told));
             if told {
-                bus.unsent();
+                bus.transmit_failed();
             }
             self.rules.refused(self.now, frame, bytes, told);
             let front = frame.bytes().get(..bytes).unwrap_or_default();

@@ -17,7 +17,7 @@ mod wire;
 use std::{collections::BTreeMap, fmt, time::Duration};
 
 use motorlink_bus::{
-    Bus, Command, Event, Limits, Passed, Refusal, StopReason, StopReport, WithdrawReason,
+    Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport, WithdrawReason,
     is_hazardous,
 };
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
@@ -203,8 +203,14 @@ impl Rules {
                 self.motion.asked(|other| *other == id);
                 self.bounds.commanded(id, consent);
             }
-            Command::DriveTogether { parts, consent }
-            | Command::AdjustTogether { parts, consent } => {
+            Command::DriveGroup {
+                setpoints: parts,
+                consent,
+            }
+            | Command::AdjustGroup {
+                setpoints: parts,
+                consent,
+            } => {
                 for (id, _) in parts.parts() {
                     self.motion.asked(|other| *other == id);
                     self.bounds.commanded(id, consent);
@@ -404,8 +410,8 @@ impl Rules {
                 self.moves_no_more(now, world, |other| other == id);
             }
             Event::Telemetry(_) => self.judge(Rule::TelemetryIsTrue),
-            Event::Traffic(traffic) => self.judge(match traffic.passed {
-                Passed::Heard { .. } => Rule::GoodRepliesAreHeard,
+            Event::Line(traffic) => self.judge(match traffic.kind {
+                LineEventKind::Received { .. } => Rule::GoodRepliesAreHeard,
                 _ => Rule::LogIsComplete,
             }),
             _ => {}

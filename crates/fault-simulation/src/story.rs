@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use motorlink_bus::{
-    Command, CommandRate, Consent, Limits, Ramp, RawInterval, Repeat, SetIdFrames, StopReason,
-    Together,
+    Command, CommandRate, Consent, GroupSetpoints, Limits, Ramp, RawInterval, Repeat, SetIdFrames,
+    StopReason,
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
@@ -162,7 +162,10 @@ impl Teller {
             _ => {
                 acts.extend(self.together().map(|parts| {
                     let consent = Consent::None;
-                    Act::Command(Command::DriveTogether { parts, consent })
+                    Act::Command(Command::DriveGroup {
+                        setpoints: parts,
+                        consent,
+                    })
                 }));
                 acts.push(Act::Line(LineFault::Gathers(self.rng.u8(20..=70))));
             }
@@ -324,11 +327,17 @@ impl Teller {
                 consent,
             },
             12..=14 => match self.together() {
-                Some(parts) => Command::DriveTogether { parts, consent },
+                Some(parts) => Command::DriveGroup {
+                    setpoints: parts,
+                    consent,
+                },
                 None => Command::Stop(id),
             },
             15 => match self.together() {
-                Some(parts) => Command::AdjustTogether { parts, consent },
+                Some(parts) => Command::AdjustGroup {
+                    setpoints: parts,
+                    consent,
+                },
                 None => Command::Stop(id),
             },
             16..=18 => Command::SwitchMode {
@@ -341,7 +350,7 @@ impl Teller {
             23..=24 => Command::Release,
             25 => Command::IdQuery,
             26 => Command::FullScan,
-            27 => Command::CancelSurvey,
+            27 => Command::CancelJob,
             28 => match MotorId::new(self.rng.u8(5..9))
                 .ok()
                 .and_then(|id| AssignableId::new(id).ok())
@@ -351,7 +360,7 @@ impl Teller {
                     to,
                     frames: SetIdFrames::Five,
                 },
-                None => Command::CancelSurvey,
+                None => Command::CancelJob,
             },
             29 => Command::Watch(id),
             30 => Command::SetRamp(Ramp::new(self.rng.u16(50..2_000)).ok()),
@@ -445,14 +454,14 @@ impl Teller {
         Setpoint::Position(PositionTarget::from_degrees(self.rng.f32() * 360.0))
     }
 
-    fn together(&mut self) -> Option<Together> {
+    fn together(&mut self) -> Option<GroupSetpoints> {
         let speed = self.rng.i32(-100..=100);
         let turn = |(place, id): (usize, &MotorId)| {
             let speed = if place % 2 == 0 { speed } else { -speed };
             (*id, Setpoint::velocity(SpeedTarget::clamped(speed)))
         };
         let parts: Vec<_> = self.motors.iter().enumerate().map(turn).collect();
-        Together::new(&parts).ok()
+        GroupSetpoints::new(&parts).ok()
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Command, CommandRate, Consent, Limits, Repeat, SetIdFrames, Together};
+use motorlink_bus::{Command, CommandRate, Consent, GroupSetpoints, Limits, Repeat, SetIdFrames};
 use motorlink_fault_simulation::{
     Absence, Act, Coverage, LineFault, Story, Turn, play, what_passed,
 };
@@ -498,8 +498,8 @@ fn the_last_of_three_withdrawn_motors_waits_for_the_windows_of_two() {
             rpm(id(1), 0),
             Act::Line(LineFault::Stalls),
             pause(2_500),
-            Act::Command(Command::DriveTogether {
-                parts: Together::new(&parts).unwrap(),
+            Act::Command(Command::DriveGroup {
+                setpoints: GroupSetpoints::new(&parts).unwrap(),
                 consent: Consent::HighCurrent,
             }),
             Act::Cuts {

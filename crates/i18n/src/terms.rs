@@ -80,8 +80,8 @@ pub fn explained(explained: Explained) -> String {
             request: Err(error),
             ..
         } => no_request(error),
-        Explained::Heard(Ok(reply)) => heard(&reply),
-        Explained::Heard(Err(error)) => no_reply(error),
+        Explained::Received(Ok(reply)) => heard(&reply),
+        Explained::Received(Err(error)) => no_reply(error),
     }
 }
 

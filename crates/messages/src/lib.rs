@@ -6,8 +6,8 @@
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
 use motorlink_bus::{
-    Command, IdChangeOutcome, IdQueryOutcome, LineStatus, MotorStatus, RawStatus, Refusal, Sample,
-    ScanReport, StopReason, StopReport, SurveyStatus, WithdrawReason,
+    Command, IdChangeOutcome, IdQueryOutcome, JobStatus, LineStatus, MotorStatus, RawStatus,
+    Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
 };
 use motorlink_protocol::{AssignableId, Instant, Mode, MotorId};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -104,7 +104,7 @@ pub struct Update {
     /// Every motor that is asked for telemetry.
     pub motors: Vec<MotorStatus>,
     /// The scan or ID change that is under way.
-    pub survey: Option<SurveyStatus>,
+    pub job: Option<JobStatus>,
     /// The last frame of the raw editor since the port was opened.
     pub raw: Option<RawStatus>,
     /// How the line works; `None` while no port is open.
@@ -281,7 +281,7 @@ mod tests {
             connection: Connection::Failed(ConnectError::OpenFailed),
             halted: true,
             motors: vec![],
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             samples: vec![],

@@ -2,10 +2,10 @@
 //! the recording.
 //!
 //! Frames do not come to it through the page: the worker that owns the port posts them right into the
-//! recorder's line, as [`Traffic`] one behind the other, each encoded as by
+//! recorder's line, as [`LineEvent`] one behind the other, each encoded as by
 //! [`encode`](crate::encode).
 
-use motorlink_bus::{Sample, Traffic};
+use motorlink_bus::{LineEvent, Sample};
 use motorlink_protocol::{Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
@@ -246,7 +246,7 @@ pub struct RecordingStatus {
 }
 
 /// The traffic in a buffer that came from the other worker, oldest first. What does not read ends it.
-pub fn traffic(bytes: &[u8]) -> impl Iterator<Item = Traffic> {
+pub fn traffic(bytes: &[u8]) -> impl Iterator<Item = LineEvent> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
         let (traffic, behind) = postcard::take_from_bytes(rest).ok()?;
@@ -256,7 +256,7 @@ pub fn traffic(bytes: &[u8]) -> impl Iterator<Item = Traffic> {
 }
 
 /// Adds one entry to a buffer that goes to the recorder.
-pub fn push_traffic(buffer: &mut Vec<u8>, traffic: &Traffic) {
+pub fn push_traffic(buffer: &mut Vec<u8>, traffic: &LineEvent) {
     // It always encodes, and the buffer grows.
     if let Ok(longer) = postcard::to_extend(traffic, std::mem::take(buffer)) {
         *buffer = longer;

@@ -18,7 +18,7 @@ pub enum Explained {
         mode: Option<Mode>,
     },
     /// What a motor answered, or why it is no answer.
-    Heard(Result<Reply, ReplyError>),
+    Received(Result<Reply, ReplyError>),
 }
 
 /// Says what a host's frame asks. The value of a drive frame is read in `mode`, the loop that the
@@ -33,8 +33,8 @@ pub fn explain_sent(frame: &Frame, mode: Option<Mode>) -> Explained {
 
 /// Says what a motor's frame reports, read by what was asked.
 #[must_use]
-pub fn explain_heard(frame: &Frame, asked: Option<Layout>) -> Explained {
-    Explained::Heard(Reply::decode(frame, asked))
+pub fn explain_received(frame: &Frame, asked: Option<Layout>) -> Explained {
+    Explained::Received(Reply::decode(frame, asked))
 }
 
 impl fmt::Display for Explained {
@@ -48,8 +48,8 @@ impl fmt::Display for Explained {
                 request: Err(error),
                 ..
             } => error.fmt(f),
-            Self::Heard(Ok(reply)) => heard(f, reply),
-            Self::Heard(Err(error)) => error.fmt(f),
+            Self::Received(Ok(reply)) => heard(f, reply),
+            Self::Received(Err(error)) => error.fmt(f),
         }
     }
 }

@@ -6,9 +6,9 @@
 //! |---|---|
 //! | ask a motor | [`Request`], [`Request::frame`] |
 //! | say what it is to do | [`Setpoint`], of [`SpeedTarget`], [`CurrentTarget`], [`PositionTarget`], [`Acceleration`] |
-//! | read what it answered | [`Reply::decode`] with the [`Layout`] of [`Request::answered_in`] |
+//! | read what it answered | [`Reply::decode`] with the [`Layout`] of [`Request::reply_layout`] |
 //! | know what is wrong | [`Faults`], [`ReplyError`] |
-//! | show any frame in words | [`explain_sent`], [`explain_heard`] |
+//! | show any frame in words | [`explain_sent`], [`explain_received`] |
 //! | play a motor | [`Request::parse`], [`Reply::frame`] |
 #![no_std]
 
@@ -27,7 +27,7 @@ mod target;
 
 pub use clock::Instant;
 pub use crc8::crc8;
-pub use explain::{Explained, explain_heard, explain_sent};
+pub use explain::{Explained, explain_received, explain_sent};
 pub use faults::{Fault, Faults};
 pub use frame::{FRAME_AIRTIME, FRAME_LEN, Frame, FrameParseError};
 pub use measured::{Celsius, CoarsePosition, Current, Position, Rpm, Scaled};

@@ -200,14 +200,14 @@ impl Request {
     ///
     /// A raw frame is answered as what it parses to.
     #[must_use]
-    pub fn answered_in(&self) -> Option<Layout> {
+    pub fn reply_layout(&self) -> Option<Layout> {
         match self {
             Self::Drive { .. } | Self::IdQuery => Some(Layout::Drive),
             Self::Query { .. } => Some(Layout::Query),
             Self::SwitchMode { .. } | Self::SetId { .. } => None,
             Self::Raw(frame) => Self::parse(frame)
                 .ok()
-                .and_then(|parsed| parsed.answered_in()),
+                .and_then(|parsed| parsed.reply_layout()),
         }
     }
 }

@@ -10,7 +10,7 @@
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, Detail, Drive,
     Faults, Frame, Layout, Mode, MotorId, Position, PositionTarget, Reply, Request, Rpm, Setpoint,
-    SpeedTarget, explain_heard, explain_sent,
+    SpeedTarget, explain_received, explain_sent,
 };
 
 const COMMANDS: &str = include_str!("captures/commands.tsv");
@@ -180,7 +180,7 @@ fn a_positive_speed_makes_the_angle_fall() {
 #[test]
 fn frames_explain_themselves() {
     let sent = |text, mode| explain_sent(&frame(text), mode).to_string();
-    let heard = |text, layout| explain_heard(&frame(text), layout).to_string();
+    let heard = |text, layout| explain_received(&frame(text), layout).to_string();
     let velocity = Some(Mode::Velocity);
     assert_eq!(
         sent("01 64 00 64 00 00 00 00 00 4F", velocity),

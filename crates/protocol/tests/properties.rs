@@ -9,7 +9,7 @@
 
 use motorlink_protocol::{
     Acceleration, AssignableId, CoarsePosition, Current, Drive, Frame, Layout, Mode, MotorId,
-    Position, PositionTarget, Reply, Request, SpeedTarget, explain_heard, explain_sent,
+    Position, PositionTarget, Reply, Request, SpeedTarget, explain_received, explain_sent,
 };
 use proptest::prelude::*;
 
@@ -65,7 +65,7 @@ proptest! {
             prop_assert_eq!(undetermined, Ok(reply.undetermined()));
             prop_assert_eq!(undetermined.map(|reply| reply.in_layout(layout)), Ok(reply));
         }
-        prop_assert!(!explain_heard(&frame, layout).to_string().is_empty());
+        prop_assert!(!explain_received(&frame, layout).to_string().is_empty());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! One entry of the log, small enough to keep a million of them.
 
-use motorlink_bus::Passed;
+use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::Kind;
 use motorlink_protocol::{Instant, MotorId, Request};
 
@@ -24,7 +24,7 @@ const _: () = assert!(size_of::<Entry>() == 24);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum What {
     /// Something on the line.
-    Passed(Passed),
+    Passed(LineEventKind),
     /// Something that the page said.
     Said { error: bool, text: TextRef },
 }
@@ -43,9 +43,13 @@ pub(crate) enum Verdict {
 impl Entry {
     pub(crate) const fn kind(&self) -> Kind {
         match self.what {
-            What::Passed(Passed::Sent { .. }) => Kind::Tx,
-            What::Passed(Passed::Heard { .. }) => Kind::Rx,
-            What::Passed(Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. })
+            What::Passed(LineEventKind::Sent { .. }) => Kind::Tx,
+            What::Passed(LineEventKind::Received { .. }) => Kind::Rx,
+            What::Passed(
+                LineEventKind::Junk(_)
+                | LineEventKind::Silence { .. }
+                | LineEventKind::NotSent { .. },
+            )
             | What::Said { error: true, .. } => Kind::Error,
             What::Said { error: false, .. } => Kind::System,
         }
@@ -54,7 +58,7 @@ impl Entry {
     /// The motor that it is of or to. What every motor hears is to none.
     pub(crate) fn id(&self) -> Option<MotorId> {
         match self.what {
-            What::Passed(Passed::Sent { frame, .. } | Passed::Unsent { frame }) => {
+            What::Passed(LineEventKind::Sent { frame, .. } | LineEventKind::NotSent { frame }) => {
                 let [first, second, third, ..] = *frame.bytes();
                 let to_all = match first {
                     0xAA => (second, third) == (0x55, 0x53),
@@ -63,12 +67,12 @@ impl Entry {
                 };
                 MotorId::new(first).ok().filter(|_| !to_all)
             }
-            What::Passed(Passed::Heard { frame, .. }) => {
+            What::Passed(LineEventKind::Received { frame, .. }) => {
                 let [first, ..] = *frame.bytes();
                 MotorId::new(first).ok()
             }
-            What::Passed(Passed::Silence { id, .. }) => Some(id),
-            What::Passed(Passed::Junk(_)) | What::Said { .. } => None,
+            What::Passed(LineEventKind::Silence { id, .. }) => Some(id),
+            What::Passed(LineEventKind::Junk(_)) | What::Said { .. } => None,
         }
     }
 
@@ -76,10 +80,12 @@ impl Entry {
     pub(crate) fn bytes(&self) -> &[u8] {
         match &self.what {
             What::Passed(
-                Passed::Sent { frame, .. } | Passed::Heard { frame, .. } | Passed::Unsent { frame },
+                LineEventKind::Sent { frame, .. }
+                | LineEventKind::Received { frame, .. }
+                | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
-            What::Passed(Passed::Junk(junk)) => junk.bytes(),
-            What::Passed(Passed::Silence { .. }) | What::Said { .. } => &[],
+            What::Passed(LineEventKind::Junk(junk)) => junk.bytes(),
+            What::Passed(LineEventKind::Silence { .. }) | What::Said { .. } => &[],
         }
     }
 }
@@ -93,10 +99,10 @@ mod tests {
 
     fn sent(text: &str) -> Entry {
         let frame: Frame = text.parse().unwrap();
-        entry(Passed::Sent { frame, mode: None })
+        entry(LineEventKind::Sent { frame, mode: None })
     }
 
-    const fn entry(passed: Passed) -> Entry {
+    const fn entry(passed: LineEventKind) -> Entry {
         Entry {
             at: Instant::ZERO,
             what: What::Passed(passed),
@@ -118,9 +124,9 @@ mod tests {
 
     #[test]
     fn junk_is_of_nobody_and_silence_of_its_motor() {
-        let junk = entry(Passed::Junk(JunkBytes::new(&[1, 2, 3])));
+        let junk = entry(LineEventKind::Junk(JunkBytes::new(&[1, 2, 3])));
         assert_eq!((junk.id(), junk.bytes()), (None, &[1, 2, 3][..]));
-        let silence = entry(Passed::Silence {
+        let silence = entry(LineEventKind::Silence {
             id: MotorId::FIRST,
             waited_us: 8_000,
         });

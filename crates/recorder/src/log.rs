@@ -1,6 +1,6 @@
 //! The packet log: the newest entries, in the order of their times, and a view of them.
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::{Filter, LogPage, Window};
 use motorlink_protocol::Instant;
 
@@ -68,9 +68,9 @@ impl Log {
     }
 
     /// Adds what has passed on the line.
-    pub fn passed(&mut self, traffic: &Traffic) {
-        let routine = self.routine.is_next(&traffic.passed);
-        self.take(traffic.at, What::Passed(traffic.passed), routine);
+    pub fn passed(&mut self, traffic: &LineEvent) {
+        let routine = self.routine.is_next(&traffic.kind);
+        self.take(traffic.at, What::Passed(traffic.kind), routine);
     }
 
     /// Adds what the page says.

@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_i18n::Language;
 use motorlink_messages::recorder::{
     Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window,
@@ -150,9 +150,9 @@ impl Recorder {
     }
 
     /// Takes what has passed on the line.
-    pub fn passed(&mut self, traffic: &Traffic) {
+    pub fn passed(&mut self, traffic: &LineEvent) {
         let at = self.timeline.at(traffic.at);
-        let placed = Traffic { at, ..*traffic };
+        let placed = LineEvent { at, ..*traffic };
         self.log.passed(&placed);
         let recorded = self.recording.passed(&placed);
         if let Some(keeper) = &mut self.keeper {

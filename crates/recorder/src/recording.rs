@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Passed, Traffic};
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::RecordingStatus;
 use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, Reply};
 
@@ -33,8 +33,8 @@ const _: () = assert!(size_of::<Sample>() == 24);
 
 impl Sample {
     /// What has passed, where it is a good reply.
-    fn of(traffic: &Traffic) -> Option<Self> {
-        let Passed::Heard { frame, asked } = traffic.passed else {
+    fn of(traffic: &LineEvent) -> Option<Self> {
+        let LineEventKind::Received { frame, asked } = traffic.kind else {
             return None;
         };
         let at = traffic.at;
@@ -98,7 +98,7 @@ impl Recording {
     }
 
     /// Takes the sample out of what has passed, where it is a good reply. Says whether it was recorded.
-    pub fn passed(&mut self, traffic: &Traffic) -> bool {
+    pub fn passed(&mut self, traffic: &LineEvent) -> bool {
         let Some(sample) = Sample::of(traffic) else {
             return false;
         };
@@ -107,14 +107,14 @@ impl Recording {
     }
 
     /// The same, but records nothing.
-    pub(crate) fn roll(&mut self, traffic: &Traffic) {
+    pub(crate) fn roll(&mut self, traffic: &LineEvent) {
         if let Some(sample) = Sample::of(traffic) {
             self.roll_sample(sample);
         }
     }
 
     /// The same, but only records.
-    pub(crate) fn record_again(&mut self, traffic: &Traffic) {
+    pub(crate) fn record_again(&mut self, traffic: &LineEvent) {
         if let Some(sample) = Sample::of(traffic) {
             self.record_sample(sample);
         }
@@ -287,10 +287,10 @@ mod tests {
 
     use super::*;
 
-    fn reply_at(at: Instant) -> Traffic {
-        Traffic {
+    fn reply_at(at: Instant) -> LineEvent {
+        LineEvent {
             at,
-            passed: Passed::Heard {
+            kind: LineEventKind::Received {
                 frame: "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(),
                 asked: Some(Layout::Drive),
             },
@@ -330,16 +330,16 @@ mod tests {
         let mut recording = Recording::default();
         let at = Instant::ZERO;
         let frame = "01 74 00 00 00 00 00 00 00 04".parse().unwrap();
-        let silence = Passed::Silence {
+        let silence = LineEventKind::Silence {
             id: MotorId::FIRST,
             waited_us: 1,
         };
         for passed in [
-            Passed::Sent { frame, mode: None },
-            Passed::Heard { frame, asked: None },
+            LineEventKind::Sent { frame, mode: None },
+            LineEventKind::Received { frame, asked: None },
             silence,
         ] {
-            recording.passed(&Traffic { at, passed });
+            recording.passed(&LineEvent { at, kind: passed });
         }
         assert_eq!(recording.status().rolling, 0);
     }

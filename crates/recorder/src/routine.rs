@@ -4,7 +4,7 @@
 //! drive frame that says something new, a reply with another loop or other faults, and everything
 //! that went wrong.
 
-use motorlink_bus::Passed;
+use motorlink_bus::LineEventKind;
 use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
 
 /// Addresses, and one to spare for an index by the address itself.
@@ -38,9 +38,9 @@ impl Default for Routine {
 
 impl Routine {
     /// Whether this is routine after all that was given before.
-    pub(crate) fn is_next(&mut self, passed: &Passed) -> bool {
+    pub(crate) fn is_next(&mut self, passed: &LineEventKind) -> bool {
         match passed {
-            Passed::Sent { frame, mode } => {
+            LineEventKind::Sent { frame, mode } => {
                 let routine = match Request::parse(frame) {
                     Ok(Request::Query { id }) => Some(id),
                     Ok(Request::Drive { id, .. }) => self
@@ -53,7 +53,7 @@ impl Routine {
                 self.asked = routine;
                 routine.is_some()
             }
-            Passed::Heard { frame, .. } => {
+            LineEventKind::Received { frame, .. } => {
                 let asked = self.asked.take();
                 let Ok(reply) = Reply::decode(frame, None) else {
                     return false;
@@ -63,7 +63,9 @@ impl Routine {
                 let before = before.and_then(|before| before.replied.replace(now));
                 asked == Some(reply.id) && before == Some(now)
             }
-            Passed::Junk(_) | Passed::Silence { .. } | Passed::Unsent { .. } => false,
+            LineEventKind::Junk(_)
+            | LineEventKind::Silence { .. }
+            | LineEventKind::NotSent { .. } => false,
         }
     }
 
@@ -81,12 +83,12 @@ mod tests {
 
     use super::*;
 
-    fn query(id: u8) -> Passed {
+    fn query(id: u8) -> LineEventKind {
         let id = MotorId::new(id).unwrap();
         sent(Request::Query { id }, None)
     }
 
-    fn drive(id: u8, rpm: i32) -> Passed {
+    fn drive(id: u8, rpm: i32) -> LineEventKind {
         let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
         sent(
             Request::drive(MotorId::new(id).unwrap(), setpoint),
@@ -94,12 +96,12 @@ mod tests {
         )
     }
 
-    fn sent(request: Request, mode: Option<Mode>) -> Passed {
+    fn sent(request: Request, mode: Option<Mode>) -> LineEventKind {
         let frame = request.frame();
-        Passed::Sent { frame, mode }
+        LineEventKind::Sent { frame, mode }
     }
 
-    fn reply(id: u8, faults: Faults, mode: Mode, position: u16) -> Passed {
+    fn reply(id: u8, faults: Faults, mode: Mode, position: u16) -> LineEventKind {
         let reply = Reply {
             id: MotorId::new(id).unwrap(),
             mode,
@@ -110,17 +112,17 @@ mod tests {
             },
             faults,
         };
-        Passed::Heard {
+        LineEventKind::Received {
             frame: reply.frame(),
             asked: Some(Layout::Drive),
         }
     }
 
-    fn good(id: u8, position: u16) -> Passed {
+    fn good(id: u8, position: u16) -> LineEventKind {
         reply(id, Faults::NONE, Mode::Velocity, position)
     }
 
-    fn verdicts(passed: &[Passed]) -> Vec<bool> {
+    fn verdicts(passed: &[LineEventKind]) -> Vec<bool> {
         let mut routine = Routine::default();
         passed.iter().map(|one| routine.is_next(one)).collect()
     }
@@ -153,10 +155,10 @@ mod tests {
 
     #[test]
     fn the_same_bytes_read_in_another_loop_are_not_routine() {
-        let Passed::Sent { frame, .. } = drive(1, 0) else {
+        let LineEventKind::Sent { frame, .. } = drive(1, 0) else {
             panic!("a drive frame is sent")
         };
-        let current = Passed::Sent {
+        let current = LineEventKind::Sent {
             frame,
             mode: Some(Mode::Current),
         };
@@ -189,11 +191,11 @@ mod tests {
 
     #[test]
     fn what_nobody_asked_for_and_what_went_wrong_is_not_routine() {
-        let silence = Passed::Silence {
+        let silence = LineEventKind::Silence {
             id: MotorId::FIRST,
             waited_us: 6_000,
         };
-        let junk = Passed::Junk(JunkBytes::new(&[1; 10]));
+        let junk = LineEventKind::Junk(JunkBytes::new(&[1; 10]));
         let passed = [
             query(1),
             good(1, 1),

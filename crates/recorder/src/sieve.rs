@@ -93,7 +93,7 @@ fn contains(row: &[u8], needle: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{JunkBytes, Passed};
+    use motorlink_bus::{JunkBytes, LineEventKind};
     use motorlink_protocol::{Frame, Instant, Layout};
 
     use super::*;
@@ -104,7 +104,7 @@ mod tests {
     fn heard(routine: bool) -> Entry {
         Entry {
             at: Instant::ZERO,
-            what: What::Passed(Passed::Heard {
+            what: What::Passed(LineEventKind::Received {
                 frame: Frame::with_crc([1, 2, 0xFF, 0, 0xFF, 0x9C, 0x17, 0xCF, 0]),
                 asked: Some(Layout::Drive),
             }),
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_row_without_id_and_bytes_is_looked_through_too() {
         let junk = Entry {
-            what: What::Passed(Passed::Junk(JunkBytes::new(&[0xAB]))),
+            what: What::Passed(LineEventKind::Junk(JunkBytes::new(&[0xAB]))),
             ..heard(false)
         };
         let filter = Filter {

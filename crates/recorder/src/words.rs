@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use motorlink_bus::{JunkBytes, Passed};
+use motorlink_bus::{JunkBytes, LineEventKind};
 use motorlink_i18n::{Language, spoken, terms, tr};
 use motorlink_messages::recorder::Row;
-use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_heard, explain_sent};
+use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_received, explain_sent};
 
 use crate::{
     digits::{push_0x, push_decimal, push_hex},
@@ -27,23 +27,25 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
     }
 }
 
-fn translated(passed: &Passed) -> String {
+fn translated(passed: &LineEventKind) -> String {
     match passed {
-        Passed::Sent { frame, mode } => terms::explained(explain_sent(frame, *mode)),
-        Passed::Heard { frame, asked } => terms::explained(explain_heard(frame, *asked)),
-        Passed::Junk(junk) => match explained_junk(junk) {
+        LineEventKind::Sent { frame, mode } => terms::explained(explain_sent(frame, *mode)),
+        LineEventKind::Received { frame, asked } => {
+            terms::explained(explain_received(frame, *asked))
+        }
+        LineEventKind::Junk(junk) => match explained_junk(junk) {
             Some(explained) => tr!("{what}: dropped", what = terms::explained(explained)),
             None => match junk.bytes().len() {
                 1 => tr!("1 byte, no valid frame").to_owned(),
                 count => tr!("{count} bytes, no valid frame", count),
             },
         },
-        Passed::Silence { waited_us, .. } => {
+        LineEventKind::Silence { waited_us, .. } => {
             let (millis, tenth) = to_tenths(*waited_us);
             let ms = terms::in_language(format!("{millis}.{tenth}"));
             tr!("no reply within {ms} ms", ms)
         }
-        Passed::Unsent { .. } => {
+        LineEventKind::NotSent { .. } => {
             tr!("not sent: adapter still busy with the previous frame").to_owned()
         }
     }
@@ -52,7 +54,7 @@ fn translated(passed: &Passed) -> String {
 /// Ten bytes are taken for a frame.
 fn explained_junk(junk: &JunkBytes) -> Option<Explained> {
     let frame = <[u8; FRAME_LEN]>::try_from(junk.bytes()).ok()?;
-    Some(explain_heard(&Frame::new(frame), None))
+    Some(explain_received(&Frame::new(frame), None))
 }
 
 /// Milliseconds and their tenths, to the nearest, which is the step of a browser's clock.
@@ -66,14 +68,14 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     // Writing into a text does not fail.
     let _ = match &entry.what {
         What::Said { text, .. } => out.write_str(texts.get(*text)),
-        What::Passed(Passed::Sent { frame, mode }) => {
+        What::Passed(LineEventKind::Sent { frame, mode }) => {
             write!(out, "{}", explain_sent(frame, *mode))
         }
-        What::Passed(Passed::Heard { frame, asked }) => {
-            write!(out, "{}", explain_heard(frame, *asked))
+        What::Passed(LineEventKind::Received { frame, asked }) => {
+            write!(out, "{}", explain_received(frame, *asked))
         }
-        What::Passed(Passed::Junk(junk)) => push_junk(out, junk),
-        What::Passed(Passed::Silence { waited_us, .. }) => {
+        What::Passed(LineEventKind::Junk(junk)) => push_junk(out, junk),
+        What::Passed(LineEventKind::Silence { waited_us, .. }) => {
             out.push_str("no reply within ");
             let (millis, tenth) = to_tenths(*waited_us);
             push_decimal(out, millis);
@@ -81,7 +83,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             push_decimal(out, tenth);
             out.write_str(" ms")
         }
-        What::Passed(Passed::Unsent { .. }) => {
+        What::Passed(LineEventKind::NotSent { .. }) => {
             out.write_str("not sent: adapter still busy with the previous frame")
         }
     };
@@ -150,7 +152,7 @@ mod tests {
         out
     }
 
-    fn passed(passed: Passed) -> String {
+    fn passed(passed: LineEventKind) -> String {
         said(What::Passed(passed), &Texts::default())
     }
 
@@ -159,18 +161,21 @@ mod tests {
             .split(' ')
             .map(|byte| u8::from_str_radix(byte, 16).unwrap())
             .collect();
-        passed(Passed::Junk(JunkBytes::new(&bytes)))
+        passed(LineEventKind::Junk(JunkBytes::new(&bytes)))
     }
 
     #[test]
     fn frames_are_said_as_everywhere_else() {
         let frame = "01 64 00 64 00 00 00 00 00 4F".parse().unwrap();
         let mode = Some(Mode::Velocity);
-        assert_eq!(passed(Passed::Sent { frame, mode }), "drive +100 rpm");
+        assert_eq!(
+            passed(LineEventKind::Sent { frame, mode }),
+            "drive +100 rpm"
+        );
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
         let asked = Some(Layout::Drive);
         assert_eq!(
-            passed(Passed::Heard { frame, asked }),
+            passed(LineEventKind::Received { frame, asked }),
             "+100 rpm, +0.175 A, 66.96°"
         );
     }
@@ -189,7 +194,7 @@ mod tests {
     fn silence_says_how_long_it_was() {
         let silence = |waited_us| {
             let id = MotorId::FIRST;
-            passed(Passed::Silence { id, waited_us })
+            passed(LineEventKind::Silence { id, waited_us })
         };
         assert_eq!(silence(8_000), "no reply within 8.0 ms");
         assert_eq!(silence(25_050), "no reply within 25.1 ms");
@@ -202,13 +207,13 @@ mod tests {
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
         let asked = Some(Layout::Drive);
         assert_eq!(
-            passed(Passed::Heard { frame, asked }),
+            passed(LineEventKind::Received { frame, asked }),
             "+100 rpm, +0,175 A, 66,96°"
         );
         assert!(junk("FF").starts_with("1 ") && !junk("FF").contains("frame is"));
         let id = MotorId::FIRST;
         let waited_us = 8_000;
-        assert!(passed(Passed::Silence { id, waited_us }).contains("8,0 ms"));
+        assert!(passed(LineEventKind::Silence { id, waited_us }).contains("8,0 ms"));
     }
 
     #[test]

@@ -7,7 +7,7 @@
 
 mod line;
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::{Filter, Kind, Row, Window};
 use motorlink_protocol::{Fault, Faults, Frame, Instant, Layout};
 use motorlink_recorder::{CsvFile, Log, Recording};
@@ -32,7 +32,7 @@ fn log_file(log: &mut Log, slice: u64) -> (String, u64) {
     whole(file, log, &Recording::default(), slice)
 }
 
-fn telemetry_file(traffic: &[Traffic]) -> String {
+fn telemetry_file(traffic: &[LineEvent]) -> String {
     let mut recording = Recording::default();
     for passed in traffic {
         recording.passed(passed);

@@ -7,9 +7,9 @@
     reason = "a broken expectation is a failed test"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{id, ms, speed, us};
+use fixture::{id, ms, speed, us};
 use motorlink_protocol::{Instant, Mode, MotorId, Request};
 use motorlink_simulator::{
     Chunk, Echo, MotorConfig, Split, Traffic, WireFaults, World, WorldConfig,

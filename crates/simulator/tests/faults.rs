@@ -7,29 +7,29 @@
     reason = "a broken expectation is a failed test"
 )]
 
-mod bench;
+mod fixture;
 
 use std::time::Duration;
 
-use bench::{Bench, ONE, ms, speed, us};
+use fixture::{Fixture, ONE, ms, speed, us};
 use motorlink_protocol::{Frame, Layout, Reply, Request};
 use motorlink_simulator::{Chunk, Echo, LineCase, Split, VirtualMotor, WireFaults, WorldConfig};
 
 const QUERY: Request = Request::Query { id: ONE };
 
-fn with(faults: WireFaults) -> Bench {
-    Bench::new(WorldConfig {
+fn with(faults: WireFaults) -> Fixture {
+    Fixture::new(WorldConfig {
         faults,
         ..WorldConfig::default()
     })
 }
 
 /// All chunks of one exchange, with their times since its start.
-fn chunks(bench: &mut Bench) -> Vec<(Duration, Vec<u8>)> {
-    let start = bench.now;
-    bench.world.transmit(start, QUERY.frame().bytes());
-    bench.now = bench.now + ms(40);
-    std::iter::from_fn(|| bench.world.receive(start + ms(40)))
+fn chunks(fixture: &mut Fixture) -> Vec<(Duration, Vec<u8>)> {
+    let start = fixture.now;
+    fixture.world.transmit(start, QUERY.frame().bytes());
+    fixture.now = fixture.now + ms(40);
+    std::iter::from_fn(|| fixture.world.receive(start + ms(40)))
         .map(|Chunk { at, bytes }| (at.since(start), bytes))
         .collect()
 }
@@ -41,11 +41,11 @@ fn is_reply(bytes: &[u8]) -> bool {
 
 #[test]
 fn an_echo_comes_whole_in_front_of_the_reply() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         echo: Echo::Whole,
         ..WireFaults::default()
     });
-    let heard = chunks(&mut bench);
+    let heard = chunks(&mut fixture);
     assert_eq!(heard.len(), 2);
     assert_eq!(heard[0], (us(868), QUERY.frame().bytes().to_vec()));
     assert!(is_reply(&heard[1].1));
@@ -54,31 +54,31 @@ fn an_echo_comes_whole_in_front_of_the_reply() {
 /// motor.md: a cut echo in front of a reply shifts the frame.
 #[test]
 fn a_cut_echo_shifts_the_reply() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         echo: Echo::Cut(3),
         ..WireFaults::default()
     });
-    let heard = bench.send(QUERY.frame());
+    let heard = fixture.send(QUERY.frame());
     assert_eq!(heard.len(), 13);
     assert_eq!(heard[..3], QUERY.frame().bytes()[..3]);
     assert!(!is_reply(&heard[..10]));
     assert!(is_reply(&heard[3..]));
     // Every frame again, not only the first.
-    assert_eq!(bench.send(QUERY.frame()).len(), 13);
+    assert_eq!(fixture.send(QUERY.frame()).len(), 13);
 }
 
 #[test]
 fn lost_replies_are_lost_to_the_host_alone() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         lose_reply: 0.25,
         ..WireFaults::default()
     });
     let heard = (0..400)
-        .filter(|_| !bench.send(QUERY.frame()).is_empty())
+        .filter(|_| !fixture.send(QUERY.frame()).is_empty())
         .count();
     assert!((270..330).contains(&heard), "{heard} of 400");
     assert_eq!(
-        bench.world.drain_traffic().count(),
+        fixture.world.drain_traffic().count(),
         800,
         "all were on the wire"
     );
@@ -86,13 +86,13 @@ fn lost_replies_are_lost_to_the_host_alone() {
 
 #[test]
 fn lost_requests_do_not_drive() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         lose_request: 1.0,
         ..WireFaults::default()
     });
-    bench.drive_for(speed(100), ms(500));
-    assert!(!bench.motor().is_driven());
-    assert_eq!(bench.motor().speed_rpm().to_bits(), 0);
+    fixture.drive_for(speed(100), ms(500));
+    assert!(!fixture.motor().is_driven());
+    assert_eq!(fixture.motor().speed_rpm().to_bits(), 0);
 }
 
 #[test]
@@ -116,24 +116,24 @@ fn a_corrupt_reply_has_one_bit_wrong() {
 
 #[test]
 fn a_corrupt_request_is_not_answered() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         corrupt_request: 1.0,
         ..WireFaults::default()
     });
     for _ in 0..100 {
-        assert_eq!(bench.send(QUERY.frame()), []);
+        assert_eq!(fixture.send(QUERY.frame()), []);
     }
 }
 
 #[test]
 fn stray_bytes_come_before_or_after_a_reply() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         stray: 1.0,
         ..WireFaults::default()
     });
     let (mut before, mut after) = (0, 0);
     for _ in 0..100 {
-        let heard = bench.send(QUERY.frame());
+        let heard = fixture.send(QUERY.frame());
         assert!((11..=13).contains(&heard.len()), "{heard:?}");
         before += usize::from(is_reply(&heard[heard.len() - 10..]));
         after += usize::from(is_reply(&heard[..10]));
@@ -143,13 +143,13 @@ fn stray_bytes_come_before_or_after_a_reply() {
 
 #[test]
 fn a_split_reply_comes_in_pieces_that_make_the_whole() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         split: Some(Split::default()),
         ..WireFaults::default()
     });
     let mut pieces_seen = [0; 4];
     for _ in 0..100 {
-        let heard = chunks(&mut bench);
+        let heard = chunks(&mut fixture);
         pieces_seen[heard.len()] += 1;
         assert_eq!(heard[0].0, us(2336));
         assert!(heard.is_sorted_by_key(|(at, _)| *at));
@@ -173,11 +173,11 @@ impl ConcatBytes for Vec<(Duration, Vec<u8>)> {
 /// motor.md: FTDI chips hold received bytes for up to 16 ms.
 #[test]
 fn a_held_reply_comes_late() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         hold: ms(16),
         ..WireFaults::default()
     });
-    let heard = chunks(&mut bench);
+    let heard = chunks(&mut fixture);
     assert_eq!(heard.len(), 1);
     assert_eq!(heard[0].0, us(2336) + ms(16));
     assert!(is_reply(&heard[0].1));
@@ -185,12 +185,12 @@ fn a_held_reply_comes_late() {
 
 #[test]
 fn a_holding_adapter_delivers_echo_and_reply_together() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         echo: Echo::Whole,
         hold: ms(16),
         ..WireFaults::default()
     });
-    let heard = chunks(&mut bench);
+    let heard = chunks(&mut fixture);
     assert_eq!(heard.len(), 1);
     assert_eq!(
         heard[0].0,
@@ -202,54 +202,58 @@ fn a_holding_adapter_delivers_echo_and_reply_together() {
 
 #[test]
 fn a_holding_adapter_delivers_a_full_packet_at_once() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         echo: Echo::Whole,
         hold: ms(16),
         ..WireFaults::default()
     });
-    let start = bench.now;
+    let start = fixture.now;
     for millis in [0, 4, 8, 12] {
-        bench
+        fixture
             .world
             .transmit(start + ms(millis), QUERY.frame().bytes());
     }
-    let chunk = bench.world.receive(start + ms(40)).expect("a packet");
+    let chunk = fixture.world.receive(start + ms(40)).expect("a packet");
     assert!(chunk.bytes.len() >= 62, "{}", chunk.bytes.len());
     assert!(chunk.at < start + ms(16));
 }
 
 #[test]
 fn faults_can_be_changed_while_it_runs() {
-    let mut bench = with(WireFaults::default());
-    assert!(bench.ask(QUERY).is_some());
-    bench.world.set_faults(WireFaults {
+    let mut fixture = with(WireFaults::default());
+    assert!(fixture.ask(QUERY).is_some());
+    fixture.world.set_faults(WireFaults {
         lose_reply: 1.0,
         ..WireFaults::default()
     });
-    assert!(bench.ask(QUERY).is_none());
-    bench.world.set_faults(WireFaults::default());
-    assert!(bench.ask(QUERY).is_some());
+    assert!(fixture.ask(QUERY).is_none());
+    fixture.world.set_faults(WireFaults::default());
+    assert!(fixture.ask(QUERY).is_some());
 }
 
 #[test]
 fn noise_grows_with_the_speed_of_the_wheel() {
-    let mut bench = with(WireFaults {
+    let mut fixture = with(WireFaults {
         corrupt_reply_per_rpm: 0.002,
         ..WireFaults::default()
     });
-    let good = |bench: &mut Bench| (0..200).filter(|_| bench.drive(speed(0)).is_some()).count();
-    assert_eq!(good(&mut bench), 200, "at rest");
-    bench.drive_for(speed(100), ms(1_000));
+    let good = |fixture: &mut Fixture| {
+        (0..200)
+            .filter(|_| fixture.drive(speed(0)).is_some())
+            .count()
+    };
+    assert_eq!(good(&mut fixture), 200, "at rest");
+    fixture.drive_for(speed(100), ms(1_000));
     let good = (0..400)
-        .filter(|_| bench.drive(speed(100)).is_some())
+        .filter(|_| fixture.drive(speed(100)).is_some())
         .count();
     assert!((280..360).contains(&good), "{good} of 400 at 100 rpm");
 }
 
 #[test]
 fn a_stranger_is_heard_behind_every_reply() {
-    let mut bench = with(LineCase::Stranger.faults());
-    let heard = chunks(&mut bench);
+    let mut fixture = with(LineCase::Stranger.faults());
+    let heard = chunks(&mut fixture);
     assert_eq!(heard.len(), 2);
     assert_eq!(heard[1].0, us(2336 + 868));
     assert!(is_reply(&heard[0].1) && is_reply(&heard[1].1));
@@ -258,44 +262,48 @@ fn a_stranger_is_heard_behind_every_reply() {
 
 #[test]
 fn two_motors_that_share_an_id_are_garbage_and_one_alone_is_heard_again() {
-    let mut bench = with(WireFaults::default());
-    bench.world.set_case(bench.now, LineCase::SharedId);
-    assert_eq!(bench.world.motors().count(), 2);
+    let mut fixture = with(WireFaults::default());
+    fixture.world.set_case(fixture.now, LineCase::SharedId);
+    assert_eq!(fixture.world.motors().count(), 2);
     for _ in 0..100 {
-        let heard = bench.send(QUERY.frame());
+        let heard = fixture.send(QUERY.frame());
         assert!(!heard.is_empty() && !is_reply(&heard));
     }
     // Chosen twice, there are two and not three.
-    bench.world.set_case(bench.now, LineCase::SharedId);
-    assert_eq!(bench.world.motors().count(), 2);
-    bench.world.set_case(bench.now, LineCase::Good);
-    assert_eq!(bench.world.motors().count(), 1);
-    assert!(bench.ask(QUERY).is_some());
+    fixture.world.set_case(fixture.now, LineCase::SharedId);
+    assert_eq!(fixture.world.motors().count(), 2);
+    fixture.world.set_case(fixture.now, LineCase::Good);
+    assert_eq!(fixture.world.motors().count(), 1);
+    assert!(fixture.ask(QUERY).is_some());
 }
 
 /// A motor that is plugged in while a frame passes has not heard how it began.
 #[test]
 fn a_motor_does_not_obey_a_frame_that_was_on_the_wire_before_it() {
-    let mut bench = with(WireFaults::default());
+    let mut fixture = with(WireFaults::default());
     let drive = Request::drive(ONE, speed(100)).frame();
-    bench.world.transmit(bench.now, drive.bytes());
-    bench
+    fixture.world.transmit(fixture.now, drive.bytes());
+    fixture
         .world
-        .set_case(bench.now + us(400), LineCase::SharedId);
-    bench.wait(ms(10));
-    let driven: Vec<_> = bench.world.motors().map(VirtualMotor::is_driven).collect();
+        .set_case(fixture.now + us(400), LineCase::SharedId);
+    fixture.wait(ms(10));
+    let driven: Vec<_> = fixture
+        .world
+        .motors()
+        .map(VirtualMotor::is_driven)
+        .collect();
     assert_eq!(driven, [true, false]);
 }
 
 #[test]
 fn no_case_of_a_line_drives_anything() {
-    let mut bench = with(WireFaults::default());
+    let mut fixture = with(WireFaults::default());
     for case in LineCase::ALL {
-        bench.world.set_case(bench.now, case);
+        fixture.world.set_case(fixture.now, case);
         for _ in 0..20 {
-            bench.send(QUERY.frame());
+            fixture.send(QUERY.frame());
         }
-        for motor in bench.world.motors() {
+        for motor in fixture.world.motors() {
             assert!(!motor.is_driven(), "{case:?}");
             assert_eq!(motor.speed_rpm().to_bits(), 0, "{case:?}");
         }
@@ -305,16 +313,16 @@ fn no_case_of_a_line_drives_anything() {
 #[test]
 fn answers_that_collide_become_a_good_frame_only_where_they_are_said_to() {
     for mix_answers in [0.0, 1.0] {
-        let mut bench = Bench::with_ids(&[1, 2, 3]);
-        bench.world.set_faults(WireFaults {
+        let mut fixture = Fixture::with_ids(&[1, 2, 3]);
+        fixture.world.set_faults(WireFaults {
             mix_answers,
             ..WireFaults::default()
         });
-        let heard = bench.send(Request::IdQuery.frame());
+        let heard = fixture.send(Request::IdQuery.frame());
         let frame = Frame::new(heard.try_into().unwrap());
         let is_good = Reply::decode(&frame, Some(Layout::Drive)).is_ok();
         assert_eq!(is_good, mix_answers > 0.0, "{frame}");
         // One alone is as it was.
-        assert!(bench.ask(QUERY).is_some());
+        assert!(fixture.ask(QUERY).is_some());
     }
 }

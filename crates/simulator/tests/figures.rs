@@ -6,11 +6,11 @@
     reason = "a broken expectation is a failed test"
 )]
 
-mod bench;
+mod fixture;
 
 use std::time::Duration;
 
-use bench::{Bench, current, ms, speed, speed_at};
+use fixture::{Fixture, current, ms, speed, speed_at};
 use motorlink_protocol::{Mode, Setpoint};
 
 /// Asserts that a figure is met, and shows both when it is not. `cargo test -- --nocapture` lists
@@ -28,20 +28,20 @@ fn millis(time: Option<Duration>) -> f64 {
     time.expect("reached in time").as_secs_f64() * 1000.0
 }
 
-/// A bench whose motor turns at 120 rpm.
-fn at_120_rpm() -> Bench {
-    let mut bench = Bench::with_one_motor();
-    bench.drive_for(speed(120), ms(1500));
-    assert!((bench.motor().speed_rpm() - 120.0).abs() < 1.0);
-    bench
+/// A fixture whose motor turns at 120 rpm.
+fn at_120_rpm() -> Fixture {
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(120), ms(1500));
+    assert!((fixture.motor().speed_rpm() - 120.0).abs() < 1.0);
+    fixture
 }
 
 /// Measured on real units: 446 ms to 90 % of 120 rpm at acceleration 0 or 1, 837 ms at 2, 1.99 s at 5.
 #[test]
 fn spin_up_takes_as_long_as_acceleration_says() {
     for (accel, published_ms) in [(0, 446.0), (1, 446.0), (2, 837.0), (5, 1990.0)] {
-        let mut bench = Bench::with_one_motor();
-        let time = bench.drive_until(speed_at(120, accel), ms(4000), |motor| {
+        let mut fixture = Fixture::with_one_motor();
+        let time = fixture.drive_until(speed_at(120, accel), ms(4000), |motor| {
             motor.speed_rpm() >= 108.0
         });
         let name = format!("90 % of 120 rpm at acceleration {accel}, ms");
@@ -52,11 +52,11 @@ fn spin_up_takes_as_long_as_acceleration_says() {
 /// Measured on real units: at acceleration 20 the wheel reaches 41 rpm in 3 s.
 #[test]
 fn the_gentlest_published_spin_up_reaches_41_rpm_in_3_s() {
-    let mut bench = Bench::with_one_motor();
-    bench.drive_for(speed_at(120, 20), ms(3000));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed_at(120, 20), ms(3000));
     holds(
         "rpm after 3 s at acceleration 20",
-        bench.motor().speed_rpm().into(),
+        fixture.motor().speed_rpm().into(),
         41.0,
         1.5,
     );
@@ -65,10 +65,10 @@ fn the_gentlest_published_spin_up_reaches_41_rpm_in_3_s() {
 /// Measured on real units: 0.40 A at most on the way to 120 rpm.
 #[test]
 fn spin_up_current_peaks_at_0_4_amps_as_reported() {
-    let mut bench = Bench::with_one_motor();
+    let mut fixture = Fixture::with_one_motor();
     let mut peak = 0.0_f32;
     for _ in 0..45 {
-        let reply = bench.drive(speed(120)).expect("an answer");
+        let reply = fixture.drive(speed(120)).expect("an answer");
         peak = peak.max(reply.current.amps());
     }
     holds("peak current of a spin-up, A", peak.into(), 0.40, 0.05);
@@ -77,17 +77,17 @@ fn spin_up_current_peaks_at_0_4_amps_as_reported() {
 /// Data sheet: 200 +-10 rpm at 18 V, at most 0.25 A; a command of 330 does not reach 330.
 #[test]
 fn without_load_a_command_of_330_runs_at_200_rpm() {
-    let mut bench = Bench::with_one_motor();
-    bench.drive_for(speed(330), ms(3000));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(330), ms(3000));
     holds(
         "no-load speed, rpm",
-        bench.motor().speed_rpm().into(),
+        fixture.motor().speed_rpm().into(),
         200.0,
         10.0,
     );
     let mut sum = 0.0;
     for _ in 0..200 {
-        sum += f64::from(bench.drive(speed(330)).expect("an answer").current.amps());
+        sum += f64::from(fixture.drive(speed(330)).expect("an answer").current.amps());
     }
     let mean = sum / 200.0;
     println!("no-load current, mean of 200 replies: {mean:.3} A, published at most 0.25");
@@ -97,18 +97,18 @@ fn without_load_a_command_of_330_runs_at_200_rpm() {
 /// Data sheet: 115 rpm at 1.25 A under 0.96 N.m.
 #[test]
 fn the_rated_load_gives_the_rated_speed_and_current() {
-    let mut bench = Bench::with_one_motor();
-    bench.motor_mut().set_load_nm(0.96);
-    bench.drive_for(speed(330), ms(5000));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.motor_mut().set_load_nm(0.96);
+    fixture.drive_for(speed(330), ms(5000));
     holds(
         "rated speed, rpm",
-        bench.motor().speed_rpm().into(),
+        fixture.motor().speed_rpm().into(),
         115.0,
         5.0,
     );
     holds(
         "rated current, A",
-        bench.motor().current_a().into(),
+        fixture.motor().current_a().into(),
         1.25,
         0.07,
     );
@@ -117,18 +117,18 @@ fn the_rated_load_gives_the_rated_speed_and_current() {
 /// Data sheet: 2.7 A and 2.0 N.m at stall.
 #[test]
 fn a_blocked_wheel_draws_stall_current() {
-    let mut bench = Bench::with_one_motor();
-    bench.motor_mut().block(true);
-    bench.drive_for(speed(330), ms(2000));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.motor_mut().block(true);
+    fixture.drive_for(speed(330), ms(2000));
     holds(
         "stall current, A",
-        bench.motor().current_a().into(),
+        fixture.motor().current_a().into(),
         2.7,
         0.05,
     );
     holds(
         "stall torque, N.m",
-        bench.motor().torque_nm().into(),
+        fixture.motor().torque_nm().into(),
         2.0,
         0.05,
     );
@@ -137,13 +137,13 @@ fn a_blocked_wheel_draws_stall_current() {
 /// Data sheet: 0.75 N.m/A.
 #[test]
 fn torque_follows_current() {
-    let mut bench = Bench::with_one_motor();
-    bench.switch(Mode::Current);
-    bench.motor_mut().block(true);
-    bench.drive_for(current(1.0), ms(100));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.switch(Mode::Current);
+    fixture.motor_mut().block(true);
+    fixture.drive_for(current(1.0), ms(100));
     holds(
         "torque at 1 A, N.m",
-        bench.motor().torque_nm().into(),
+        fixture.motor().torque_nm().into(),
         0.75,
         0.01,
     );
@@ -164,9 +164,9 @@ fn velocity_zero_stops_in_370_ms() {
 /// Measured on real units: the brake stops an unloaded wheel from 120 rpm in about 250 ms.
 #[test]
 fn the_brake_stops_in_250_ms() {
-    let mut bench = at_120_rpm();
+    let mut fixture = at_120_rpm();
     let stopped = |motor: &motorlink_simulator::VirtualMotor| motor.speed_rpm().abs() < 0.5;
-    let time = bench.drive_until(Setpoint::Brake, ms(2000), stopped);
+    let time = fixture.drive_until(Setpoint::Brake, ms(2000), stopped);
     holds(
         "stop from 120 rpm by the brake, ms",
         millis(time),
@@ -178,9 +178,9 @@ fn the_brake_stops_in_250_ms() {
 /// Measured on real units: acceleration does nothing on the way down.
 #[test]
 fn acceleration_does_not_soften_a_stop() {
-    let mut bench = at_120_rpm();
+    let mut fixture = at_120_rpm();
     let stopped = |motor: &motorlink_simulator::VirtualMotor| motor.speed_rpm().abs() < 0.5;
-    let time = bench.drive_until(speed_at(0, 20), ms(2000), stopped);
+    let time = fixture.drive_until(speed_at(0, 20), ms(2000), stopped);
     holds(
         "stop from 120 rpm at acceleration 20, ms",
         millis(time),
@@ -192,13 +192,13 @@ fn acceleration_does_not_soften_a_stop() {
 /// Measured on real units: a coasting wheel takes more than 6 s from 120 rpm.
 #[test]
 fn a_coasting_wheel_takes_more_than_6_s() {
-    let mut bench = at_120_rpm();
-    let start = bench.now;
-    while bench.motor().speed_rpm() != 0.0 {
-        bench.wait(ms(10));
-        assert!(bench.now.since(start) < ms(20_000), "it never stops");
+    let mut fixture = at_120_rpm();
+    let start = fixture.now;
+    while fixture.motor().speed_rpm() != 0.0 {
+        fixture.wait(ms(10));
+        assert!(fixture.now.since(start) < ms(20_000), "it never stops");
     }
-    let time_s = bench.now.since(start).as_secs_f64();
+    let time_s = fixture.now.since(start).as_secs_f64();
     println!("coasting from 120 rpm: {time_s:.2} s, published more than 6");
     assert!((6.0..12.0).contains(&time_s), "{time_s} s");
 }
@@ -208,12 +208,12 @@ fn a_coasting_wheel_takes_more_than_6_s() {
 #[test]
 fn at_plus_100_rpm_the_reported_angle_falls_by_600_degrees_a_second() {
     for (rpm, published) in [(100, -600.0), (-100, 600.0)] {
-        let mut bench = Bench::with_one_motor();
-        bench.drive_for(speed(rpm), ms(1500));
+        let mut fixture = Fixture::with_one_motor();
+        fixture.drive_for(speed(rpm), ms(1500));
         let mut degrees = 0.0_f64;
-        let mut before = bench.motor().angle_deg();
-        bench.drive_watching(speed(rpm), ms(1000), |_, motor| {
-            degrees += f64::from(bench::turn_between(before, motor.angle_deg()));
+        let mut before = fixture.motor().angle_deg();
+        fixture.drive_watching(speed(rpm), ms(1000), |_, motor| {
+            degrees += f64::from(fixture::turn_between(before, motor.angle_deg()));
             before = motor.angle_deg();
         });
         holds(
@@ -222,7 +222,7 @@ fn at_plus_100_rpm_the_reported_angle_falls_by_600_degrees_a_second() {
             published,
             6.0,
         );
-        let reply = bench.drive(speed(rpm)).expect("an answer");
+        let reply = fixture.drive(speed(rpm)).expect("an answer");
         assert_eq!(i32::from(reply.speed.rpm()), rpm);
     }
 }
@@ -230,10 +230,10 @@ fn at_plus_100_rpm_the_reported_angle_falls_by_600_degrees_a_second() {
 /// The mean of the captured currents at +100 rpm is 0.24 A, none is negative, none above 0.37 A.
 #[test]
 fn current_at_plus_100_rpm_scatters_as_in_the_captures() {
-    let mut bench = Bench::with_one_motor();
-    bench.drive_for(speed(100), ms(1500));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(100), ms(1500));
     let amps: Vec<f32> = (0..200)
-        .map(|_| bench.drive(speed(100)).expect("an answer").current.amps())
+        .map(|_| fixture.drive(speed(100)).expect("an answer").current.amps())
         .collect();
     let mean = f64::from(amps.iter().sum::<f32>()) / 200.0;
     holds("mean current at +100 rpm, A", mean, 0.243, 0.05);
@@ -245,13 +245,13 @@ fn current_at_plus_100_rpm_scatters_as_in_the_captures() {
 /// Captures: a standing motor reports exactly 0 rpm, 6 to 10 raw units of current and 32 degrees.
 #[test]
 fn a_standing_motor_reports_zero_speed_and_next_to_no_current() {
-    let mut bench = Bench::with_one_motor();
-    let reply = bench.query();
+    let mut fixture = Fixture::with_one_motor();
+    let reply = fixture.query();
     assert_eq!(reply.speed.rpm(), 0);
     assert!(
         (4..=12).contains(&reply.current.raw()),
         "{:?}",
         reply.current.raw()
     );
-    assert_eq!(bench.motor().speed_rpm().to_bits(), 0.0_f32.to_bits());
+    assert_eq!(fixture.motor().speed_rpm().to_bits(), 0.0_f32.to_bits());
 }

@@ -7,38 +7,38 @@
     reason = "a broken expectation is a failed test"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ONE, id, ms, speed, us};
+use fixture::{Fixture, ONE, id, ms, speed, us};
 use motorlink_protocol::{Frame, Instant, Layout, Reply, Request};
 use motorlink_simulator::{MotorConfig, Speaker, Traffic, WorldConfig};
 
 /// 868 us for ten bytes, 600 us turnaround, 868 us for the reply (motor.md).
 #[test]
 fn a_reply_comes_whole_when_its_last_byte_has_passed() {
-    let mut bench = Bench::with_one_motor();
-    let start = bench.now;
-    bench
+    let mut fixture = Fixture::with_one_motor();
+    let start = fixture.now;
+    fixture
         .world
         .transmit(start, Request::Query { id: ONE }.frame().bytes());
-    assert_eq!(bench.world.receive(start + us(2335)), None);
-    let chunk = bench.world.receive(start + us(2336)).expect("a reply");
+    assert_eq!(fixture.world.receive(start + us(2335)), None);
+    let chunk = fixture.world.receive(start + us(2336)).expect("a reply");
     assert_eq!(chunk.at, start + us(2336));
     assert_eq!(chunk.bytes.len(), 10);
-    assert_eq!(bench.world.next_event(), None);
+    assert_eq!(fixture.world.next_event(), None);
 }
 
 #[test]
 fn following_next_event_delivers_a_reply_in_few_steps() {
-    let mut bench = Bench::with_one_motor();
-    let start = bench.now;
-    bench
+    let mut fixture = Fixture::with_one_motor();
+    let start = fixture.now;
+    fixture
         .world
         .transmit(start, Request::Query { id: ONE }.frame().bytes());
     let mut steps = Vec::new();
-    while let Some(at) = bench.world.next_event() {
+    while let Some(at) = fixture.world.next_event() {
         steps.push(at.since(start));
-        if bench.world.receive(at).is_some() {
+        if fixture.world.receive(at).is_some() {
             break;
         }
     }
@@ -47,26 +47,26 @@ fn following_next_event_delivers_a_reply_in_few_steps() {
 
 #[test]
 fn turnaround_is_a_setting() {
-    let mut bench = Bench::new(WorldConfig {
+    let mut fixture = Fixture::new(WorldConfig {
         turnaround: us(3000),
         ..WorldConfig::default()
     });
-    let start = bench.now;
-    bench
+    let start = fixture.now;
+    fixture
         .world
         .transmit(start, Request::Query { id: ONE }.frame().bytes());
-    bench.wait(ms(1));
-    assert_eq!(bench.world.receive(start + us(4735)), None);
-    assert!(bench.world.receive(start + us(4736)).is_some());
+    fixture.wait(ms(1));
+    assert_eq!(fixture.world.receive(start + us(4735)), None);
+    assert!(fixture.world.receive(start + us(4736)).is_some());
 }
 
 #[test]
 fn the_traffic_log_has_every_frame_with_its_start() {
-    let mut bench = Bench::with_one_motor();
-    let start = bench.now;
+    let mut fixture = Fixture::with_one_motor();
+    let start = fixture.now;
     let query = Request::Query { id: ONE }.frame();
-    let heard: [u8; 10] = bench.send(query).try_into().unwrap();
-    let traffic: Vec<Traffic> = bench.world.drain_traffic().collect();
+    let heard: [u8; 10] = fixture.send(query).try_into().unwrap();
+    let traffic: Vec<Traffic> = fixture.world.drain_traffic().collect();
     let host = Traffic {
         at: start,
         from: Speaker::Host,
@@ -78,14 +78,14 @@ fn the_traffic_log_has_every_frame_with_its_start() {
         frame: Frame::new(heard),
     };
     assert_eq!(traffic, [host, motor]);
-    assert_eq!(bench.world.drain_traffic().count(), 0);
+    assert_eq!(fixture.world.drain_traffic().count(), 0);
 }
 
 /// motor.md: the ID query is answered by every motor at once; several collide.
 #[test]
 fn two_motors_answer_the_id_query_over_each_other() {
-    let mut bench = Bench::with_ids(&[1, 2]);
-    let heard = bench.send(Request::IdQuery.frame());
+    let mut fixture = Fixture::with_ids(&[1, 2]);
+    let heard = fixture.send(Request::IdQuery.frame());
     assert_eq!(heard.len(), 10, "one burst of garbage");
     let frame = Frame::new(heard.try_into().unwrap());
     assert!(
@@ -93,15 +93,18 @@ fn two_motors_answer_the_id_query_over_each_other() {
         "{frame}"
     );
 
-    bench.world.motor_mut(id(2)).unwrap().power(false);
-    assert!(bench.ask(Request::IdQuery).is_some(), "one alone is heard");
+    fixture.world.motor_mut(id(2)).unwrap().power(false);
+    assert!(
+        fixture.ask(Request::IdQuery).is_some(),
+        "one alone is heard"
+    );
 }
 
 #[test]
 fn two_motors_do_not_disturb_each_other_when_asked_in_turn() {
-    let mut bench = Bench::with_ids(&[1, 2]);
+    let mut fixture = Fixture::with_ids(&[1, 2]);
     for address in [1, 2, 1, 2] {
-        let reply = bench.ask(Request::drive(id(address), speed(50)));
+        let reply = fixture.ask(Request::drive(id(address), speed(50)));
         assert_eq!(reply.expect("an answer").id, id(address));
     }
 }
@@ -109,95 +112,99 @@ fn two_motors_do_not_disturb_each_other_when_asked_in_turn() {
 /// motor.md: two frames back to back collide, and the same motor is lost in every cycle.
 #[test]
 fn a_request_right_after_another_collides_with_the_reply() {
-    let mut bench = Bench::with_ids(&[1, 2]);
+    let mut fixture = Fixture::with_ids(&[1, 2]);
     for _ in 0..20 {
-        let start = bench.now;
+        let start = fixture.now;
         for address in [1, 2] {
             let frame = Request::drive(id(address), speed(50)).frame();
-            bench.world.transmit(start, frame.bytes());
+            fixture.world.transmit(start, frame.bytes());
         }
-        bench.wait(ms(20));
+        fixture.wait(ms(20));
     }
-    assert!(bench.world.motor(id(1)).unwrap().is_driven());
+    assert!(fixture.world.motor(id(1)).unwrap().is_driven());
     assert!(
-        !bench.world.motor(id(2)).unwrap().is_driven(),
+        !fixture.world.motor(id(2)).unwrap().is_driven(),
         "lost in every cycle"
     );
 }
 
 #[test]
 fn after_a_stray_byte_motors_find_frames_again_at_the_next_pause() {
-    let mut bench = Bench::with_one_motor();
+    let mut fixture = Fixture::with_one_motor();
     let query = Request::Query { id: ONE };
-    bench.world.transmit(bench.now, &[0x55]);
-    assert_eq!(bench.send(query.frame()), [], "one byte off");
-    assert!(bench.ask(query).is_some(), "after a pause of 1 ms");
+    fixture.world.transmit(fixture.now, &[0x55]);
+    assert_eq!(fixture.send(query.frame()), [], "one byte off");
+    assert!(fixture.ask(query).is_some(), "after a pause of 1 ms");
 }
 
 #[test]
 fn a_frame_in_two_halves_is_a_frame_if_the_pause_is_short() {
     for (pause, heard) in [(us(900), true), (us(1100), false)] {
-        let mut bench = Bench::with_one_motor();
+        let mut fixture = Fixture::with_one_motor();
         let frame = Request::Query { id: ONE }.frame();
         let (front, back) = frame.bytes().split_at(4);
-        bench.world.transmit(bench.now, front);
+        fixture.world.transmit(fixture.now, front);
         // Four bytes take 347 us.
-        bench.world.transmit(bench.now + us(347) + pause, back);
-        bench.now = bench.now + ms(10);
-        assert_eq!(bench.world.receive(bench.now).is_some(), heard, "{pause:?}");
+        fixture.world.transmit(fixture.now + us(347) + pause, back);
+        fixture.now = fixture.now + ms(10);
+        assert_eq!(
+            fixture.world.receive(fixture.now).is_some(),
+            heard,
+            "{pause:?}"
+        );
     }
 }
 
 #[test]
 fn a_host_that_floods_the_wire_loses_what_it_cannot_carry() {
-    let mut bench = Bench::with_one_motor();
-    bench.world.transmit(bench.now, &vec![0; 1_000_000]);
-    bench.wait(ms(1000));
-    assert!(bench.ask(Request::Query { id: ONE }).is_some());
+    let mut fixture = Fixture::with_one_motor();
+    fixture.world.transmit(fixture.now, &vec![0; 1_000_000]);
+    fixture.wait(ms(1000));
+    assert!(fixture.ask(Request::Query { id: ONE }).is_some());
 }
 
 #[test]
 fn motors_come_and_go() {
-    let mut bench = Bench::with_one_motor();
-    bench.world.add_motor(MotorConfig::new(id(5)));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.world.add_motor(MotorConfig::new(id(5)));
     let five = Request::Query { id: id(5) };
-    assert!(bench.ask(five).is_some());
-    assert!(bench.world.remove_motor(id(5)).is_some());
-    assert!(bench.ask(five).is_none());
-    assert!(bench.world.remove_motor(id(5)).is_none());
+    assert!(fixture.ask(five).is_some());
+    assert!(fixture.world.remove_motor(id(5)).is_some());
+    assert!(fixture.ask(five).is_none());
+    assert!(fixture.world.remove_motor(id(5)).is_none());
 }
 
 #[test]
 fn a_motor_that_goes_while_it_is_asked_does_not_answer() {
-    let mut bench = Bench::with_one_motor();
-    bench
+    let mut fixture = Fixture::with_one_motor();
+    fixture
         .world
-        .transmit(bench.now, Request::Query { id: ONE }.frame().bytes());
-    bench.wait(ms(1));
-    bench.world.remove_motor(ONE);
-    bench.now = bench.now + ms(10);
-    assert_eq!(bench.world.receive(bench.now), None);
+        .transmit(fixture.now, Request::Query { id: ONE }.frame().bytes());
+    fixture.wait(ms(1));
+    fixture.world.remove_motor(ONE);
+    fixture.now = fixture.now + ms(10);
+    assert_eq!(fixture.world.receive(fixture.now), None);
 }
 
 #[test]
 fn time_that_goes_back_counts_as_the_latest() {
-    let mut bench = Bench::with_one_motor();
-    let latest = bench.now + ms(100);
-    bench.world.advance(latest);
-    bench
+    let mut fixture = Fixture::with_one_motor();
+    let latest = fixture.now + ms(100);
+    fixture.world.advance(latest);
+    fixture
         .world
         .transmit(Instant::ZERO, Request::Query { id: ONE }.frame().bytes());
-    let chunk = bench.world.receive(latest + ms(10)).expect("a reply");
+    let chunk = fixture.world.receive(latest + ms(10)).expect("a reply");
     assert_eq!(chunk.at, latest + us(2336));
 }
 
 /// A laptop that slept for a day must not have to integrate it while the page waits.
 #[test]
 fn a_day_at_rest_passes_at_once() {
-    let mut bench = Bench::with_one_motor();
-    bench.drive_for(speed(100), ms(1000));
+    let mut fixture = Fixture::with_one_motor();
+    fixture.drive_for(speed(100), ms(1000));
     let began = std::time::Instant::now();
-    bench.wait(ms(24 * 3_600_000));
+    fixture.wait(ms(24 * 3_600_000));
     assert!(began.elapsed() < ms(2000), "{:?}", began.elapsed());
-    assert!(bench.ask(Request::Query { id: ONE }).is_some());
+    assert!(fixture.ask(Request::Query { id: ONE }).is_some());
 }

@@ -2,7 +2,7 @@
 
 use motorlink_messages::{Adapter, VirtualWire};
 use motorlink_protocol::{Frame, Instant};
-use motorlink_simulator::{LineCase, World, WorldConfig};
+use motorlink_simulator::{LineCondition, World, WorldConfig};
 
 use crate::serial::SerialLine;
 
@@ -42,7 +42,7 @@ impl Line {
     /// Makes the virtual line ill in one way, or well; a real one is as it is.
     pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
         if let Self::Virtual(world) = self {
-            world.set_case(now, case_of(wire));
+            world.set_line_condition(now, case_of(wire));
         }
     }
 
@@ -63,14 +63,14 @@ impl Line {
     }
 }
 
-const fn case_of(wire: VirtualWire) -> LineCase {
+const fn case_of(wire: VirtualWire) -> LineCondition {
     match wire {
-        VirtualWire::Good => LineCase::Good,
-        VirtualWire::Dead => LineCase::Dead,
-        VirtualWire::EchoOnly => LineCase::EchoOnly,
-        VirtualWire::SharedId => LineCase::SharedId,
-        VirtualWire::NoiseGrowsWithSpeed => LineCase::NoiseGrowsWithSpeed,
-        VirtualWire::HoldsBytes => LineCase::HoldsBytes,
-        VirtualWire::Stranger => LineCase::Stranger,
+        VirtualWire::Good => LineCondition::Good,
+        VirtualWire::Dead => LineCondition::Dead,
+        VirtualWire::EchoOnly => LineCondition::EchoOnly,
+        VirtualWire::SharedId => LineCondition::SharedId,
+        VirtualWire::NoiseGrowsWithSpeed => LineCondition::NoiseGrowsWithSpeed,
+        VirtualWire::HoldsBytes => LineCondition::HoldsBytes,
+        VirtualWire::Stranger => LineCondition::Stranger,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{LineStatus, MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample, SurveyStatus};
+use motorlink_bus::{JobStatus, LineStatus, MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample};
 use motorlink_messages::{Connection, Notice, ToPage, Update};
 use motorlink_protocol::Instant;
 
@@ -31,7 +31,7 @@ pub(crate) struct Present {
     pub(crate) connection: Connection,
     pub(crate) halted: bool,
     pub(crate) motors: Vec<MotorStatus>,
-    pub(crate) survey: Option<SurveyStatus>,
+    pub(crate) job: Option<JobStatus>,
     pub(crate) raw: Option<RawStatus>,
     pub(crate) line: Option<LineStatus>,
 }
@@ -75,7 +75,7 @@ impl Outbox {
             connection,
             halted,
             motors,
-            survey,
+            job,
             raw,
             line,
         } = present;
@@ -84,7 +84,7 @@ impl Outbox {
             connection,
             halted,
             motors,
-            survey,
+            job,
             raw,
             line,
             samples: std::mem::take(&mut self.samples),

@@ -227,7 +227,7 @@ pub(crate) async fn read(
     let tell: Rc<dyn Fn(ReadEvent)> = Rc::new(move |event: ReadEvent| {
         if let ReadEvent::Bytes(_) = event {
             let mut proved = in_flight.get();
-            proved.heard();
+            proved.received();
             in_flight.set(proved);
         }
         tell(event);
@@ -485,7 +485,7 @@ mod tests {
         turn().await;
         let in_flight = line.in_flight();
         let mut proved = in_flight.get();
-        proved.heard();
+        proved.received();
         in_flight.set(proved);
         assert!(taken(&mut line, 30, drive));
     }

@@ -100,7 +100,7 @@ impl Station {
             let last_events: Vec<Event> = open.bus.close(now).collect();
             for event in last_events {
                 match event {
-                    Event::Traffic(traffic) => self.tape.push(traffic),
+                    Event::Line(traffic) => self.tape.push(traffic),
                     event => tell(&mut self.outbox, open, event),
                 }
             }
@@ -154,10 +154,10 @@ impl Station {
                 }
                 match open.bus.poll(now) {
                     Output::Transmit(frame) if open.line.write(now, frame) => {}
-                    Output::Transmit(_) => open.bus.unsent(),
+                    Output::Transmit(_) => open.bus.transmit_failed(),
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
                     // Of a port on trial too: the log shows what passed, whoever it came from.
-                    Output::Event(Event::Traffic(traffic)) => self.tape.push(traffic),
+                    Output::Event(Event::Line(traffic)) => self.tape.push(traffic),
                     Output::Event(event) => {
                         if let Event::StopEnded(_) = event
                             && let Stage::Closing(then) = &mut open.stage
@@ -200,7 +200,7 @@ impl Station {
             connection: self.session.connection(),
             halted: self.halted,
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
-            survey: bus.and_then(Bus::survey),
+            job: bus.and_then(Bus::job),
             raw: bus.and_then(Bus::raw),
             line: bus.map(|bus| bus.line_status(now)),
         }

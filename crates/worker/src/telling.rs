@@ -18,7 +18,7 @@ pub(crate) fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
     let notice = match event {
         Event::Telemetry(sample) => return outbox.sample(sample),
         // Traffic went to the recorder.
-        Event::PingPage | Event::Traffic(_) => return,
+        Event::PingPage | Event::Line(_) => return,
         Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
         Event::ScanEnded(report) => Notice::ScanEnded(report),
         Event::IdChangeEnded { from, to, outcome } => Notice::IdChangeEnded { from, to, outcome },

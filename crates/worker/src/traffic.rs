@@ -5,7 +5,7 @@
 use std::{collections::VecDeque, time::Duration};
 
 use js_sys::{Array, Uint8Array};
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::push_traffic;
 use motorlink_protocol::Instant;
 use web_sys::MessagePort;
@@ -22,7 +22,7 @@ const WAITING_MAX: usize = 20_000;
 #[derive(Debug, Default)]
 pub(crate) struct TrafficTape {
     port: Option<MessagePort>,
-    waiting: VecDeque<Traffic>,
+    waiting: VecDeque<LineEvent>,
     last_sent: Instant,
 }
 
@@ -33,7 +33,7 @@ impl TrafficTape {
         self.hurry();
     }
 
-    pub(crate) fn push(&mut self, traffic: Traffic) {
+    pub(crate) fn push(&mut self, traffic: LineEvent) {
         if self.waiting.len() >= WAITING_MAX {
             self.waiting.pop_front();
         }
@@ -72,7 +72,7 @@ mod tests {
     use std::{cell::RefCell, rc::Rc};
 
     use gloo_timers::future::sleep;
-    use motorlink_bus::{JunkBytes, Passed};
+    use motorlink_bus::{JunkBytes, LineEventKind};
     use motorlink_messages::recorder;
     use motorlink_protocol::{Mode, MotorId, Request};
     use wasm_bindgen::{JsCast, prelude::Closure};
@@ -81,28 +81,28 @@ mod tests {
 
     use super::*;
 
-    fn traffic(n: u64) -> Traffic {
+    fn traffic(n: u64) -> LineEvent {
         let id = MotorId::FIRST;
         let passed = match n % 3 {
-            0 => Passed::Sent {
+            0 => LineEventKind::Sent {
                 frame: Request::Query { id }.frame(),
                 mode: Some(Mode::Position),
             },
-            1 => Passed::Junk(JunkBytes::new(&[1, 2, 3])),
-            _ => Passed::Silence {
+            1 => LineEventKind::Junk(JunkBytes::new(&[1, 2, 3])),
+            _ => LineEventKind::Silence {
                 id,
                 waited_us: 8_000,
             },
         };
-        Traffic {
+        LineEvent {
             at: Instant::from_micros(n * 1_234),
-            passed,
+            kind: passed,
         }
     }
 
     #[wasm_bindgen_test]
     async fn what_was_pushed_arrives_in_order_and_what_was_too_much_is_the_oldest() {
-        let heard: Rc<RefCell<Vec<Vec<Traffic>>>> = Rc::default();
+        let heard: Rc<RefCell<Vec<Vec<LineEvent>>>> = Rc::default();
         let channel = MessageChannel::new().unwrap();
         let hear = Rc::clone(&heard);
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {

@@ -47,7 +47,7 @@ fn TabButton(tab: Tab) -> impl IntoView {
     // It goes on when another tab is opened, so its own tells of it.
     let working = page.of_motor(move |session, _| match tab {
         Tab::Loop(_) => false,
-        Tab::IdManager => session.survey.is_some(),
+        Tab::IdManager => session.job.is_some(),
         Tab::RawHex => session.raw.is_some_and(|raw| raw.running),
     });
     view! {

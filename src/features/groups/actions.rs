@@ -125,8 +125,8 @@ impl Groups {
         let Ok(parts) = parts(&crew, wheels) else {
             return;
         };
-        self.page.command(Command::DriveTogether {
-            parts,
+        self.page.command(Command::DriveGroup {
+            setpoints: parts,
             consent: Consent::None,
         });
         self.set_group(Group {
@@ -143,8 +143,8 @@ impl Groups {
     fn adjust_group(self, wheels: Wheels) {
         let crew = self.group.get_value().crew;
         if let Ok(parts) = parts(&crew, wheels) {
-            self.page.command(Command::AdjustTogether {
-                parts,
+            self.page.command(Command::AdjustGroup {
+                setpoints: parts,
                 consent: Consent::None,
             });
         }
@@ -272,8 +272,8 @@ impl Groups {
         let (Notice::Refused { command, .. } | Notice::TooLate(command)) = notice else {
             return;
         };
-        let starts = matches!(command, Command::DriveTogether { .. });
-        if starts || matches!(command, Command::AdjustTogether { .. }) {
+        let starts = matches!(command, Command::DriveGroup { .. });
+        if starts || matches!(command, Command::AdjustGroup { .. }) {
             self.with_pad(DrivePad::end);
         }
         if starts {
@@ -290,7 +290,7 @@ impl Groups {
         let (gone, driven) = self.page.latest.with_value(|session| {
             let gone = !matches!(session.connection, Connection::Connected(_))
                 || session.halted
-                || session.survey.is_some();
+                || session.job.is_some();
             let driven = group.crew.iter().all(|(id, _)| {
                 let activity = session.motor(*id).map(|motor| motor.activity);
                 matches!(activity, Some(Activity::Driven { .. }))

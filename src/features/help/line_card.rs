@@ -5,7 +5,8 @@ use motorlink_i18n::terms;
 use motorlink_messages::{
     bus::Activity,
     protocol::{
-        Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, explain_heard, explain_sent,
+        Detail, Frame, Layout, Mode, MotorId, Reply, Request, Setpoint, explain_received,
+        explain_sent,
     },
 };
 
@@ -60,7 +61,10 @@ impl LineCard {
         };
         let heard = |reply: Reply, layout| {
             let frame = reply.frame();
-            (frame, terms::explained(explain_heard(&frame, Some(layout))))
+            (
+                frame,
+                terms::explained(explain_received(&frame, Some(layout))),
+            )
         };
         let of = |id: MotorId| {
             [

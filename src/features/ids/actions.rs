@@ -64,7 +64,7 @@ impl Ids {
     /// Ends a scan or an ID change, and whatever was to follow.
     pub(crate) fn cancel_scan(self) {
         self.give_up();
-        self.page.command(Command::CancelSurvey);
+        self.page.command(Command::CancelJob);
     }
 
     /// Begins to give the only motor the entered ID: a full scan has to prove that it is one.
@@ -135,8 +135,8 @@ impl Ids {
     /// Takes in whether the bus scans, behind all notices of one message.
     pub(crate) fn look_at_survey(self) {
         self.page.latest.with_value(|session| {
-            let survey = session.survey.as_ref();
-            self.manager.maybe_update(|ids| ids.look(survey));
+            let job = session.job.as_ref();
+            self.manager.maybe_update(|ids| ids.look(job));
         });
     }
 

@@ -8,7 +8,7 @@ use motorlink_i18n::tr;
 use std::fmt::Write;
 
 use motorlink_messages::{
-    bus::{Refusal, SurveyStatus},
+    bus::{JobStatus, Refusal},
     protocol::{AssignableId, MotorId},
 };
 
@@ -31,7 +31,7 @@ pub(crate) fn found_motors(
 ) -> Vec<FoundMotor> {
     let mut ids = session.found();
     ids.extend_from_slice(kept);
-    if let Some(SurveyStatus::Scanning { found, .. }) = &session.survey {
+    if let Some(JobStatus::Scanning { found, .. }) = &session.job {
         ids.extend_from_slice(found);
     }
     ids.sort_unstable();
@@ -49,7 +49,7 @@ fn reports(session: &Session, id: MotorId) -> String {
         return tr!("found by scan").to_owned();
     };
     // Nobody else is asked while the bus is scanned.
-    if !mode.is_fresh() && session.survey.is_none() {
+    if !mode.is_fresh() && session.job.is_none() {
         return tr!("not replying").to_owned();
     }
     let faults = session.faults(id).filter(Reading::is_fresh);
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn everyone_who_answered_is_listed_once_and_in_order() {
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
-        session.survey = Some(SurveyStatus::Scanning {
+        session.job = Some(JobStatus::Scanning {
             asked: 9,
             of: 254,
             left_ms: 1_000,
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(lines(&session, &[])[0].2, "current loop, fault: stall");
         session.now = session.now + std::time::Duration::from_secs(3);
         assert_eq!(lines(&session, &[])[0].2, "not replying");
-        session.survey = Some(SurveyStatus::Stopping);
+        session.job = Some(JobStatus::Stopping);
         assert_eq!(lines(&session, &[])[0].2, "current loop");
     }
 

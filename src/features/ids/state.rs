@@ -7,7 +7,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdChangeOutcome, ScanReport, SetIdFrames, SurveyStatus},
+    bus::{Command, IdChangeOutcome, JobStatus, ScanReport, SetIdFrames},
     protocol::{AssignableId, MotorId},
 };
 
@@ -170,11 +170,11 @@ impl IdManager {
 
     /// Takes in whether the bus scans, after all notices of the same message. Returns whether that
     /// is news.
-    pub(crate) fn look(&mut self, survey: Option<&SurveyStatus>) -> bool {
+    pub(crate) fn look(&mut self, job: Option<&JobStatus>) -> bool {
         let Wish::Proving { scanning, .. } = &mut self.wish else {
             return false;
         };
-        match (&scanning, survey.is_some()) {
+        match (&scanning, job.is_some()) {
             (false, true) => {
                 *scanning = true;
                 true

@@ -3,7 +3,7 @@ use motorlink_messages::bus::{IdQueryOutcome, Refusal, StopReason};
 use super::*;
 use crate::model::scan_texts::tests::{id, new_id, report};
 
-const SCANNING: SurveyStatus = SurveyStatus::Scanning {
+const SCANNING: JobStatus = JobStatus::Scanning {
     asked: 100,
     of: 254,
     left_ms: 900,
@@ -160,7 +160,7 @@ fn a_stop_ends_the_wish_and_the_stop_before_a_scan_does_not() {
         (StopReason::Operator, false),
         (StopReason::PageSilent, false),
         (StopReason::PageHidden, false),
-        (StopReason::Survey, true),
+        (StopReason::Job, true),
     ] {
         let mut ids = proving(5);
         ids.hear(&Notice::StopBegan(reason));
@@ -194,7 +194,7 @@ fn a_scan_that_vanishes_without_a_report_leaves_nothing_pending() {
 fn a_refused_command_ends_the_wish_and_says_why() {
     let mut ids = IdManager::default();
     ids.wish_for(new_id(5));
-    ids.hear(&refused(Command::FullScan, Refusal::Surveying));
+    ids.hear(&refused(Command::FullScan, Refusal::JobRunning));
     assert!(ids.words().advice[0].contains("bus scan is running"));
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
@@ -211,7 +211,7 @@ fn a_refused_command_ends_the_wish_and_says_why() {
 
     // What another part of the page asked for is not ours.
     let mut ids = proving(5);
-    ids.hear(&refused(Command::StopRaw, Refusal::Surveying));
+    ids.hear(&refused(Command::StopRaw, Refusal::JobRunning));
     ended(&mut ids, report(&[1], &[]));
     assert!(ids.question().is_some());
 }

@@ -2,7 +2,7 @@
 
 use leptos::{html::Ul, prelude::*};
 use motorlink_i18n::tr;
-use motorlink_messages::bus::SurveyStatus;
+use motorlink_messages::bus::JobStatus;
 
 use crate::{
     features::ids::{
@@ -118,11 +118,11 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
 #[component]
 fn Progress() -> impl IntoView {
     let page = use_page();
-    let asked = page.of_motor(|session, _| match session.survey {
-        Some(SurveyStatus::Scanning { asked, .. }) => asked,
+    let asked = page.of_motor(|session, _| match session.job {
+        Some(JobStatus::Scanning { asked, .. }) => asked,
         _ => 0,
     });
-    let words = page.of_motor(|session, _| of_progress(session.survey.as_ref()));
+    let words = page.of_motor(|session, _| of_progress(session.job.as_ref()));
     view! {
         <div
             class="scan-progress"

@@ -7,7 +7,7 @@ use motorlink_messages::{
     bus::{Bus, Command, Consent, Event, Output},
     protocol::{Instant, Setpoint, SpeedTarget},
 };
-use motorlink_simulator::{LineCase, WireFaults, World, WorldConfig};
+use motorlink_simulator::{LineCondition, WireFaults, World, WorldConfig};
 
 use super::*;
 use crate::features::link_doctor::record::Record;
@@ -281,10 +281,10 @@ struct Clinic {
 
 impl Clinic {
     /// The line is good at first, as on the page.
-    fn new(case: LineCase) -> Self {
+    fn new(case: LineCondition) -> Self {
         let mut clinic = Self::on(World::new(WorldConfig::default()));
         clinic.run_to(clinic.now + Duration::from_secs(1));
-        clinic.world.set_case(clinic.now, case);
+        clinic.world.set_line_condition(clinic.now, case);
         clinic
     }
 
@@ -359,24 +359,30 @@ impl Clinic {
 #[test]
 fn every_case_of_the_virtual_line_is_diagnosed() {
     for (case, expected) in [
-        (LineCase::Good, Verdict::Well),
-        (LineCase::Dead, Verdict::Ill(vec![Diagnosis::Nothing])),
-        (LineCase::EchoOnly, Verdict::Ill(vec![Diagnosis::EchoOnly])),
+        (LineCondition::Good, Verdict::Well),
+        (LineCondition::Dead, Verdict::Ill(vec![Diagnosis::Nothing])),
         (
-            LineCase::SharedId,
+            LineCondition::EchoOnly,
+            Verdict::Ill(vec![Diagnosis::EchoOnly]),
+        ),
+        (
+            LineCondition::SharedId,
             Verdict::Ill(vec![Diagnosis::SharedId(ID)]),
         ),
         // At rest there is nothing to see of it.
-        (LineCase::NoiseGrowsWithSpeed, Verdict::Well),
+        (LineCondition::NoiseGrowsWithSpeed, Verdict::Well),
         (
-            LineCase::HoldsBytes,
+            LineCondition::HoldsBytes,
             Verdict::Ill(vec![Diagnosis::LatencyTimer]),
         ),
-        (LineCase::Stranger, Verdict::Ill(vec![Diagnosis::Stranger])),
+        (
+            LineCondition::Stranger,
+            Verdict::Ill(vec![Diagnosis::Stranger]),
+        ),
     ] {
         let mut clinic = Clinic::new(case);
         // What is lost while the window grows is gone by then, or not counted yet.
-        let first = if case == LineCase::Good { 6 } else { 5 };
+        let first = if case == LineCondition::Good { 6 } else { 5 };
         for seconds in [first, 10, 30] {
             assert_eq!(*clinic.run(seconds), expected, "{case:?}, {seconds} s more");
         }
@@ -385,7 +391,7 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
 
 #[test]
 fn noise_that_grows_with_speed_is_told_from_noise() {
-    let mut clinic = Clinic::new(LineCase::NoiseGrowsWithSpeed);
+    let mut clinic = Clinic::new(LineCondition::NoiseGrowsWithSpeed);
     clinic.run(6);
     clinic.drive(100);
     let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
@@ -395,7 +401,7 @@ fn noise_that_grows_with_speed_is_told_from_noise() {
 
 #[test]
 fn a_driven_motor_on_a_good_line_is_well() {
-    let mut clinic = Clinic::new(LineCase::Good);
+    let mut clinic = Clinic::new(LineCondition::Good);
     assert_eq!(*clinic.run(1), Verdict::TooLittle);
     clinic.run(5);
     clinic.drive(100);
@@ -404,7 +410,7 @@ fn a_driven_motor_on_a_good_line_is_well() {
 
 #[test]
 fn another_connection_begins_anew_and_none_is_none() {
-    let mut clinic = Clinic::new(LineCase::Dead);
+    let mut clinic = Clinic::new(LineCondition::Dead);
     assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
     assert!(matches!(clinic.run(10), Verdict::Ill(_)));
     let other = Session {
@@ -420,11 +426,15 @@ fn another_connection_begins_anew_and_none_is_none() {
 /// While the page is hidden nobody looks: an hour is no second.
 #[test]
 fn what_was_not_looked_at_is_not_counted() {
-    let mut clinic = Clinic::new(LineCase::Good);
+    let mut clinic = Clinic::new(LineCondition::Good);
     clinic.run(5);
-    clinic.world.set_case(clinic.now, LineCase::Dead);
+    clinic
+        .world
+        .set_line_condition(clinic.now, LineCondition::Dead);
     clinic.run_to(clinic.now + Duration::from_secs(60));
-    clinic.world.set_case(clinic.now, LineCase::Good);
+    clinic
+        .world
+        .set_line_condition(clinic.now, LineCondition::Good);
     // The header remembers the last hundred exchanges.
     assert_eq!(*clinic.run(12), Verdict::Well);
 }
@@ -503,12 +513,14 @@ fn the_doctor_is_never_better_than_the_header() {
 #[test]
 fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
     for ms in (0..1_000).step_by(70) {
-        let mut clinic = Clinic::new(LineCase::Good);
+        let mut clinic = Clinic::new(LineCondition::Good);
         clinic.run(6);
         clinic.drive(100);
         assert_eq!(*clinic.run(12), Verdict::Well);
         clinic.run_to(clinic.now + Duration::from_millis(ms));
-        clinic.world.set_case(clinic.now, LineCase::Dead);
+        clinic
+            .world
+            .set_line_condition(clinic.now, LineCondition::Dead);
         let verdicts = course(&mut clinic, 15);
         let nothing = Verdict::Ill(vec![Diagnosis::Nothing]);
         for (second, verdict) in verdicts.iter().enumerate() {
@@ -522,7 +534,9 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
                 "{second} s after {ms} ms: {verdict:?}"
             );
         }
-        clinic.world.set_case(clinic.now, LineCase::Good);
+        clinic
+            .world
+            .set_line_condition(clinic.now, LineCondition::Good);
         let verdicts = course(&mut clinic, 25);
         let lossy = Verdict::Ill(vec![Diagnosis::Lossy]);
         assert!(
@@ -537,7 +551,7 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
 fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
     for rpm in [40, 60, 100, 150] {
         for rest in [2, 6, 12] {
-            let mut clinic = Clinic::new(LineCase::NoiseGrowsWithSpeed);
+            let mut clinic = Clinic::new(LineCondition::NoiseGrowsWithSpeed);
             clinic.run(rest);
             clinic.drive(rpm);
             let verdicts = course(&mut clinic, 70);

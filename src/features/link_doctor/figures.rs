@@ -2,7 +2,7 @@
 //! moves another.
 
 use motorlink_i18n::tr;
-use motorlink_messages::bus::{Counters, LineStatus, ROUND_TRIP_CLASSES_US, RoundTripStatus};
+use motorlink_messages::bus::{Counters, LineStatus, ROUND_TRIP_BINS_US, RoundTripStatus};
 
 use crate::{
     features::link_doctor::{
@@ -97,7 +97,7 @@ fn histogram(round_trip: &RoundTripStatus) -> String {
             &mut bars,
             &["M", &left, " 60v-", &height, "h28v", &height, "z"],
         );
-        if let Some(end_us) = ROUND_TRIP_CLASSES_US.get(class) {
+        if let Some(end_us) = ROUND_TRIP_BINS_US.get(class) {
             let place = ((class + 1) * WIDTH).to_string();
             let end = milliseconds(*end_us);
             let end = end.trim_end_matches(".0");

@@ -123,9 +123,9 @@ impl Raw {
     }
 
     /// Writes an example into the textbox: the query with this answer.
-    pub(crate) fn write_example(self, answered_in: Layout) {
+    pub(crate) fn write_example(self, reply_layout: Layout) {
         let id: MotorId = self.page.selected.get_untracked();
-        let request = match answered_in {
+        let request = match reply_layout {
             Layout::Query => Request::Query { id },
             Layout::Drive => Request::IdQuery,
         };

@@ -8,7 +8,7 @@ use crate::{
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{RawAnswer, RawStatus, unassignable_id},
-    protocol::{Frame, Mode, MotorId, Request, explain_heard, explain_sent},
+    protocol::{Frame, Mode, MotorId, Request, explain_received, explain_sent},
 };
 
 /// Characters of what is no byte that are repeated.
@@ -132,7 +132,7 @@ pub(crate) fn answer(raw: &RawStatus) -> String {
                 frame,
                 from = format!("0x{from:02X}"),
                 ms = format::milliseconds(after_us),
-                meaning = terms::explained(explain_heard(&frame, asked))
+                meaning = terms::explained(explain_received(&frame, asked))
             )
         }
         Some(RawAnswer::Garbled) => {

@@ -100,7 +100,7 @@ fn tell(bench: &Bench, samples: Vec<Sample>) {
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
         motors: vec![motor(Mode::Velocity, Activity::Idle)],
-        survey: None,
+        job: None,
         raw: None,
         line: None,
         samples,

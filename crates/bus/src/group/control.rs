@@ -1,41 +1,41 @@
-//! Motors that are driven as one: all start, or none; and none goes on without the others.
+//! Drives groups: all motors start or none, and all stop together.
 
 use motorlink_protocol::{Instant, MotorId, Setpoint};
 
 use crate::{
     bus::Bus,
     command::{Consent, Refusal},
-    driving::rests,
+    driving::is_rest,
     event::StopReason,
-    group::setpoints::Together,
+    group::setpoints::GroupSetpoints,
     motor::{Control, Motor},
     safety::check_drive,
 };
 
 impl Bus {
-    /// Drives all of them, or refuses and drives none.
-    pub(crate) fn drive_together(
+    /// Drives all motors, or refuses and drives none.
+    pub(crate) fn drive_group(
         &mut self,
         now: Instant,
-        parts: &Together,
+        parts: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
         self.check_not_halted()?;
-        self.check_no_survey()?;
+        self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.limits;
         for (id, setpoint) in parts.parts() {
-            let motor = self.motor_mut(id).ok_or(Refusal::NotHeard(id))?;
+            let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
             match motor.control {
                 Control::Stopping(_) => return Err(Refusal::Stopping(id)),
                 Control::Switching(_) => return Err(Refusal::Switching(id)),
                 Control::Idle | Control::Driven(_) => {}
             }
             check_drive(id, setpoint, consent, limits, motor.known(now))?;
-            self.check_takes_no_part_of_a_group(id, parts)?;
+            self.check_whole_group(id, parts)?;
         }
         self.last_group += 1;
-        // One alone is no group: it is driven as by a command of its own.
+        // A single motor is not a group: it is driven as by its own command.
         let number = (parts.parts().count() > 1).then_some(self.last_group);
         for (id, setpoint) in parts.parts() {
             self.drive(now, id, setpoint, consent)?;
@@ -47,10 +47,10 @@ impl Bus {
     }
 
     /// Changes the setpoints of a group that is driven.
-    pub(crate) fn adjust_together(
+    pub(crate) fn adjust_group(
         &mut self,
         now: Instant,
-        parts: &Together,
+        parts: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
         let mut group = None;
@@ -64,7 +64,7 @@ impl Bus {
             let limits = self.limits;
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
             check_drive(id, setpoint, consent, limits, motor.known(now))?;
-            self.check_takes_no_part_of_a_group(id, parts)?;
+            self.check_whole_group(id, parts)?;
         }
         for (id, setpoint) in parts.parts() {
             self.adjust(now, id, setpoint, consent)?;
@@ -72,30 +72,25 @@ impl Bus {
         Ok(())
     }
 
-    /// Zero, or the brake, for a motor of a group is a stop of the group. Whether it was one.
-    pub(crate) fn rests_with_its_group(
-        &mut self,
-        now: Instant,
-        id: MotorId,
-        setpoint: Setpoint,
-    ) -> bool {
-        let is_stop = rests(setpoint) && self.check_alone(id).is_err();
+    /// Zero or brake for one motor of a group stops the group. Returns whether it did.
+    pub(crate) fn stops_group(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) -> bool {
+        let is_stop = is_rest(setpoint) && self.check_not_in_group(id).is_err();
         if is_stop {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
         }
         is_stop
     }
 
-    /// Refuses what would drive one motor of a group apart from the others.
-    pub(crate) fn check_alone(&self, id: MotorId) -> Result<(), Refusal> {
+    /// Refuses to drive one motor of a group apart from the others.
+    pub(crate) fn check_not_in_group(&self, id: MotorId) -> Result<(), Refusal> {
         let motor = self.motors.iter().find(|motor| motor.id == id);
         match motor.and_then(Motor::group) {
-            Some(_) => Err(Refusal::Together(id)),
+            Some(_) => Err(Refusal::InGroup(id)),
             None => Ok(()),
         }
     }
 
-    fn check_takes_no_part_of_a_group(&self, id: MotorId, parts: &Together) -> Result<(), Refusal> {
+    fn check_whole_group(&self, id: MotorId, parts: &GroupSetpoints) -> Result<(), Refusal> {
         let group = self
             .motors
             .iter()
@@ -103,13 +98,13 @@ impl Bus {
             .and_then(Motor::group);
         let left_out = |motor: &Motor| motor.group() == group && !parts.has(motor.id);
         if group.is_some() && self.motors.iter().any(left_out) {
-            return Err(Refusal::Together(id));
+            return Err(Refusal::InGroup(id));
         }
         Ok(())
     }
 
-    /// Adds to motors that are to be stopped those that are driven together with one of them.
-    pub(crate) fn add_companions(&self, ids: &mut Vec<MotorId>) {
+    /// Adds the other motors of their groups to the motors to stop.
+    pub(crate) fn add_group_members(&self, ids: &mut Vec<MotorId>) {
         let group_of = |id: &MotorId| {
             let motor = self.motors.iter().find(|motor| motor.id == *id);
             motor.and_then(Motor::group)

@@ -1,13 +1,12 @@
-//! Motors that are driven as one: a vehicle.
+//! The setpoints of a group: motors that are driven as one vehicle.
 
 use std::fmt;
 
 use motorlink_protocol::{MotorId, Setpoint};
 
-/// A setpoint for each of several motors, which start together, stop together, and of which none goes
-/// on without the others.
+/// A setpoint for each motor of a group. The motors start together and stop together.
 ///
-/// 1 to [`Together::MAX`] motors, each once.
+/// 1 to [`GroupSetpoints::MAX`] motors, each once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -17,39 +16,39 @@ use motorlink_protocol::{MotorId, Setpoint};
         into = "Vec<(MotorId, Setpoint)>"
     )
 )]
-pub struct Together([Option<(MotorId, Setpoint)>; Together::MAX]);
+pub struct GroupSetpoints([Option<(MotorId, Setpoint)>; GroupSetpoints::MAX]);
 
-/// Why motors cannot be driven together.
+/// Why motors cannot form a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotTogether {
-    /// There is none.
-    Nobody,
-    /// There are more than [`Together::MAX`].
+pub enum GroupError {
+    /// No motor.
+    Empty,
+    /// More than [`GroupSetpoints::MAX`] motors.
     TooMany,
-    /// One is named twice.
-    Twice(MotorId),
+    /// This motor appears twice.
+    Duplicate(MotorId),
 }
 
-impl Together {
-    /// Most motors: twice of what a line can drive at 50 Hz.
+impl GroupSetpoints {
+    /// Most motors: twice as many as a line can drive at 50 Hz.
     pub const MAX: usize = 16;
 
-    /// These motors with these setpoints.
+    /// A group of these motors with these setpoints.
     ///
     /// # Errors
-    /// [`NotTogether`] says what is wrong with them.
-    pub fn new(parts: &[(MotorId, Setpoint)]) -> Result<Self, NotTogether> {
+    /// [`GroupError`] names the rule that they break.
+    pub fn new(parts: &[(MotorId, Setpoint)]) -> Result<Self, GroupError> {
         let mut slots = [None; Self::MAX];
         if parts.is_empty() {
-            return Err(NotTogether::Nobody);
+            return Err(GroupError::Empty);
         }
         if parts.len() > slots.len() {
-            return Err(NotTogether::TooMany);
+            return Err(GroupError::TooMany);
         }
         for (place, (slot, part)) in slots.iter_mut().zip(parts).enumerate() {
             let before = parts.iter().take(place);
             if before.into_iter().any(|(id, _)| *id == part.0) {
-                return Err(NotTogether::Twice(part.0));
+                return Err(GroupError::Duplicate(part.0));
             }
             *slot = Some(*part);
         }
@@ -68,28 +67,32 @@ impl Together {
     }
 }
 
-impl TryFrom<Vec<(MotorId, Setpoint)>> for Together {
-    type Error = NotTogether;
+impl TryFrom<Vec<(MotorId, Setpoint)>> for GroupSetpoints {
+    type Error = GroupError;
 
     fn try_from(parts: Vec<(MotorId, Setpoint)>) -> Result<Self, Self::Error> {
         Self::new(&parts)
     }
 }
 
-impl From<Together> for Vec<(MotorId, Setpoint)> {
-    fn from(together: Together) -> Self {
+impl From<GroupSetpoints> for Vec<(MotorId, Setpoint)> {
+    fn from(together: GroupSetpoints) -> Self {
         together.parts().collect()
     }
 }
 
-impl fmt::Display for NotTogether {
+impl fmt::Display for GroupError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Nobody => f.write_str("no motor is selected"),
-            Self::TooMany => write!(f, "a group has at most {} motors", Together::MAX),
-            Self::Twice(id) => write!(f, "motor {id} is listed twice"),
+            Self::Empty => f.write_str("no motor is chosen"),
+            Self::TooMany => write!(
+                f,
+                "at most {} motors are driven together",
+                GroupSetpoints::MAX
+            ),
+            Self::Duplicate(id) => write!(f, "motor {id} is named twice"),
         }
     }
 }
 
-impl std::error::Error for NotTogether {}
+impl std::error::Error for GroupError {}

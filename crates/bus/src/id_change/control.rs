@@ -1,10 +1,10 @@
-//! How an ID change begins.
+//! Starts an ID change.
 
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     bus::Bus, command::Refusal, id_change::outcome::SetIdFrames, id_change::state::IdChange,
-    job::state::Survey, timing::PROOF_LASTS,
+    job::state::Job, timing::PROOF_LASTS,
 };
 
 impl Bus {
@@ -15,21 +15,21 @@ impl Bus {
         to: AssignableId,
         frames: SetIdFrames,
     ) -> Result<(), Refusal> {
-        self.check_no_survey()?;
+        self.check_no_job()?;
         if from == to.id() {
             return Err(Refusal::SameId(from));
         }
         self.check_not_halted()?;
-        if self.use_proof(now)? != from {
+        if self.take_proof(now)? != from {
             return Err(Refusal::NotProvedAlone);
         }
-        self.make_way(now);
-        self.survey = Some(Survey::IdChange(IdChange::begin(now, from, to, frames)));
+        self.stop_for_job(now);
+        self.job = Some(Job::IdChange(IdChange::begin(now, from, to, frames)));
         Ok(())
     }
 
-    /// The motor that is proved to be alone. A proof is used once.
-    pub(crate) fn use_proof(&mut self, now: Instant) -> Result<MotorId, Refusal> {
+    /// Takes the proof of the only motor on the bus. A proof is used once.
+    pub(crate) fn take_proof(&mut self, now: Instant) -> Result<MotorId, Refusal> {
         let proof = self.proved_alone.take();
         let fresh = proof.filter(|proof| now <= proof.at + PROOF_LASTS);
         fresh.map(|proof| proof.id).ok_or(Refusal::NotProvedAlone)

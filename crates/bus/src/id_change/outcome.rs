@@ -1,56 +1,57 @@
 //! Result of an ID change, and how many set-ID frames it sends.
 
-/// How an ID change ended.
+/// Result of an ID change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum IdChangeOutcome {
     /// The new ID answers and the old one is silent.
     Changed,
-    /// The old ID still answers and the new one does not: the motor has taken an ID since power-up
-    /// already, or takes more frames in a row than it has heard.
+    /// The old ID answers and the new one does not: the motor has already taken an ID since
+    /// power-up, or needs more set-ID frames.
     Kept {
-        /// How many were sent.
+        /// Number of frames sent.
         frames: SetIdFrames,
     },
     /// Neither answers.
     Lost,
     /// Both answer: there is more than one motor.
     Both,
-    /// Just before the first frame, the bus was not as the scan had found it; nothing was sent.
+    /// The check before the first frame did not find exactly this motor. No frame was sent.
     NotAlone,
-    /// A motor did not confirm its stop; nothing was sent.
+    /// A motor did not confirm its stop. No frame was sent.
     NotStopped,
-    /// Stopped by a person or by the page's end. Where frames were sent, the ID may be either.
+    /// Cancelled by the operator or by the end of the page. If frames were sent, the ID may be
+    /// either.
     Cancelled {
-        /// Whether set-ID frames had been sent.
+        /// Number of set-ID frames sent.
         frames_sent: u8,
     },
 }
 
-/// How many set-ID frames are sent in a row.
+/// Number of set-ID frames in a row.
 ///
-/// A DDSM115 takes an ID by the fifth (the maker's samples); M0601 units are reported to take more, and
-/// no source says how many. So a person may double the number three times. A motor that has heard eight
-/// times the maker's five and keeps its ID has another reason: it has taken one since power-up.
+/// A DDSM115 takes an ID by the fifth frame (the maker's samples); M0601 units are reported to need
+/// more, and no source says how many. So the operator may double the number three times. A motor
+/// that ignores eight times the maker's five has another reason: it has taken an ID since power-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SetIdFrames {
-    /// As the maker's samples send.
+    /// As in the maker's samples.
     #[default]
     Five,
     /// Twice as many.
     Ten,
     /// Four times as many.
     Twenty,
-    /// The most that are sent.
+    /// The most frames.
     Forty,
 }
 
 impl SetIdFrames {
-    /// The most that are sent.
+    /// The most frames.
     pub const MAX: Self = Self::Forty;
 
-    /// How many.
+    /// Number of frames.
     #[must_use]
     pub const fn count(self) -> u8 {
         match self {
@@ -61,7 +62,7 @@ impl SetIdFrames {
         }
     }
 
-    /// What to try where these were not enough.
+    /// The next larger number, to try after a failure.
     #[must_use]
     pub const fn more(self) -> Option<Self> {
         match self {

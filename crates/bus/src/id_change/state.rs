@@ -1,35 +1,37 @@
-//! Giving the only motor on the bus another ID: checked before, verified after.
+//! State of an ID change: checks, set-ID frames, verification.
 //!
-//! The full scan that proved it to be alone may be a minute old, so the ID query is asked once more;
-//! then the set-ID frames in a row, with nothing between them; then the new ID has to answer and the
-//! old one has to be silent.
+//! The full scan that proved the motor to be alone may be a minute old. So the ID query is sent
+//! again; then the set-ID frames in a row; then the new ID must answer and the old one must be
+//! silent.
 
 use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     event::IdQueryOutcome,
     id_change::outcome::{IdChangeOutcome, SetIdFrames},
-    job::status::SurveyStatus,
-    probe::{Ask, Look},
-    timing::{ID_LOOK_PERIOD, ID_SETTLE, SET_ID_PERIOD},
+    job::status::JobStatus,
+    probe::{Probe, ProbeResult},
+    timing::{ID_PROBE_PERIOD, ID_SETTLE, SET_ID_PERIOD},
 };
 
-/// ID queries before the bus is said to be other than the scan found it: a reply may be lost.
+/// Most ID queries before the check fails: a reply may be lost.
 const CHECKS_MAX: u8 = 5;
 
-/// So many of them in a row have to bring the one motor: another may miss one.
+/// Clean ID queries in a row that are needed: another motor may miss one.
 const CHECKS_WANTED: u8 = 2;
 
-/// Looks at the new ID, for a second: what a motor takes to write its flash is not published.
-const NEW_LOOKS_MAX: u8 = 20;
+/// Most probes of the new ID, over a second: the time that a motor takes to write its flash is not
+/// published.
+const NEW_PROBES_MAX: u8 = 20;
 
-/// Silent windows at the old ID: with one reply in twenty lost, three hide a motor once in 8,000 times.
+/// Silent windows of the old ID that prove it unused: with one reply in twenty lost, three hide a
+/// motor once in 8,000 times.
 const OLD_SILENCES: u8 = 3;
 
-/// Looks at the old ID in all, where noise comes between.
-const OLD_LOOKS_MAX: u8 = 8;
+/// Most probes of the old ID, if noise comes between.
+const OLD_PROBES_MAX: u8 = 8;
 
-/// An ID change under way.
+/// A running ID change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct IdChange {
     pub(crate) from: MotorId,
@@ -48,28 +50,28 @@ enum Step {
     Sending {
         sent: u8,
     },
-    LookingAtNew {
-        looks: u8,
+    ProbingNew {
+        probes: u8,
     },
-    LookingAtOld {
-        looks: u8,
+    ProbingOld {
+        probes: u8,
         silent: u8,
         new_answers: bool,
     },
-    Over(IdChangeOutcome),
+    Done(IdChangeOutcome),
 }
 
-/// What an ID change wants of the line.
+/// What an ID change does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Want {
-    /// An answer.
-    Ask(Ask),
-    /// The next set-ID frame to be sent.
+pub(crate) enum NextAction {
+    /// Send this probe.
+    Probe(Probe),
+    /// Send the next set-ID frame.
     SetId(AssignableId),
-    /// Nothing before this.
+    /// Wait until this moment.
     Wait(Instant),
-    /// Nothing any more.
-    Over(IdChangeOutcome),
+    /// The ID change has ended.
+    Done(IdChangeOutcome),
 }
 
 impl IdChange {
@@ -88,44 +90,44 @@ impl IdChange {
         }
     }
 
-    /// What to do now. Whatever is asked for counts as done.
-    pub(crate) fn next(&mut self, now: Instant) -> Want {
-        if let Step::Over(outcome) = self.step {
-            return Want::Over(outcome);
+    /// The next action. It counts as done.
+    pub(crate) fn next(&mut self, now: Instant) -> NextAction {
+        if let Step::Done(outcome) = self.step {
+            return NextAction::Done(outcome);
         }
         if now < self.next {
-            return Want::Wait(self.next);
+            return NextAction::Wait(self.next);
         }
         match &mut self.step {
             Step::Checking { asked, .. } => {
                 *asked += 1;
-                Want::Ask(Ask::Everyone)
+                NextAction::Probe(Probe::IdQuery)
             }
             Step::Sending { sent } => {
                 *sent += 1;
                 self.next = now + SET_ID_PERIOD;
                 if *sent == self.frames.count() {
                     self.next = now + ID_SETTLE;
-                    self.step = Step::LookingAtNew { looks: 0 };
+                    self.step = Step::ProbingNew { probes: 0 };
                 }
-                Want::SetId(self.to)
+                NextAction::SetId(self.to)
             }
-            Step::LookingAtNew { looks } => {
-                *looks += 1;
-                self.next = now + ID_LOOK_PERIOD;
-                Want::Ask(Ask::One(self.to.id()))
+            Step::ProbingNew { probes } => {
+                *probes += 1;
+                self.next = now + ID_PROBE_PERIOD;
+                NextAction::Probe(Probe::Query(self.to.id()))
             }
-            Step::LookingAtOld { looks, .. } => {
-                *looks += 1;
-                self.next = now + ID_LOOK_PERIOD;
-                Want::Ask(Ask::One(self.from))
+            Step::ProbingOld { probes, .. } => {
+                *probes += 1;
+                self.next = now + ID_PROBE_PERIOD;
+                NextAction::Probe(Probe::Query(self.from))
             }
-            Step::Over(outcome) => Want::Over(*outcome),
+            Step::Done(outcome) => NextAction::Done(*outcome),
         }
     }
 
-    /// What the ID query brought.
-    pub(crate) fn called(&mut self, outcome: IdQueryOutcome) {
+    /// Result of the ID query.
+    pub(crate) fn id_query_ended(&mut self, outcome: IdQueryOutcome) {
         if let Step::Checking { asked, clean } = self.step {
             self.step = match outcome {
                 IdQueryOutcome::One(id) if id == self.from && clean + 1 >= CHECKS_WANTED => {
@@ -135,45 +137,45 @@ impl IdChange {
                     asked,
                     clean: clean + 1,
                 },
-                IdQueryOutcome::Nobody if asked < CHECKS_MAX => Step::Checking { asked, clean: 0 },
-                // A quarrel is one, though another query may bring one voice.
-                _ => Step::Over(IdChangeOutcome::NotAlone),
+                IdQueryOutcome::NoReply if asked < CHECKS_MAX => Step::Checking { asked, clean: 0 },
+                // A collision is another motor, even if the next query brings one clean reply.
+                _ => Step::Done(IdChangeOutcome::NotAlone),
             };
         }
     }
 
-    /// What a look at an address brought.
-    pub(crate) fn looked(&mut self, id: MotorId, look: Look) {
-        let answers = matches!(look, Look::Reply(_));
+    /// Result of a probe.
+    pub(crate) fn probe_ended(&mut self, id: MotorId, result: ProbeResult) {
+        let answers = matches!(result, ProbeResult::Reply(_));
         self.step = match self.step {
-            Step::LookingAtNew { looks } if id == self.to.id() => {
-                if answers || looks >= NEW_LOOKS_MAX {
-                    Step::LookingAtOld {
-                        looks: 0,
+            Step::ProbingNew { probes } if id == self.to.id() => {
+                if answers || probes >= NEW_PROBES_MAX {
+                    Step::ProbingOld {
+                        probes: 0,
                         silent: 0,
                         new_answers: answers,
                     }
                 } else {
-                    Step::LookingAtNew { looks }
+                    Step::ProbingNew { probes }
                 }
             }
-            Step::LookingAtOld {
-                looks,
+            Step::ProbingOld {
+                probes,
                 silent,
                 new_answers,
             } if id == self.from => {
-                let silent = silent + u8::from(look == Look::Silence);
+                let silent = silent + u8::from(result == ProbeResult::Silence);
                 match (answers, new_answers) {
-                    (true, true) => Step::Over(IdChangeOutcome::Both),
-                    (true, false) => Step::Over(IdChangeOutcome::Kept {
+                    (true, true) => Step::Done(IdChangeOutcome::Both),
+                    (true, false) => Step::Done(IdChangeOutcome::Kept {
                         frames: self.frames,
                     }),
-                    (false, true) if silent >= OLD_SILENCES => Step::Over(IdChangeOutcome::Changed),
-                    (false, false) if silent >= OLD_SILENCES => Step::Over(IdChangeOutcome::Lost),
-                    // Noise is somebody's voice.
-                    (false, _) if looks >= OLD_LOOKS_MAX => Step::Over(IdChangeOutcome::Both),
-                    (false, _) => Step::LookingAtOld {
-                        looks,
+                    (false, true) if silent >= OLD_SILENCES => Step::Done(IdChangeOutcome::Changed),
+                    (false, false) if silent >= OLD_SILENCES => Step::Done(IdChangeOutcome::Lost),
+                    // Noise is the reply of another motor.
+                    (false, _) if probes >= OLD_PROBES_MAX => Step::Done(IdChangeOutcome::Both),
+                    (false, _) => Step::ProbingOld {
+                        probes,
                         silent,
                         new_answers,
                     },
@@ -185,22 +187,22 @@ impl IdChange {
 
     /// A motor did not confirm its stop.
     pub(crate) fn not_stopped(&mut self) {
-        self.step = Step::Over(IdChangeOutcome::NotStopped);
+        self.step = Step::Done(IdChangeOutcome::NotStopped);
     }
 
-    /// How it has ended, or ends when it is cancelled now.
+    /// The outcome, or the outcome of a cancellation now.
     pub(crate) const fn outcome_now(&self) -> IdChangeOutcome {
         let frames_sent = match self.step {
             Step::Checking { .. } => 0,
             Step::Sending { sent } => sent,
-            Step::LookingAtNew { .. } | Step::LookingAtOld { .. } => self.frames.count(),
-            Step::Over(outcome) => return outcome,
+            Step::ProbingNew { .. } | Step::ProbingOld { .. } => self.frames.count(),
+            Step::Done(outcome) => return outcome,
         };
         IdChangeOutcome::Cancelled { frames_sent }
     }
 
-    pub(crate) const fn status(&self) -> SurveyStatus {
-        SurveyStatus::SettingId {
+    pub(crate) const fn status(&self) -> JobStatus {
+        JobStatus::SettingId {
             from: self.from,
             to: self.to,
         }

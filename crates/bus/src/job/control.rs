@@ -1,4 +1,4 @@
-//! Scans and ID changes: they have the line to themselves, once what was driven stands.
+//! Runs scans and ID changes. They have the line to themselves, once driven motors stand.
 
 use std::time::Duration;
 
@@ -10,47 +10,47 @@ use crate::{
     event::{Event, IdQueryOutcome, StopOutcome, StopReason},
     exchange::{Exchange, Expects, Line, Purpose},
     id_change::outcome::IdChangeOutcome,
-    id_change::state::Want,
-    job::state::{Proof, Survey},
-    job::status::SurveyStatus,
+    id_change::state::NextAction,
+    job::state::{Job, Proof},
+    job::status::JobStatus,
     motor::{Control, Motor},
-    probe::Look,
-    schedule::{Errand, Turn},
+    probe::ProbeResult,
+    schedule::{DueFrame, Turn},
 };
 
 impl Bus {
-    /// The scan or ID change that is under way.
+    /// Progress of the running scan or ID change.
     #[must_use]
-    pub fn survey(&self) -> Option<SurveyStatus> {
-        let survey = self.survey.as_ref()?;
+    pub fn job(&self) -> Option<JobStatus> {
+        let job = self.job.as_ref()?;
         if self.stop.is_some() {
-            return Some(SurveyStatus::Stopping);
+            return Some(JobStatus::Stopping);
         }
-        Some(match survey {
-            Survey::Scan(scan) => scan.status(),
-            Survey::IdChange(change) => change.status(),
+        Some(match job {
+            Job::Scan(scan) => scan.status(),
+            Job::IdChange(change) => change.status(),
         })
     }
 
-    /// Whether nothing has or wants the line to itself.
-    pub(crate) fn check_no_survey(&self) -> Result<(), Refusal> {
-        let calling = matches!(
+    /// Refuses if a scan, an ID change or an ID query is running.
+    pub(crate) fn check_no_job(&self) -> Result<(), Refusal> {
+        let broadcasting = matches!(
             self.line,
             Line::Busy(Exchange {
                 expects: Expects::Everyone { .. },
-                purpose: Purpose::Control | Purpose::Survey,
+                purpose: Purpose::Control | Purpose::Job,
                 ..
             })
         );
-        if self.survey.is_some() || self.id_query_wanted || calling {
-            Err(Refusal::Surveying)
+        if self.job.is_some() || self.id_query_wanted || broadcasting {
+            Err(Refusal::JobRunning)
         } else {
             Ok(())
         }
     }
 
-    /// Stops what is driven or was left turning, so that the line is free and no wheel turns unasked.
-    pub(crate) fn make_way(&mut self, now: Instant) {
+    /// Stops motors that are driven or may turn, so that the line is free.
+    pub(crate) fn stop_for_job(&mut self, now: Instant) {
         if let Some(raw) = &mut self.raw {
             raw.stop();
         }
@@ -60,51 +60,51 @@ impl Bus {
             Control::Switching(_) | Control::Driven(_) => true,
         };
         if self.motors.iter().any(concerns) {
-            self.begin_stop(now, StopReason::Survey, concerns);
+            self.begin_stop(now, StopReason::Job, concerns);
         }
     }
 
-    /// What a survey wants of the line; `None` where there is none, or it has just ended.
-    pub(crate) fn survey_turn(&mut self, now: Instant) -> Option<Turn> {
-        let ended = match self.survey.as_mut()? {
-            Survey::Scan(scan) => match scan.next(now) {
-                Some(ask) => return Some(Turn::Now(Errand::Survey(ask))),
-                None => Survey::Scan(scan.clone()),
+    /// The next frame of the job; `None` without a job, or if it has just ended.
+    pub(crate) fn next_job_turn(&mut self, now: Instant) -> Option<Turn> {
+        let ended = match self.job.as_mut()? {
+            Job::Scan(scan) => match scan.next(now) {
+                Some(ask) => return Some(Turn::Now(DueFrame::Probe(ask))),
+                None => Job::Scan(scan.clone()),
             },
-            Survey::IdChange(change) => match change.next(now) {
-                Want::Ask(ask) => return Some(Turn::Now(Errand::Survey(ask))),
-                Want::SetId(id) => return Some(Turn::Now(Errand::SetId(id))),
-                Want::Wait(at) => return Some(Turn::At(at)),
-                Want::Over(_) => Survey::IdChange(*change),
+            Job::IdChange(change) => match change.next(now) {
+                NextAction::Probe(ask) => return Some(Turn::Now(DueFrame::Probe(ask))),
+                NextAction::SetId(id) => return Some(Turn::Now(DueFrame::SetId(id))),
+                NextAction::Wait(at) => return Some(Turn::At(at)),
+                NextAction::Done(_) => Job::IdChange(*change),
             },
         };
-        self.survey = None;
-        self.survey_ended(now, &ended, true);
+        self.job = None;
+        self.job_ended(now, &ended, true);
         None
     }
 
-    /// Ends whatever has the line to itself, at once.
-    pub(crate) fn cancel_survey(&mut self, now: Instant) {
-        self.survey_again = None;
+    /// Cancels the job and the ID query at once.
+    pub(crate) fn cancel_job(&mut self, now: Instant) {
+        self.job_retry = None;
         if std::mem::take(&mut self.id_query_wanted) {
             let outcome = IdQueryOutcome::Cancelled;
             self.events.push_back(Event::IdQueryEnded(outcome));
         }
-        if let Some(survey) = self.survey.take() {
-            self.survey_ended(now, &survey, false);
+        if let Some(job) = self.job.take() {
+            self.job_ended(now, &job, false);
         }
     }
 
-    fn survey_ended(&mut self, now: Instant, survey: &Survey, complete: bool) {
-        let event = match survey {
-            Survey::Scan(scan) => {
+    fn job_ended(&mut self, now: Instant, job: &Job, complete: bool) {
+        let event = match job {
+            Job::Scan(scan) => {
                 let report = scan.report(now, complete);
                 if let ([id], [], true) = (&*report.found, &*report.noisy, complete) {
                     self.proved_alone = Some(Proof { id: *id, at: now });
                 }
                 Event::ScanEnded(report)
             }
-            Survey::IdChange(change) => {
+            Job::IdChange(change) => {
                 let (from, to, outcome) = (change.from, change.to, change.outcome_now());
                 if outcome == IdChangeOutcome::Changed {
                     self.motors.retain(|motor| motor.id != from);
@@ -116,20 +116,26 @@ impl Bus {
         self.events.push_back(event);
     }
 
-    /// How long a survey waits for the answer to this.
-    pub(crate) fn survey_window(&self) -> Option<Duration> {
-        match self.survey.as_ref()? {
-            Survey::Scan(scan) => Some(scan.window()),
-            Survey::IdChange(_) => None,
+    /// Reply window of the job.
+    pub(crate) fn job_window(&self) -> Option<Duration> {
+        match self.job.as_ref()? {
+            Job::Scan(scan) => Some(scan.window()),
+            Job::IdChange(_) => None,
         }
     }
 
-    /// What an address that was asked at `sent` brought.
-    pub(crate) fn survey_looked(&mut self, now: Instant, sent: Instant, id: MotorId, look: Look) {
-        let found = match &mut self.survey {
-            Some(Survey::Scan(scan)) => scan.looked(id, sent, look),
-            Some(Survey::IdChange(change)) => {
-                change.looked(id, look);
+    /// Result of a probe that was sent at `sent`.
+    pub(crate) fn job_probe_ended(
+        &mut self,
+        now: Instant,
+        sent: Instant,
+        id: MotorId,
+        result: ProbeResult,
+    ) {
+        let found = match &mut self.job {
+            Some(Job::Scan(scan)) => scan.probe_ended(id, sent, result),
+            Some(Job::IdChange(change)) => {
+                change.probe_ended(id, result);
                 false
             }
             None => false,
@@ -139,32 +145,32 @@ impl Bus {
         }
     }
 
-    /// What the ID query brought; `took` is when its last byte came.
-    pub(crate) fn survey_called(&mut self, outcome: IdQueryOutcome, took: Option<Duration>) {
-        match &mut self.survey {
-            Some(Survey::Scan(scan)) => {
-                scan.called(took.filter(|_| outcome != IdQueryOutcome::Nobody));
+    /// Result of the ID query; `took` is the time to its last byte.
+    pub(crate) fn job_id_query_ended(&mut self, outcome: IdQueryOutcome, took: Option<Duration>) {
+        match &mut self.job {
+            Some(Job::Scan(scan)) => {
+                scan.id_query_ended(took.filter(|_| outcome != IdQueryOutcome::NoReply));
             }
-            Some(Survey::IdChange(change)) => change.called(outcome),
+            Some(Job::IdChange(change)) => change.id_query_ended(outcome),
             None => self.raw_checked(outcome),
         }
     }
 
-    /// A good frame came from a motor that was not asked.
-    pub(crate) fn survey_heard_late(&mut self, now: Instant, id: MotorId) {
-        if let Some(Survey::Scan(scan)) = &mut self.survey {
-            scan.heard_late(now, id);
+    /// A good frame of a motor that was not asked.
+    pub(crate) fn job_late_reply(&mut self, now: Instant, id: MotorId) {
+        if let Some(Job::Scan(scan)) = &mut self.job {
+            scan.late_reply(now, id);
         }
     }
 
-    /// Somebody spoke. Where it is another than the one that was alone, it is not alone.
-    pub(crate) fn doubt_proof(&mut self, heard: u8) {
+    /// A motor sent a frame. If it is not the one with the proof, that one is not alone.
+    pub(crate) fn discard_proof_unless(&mut self, heard: u8) {
         self.proved_alone = self.proved_alone.filter(|proof| proof.id.get() == heard);
     }
 
-    /// The stop before a survey has ended.
-    pub(crate) fn way_was_made(&mut self, outcomes: &[StopOutcome]) {
-        if let Some(Survey::IdChange(change)) = &mut self.survey
+    /// The stop before a job has ended.
+    pub(crate) fn stop_for_job_ended(&mut self, outcomes: &[StopOutcome]) {
+        if let Some(Job::IdChange(change)) = &mut self.job
             && outcomes.iter().any(|outcome| !outcome.confirmed)
         {
             change.not_stopped();

@@ -4,14 +4,14 @@ use motorlink_protocol::{Instant, MotorId};
 
 use crate::{id_change::state::IdChange, scan::state::Scan};
 
-/// What has the line to itself.
+/// A job: it has the line to itself.
 #[derive(Clone, Debug)]
-pub(crate) enum Survey {
+pub(crate) enum Job {
     Scan(Box<Scan>),
     IdChange(IdChange),
 }
 
-/// A full scan has found this motor and no other.
+/// Proof of a full scan that this motor is the only one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Proof {
     pub(crate) id: MotorId,

@@ -2,28 +2,28 @@
 
 use motorlink_protocol::{AssignableId, MotorId};
 
-/// A full scan or an ID change under way.
+/// Progress of a full scan or an ID change.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum SurveyStatus {
-    /// What was driven is being stopped first.
+pub enum JobStatus {
+    /// Driven motors are being stopped first.
     Stopping,
-    /// Every address is being asked.
+    /// Every address is being probed.
     Scanning {
-        /// Addresses that were asked at least once, 0-254.
+        /// Addresses that were probed at least once, 0-254.
         asked: u16,
         /// Addresses in all: 254.
         of: u16,
-        /// How long it may still take, in milliseconds; a guess from the windows so far.
+        /// Estimated remaining time in milliseconds, from the windows so far.
         left_ms: u32,
-        /// Who has answered so far, in the order of IDs.
+        /// Motors found so far, in the order of IDs.
         found: Vec<MotorId>,
     },
     /// A new ID is being set and verified.
     SettingId {
-        /// The present one.
+        /// The present ID.
         from: MotorId,
-        /// The new one.
+        /// The new ID.
         to: AssignableId,
     },
 }

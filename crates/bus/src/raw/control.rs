@@ -1,4 +1,4 @@
-//! Frames that a person wrote. What they may set in motion is under the same rules as any driving.
+//! Sends raw frames under the rules of drive commands.
 
 use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Rpm, Setpoint};
 
@@ -9,14 +9,14 @@ use crate::{
     exchange::Expects,
     limits::Limits,
     motor::{Control, Motor},
-    raw::frame::{Deed, Raw},
+    raw::frame::{Raw, RawEffect},
     raw::hazard::unassignable_id,
     raw::status::{RawAnswer, RawStatus, Repeat},
     safety::{Known, check_driven, check_position_switch, needs_consent},
 };
 
 impl Bus {
-    /// The last frame that a person wrote, since the bus began.
+    /// The last raw frame since the bus began.
     #[must_use]
     pub fn raw(&self) -> Option<RawStatus> {
         self.raw.as_ref().map(Raw::status)
@@ -32,20 +32,20 @@ impl Bus {
         if let Some(id) = unassignable_id(&frame) {
             return Err(Refusal::NotAssignable(id));
         }
-        self.check_no_survey()?;
+        self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let mut raw = Raw::begin(now, frame, repeat);
-        // One that all may answer takes the line for as long as several drive frames would.
+        // A frame that all may answer takes the line for several drive periods.
         let holds_line = matches!(Expects::of_raw(&frame), Expects::Everyone { .. });
         if raw.is_hazardous() || holds_line {
             self.check_nothing_driven()?;
         }
         if raw.is_hazardous() {
             self.check_not_halted()?;
-            self.check_deed(now, raw, consent)?;
+            self.check_raw_effect(now, raw, consent)?;
         }
-        if raw.deed == Deed::SetId {
-            raw.to_check = Some(self.use_proof(now)?);
+        if raw.effect == RawEffect::SetId {
+            raw.to_check = Some(self.take_proof(now)?);
         }
         if let Some(id) = raw.addressee.filter(|_| raw.is_hazardous()) {
             self.watch(now, id);
@@ -55,27 +55,26 @@ impl Bus {
         Ok(())
     }
 
-    /// The motors that may obey it, as far as they are known.
+    /// The known motors that may obey it.
     fn concerned(&self, raw: Raw) -> impl Iterator<Item = &Motor> {
         self.motors.iter().filter(move |it| raw.may_move(it.id))
     }
 
-    /// What is asked before a setpoint or a loop is asked of the same deed by raw bytes, of each motor
-    /// that may obey them.
-    fn check_deed(&self, now: Instant, raw: Raw, consent: Consent) -> Result<(), Refusal> {
+    /// The same checks as for a setpoint or a mode switch, for each motor that may obey the frame.
+    fn check_raw_effect(&self, now: Instant, raw: Raw, consent: Consent) -> Result<(), Refusal> {
         let mut seen = None;
         for motor in self.concerned(raw) {
             let (known, speed) = (motor.known(now), motor.fresh_speed(now));
-            check_raw(raw.deed, motor.id, known, speed, self.limits, consent)?;
+            check_raw(raw.effect, motor.id, known, speed, self.limits, consent)?;
             if let Some(current) = raw.current_in(known.reported)
                 && motor.torque.is_reversed_by(current)
             {
                 return Err(Refusal::ReversesTorque(motor.id));
             }
-            // One number means something else in each loop.
+            // One value has another meaning in each loop.
             if let (Some(asked), Some(reported)) = (seen, known.reported)
                 && asked != reported
-                && !matches!(raw.deed, Deed::Switch(_))
+                && !matches!(raw.effect, RawEffect::Switch(_))
             {
                 let id = motor.id;
                 return Err(Refusal::OtherLoop {
@@ -86,24 +85,24 @@ impl Bus {
             }
             seen = seen.or(known.reported);
         }
-        let drives_all = raw.addressee.is_none() && matches!(raw.deed, Deed::Drive { .. });
+        let drives_all = raw.addressee.is_none() && matches!(raw.effect, RawEffect::Drive { .. });
         if drives_all || self.concerned(raw).next().is_none() {
-            // A motor of which nothing is known may obey it.
+            // An unknown motor may obey it.
             let [first, ..] = *raw.frame.bytes();
             let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
-            check_raw(raw.deed, id, Known::NOTHING, None, self.limits, consent)?;
+            check_raw(raw.effect, id, Known::NOTHING, None, self.limits, consent)?;
         }
         Ok(())
     }
 
-    /// Sends no more of them, and stops what they may have moved.
+    /// Ends the repetition and stops the motors that may turn because of it.
     pub(crate) fn stop_raw(&mut self, now: Instant) {
         let Some(raw) = &mut self.raw else {
             return;
         };
         let (hazardous, addressee) = (raw.is_hazardous(), raw.addressee);
         raw.stop();
-        // One without addressee may have moved anyone.
+        // A frame without addressee may have moved any motor.
         let concerns = |motor: &Motor| {
             motor.may_turn && addressee.is_none_or(|addressee| addressee == motor.id)
         };
@@ -112,7 +111,7 @@ impl Bus {
         }
     }
 
-    /// While a frame that may move a wheel is being repeated, nothing else may.
+    /// Refuses other motion while a raw frame that may move a wheel is repeated.
     pub(crate) fn check_no_raw_hazard(&self) -> Result<(), Refusal> {
         if self.raw.is_some_and(|raw| raw.is_hazard_running()) {
             Err(Refusal::RawRunning)
@@ -135,29 +134,29 @@ impl Bus {
         }
     }
 
-    /// The frame goes out: what it may do is noted.
+    /// Records the possible effect of the frame that goes out.
     pub(crate) fn raw_goes_out(&mut self, now: Instant) {
         let Some(raw) = &mut self.raw else {
             return;
         };
         raw.sent(now);
         let raw = *raw;
-        let (deed, addressee) = (raw.deed, raw.addressee);
+        let (effect, addressee) = (raw.effect, raw.addressee);
         for motor in self.motors.iter_mut().filter(|it| raw.may_move(it.id)) {
             if let Some(current) = raw.current_in(motor.fresh_mode(now)) {
                 motor.torque.sent(current);
             }
         }
-        match (deed, addressee) {
-            (Deed::Ask | Deed::SetId, _) => {}
-            (Deed::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(mode),
-            (Deed::Drive { .. } | Deed::Unknown, Some(id)) => {
+        match (effect, addressee) {
+            (RawEffect::Probe | RawEffect::SetId, _) => {}
+            (RawEffect::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(mode),
+            (RawEffect::Drive { .. } | RawEffect::Unknown, Some(id)) => {
                 self.watch(now, id).may_turn = true;
             }
-            (deed, None) => {
+            (effect, None) => {
                 for motor in &mut self.motors {
                     motor.may_turn = true;
-                    if let Deed::Switch(mode) = deed {
+                    if let RawEffect::Switch(mode) = effect {
                         motor.switch_sent(mode);
                     }
                 }
@@ -171,8 +170,8 @@ impl Bus {
         }
     }
 
-    /// What the ID query before a set-ID frame brought. Where the motor is not alone any more, none is
-    /// sent.
+    /// Result of the ID query before a raw set-ID frame. If the motor is not alone any more, none
+    /// is sent.
     pub(crate) fn raw_checked(&mut self, outcome: IdQueryOutcome) {
         if let Some(raw) = &mut self.raw
             && let Some(alone) = raw.to_check.take()
@@ -182,9 +181,9 @@ impl Bus {
         }
     }
 
-    /// Motors that a person drives by raw frames lose them for the same reasons as any other. Those that
-    /// one frame may drive lose it together.
-    pub(crate) fn look_after_raw(&mut self, now: Instant) {
+    /// Withdraws a raw frame for the reasons of any setpoint. If one motor that may obey it fails a
+    /// check, all of them are stopped.
+    pub(crate) fn supervise_raw(&mut self, now: Instant) {
         let Some(raw) = self.raw.as_mut().filter(|raw| raw.is_hazard_running()) else {
             return;
         };
@@ -193,13 +192,13 @@ impl Bus {
             if !raw.may_move(motor.id) {
                 continue;
             }
-            if motor.quiet_since() > raw.since {
-                // What the first reply reports is what the frames are meant for.
+            if motor.silent_since() > raw.since {
+                // The frames are meant for the loop of the first reply.
                 raw.began_in = raw.began_in.or(motor.fresh_mode(now));
             }
             let reported = motor.last_mode();
-            let asked = match raw.deed {
-                Deed::Switch(_) => reported,
+            let asked = match raw.effect {
+                RawEffect::Switch(_) => reported,
                 _ => raw.began_in.or(reported),
             };
             let withdrawn = check_driven(
@@ -207,15 +206,15 @@ impl Bus {
                 reported,
                 motor.fresh_faults(now).unwrap_or(Faults::NONE),
                 motor.crossed(now, self.limits, raw.since),
-                now.since(motor.quiet_since().max(raw.since)),
+                now.since(motor.silent_since().max(raw.since)),
                 motor.unanswered_in_a_row,
             );
             if let Some(reason) = withdrawn {
                 let id = motor.id;
                 self.events.push_back(Event::Withdrawn { id, reason });
             }
-            // A limit may be lowered meanwhile.
-            let allowed = check_raw_speed(raw.deed, motor.known(now), self.limits).is_ok();
+            // The operator may lower a limit meanwhile.
+            let allowed = check_raw_speed(raw.effect, motor.known(now), self.limits).is_ok();
             ends |= withdrawn.is_some() || !allowed;
         }
         let raw = *raw;
@@ -224,39 +223,41 @@ impl Bus {
         }
     }
 
-    /// Whether a set-ID frame is next, with nothing between it and the others.
+    /// When the next raw set-ID frame is due. They are sent in a row.
     pub(crate) fn raw_has_line(&self) -> Option<Instant> {
-        let raw = self.raw.filter(|raw| raw.deed == Deed::SetId)?;
+        let raw = self.raw.filter(|raw| raw.effect == RawEffect::SetId)?;
         raw.next_frame()
     }
 
-    /// Whether a person drives this motor by raw frames, alone or with others.
+    /// Whether raw frames drive this motor, alone or with others.
     pub(crate) fn is_driven_raw(&self, id: MotorId) -> bool {
         self.raw
             .is_some_and(|raw| raw.is_hazard_running() && raw.may_move(id))
     }
 }
 
-/// Whether raw bytes may do this to a motor now, by what is known of it.
+/// Whether a raw frame with this effect may go to a motor now.
 fn check_raw(
-    deed: Deed,
+    effect: RawEffect,
     id: MotorId,
     known: Known,
     speed: Option<Rpm>,
     limits: Limits,
     consent: Consent,
 ) -> Result<(), Refusal> {
-    let value = match deed {
-        Deed::Drive { value } => value,
-        Deed::Switch(Mode::Position) => return check_position_switch(id, speed),
-        Deed::Ask | Deed::Switch(_) | Deed::SetId | Deed::Unknown => return Ok(()),
+    let value = match effect {
+        RawEffect::Drive { value } => value,
+        RawEffect::Switch(Mode::Position) => return check_position_switch(id, speed),
+        RawEffect::Probe | RawEffect::Switch(_) | RawEffect::SetId | RawEffect::Unknown => {
+            return Ok(());
+        }
     };
     if let Some(crossed) = limits.too_hot(known.temperature) {
         return Err(Refusal::TooHot { id, crossed });
     }
-    check_raw_speed(deed, known, limits)?;
+    check_raw_speed(effect, known, limits)?;
     if matches!(known.reported, None | Some(Mode::Current)) {
-        // The lowest value of all has no positive twin.
+        // -32768 has no positive counterpart.
         let value = i32::from(value).max(-i32::from(i16::MAX));
         let current = CurrentTarget::new(value).unwrap_or_default();
         let asks = needs_consent(Setpoint::Current(current)) != Consent::None;
@@ -267,10 +268,10 @@ fn check_raw(
     Ok(())
 }
 
-/// Whether a value that raw bytes drive to is within the speed limit. Where the motor's loop is unknown,
-/// it may be meant as a speed, and a motor takes a value that is none as its highest.
-fn check_raw_speed(deed: Deed, known: Known, limits: Limits) -> Result<(), Refusal> {
-    let Deed::Drive { value } = deed else {
+/// Whether a raw drive value is within the speed limit. If the motor's loop is unknown, the value
+/// may be a speed, and a motor clamps a larger value to its highest speed.
+fn check_raw_speed(effect: RawEffect, known: Known, limits: Limits) -> Result<(), Refusal> {
+    let RawEffect::Drive { value } = effect else {
         return Ok(());
     };
     let may_be_speed = matches!(known.reported, None | Some(Mode::Velocity));

@@ -1,7 +1,7 @@
-//! Frames that a person wrote: sent once or again and again, under the same rules as any driving.
+//! State of the raw frame: sent once or repeatedly, under the same rules as any drive command.
 //!
-//! What such a frame may do is judged by the bytes that a motor acts on, not by whether it is well
-//! formed: it is not known which bytes a firmware checks.
+//! Its effect is judged by the bytes that a motor acts on, even if the frame is malformed: which
+//! bytes a firmware checks is unknown.
 
 use std::time::Duration;
 
@@ -14,32 +14,32 @@ use crate::{
     timing::PROOF_LASTS,
 };
 
-/// More set-ID frames in a row are of no use.
+/// More set-ID frames in a row have no use.
 const SET_ID_FRAMES_MAX: u32 = SetIdFrames::MAX.count() as u32;
 
-/// What a frame may do.
+/// The effect that a frame may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Deed {
-    /// It only asks.
-    Ask,
-    /// It drives a motor to a value that the motor reads by its loop.
+pub(crate) enum RawEffect {
+    /// A query.
+    Probe,
+    /// A drive frame. The motor reads the value in its loop.
     Drive {
         /// Bytes 2 and 3.
         value: i16,
     },
-    /// It closes another loop.
+    /// A mode switch.
     Switch(Mode),
-    /// It gives every motor that hears it another ID.
+    /// A set-ID frame: every motor on the bus takes the ID.
     SetId,
-    /// Nobody knows.
+    /// Unknown.
     Unknown,
 }
 
-impl Deed {
+impl RawEffect {
     fn of(frame: &Frame) -> Self {
         let &[first, command, high, low, .., last] = frame.bytes();
         if !is_hazardous(frame) {
-            return Self::Ask;
+            return Self::Probe;
         }
         match (first, command, high) {
             (0xAA, 0x55, 0x53) => Self::SetId,
@@ -52,17 +52,17 @@ impl Deed {
     }
 }
 
-/// A frame that a person wrote, and how often it went out.
+/// A raw frame and its progress.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Raw {
     pub(crate) frame: Frame,
-    pub(crate) deed: Deed,
-    /// The one motor that may obey it; `None` where all may.
+    pub(crate) effect: RawEffect,
+    /// The only motor that may obey it; `None` if all may.
     pub(crate) addressee: Option<MotorId>,
-    /// The loop that its motor was in when it began, as soon as that is known.
+    /// The motor's loop at the beginning, once it is known.
     pub(crate) began_in: Option<Mode>,
     pub(crate) since: Instant,
-    /// For set-ID frames: the motor that has to be alone, until the ID query has said so once more.
+    /// For set-ID frames: the motor that must be alone, until the ID query has confirmed it.
     pub(crate) to_check: Option<MotorId>,
     count: u32,
     interval: Duration,
@@ -79,15 +79,15 @@ impl Raw {
             Repeat::Once => (1, 0),
             Repeat::Times { count, interval } => (count, interval.millis()),
         };
-        let deed = Deed::of(&frame);
-        let count = match (deed, count) {
-            (Deed::SetId, 0) => SET_ID_FRAMES_MAX,
-            (Deed::SetId, count) => count.min(SET_ID_FRAMES_MAX),
+        let effect = RawEffect::of(&frame);
+        let count = match (effect, count) {
+            (RawEffect::SetId, 0) => SET_ID_FRAMES_MAX,
+            (RawEffect::SetId, count) => count.min(SET_ID_FRAMES_MAX),
             (_, count) => count,
         };
         Self {
             frame,
-            deed,
+            effect,
             addressee: addressee(&frame),
             began_in: None,
             since: now,
@@ -102,48 +102,51 @@ impl Raw {
         }
     }
 
-    /// The current that it asks of a motor in this loop, which may be unknown; `None` where it asks for none.
+    /// The current that it asks of a motor in this loop, which may be unknown; `None` if it asks
+    /// for none.
     pub(crate) fn current_in(&self, reported: Option<Mode>) -> Option<CurrentTarget> {
-        match (self.deed, reported) {
-            (Deed::Drive { value }, None | Some(Mode::Current)) => {
-                // The lowest value of all has no positive twin.
+        match (self.effect, reported) {
+            (RawEffect::Drive { value }, None | Some(Mode::Current)) => {
+                // -32768 has no positive counterpart.
                 CurrentTarget::new(i32::from(value).max(-i32::from(i16::MAX))).ok()
             }
             _ => None,
         }
     }
 
-    /// When it is to be sent next.
+    /// When the next frame is due.
     pub(crate) fn next_frame(&self) -> Option<Instant> {
         self.running.then_some(self.next)
     }
 
     pub(crate) fn is_hazardous(&self) -> bool {
-        self.deed != Deed::Ask
+        self.effect != RawEffect::Probe
     }
 
-    /// Whether a frame that may move a wheel or change a motor is still to be sent.
+    /// Whether a frame is pending that may move a wheel or change a motor.
     pub(crate) fn is_hazard_running(&self) -> bool {
         self.running && self.is_hazardous()
     }
 
-    /// Whether this motor may obey it. Set-ID frames move nobody.
+    /// Whether this motor may move by it. Set-ID frames move no wheel.
     pub(crate) fn may_move(&self, id: MotorId) -> bool {
-        let moves = !matches!(self.deed, Deed::Ask | Deed::SetId);
+        let moves = !matches!(self.effect, RawEffect::Probe | RawEffect::SetId);
         moves && self.addressee.is_none_or(|addressee| addressee == id)
     }
 
     pub(crate) fn sent(&mut self, now: Instant) {
         self.sent = self.sent.saturating_add(1);
         self.last = None;
-        // On schedule where it is kept, without a burst where it was not.
+        // On schedule, but a missed schedule is not caught up by a burst.
         self.next = (self.next + self.interval).max(now + self.interval / 2);
-        // Who is on the bus was proved for so long.
-        let outlives_proof = self.deed == Deed::SetId && self.next > self.since + PROOF_LASTS;
+        // The proof that the motor is alone expires.
+        let outlives_proof =
+            self.effect == RawEffect::SetId && self.next > self.since + PROOF_LASTS;
         self.running = (self.count == 0 || self.sent < self.count) && !outlives_proof;
     }
 
-    /// What came after the last one. An answer to the frame before this is none.
+    /// The answer to the last frame. An answer that arrives before the first frame belongs to an
+    /// older one.
     pub(crate) fn answered(&mut self, answer: RawAnswer) {
         if self.sent == 0 {
             return;
@@ -170,8 +173,8 @@ impl Raw {
     }
 }
 
-/// The motor that may obey it, whatever is wrong with it. 0xC8 is everyone's address, at least in the
-/// ID query, and set-ID frames have none.
+/// The only motor that may obey the frame, even if it is malformed. 0xC8 addresses every motor, at
+/// least in the ID query; set-ID frames have no addressee.
 pub(crate) fn addressee(frame: &Frame) -> Option<MotorId> {
     let &[first, command, third, ..] = frame.bytes();
     let is_query = matches!(Request::parse(frame), Ok(Request::Query { .. }));
@@ -188,33 +191,37 @@ mod tests {
 
     #[test]
     fn what_a_frame_may_do_and_to_whom_is_known_whatever_is_wrong_with_it() {
-        let drive = |value| Deed::Drive { value };
-        for (text, motor, deed) in [
+        let drive = |value| RawEffect::Drive { value };
+        for (text, motor, effect) in [
             ("01 64 00 64 00 00 00 00 00 4F", Some(1), drive(100)),
             ("05 64 80 00 01 00 01 00 00 00", Some(5), drive(i16::MIN)),
             ("C8 64 00 64 00 00 00 00 00 00", None, drive(100)),
-            ("01 74 00 00 00 00 00 00 00 04", Some(1), Deed::Ask),
-            ("01 74 00 00 00 00 00 00 00 05", Some(1), Deed::Unknown),
-            ("C8 74 00 00 00 00 00 00 00 5F", Some(0xC8), Deed::Ask),
-            ("C8 64 00 00 00 00 00 00 00 DE", None, Deed::Ask),
+            ("01 74 00 00 00 00 00 00 00 04", Some(1), RawEffect::Probe),
+            ("01 74 00 00 00 00 00 00 00 05", Some(1), RawEffect::Unknown),
+            (
+                "C8 74 00 00 00 00 00 00 00 5F",
+                Some(0xC8),
+                RawEffect::Probe,
+            ),
+            ("C8 64 00 00 00 00 00 00 00 DE", None, RawEffect::Probe),
             (
                 "02 A0 00 00 00 00 00 00 01 03",
                 Some(2),
-                Deed::Switch(Mode::Position),
+                RawEffect::Switch(Mode::Position),
             ),
-            ("02 A0 00 00 00 00 00 00 00 09", Some(2), Deed::Unknown),
-            ("07 99 00 00 00 00 00 00 00 00", Some(7), Deed::Unknown),
-            ("AA 55 53 05 00 00 00 00 00 00", None, Deed::SetId),
-            ("AA 55 53 C8 01 00 00 00 00 00", None, Deed::SetId),
+            ("02 A0 00 00 00 00 00 00 00 09", Some(2), RawEffect::Unknown),
+            ("07 99 00 00 00 00 00 00 00 00", Some(7), RawEffect::Unknown),
+            ("AA 55 53 05 00 00 00 00 00 00", None, RawEffect::SetId),
+            ("AA 55 53 C8 01 00 00 00 00 00", None, RawEffect::SetId),
             ("00 64 00 00 00 00 00 00 00 00", None, drive(0)),
         ] {
             let mut frame: Frame = text.parse().unwrap();
-            if deed == Deed::Ask {
+            if effect == RawEffect::Probe {
                 let [body @ .., _] = *frame.bytes();
                 frame = Frame::with_crc(body);
             }
             assert_eq!(addressee(&frame).map(MotorId::get), motor, "{text}");
-            assert_eq!(Deed::of(&frame), deed, "{text}");
+            assert_eq!(RawEffect::of(&frame), effect, "{text}");
         }
     }
 

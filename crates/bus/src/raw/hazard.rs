@@ -2,8 +2,8 @@
 
 use motorlink_protocol::{AssignableId, Frame, MotorId, Request};
 
-/// Whether a frame that a person wrote may move a wheel or change an ID: all but feedback queries and
-/// the ID query. What this crate cannot read, a motor perhaps can.
+/// Whether a raw frame may move a wheel or change an ID: all except feedback queries and the ID
+/// query. A motor may understand what this crate cannot read.
 #[must_use]
 pub fn is_hazardous(frame: &Frame) -> bool {
     !matches!(
@@ -12,9 +12,8 @@ pub fn is_hazardous(frame: &Frame) -> bool {
     )
 }
 
-/// The ID that a set-ID frame would give to a motor, where no motor may have it: no scan asks for 0x00
-/// and 0xFF, so the motor would never be found again, and 0xC8 starts the ID query that all motors hear.
-/// Such a frame is never sent.
+/// The ID of a set-ID frame, if no motor may have it. No scan queries 0x00 and 0xFF, so the motor
+/// would never be found again; 0xC8 starts the ID query. Such a frame is never sent.
 #[must_use]
 pub fn unassignable_id(frame: &Frame) -> Option<u8> {
     let &[0xAA, 0x55, 0x53, new, ..] = frame.bytes() else {

@@ -2,23 +2,22 @@
 
 use motorlink_protocol::{Frame, Layout};
 
-/// How often a frame that a person wrote is sent.
+/// How often a raw frame is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Repeat {
     /// Once.
     Once,
-    /// So many times, so far apart.
+    /// Repeatedly.
     Times {
-        /// How often; 0 is until stopped.
+        /// Number of frames; 0 is until stopped.
         count: u32,
-        /// How far apart.
+        /// Time between two frames.
         interval: RawInterval,
     },
 }
 
-/// Time between two frames that a person wrote, 2-60,000 ms: the motor accepts up to 500 frames a
-/// second.
+/// Time between two raw frames, 2-60,000 ms. The motor accepts up to 500 frames per second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "u16", into = "u16"))]
@@ -75,46 +74,46 @@ impl From<RawInterval> for u16 {
     }
 }
 
-/// A frame that a person wrote: how often it went out, and what came back last.
+/// Progress of a raw frame, and the last answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RawStatus {
     /// The frame.
     pub frame: Frame,
-    /// How often it is to be sent; 0 is until stopped.
+    /// Number of frames to send; 0 is until stopped.
     pub count: u32,
-    /// How often it was sent.
+    /// Number of frames sent.
     pub sent: u32,
-    /// How many of them were answered.
+    /// Number of frames answered.
     pub answered: u32,
-    /// Whether more are to be sent.
+    /// Whether more frames follow.
     pub running: bool,
-    /// What came after the last one, once its window is over.
+    /// Answer to the last frame, after its reply window.
     pub last: Option<RawAnswer>,
 }
 
-/// What came after a frame that a person wrote.
+/// Answer to a raw frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum RawAnswer {
     /// A good frame of a motor.
     Reply {
-        /// Its bytes.
+        /// The bytes.
         frame: Frame,
-        /// What was asked; `None` where that is not certain.
+        /// Layout of bytes 6 and 7; `None` if the request is uncertain.
         asked: Option<Layout>,
-        /// How long it took.
+        /// Round trip.
         after_us: u32,
     },
-    /// Bytes that are no good frame.
+    /// Bytes that are not a good frame.
     Garbled,
-    /// Such a frame has no answer: a mode switch, set ID.
+    /// The frame has no answer: mode switch, set ID.
     NoneExpected,
-    /// The port did not take the frame.
+    /// The port refused the frame.
     NotSent,
-    /// Nothing.
+    /// No byte.
     Silence {
-        /// How long it was waited for.
+        /// Length of the reply window.
         waited_us: u32,
     },
 }

@@ -2,19 +2,19 @@
 
 use motorlink_protocol::MotorId;
 
-/// How a full scan ended.
+/// Result of a full scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScanReport {
-    /// Who answered, in the order of IDs.
+    /// The motors that answered, in the order of IDs.
     pub found: Vec<MotorId>,
-    /// Addresses at which every look brought noise and none a reply: two motors that share an ID, or
-    /// a bad line.
+    /// Addresses with noise at every probe and no reply: two motors share the ID, or the line is
+    /// bad.
     pub noisy: Vec<MotorId>,
-    /// Addresses that were asked: 254, or fewer where it was cancelled.
+    /// Addresses that were probed: 254, or fewer if the scan was cancelled.
     pub asked: u16,
-    /// Whether every address was asked. A cancelled scan proves nothing.
+    /// Whether every address was probed. A cancelled scan proves nothing.
     pub complete: bool,
-    /// How long it took, in milliseconds.
+    /// Duration in milliseconds.
     pub took_ms: u32,
 }

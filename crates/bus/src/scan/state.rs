@@ -1,16 +1,16 @@
-//! A full scan: who is asked next, how often, and what the answers prove.
+//! State of a full scan: which address is probed next, how often, and what the answers prove.
 //!
-//! One silent window proves nothing on a line that loses replies, and asking all 254 addresses four
-//! times would take four times as long on one that does not. So the scan measures: beside the
-//! addresses it asks those that it has found, again and again, and only where some of these exchanges
-//! are lost does it ask the silent addresses more often. A reply that comes while the next address is
-//! asked is late, not lost: it makes the windows longer, and its address is asked again.
+//! One silent window proves nothing on a line that loses replies, and four probes of all 254
+//! addresses would take four times as long on a good line. So the scan measures the line: it also
+//! probes the motors that it has found, again and again, and probes silent addresses more often
+//! only if some of these exchanges are lost. A reply that arrives during the next probe is late,
+//! not lost: it makes the windows longer, and its address is probed again.
 //!
 //! | looks at | how often |
 //! |---|---|
 //! | every address | once |
 //! | one that answered | until two good replies, so that no noise is taken for a motor |
-//! | one whose window held noise, or whose reply came late | until a look is clean, at most [`LOOKS_MAX`] times |
+//! | one whose window held noise, or whose reply came late | until a look is clean, at most [`PROBES_MAX`] times |
 //! | every silent address, on a line that loses replies | once more for every loss, at most [`PASSES_ON_A_BAD_LINE`] times |
 
 use std::{collections::VecDeque, time::Duration};
@@ -18,8 +18,8 @@ use std::{collections::VecDeque, time::Duration};
 use motorlink_protocol::{Instant, MotorId};
 
 use crate::{
-    job::status::SurveyStatus,
-    probe::{Ask, Look},
+    job::status::JobStatus,
+    probe::{Probe, ProbeResult},
     round_trip::RoundTrip,
     scan::report::ScanReport,
     timing::{FIRST_WINDOW, LATE_REPLY_MAX, SCAN_MARGIN, SCAN_SAMPLING_MAX, SCAN_WINDOW_MAX},
@@ -28,41 +28,41 @@ use crate::{
 /// Addresses 1-254.
 const ADDRESSES: u16 = 254;
 
-/// So many ID queries begin a scan on an adapter whose round trip is not known. Their answers collide,
-/// but when the bytes come they tell how long a reply takes here.
-const CALLS: u8 = 3;
+/// ID queries at the start of a scan if the round trip is unknown. Their answers collide, but the
+/// time of the bytes tells how long a reply takes.
+const ID_QUERIES: u8 = 3;
 
-/// With one reply in twenty lost, so many exchanges hide that in one of 470 scans; the motor that only
-/// such a scan can miss is missed in one look of twenty.
+/// With one reply in twenty lost, this many exchanges show no loss in one of 470 scans; the motor
+/// that only such a scan can miss is missed by one probe in twenty.
 const EXCHANGES_WANTED: u32 = 120;
 
-/// Every fifth exchange goes to a motor that was found: it stays fresh, and shows whether replies are
-/// lost. Where an exchange takes long, fewer do.
-const LOOKS_PER_SAMPLE: u8 = 4;
-const LOOKS_PER_SLOW_SAMPLE: u8 = 20;
+/// Every fifth exchange goes to a motor that was found: its telemetry stays fresh, and it shows
+/// whether replies are lost. With slow exchanges, fewer do.
+const PROBES_PER_SAMPLE: u8 = 4;
+const PROBES_PER_SLOW_SAMPLE: u8 = 20;
 const SLOW_EXCHANGE: Duration = Duration::from_millis(8);
 
-/// With one reply in twenty lost, four looks miss a motor once in 160,000 times.
+/// With one reply in twenty lost, four probes miss a motor once in 160,000 times.
 const PASSES_ON_A_BAD_LINE: u8 = 4;
 
-/// Of so many of the last replies, the slowest but one tells how long to wait: one that a busy machine
-/// held up does not make every window behind it longer. A reply that its window was too short for is
-/// heard in the next, and counts among them.
+/// The reply window follows from the second slowest of this many last replies: one reply delayed by
+/// a busy machine does not lengthen every later window. A reply after its window arrives in the
+/// next one and counts too.
 const RECENT: usize = 16;
 
-/// Good replies that make a motor: chance gives one junk window in 256 a good CRC.
+/// Good replies that make a motor: one junk window in 256 has a good CRC by chance.
 const REPLIES_WANTED: u8 = 2;
 
-/// Looks at one address in one pass, where noise or a single reply asks for another.
-const LOOKS_MAX: u8 = 6;
+/// Most probes of one address per pass, if noise or a single reply asks for another.
+const PROBES_MAX: u8 = 6;
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Address {
-    looks: u8,
+    probes: u8,
     replies: u8,
-    /// Whether the last look brought noise.
+    /// Whether the last probe brought noise.
     noisy: bool,
-    /// When it was asked for the last time without an answer in its window.
+    /// When it was last probed without an answer in its window.
     unanswered: Option<Instant>,
 }
 
@@ -75,44 +75,44 @@ impl Address {
         self.replies == 0 && !self.noisy
     }
 
-    /// Whether the looks so far leave a doubt that another can clear.
+    /// Whether another probe can decide about the address.
     const fn is_doubtful(self) -> bool {
-        !self.is_found() && !self.is_silent() && self.looks < LOOKS_MAX
+        !self.is_found() && !self.is_silent() && self.probes < PROBES_MAX
     }
 }
 
-/// A full scan under way.
+/// A running full scan.
 #[derive(Clone, Debug)]
 pub(crate) struct Scan {
     began: Instant,
     addresses: [Address; ADDRESSES as usize],
-    /// Whom to ask next; at most every address once.
+    /// Addresses to probe next, each at most once.
     queue: VecDeque<MotorId>,
-    calls_left: u8,
+    id_queries_left: u8,
     /// Whether an ID query brought bytes.
-    somebody_called: bool,
+    id_query_answered: bool,
     pass: u8,
     asked: u16,
     found: Vec<MotorId>,
     /// Exchanges with motors that were found, and how many of them were lost.
     exchanges: u32,
     lost: u32,
-    /// When the last of them was asked: its reply may still be on its way.
+    /// When the last lost one was sent: its reply may still arrive.
     last_lost: Option<Instant>,
-    /// Who was asked last, and did not answer.
-    unanswered_before: Option<MotorId>,
-    looks_since_sample: u8,
+    /// The last probed address, if it did not answer.
+    previous_unanswered: Option<MotorId>,
+    probes_since_sample: u8,
     next_sample: usize,
     sampling_since: Option<Instant>,
-    /// Round trips on this adapter, with those of before the scan.
+    /// Round trips on this adapter, including those before the scan.
     round_trip: RoundTrip,
-    /// The last round trips of the scan itself, the newest behind.
+    /// The last round trips of the scan, newest last.
     recent: VecDeque<Duration>,
 }
 
 impl Scan {
-    /// A scan that asks those first who have answered before, since they show how fast the adapter is.
-    /// `clean_exchanges` is how many of the last ones on this line were all answered.
+    /// A scan that probes the `known` motors first, since they show how fast the adapter is.
+    /// `clean_exchanges` is the number of last exchanges on this line without any loss.
     pub(crate) fn begin(
         now: Instant,
         known: &[MotorId],
@@ -124,20 +124,20 @@ impl Scan {
             began: now,
             addresses: [Address::default(); ADDRESSES as usize],
             queue: known.iter().copied().chain(others).collect(),
-            calls_left: if round_trip.window().is_none() {
-                CALLS
+            id_queries_left: if round_trip.window().is_none() {
+                ID_QUERIES
             } else {
                 1
             },
-            somebody_called: false,
+            id_query_answered: false,
             pass: 1,
             asked: 0,
             found: Vec::new(),
             exchanges: clean_exchanges,
             lost: 0,
             last_lost: None,
-            unanswered_before: None,
-            looks_since_sample: 0,
+            previous_unanswered: None,
+            probes_since_sample: 0,
             next_sample: 0,
             sampling_since: None,
             round_trip,
@@ -145,28 +145,28 @@ impl Scan {
         }
     }
 
-    /// Whom to ask now; `None` when all is known that can be.
-    pub(crate) fn next(&mut self, now: Instant) -> Option<Ask> {
-        if self.calls_left > 0 {
-            self.calls_left -= 1;
-            return Some(Ask::Everyone);
+    /// The next probe; `None` when the scan is complete.
+    pub(crate) fn next(&mut self, now: Instant) -> Option<Probe> {
+        if self.id_queries_left > 0 {
+            self.id_queries_left -= 1;
+            return Some(Probe::IdQuery);
         }
-        let looks_per_sample = if self.round_trip.usual() < SLOW_EXCHANGE {
-            LOOKS_PER_SAMPLE
+        let probes_per_sample = if self.round_trip.usual() < SLOW_EXCHANGE {
+            PROBES_PER_SAMPLE
         } else {
-            LOOKS_PER_SLOW_SAMPLE
+            PROBES_PER_SLOW_SAMPLE
         };
-        if self.looks_since_sample >= looks_per_sample
+        if self.probes_since_sample >= probes_per_sample
             && let Some(id) = self.sample()
         {
-            return Some(Ask::One(id));
+            return Some(Probe::Query(id));
         }
         if self.queue.is_empty() {
             self.queue = self.doubtful();
         }
         if let Some(id) = self.queue.pop_front() {
-            self.looks_since_sample = self.looks_since_sample.saturating_add(1);
-            return Some(Ask::One(id));
+            self.probes_since_sample = self.probes_since_sample.saturating_add(1);
+            return Some(Probe::Query(id));
         }
         let sampling_since = *self.sampling_since.get_or_insert(now);
         let undecided = match self.last_lost.filter(|_| self.lost > 0) {
@@ -177,27 +177,27 @@ impl Scan {
             && now.since(sampling_since) < SCAN_SAMPLING_MAX
             && let Some(id) = self.sample()
         {
-            return Some(Ask::One(id));
+            return Some(Probe::Query(id));
         }
         if self.pass < self.passes() {
             self.pass += 1;
             self.queue = self.silent();
-            return self.queue.pop_front().map(Ask::One);
+            return self.queue.pop_front().map(Probe::Query);
         }
         None
     }
 
-    /// How long an answer is waited for.
+    /// Reply window of a probe.
     pub(crate) fn window(&self) -> Duration {
         let measured = self.round_trip.window().unwrap_or(FIRST_WINDOW);
-        // The estimator begins with a wide spread, which 254 windows make dear.
+        // The estimator starts with a wide spread, which 254 windows make expensive.
         let slowest = self.slowest_but_one().map(|slowest| slowest + SCAN_MARGIN);
         slowest
             .map_or(measured, |slowest| measured.min(slowest))
             .min(SCAN_WINDOW_MAX)
     }
 
-    /// Of the last replies, or the slowest where there are not yet two.
+    /// The second slowest of the last replies, or the only one.
     fn slowest_but_one(&self) -> Option<Duration> {
         let (mut slowest, mut next) = (None, None);
         for took in self.recent.iter().copied().map(Some) {
@@ -207,32 +207,31 @@ impl Scan {
         next.or(slowest)
     }
 
-    /// What an ID query brought: when its last byte came, if any did.
-    pub(crate) fn called(&mut self, last_byte_after: Option<Duration>) {
+    /// Result of an ID query: the time of its last byte, if any.
+    pub(crate) fn id_query_ended(&mut self, last_byte_after: Option<Duration>) {
         if let Some(took) = last_byte_after {
-            self.somebody_called = true;
+            self.id_query_answered = true;
             self.took(took);
         }
     }
 
-    /// What a look at an address brought, which was asked at `sent`. Returns whether that makes it a
-    /// motor that is found.
-    pub(crate) fn looked(&mut self, id: MotorId, sent: Instant, look: Look) -> bool {
-        if let Look::Reply(took) = look {
+    /// Result of a probe that was sent at `sent`. Returns whether the motor is found by it.
+    pub(crate) fn probe_ended(&mut self, id: MotorId, sent: Instant, result: ProbeResult) -> bool {
+        if let ProbeResult::Reply(took) = result {
             self.took(took);
         }
         let before = self
-            .unanswered_before
+            .previous_unanswered
             .take()
-            .filter(|_| look == Look::Noise);
+            .filter(|_| result == ProbeResult::Noise);
         if let Some(before) = before {
-            self.collided(before);
+            self.reply_met_next_query(before);
         }
-        self.unanswered_before = (!matches!(look, Look::Reply(_))).then_some(id);
+        self.previous_unanswered = (!matches!(result, ProbeResult::Reply(_))).then_some(id);
         let Some(address) = self.addresses.get_mut(place(id)) else {
             return false;
         };
-        let answered = matches!(look, Look::Reply(_));
+        let answered = matches!(result, ProbeResult::Reply(_));
         if !answered {
             address.unanswered = Some(sent);
         }
@@ -246,10 +245,10 @@ impl Scan {
         if address.is_found() {
             return false;
         }
-        self.asked += u16::from(address.looks == 0);
-        address.looks = address.looks.saturating_add(1);
-        address.noisy = look == Look::Noise;
-        if let Look::Reply(_) = look {
+        self.asked += u16::from(address.probes == 0);
+        address.probes = address.probes.saturating_add(1);
+        address.noisy = result == ProbeResult::Noise;
+        if let ProbeResult::Reply(_) = result {
             address.replies += 1;
         }
         if address.is_found() {
@@ -263,10 +262,10 @@ impl Scan {
         false
     }
 
-    /// This address was asked, nothing came in its window, and then noise in the next: a machine that was
-    /// held up let the question out late, and its answer met the next question on the line. Of the line
-    /// that says nothing.
-    fn collided(&mut self, id: MotorId) {
+    /// Nothing came in the window of this address, and noise came in the next. A delayed machine
+    /// sent the query late, and the answer collided with the next query. So no reply was lost on
+    /// the line.
+    fn reply_met_next_query(&mut self, id: MotorId) {
         let Some(address) = self.addresses.get_mut(place(id)) else {
             return;
         };
@@ -278,24 +277,24 @@ impl Scan {
         }
     }
 
-    /// A good frame of this motor came when another was asked: its window was too short, and nothing
-    /// was lost.
-    pub(crate) fn heard_late(&mut self, now: Instant, id: MotorId) {
+    /// A good frame of this motor arrived during a later probe: its window was too short, and
+    /// nothing was lost.
+    pub(crate) fn late_reply(&mut self, now: Instant, id: MotorId) {
         let Some(address) = self.addresses.get_mut(place(id)) else {
             return;
         };
-        if address.looks > 0 && !address.is_found() {
+        if address.probes > 0 && !address.is_found() {
             address.noisy = true;
         }
         let Some(sent) = address.unanswered.take() else {
             return;
         };
-        // However late: it was not lost on the line.
+        // It was late, not lost on the line.
         if address.replies > 0 {
             self.lost = self.lost.saturating_sub(1);
         }
         if self.pass > self.passes() {
-            // For this loss the silent addresses were being asked once more.
+            // This loss had started another pass over the silent addresses.
             self.pass = self.passes();
             self.queue = self.doubtful();
         }
@@ -305,9 +304,9 @@ impl Scan {
         }
     }
 
-    pub(crate) fn status(&self) -> SurveyStatus {
+    pub(crate) fn status(&self) -> JobStatus {
         let micros = |duration: Duration| u64::try_from(duration.as_micros()).unwrap_or(u64::MAX);
-        let looks = self.queue.len() as u64;
+        let probes = self.queue.len() as u64;
         let samples = if self.lost == 0 && !self.found.is_empty() {
             u64::from(EXCHANGES_WANTED.saturating_sub(self.exchanges))
         } else {
@@ -315,8 +314,8 @@ impl Scan {
         };
         let passes = u64::from(self.passes().saturating_sub(self.pass)) * u64::from(ADDRESSES);
         let sampling = (samples * micros(self.round_trip.usual())).min(micros(SCAN_SAMPLING_MAX));
-        let left_us = (looks + passes) * micros(self.window()) + sampling;
-        SurveyStatus::Scanning {
+        let left_us = (probes + passes) * micros(self.window()) + sampling;
+        JobStatus::Scanning {
             asked: self.asked,
             of: ADDRESSES,
             left_ms: u32::try_from(left_us / 1000).unwrap_or(u32::MAX),
@@ -342,22 +341,22 @@ impl Scan {
         self.recent.push_back(took);
     }
 
-    /// A motor that was found, to be asked once more.
+    /// A motor that was found, to be probed again.
     fn sample(&mut self) -> Option<MotorId> {
         let id = self
             .found
             .get(self.next_sample % self.found.len().max(1))
             .copied()?;
         self.next_sample += 1;
-        self.looks_since_sample = 0;
+        self.probes_since_sample = 0;
         Some(id)
     }
 
-    /// How often every silent address is asked: once more for every reply that was lost, since a line
-    /// that loses one in twenty loses several while it is measured. Where nobody is found but somebody
-    /// answered the ID query, there is a motor to be missed.
+    /// Passes over the silent addresses: one more for every lost reply, since a line that loses one
+    /// in twenty loses several during the measurement. If no motor is found but the ID query had an
+    /// answer, a motor is missing.
     fn passes(&self) -> u8 {
-        if self.found.is_empty() && self.somebody_called {
+        if self.found.is_empty() && self.id_query_answered {
             return PASSES_ON_A_BAD_LINE;
         }
         let again = u8::try_from(self.lost).unwrap_or(u8::MAX);
@@ -375,7 +374,7 @@ impl Scan {
     fn where_address<C: FromIterator<MotorId>>(&self, is: impl Fn(Address) -> bool) -> C {
         let asked = MotorId::all().zip(&self.addresses);
         asked
-            .filter(|(_, address)| address.looks > 0 && is(**address))
+            .filter(|(_, address)| address.probes > 0 && is(**address))
             .map(|(id, _)| id)
             .collect()
     }

@@ -1,4 +1,4 @@
-//! What looks say of a line, and what they leave to be asked.
+//! What probes tell about the line, and which addresses are probed again.
 
 use super::*;
 
@@ -10,31 +10,35 @@ fn id(address: u8) -> MotorId {
 fn scan() -> Scan {
     let mut scan = Scan::begin(Instant::ZERO, &[id(1), id(2)], RoundTrip::new(), 0);
     for motor in [1, 1, 2, 2] {
-        look(&mut scan, motor, Look::Reply(Duration::from_millis(3)));
+        probe(
+            &mut scan,
+            motor,
+            ProbeResult::Reply(Duration::from_millis(3)),
+        );
     }
     scan
 }
 
-fn look(scan: &mut Scan, address: u8, look: Look) {
-    scan.looked(id(address), Instant::ZERO, look);
+fn probe(scan: &mut Scan, address: u8, result: ProbeResult) {
+    scan.probe_ended(id(address), Instant::ZERO, result);
 }
 
 #[test]
 fn a_reply_that_is_lost_asks_every_silent_address_once_more() {
     let mut scan = scan();
     assert_eq!(scan.passes(), 1);
-    look(&mut scan, 1, Look::Silence);
-    look(&mut scan, 7, Look::Silence);
+    probe(&mut scan, 1, ProbeResult::Silence);
+    probe(&mut scan, 7, ProbeResult::Silence);
     assert_eq!(scan.passes(), 2);
-    look(&mut scan, 8, Look::Noise);
+    probe(&mut scan, 8, ProbeResult::Noise);
     assert_eq!(scan.passes(), 2, "that noise is not of the lost one");
 }
 
 #[test]
 fn an_answer_that_met_the_next_question_is_not_lost_on_the_line() {
     let mut scan = scan();
-    look(&mut scan, 1, Look::Silence);
-    look(&mut scan, 7, Look::Noise);
+    probe(&mut scan, 1, ProbeResult::Silence);
+    probe(&mut scan, 7, ProbeResult::Noise);
     assert_eq!(scan.passes(), 1);
     assert!(scan.doubtful().contains(&id(7)), "it is asked again");
 }
@@ -42,10 +46,10 @@ fn an_answer_that_met_the_next_question_is_not_lost_on_the_line() {
 #[test]
 fn who_may_have_answered_into_the_next_window_is_asked_again() {
     let mut scan = scan();
-    look(&mut scan, 6, Look::Silence);
-    look(&mut scan, 7, Look::Noise);
+    probe(&mut scan, 6, ProbeResult::Silence);
+    probe(&mut scan, 7, ProbeResult::Noise);
     assert_eq!(scan.doubtful(), [id(6), id(7)]);
-    look(&mut scan, 6, Look::Silence);
-    look(&mut scan, 7, Look::Silence);
+    probe(&mut scan, 6, ProbeResult::Silence);
+    probe(&mut scan, 7, ProbeResult::Silence);
     assert!(scan.doubtful().is_empty());
 }

@@ -6,8 +6,8 @@ use std::{
 };
 
 use motorlink_bus::{
-    Activity, Bus, Command, Consent, Event, Limits, OVERCURRENT_FOR, Passed, Refusal, Sample,
-    is_hazardous,
+    Activity, Bus, Command, Consent, Event, Limits, LineEventKind, OVERCURRENT_FOR, Refusal,
+    Sample, is_hazardous,
 };
 use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::World;
@@ -17,7 +17,7 @@ use super::{Outcome, Rule, broken};
 /// A page that does not answer has its motors stopped.
 const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
 /// An act that is older than this starts nothing.
-const ACT_AGE_MAX: Duration = Duration::from_millis(500);
+const COMMAND_AGE_MAX: Duration = Duration::from_millis(500);
 /// A full scan proves for so long who is there.
 const PROOF_LASTS: Duration = Duration::from_secs(60);
 /// A driven motor that is silent for longer loses its setpoint, once so many requests were in vain; the
@@ -75,7 +75,7 @@ impl Operator {
         if answer.is_err() {
             return Ok(());
         }
-        if command.may_move() && now.since(given) > ACT_AGE_MAX {
+        if command.may_move() && now.since(given) > COMMAND_AGE_MAX {
             let what = format!("{command:?} of {given:?} was taken");
             return broken(Rule::NoOldActs, now, what);
         }
@@ -89,7 +89,12 @@ impl Operator {
             Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. } => {
                 self.stands(now, id, setpoint);
             }
-            Command::DriveTogether { parts, .. } | Command::AdjustTogether { parts, .. } => {
+            Command::DriveGroup {
+                setpoints: parts, ..
+            }
+            | Command::AdjustGroup {
+                setpoints: parts, ..
+            } => {
                 for (id, setpoint) in parts.parts() {
                     self.stands(now, id, setpoint);
                 }
@@ -322,8 +327,8 @@ impl Operator {
                 };
             }
             // A good reply is a sign of life, whatever it can be read as.
-            Event::Traffic(traffic) => {
-                if let Passed::Heard { frame, .. } = traffic.passed
+            Event::Line(traffic) => {
+                if let LineEventKind::Received { frame, .. } = traffic.kind
                     && let [id, ..] = *frame.bytes()
                     && let Ok(id) = MotorId::new(id)
                 {

@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_bus::{Event, Passed};
+use motorlink_bus::{Event, LineEventKind};
 use motorlink_protocol::{Frame, Instant};
 
 use super::{Outcome, Rule, broken};
@@ -101,14 +101,14 @@ impl Wire {
     /// The bus tells something.
     pub(super) fn told(&mut self, now: Instant, event: &Event) -> Outcome {
         match event {
-            Event::Traffic(traffic) => match traffic.passed {
-                Passed::Sent { frame, .. } => return self.logged_as(now, frame, false),
-                Passed::Unsent { frame } => return self.logged_as(now, frame, true),
-                Passed::Heard { frame, .. } => {
+            Event::Line(traffic) => match traffic.kind {
+                LineEventKind::Sent { frame, .. } => return self.logged_as(now, frame, false),
+                LineEventKind::NotSent { frame } => return self.logged_as(now, frame, true),
+                LineEventKind::Received { frame, .. } => {
                     self.heard.push(frame);
                     return self.logged(now, frame);
                 }
-                Passed::Junk(_) | Passed::Silence { .. } => {}
+                LineEventKind::Junk(_) | LineEventKind::Silence { .. } => {}
             },
             Event::Telemetry(sample) => self.read.push(sample.reply.frame()),
             _ => {}

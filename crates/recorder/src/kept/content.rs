@@ -1,6 +1,6 @@
 //! What is in a block.
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::traffic;
 use motorlink_protocol::Instant;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -50,7 +50,7 @@ pub(super) enum Note {
 }
 
 impl<'a> Batch<'a> {
-    pub(super) fn traffic(self) -> impl Iterator<Item = Traffic> + use<'a> {
+    pub(super) fn traffic(self) -> impl Iterator<Item = LineEvent> + use<'a> {
         traffic(self.bytes)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::push_traffic;
 use motorlink_protocol::Instant;
 
@@ -81,7 +81,7 @@ impl Keeper {
     }
 
     /// This passed on the line; `recorded` where it is a sample of the recording too.
-    pub fn passed(&mut self, traffic: &Traffic, recorded: bool) {
+    pub fn passed(&mut self, traffic: &LineEvent, recorded: bool) {
         self.packets.pass(traffic);
         if recorded {
             self.recorded.pass(traffic);
@@ -209,7 +209,7 @@ impl Tape {
         }
     }
 
-    fn pass(&mut self, traffic: &Traffic) {
+    fn pass(&mut self, traffic: &LineEvent) {
         push_traffic(&mut self.batch, traffic);
         self.batch_count += 1;
         self.batch_last = traffic.at;

@@ -1,6 +1,6 @@
 //! A log and a recording made again from what was kept.
 
-use motorlink_bus::Traffic;
+use motorlink_bus::LineEvent;
 
 use super::{
     Stream, Timeline,
@@ -87,8 +87,8 @@ impl Replay {
     }
 }
 
-fn placed(batch: Batch<'_>, timeline: &mut Timeline) -> impl Iterator<Item = Traffic> {
-    batch.traffic().map(|traffic| Traffic {
+fn placed(batch: Batch<'_>, timeline: &mut Timeline) -> impl Iterator<Item = LineEvent> {
+    batch.traffic().map(|traffic| LineEvent {
         at: timeline.at(traffic.at),
         ..traffic
     })

@@ -6,7 +6,7 @@
     reason = "not every story needs all of it, and a test fails by panicking"
 )]
 
-use motorlink_bus::{JunkBytes, Passed, Traffic};
+use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};
 use motorlink_protocol::{
     Current, Detail, Faults, Frame, Instant, Layout, Mode, MotorId, Position, Reply, Request, Rpm,
@@ -28,31 +28,31 @@ pub fn id(address: u8) -> MotorId {
 }
 
 /// Something that passed so many milliseconds after zero.
-pub fn at(millis: u64, passed: Passed) -> Traffic {
-    Traffic {
+pub fn at(millis: u64, passed: LineEventKind) -> LineEvent {
+    LineEvent {
         at: Instant::from_millis(millis),
-        passed,
+        kind: passed,
     }
 }
 
-pub fn sent(request: Request) -> Passed {
-    Passed::Sent {
+pub fn sent(request: Request) -> LineEventKind {
+    LineEventKind::Sent {
         frame: request.frame(),
         mode: Some(Mode::Velocity),
     }
 }
 
-pub fn query(address: u8) -> Passed {
+pub fn query(address: u8) -> LineEventKind {
     sent(Request::Query { id: id(address) })
 }
 
-pub fn drive(address: u8, rpm: i32) -> Passed {
+pub fn drive(address: u8, rpm: i32) -> LineEventKind {
     let setpoint = Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
     sent(Request::drive(id(address), setpoint))
 }
 
 /// A reply at 50 rpm to a drive frame.
-pub fn reply(address: u8, position: u16) -> Passed {
+pub fn reply(address: u8, position: u16) -> LineEventKind {
     let reply = Reply {
         id: id(address),
         mode: Mode::Velocity,
@@ -66,23 +66,23 @@ pub fn reply(address: u8, position: u16) -> Passed {
     heard(reply.frame(), Some(Layout::Drive))
 }
 
-pub fn heard(frame: Frame, asked: Option<Layout>) -> Passed {
-    Passed::Heard { frame, asked }
+pub fn heard(frame: Frame, asked: Option<Layout>) -> LineEventKind {
+    LineEventKind::Received { frame, asked }
 }
 
-pub fn junk(bytes: &[u8]) -> Passed {
-    Passed::Junk(JunkBytes::new(bytes))
+pub fn junk(bytes: &[u8]) -> LineEventKind {
+    LineEventKind::Junk(JunkBytes::new(bytes))
 }
 
-pub fn silence(address: u8) -> Passed {
-    Passed::Silence {
+pub fn silence(address: u8) -> LineEventKind {
+    LineEventKind::Silence {
         id: id(address),
         waited_us: 8_000,
     }
 }
 
 /// The n-th frame of a line on which motor 1 is driven and asked, a frame a millisecond.
-pub fn driven(n: u64) -> Traffic {
+pub fn driven(n: u64) -> LineEvent {
     let position = u16::try_from(n * 91 % 32_768).unwrap();
     at(
         n,

@@ -140,7 +140,7 @@ impl Firmware {
             Request::SwitchMode { mode, .. } => self.switch_mode(mode, speed_rpm),
             Request::Query { .. } | Request::IdQuery | Request::SetId { .. } | Request::Raw(_) => {}
         }
-        request.answered_in()
+        request.reply_layout()
     }
 
     /// While a protection is active a drive frame is answered but not obeyed (maker's manual).

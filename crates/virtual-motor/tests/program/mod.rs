@@ -113,6 +113,6 @@ impl Port {
     pub fn ask(&self, request: Request) -> Option<Reply> {
         self.write(request.frame().bytes());
         let heard: [u8; 10] = self.read(10, Duration::from_millis(500)).try_into().ok()?;
-        Reply::decode(&Frame::new(heard), request.answered_in()).ok()
+        Reply::decode(&Frame::new(heard), request.reply_layout()).ok()
     }
 }

@@ -214,7 +214,7 @@ impl Files {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{JunkBytes, Passed, Traffic};
+    use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
     use motorlink_protocol::Instant;
     use motorlink_recorder::kept::Keeper;
     use wasm_bindgen_test::wasm_bindgen_test;
@@ -224,10 +224,10 @@ mod tests {
 
     const NOW_MS: f64 = 1_795_266_900_000.0;
 
-    fn traffic(n: u64) -> Traffic {
-        Traffic {
+    fn traffic(n: u64) -> LineEvent {
+        LineEvent {
             at: Instant::from_millis(n),
-            passed: Passed::Junk(JunkBytes::new(&[1, 2, 3])),
+            kind: LineEventKind::Junk(JunkBytes::new(&[1, 2, 3])),
         }
     }
 

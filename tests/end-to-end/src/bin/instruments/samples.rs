@@ -34,7 +34,7 @@ pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
             connection: Connection::Connected(Adapter::Virtual),
             halted: false,
             motors: vec![status(samples.last().copied())],
-            survey: None,
+            job: None,
             raw: None,
             line: None,
             samples,

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use motorlink_messages::{
-    bus::{Passed, Traffic},
+    bus::{LineEvent, LineEventKind},
     protocol::{Frame, Instant, Layout, Mode},
     recorder::push_traffic,
 };
@@ -62,21 +62,21 @@ fn buffer(frames: impl Iterator<Item = (u32, u64)>) -> Vec<u8> {
     for (number, at_us) in frames {
         let at = Instant::from_micros(at_us);
         let passed = passed(number);
-        push_traffic(&mut bytes, &Traffic { at, passed });
+        push_traffic(&mut bytes, &LineEvent { at, kind: passed });
     }
     bytes
 }
 
 /// Even numbers are drive frames, odd ones replies that carry their number.
-fn passed(number: u32) -> Passed {
+fn passed(number: u32) -> LineEventKind {
     if number.is_multiple_of(2) {
-        return Passed::Sent {
+        return LineEventKind::Sent {
             frame: Frame::with_crc([1, 0x64, 0, 100, 0, 0, 0, 0, 0]),
             mode: Some(Mode::Velocity),
         };
     }
     let [b3, b2, b1, b0] = number.to_be_bytes();
-    Passed::Heard {
+    LineEventKind::Received {
         frame: Frame::with_crc([1, 2, b3, b2, b1, b0, 0x17, 0xCF, 0]),
         asked: Some(Layout::Drive),
     }

@@ -8,9 +8,9 @@
     reason = "a test fails by panicking, in its helpers too"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, ID, degrees, ms, rpm};
+use fixture::{Fixture, ID, degrees, ms, rpm};
 use motorlink_bus::{Activity, Command, StopReason};
 use motorlink_protocol::{Mode, MotorId};
 use motorlink_simulator::{MotorConfig, WorldConfig};
@@ -23,44 +23,44 @@ const fn switch_to(mode: Mode) -> Command {
 
 /// A wheel that stands at 120 degrees in the velocity loop, far from where a zero would turn it.
 /// The motor takes a mode switch after so many frames.
-fn standing_at_120(mode_switch_frames: u8) -> Bench {
+fn standing_at_120(mode_switch_frames: u8) -> Fixture {
     let motor = MotorConfig {
         mode_switch_frames,
         ..MotorConfig::new(MotorId::FIRST)
     };
-    let mut bench = Bench::watching(
+    let mut fixture = Fixture::watching(
         WorldConfig {
             motors: vec![motor],
             ..WorldConfig::default()
         },
         &[ID],
     );
-    bench.switch(Mode::Position);
-    bench.drive(degrees(120.0)).unwrap();
-    bench.run(ms(2_000));
-    bench.command(Command::Stop(ID)).unwrap();
-    bench.run(ms(733));
-    assert_eq!(bench.activity(), Activity::Idle);
-    assert_eq!(bench.world.motor(ID).unwrap().mode(), Mode::Velocity);
-    bench
+    fixture.switch(Mode::Position);
+    fixture.drive(degrees(120.0)).unwrap();
+    fixture.run(ms(2_000));
+    fixture.command(Command::Stop(ID)).unwrap();
+    fixture.run(ms(733));
+    assert_eq!(fixture.activity(), Activity::Idle);
+    assert_eq!(fixture.world.motor(ID).unwrap().mode(), Mode::Velocity);
+    fixture
 }
 
-fn angle(bench: &Bench) -> f32 {
-    bench.world.motor(ID).unwrap().angle_deg()
+fn angle(fixture: &Fixture) -> f32 {
+    fixture.world.motor(ID).unwrap().angle_deg()
 }
 
 /// The motor hears, but its replies are lost.
 #[test]
 fn a_stop_after_an_unconfirmed_switch_to_the_position_loop_does_not_move_the_wheel() {
     for wait in (0..1_000).step_by(25) {
-        let mut bench = standing_at_120(1);
-        let before = angle(&bench);
-        bench.command(switch_to(Mode::Position)).unwrap();
-        bench.world.motor_mut(ID).unwrap().mute(true);
-        bench.run(ms(wait));
-        bench.command(STOP).unwrap();
-        bench.run(ms(1_000));
-        let after = angle(&bench);
+        let mut fixture = standing_at_120(1);
+        let before = angle(&fixture);
+        fixture.command(switch_to(Mode::Position)).unwrap();
+        fixture.world.motor_mut(ID).unwrap().mute(true);
+        fixture.run(ms(wait));
+        fixture.command(STOP).unwrap();
+        fixture.run(ms(1_000));
+        let after = angle(&fixture);
         assert!(
             (after - before).abs() < 2.0,
             "after {wait} ms: {before} to {after}"
@@ -71,14 +71,14 @@ fn a_stop_after_an_unconfirmed_switch_to_the_position_loop_does_not_move_the_whe
 #[test]
 fn a_speed_is_not_sent_after_an_unconfirmed_switch_to_the_position_loop() {
     for wait in (300..700).step_by(10) {
-        let mut bench = standing_at_120(1);
-        let before = angle(&bench);
-        bench.command(switch_to(Mode::Position)).unwrap();
-        bench.world.motor_mut(ID).unwrap().mute(true);
-        bench.run(ms(wait));
-        let _ = bench.drive(rpm(50));
-        bench.run(ms(1_000));
-        let after = angle(&bench);
+        let mut fixture = standing_at_120(1);
+        let before = angle(&fixture);
+        fixture.command(switch_to(Mode::Position)).unwrap();
+        fixture.world.motor_mut(ID).unwrap().mute(true);
+        fixture.run(ms(wait));
+        let _ = fixture.drive(rpm(50));
+        fixture.run(ms(1_000));
+        let after = angle(&fixture);
         assert!(
             (after - before).abs() < 2.0,
             "after {wait} ms: {before} to {after}"
@@ -94,15 +94,15 @@ fn a_stop_during_a_second_switch_does_not_move_the_wheel() {
                 .step_by(9)
                 .flat_map(|a| [0, 3, 10, 20].map(|b| (a, b)))
             {
-                let mut bench = standing_at_120(frames);
-                let before = angle(&bench);
-                bench.command(switch_to(Mode::Position)).unwrap();
-                bench.run(ms(first_ms));
-                bench.command(switch_to(second)).unwrap();
-                bench.run(ms(second_ms));
-                bench.command(STOP).unwrap();
-                bench.run(ms(1_000));
-                let after = angle(&bench);
+                let mut fixture = standing_at_120(frames);
+                let before = angle(&fixture);
+                fixture.command(switch_to(Mode::Position)).unwrap();
+                fixture.run(ms(first_ms));
+                fixture.command(switch_to(second)).unwrap();
+                fixture.run(ms(second_ms));
+                fixture.command(STOP).unwrap();
+                fixture.run(ms(1_000));
+                let after = angle(&fixture);
                 assert!(
                     (after - before).abs() < 2.0,
                     "{frames} frames, {second} at {first_ms} ms, stop {second_ms} ms later: \

@@ -6,9 +6,9 @@
     reason = "a test that cannot go on fails"
 )]
 
-mod bench;
+mod fixture;
 
-use bench::{Bench, amps, degrees, id, ms, rpm};
+use fixture::{Fixture, amps, degrees, id, ms, rpm};
 use motorlink_bus::{Command, Consent, RawInterval, Repeat, SetIdFrames, StopReason};
 use motorlink_protocol::{AssignableId, Frame, Mode, MotorId, Request};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
@@ -66,7 +66,7 @@ impl Dice {
         match self.below(16) {
             0 => Command::FullScan,
             1 => Command::IdQuery,
-            2 => Command::CancelSurvey,
+            2 => Command::CancelJob,
             3 => Command::StopAll(StopReason::Operator),
             4 => Command::Release,
             5 => Command::Stop(id),
@@ -133,7 +133,7 @@ fn assignable(address: u8) -> AssignableId {
 }
 
 /// While stopped, a motor is asked, called, braked or brought into the velocity loop, and no more.
-fn assert_harmless(sent: &[bench::Sent], story: &str) {
+fn assert_harmless(sent: &[fixture::Sent], story: &str) {
     for sent in sent {
         match Request::parse(&sent.frame) {
             Ok(Request::Drive { drive, .. }) => {
@@ -158,44 +158,44 @@ fn stopped_means_stopped_whatever_is_pressed() {
         let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         let faults = dice.faults();
         let motors = 1 + dice.small(3);
-        let mut bench = Bench::new(WorldConfig {
+        let mut fixture = Fixture::new(WorldConfig {
             seed,
             faults,
             ..WorldConfig::with_ids((1..=motors).map(id))
         });
         for motor in 1..=motors {
-            bench.command(Command::Watch(id(motor))).unwrap();
+            fixture.command(Command::Watch(id(motor))).unwrap();
         }
-        bench.run(ms(200));
+        fixture.run(ms(200));
         for act in 0..ACTS {
             let command = dice.command();
             // A refusal is as good an end of an act as any.
-            let outcome = bench.command(command);
-            bench.page_lives = dice.below(20) != 0;
-            let stopped = bench.bus.is_halted();
-            let before = bench.sent.len();
-            bench.run(ms([1, 5, 20, 100, 700, 3_000][usize::from(dice.small(6))]));
+            let outcome = fixture.command(command);
+            fixture.page_lives = dice.below(20) != 0;
+            let stopped = fixture.bus.is_halted();
+            let before = fixture.sent.len();
+            fixture.run(ms([1, 5, 20, 100, 700, 3_000][usize::from(dice.small(6))]));
             if stopped {
                 let story = format!("seed {seed}, act {act}, {command:?}: {outcome:?}");
-                assert_harmless(&bench.sent[before..], &story);
+                assert_harmless(&fixture.sent[before..], &story);
             }
-            bench.page_lives = true;
-            bench.bus.page_answered(bench.now);
+            fixture.page_lives = true;
+            fixture.bus.page_answered(fixture.now);
         }
-        bench
+        fixture
             .command(Command::StopAll(StopReason::Operator))
             .unwrap();
-        bench.run(ms(8_000));
-        for motor in bench.world.motors() {
+        fixture.run(ms(8_000));
+        for motor in fixture.world.motors() {
             assert!(motor.speed_rpm().abs() < 1.0, "seed {seed}, {}", motor.id());
         }
-        bench.command(Command::Release).unwrap();
-        assert!(bench.bus.survey().is_none());
-        bench.forget_the_past();
-        bench.run(ms(1_000));
-        let asks = |sent: &bench::Sent| sent.is_query();
+        fixture.command(Command::Release).unwrap();
+        assert!(fixture.bus.job().is_none());
+        fixture.forget_the_past();
+        fixture.run(ms(1_000));
+        let asks = |sent: &fixture::Sent| sent.is_query();
         assert!(
-            bench.sent.iter().all(asks),
+            fixture.sent.iter().all(asks),
             "seed {seed}: released, and not asked"
         );
     }

@@ -1,53 +1,54 @@
-//! Every frame that passed, for the packet log.
+//! Events of the line, for the packet log.
 
 use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, Mode, MotorId};
 
-/// One thing that passed on the line.
+/// One event of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Traffic {
-    /// When it was handed out to be sent, or when its last byte was read.
+pub struct LineEvent {
+    /// When the frame was given to the port, or when its last byte was read.
     pub at: Instant,
-    /// What it was.
-    pub passed: Passed,
+    /// What happened.
+    pub kind: LineEventKind,
 }
 
-/// What passed on the line. An echo of our own is not among it: it is counted, and was sent already.
+/// What happened on the line. Echoes are not among them: the request is logged, and the echo is
+/// counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Passed {
-    /// A frame of ours.
+pub enum LineEventKind {
+    /// A frame of the bus.
     Sent {
-        /// Its bytes.
+        /// The bytes.
         frame: Frame,
-        /// The loop in which its motor reads the value of a drive frame, where that is known.
+        /// The loop in which the motor reads the value of a drive frame, if known.
         mode: Option<Mode>,
     },
     /// A good frame of a motor.
-    Heard {
-        /// Its bytes.
+    Received {
+        /// The bytes.
         frame: Frame,
-        /// What was asked, so what its bytes 6 and 7 mean; `None` where that is not certain.
+        /// The layout of bytes 6 and 7; `None` if the request is uncertain.
         asked: Option<Layout>,
     },
-    /// Bytes that are no good frame: a spoilt reply, two talkers, noise. More than ten are several of
-    /// these.
+    /// Bytes that are not a good frame: a corrupt reply, a collision, noise. More than ten bytes
+    /// make several events.
     Junk(JunkBytes),
-    /// A motor that was asked, outside a scan, said nothing in its window.
+    /// A motor sent nothing in its reply window. Not reported during a scan.
     Silence {
         /// Which motor.
         id: MotorId,
-        /// How long it was waited for.
+        /// Length of the reply window.
         waited_us: u32,
     },
-    /// A frame that was to be sent and was not: the adapter was still at the frame before.
-    Unsent {
-        /// Its bytes.
+    /// A frame that the port refused because it was still busy with the one before.
+    NotSent {
+        /// The bytes.
         frame: Frame,
     },
 }
 
-/// One to ten bytes that are no good frame.
+/// One to ten bytes that are not a good frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JunkBytes {
@@ -56,7 +57,7 @@ pub struct JunkBytes {
 }
 
 impl JunkBytes {
-    /// The first ten of these, at most.
+    /// At most the first ten of these bytes.
     #[must_use]
     pub fn new(junk: &[u8]) -> Self {
         let mut bytes = [0; FRAME_LEN];
