@@ -97,7 +97,7 @@ fn exchange(criterion: &mut Criterion) {
     }
 }
 
-/// What the bus decides over and over: who speaks next, when nobody is due.
+/// The decision that the bus makes most often: the next frame, when none is due.
 fn schedule(criterion: &mut Criterion) {
     let mut driven = Driven::new(8);
     let mut now = driven.now;

@@ -70,7 +70,7 @@ fn three_motors(seed: u64) -> [MotorId; 3] {
     [address(0), address(1), address(2)]
 }
 
-/// One full scan, from a bus that knows nobody.
+/// One full scan, from a bus that knows no motor.
 fn scan(config: WorldConfig) -> ScanReport {
     let mut now = Instant::from_millis(1_000);
     let mut world = World::new(config);

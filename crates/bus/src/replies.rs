@@ -115,7 +115,7 @@ impl Bus {
         match exchange.expects {
             Expects::Nothing => {}
             Expects::Everyone { layout } => {
-                self.broadcast_window_ended(now, &exchange, layout, &rest)
+                self.broadcast_window_ended(now, &exchange, layout, &rest);
             }
             Expects::Reply { id, layout } => {
                 self.process_other_bytes(now, &exchange, &rest);

@@ -124,7 +124,7 @@ fn a_motor_that_answers_alone_is_found_and_asked_at_once() {
     assert_eq!(told(&fixture).len(), 1);
 }
 
-/// What nobody can read but one motor may obey is answered by that motor.
+/// A malformed frame that one motor may obey is answered by that motor.
 #[test]
 fn the_answer_to_a_raw_frame_with_one_addressee_is_telemetry_of_that_motor_only() {
     for (reply, kept) in [(FROM_1, 1), (FROM_2, 0)] {

@@ -328,8 +328,8 @@ fn after_two_losses_in_a_row_no_layout_is_read_as_the_other() {
     }
 }
 
-/// What an adapter or a machine that is held up hands out long after the window is not read as the answer
-/// to what was asked since: a position as a temperature.
+/// A reply that a stalled adapter or machine delivers long after its window is not read as the answer
+/// to a later request: a position would be read as a temperature.
 #[test]
 fn the_answer_to_an_id_query_is_not_read_in_the_layout_of_a_later_query() {
     for stall in [55, 65, 75, 100, 150, 300] {

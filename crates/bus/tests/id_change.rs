@@ -273,7 +273,7 @@ fn on_a_bad_line_the_outcome_is_never_wrong() {
             }
             IdChangeOutcome::Kept { .. } => assert!(!has_new, "seed {seed}"),
             IdChangeOutcome::NotAlone => {
-                assert!(!fixture.sent.iter().any(is_set_id), "seed {seed}")
+                assert!(!fixture.sent.iter().any(is_set_id), "seed {seed}");
             }
             other => panic!("seed {seed}: {other:?}"),
         }

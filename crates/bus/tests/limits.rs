@@ -43,7 +43,7 @@ fn heat(fixture: &mut Fixture, steps_c: &[u8]) {
     }
 }
 
-/// It was stopped for a limit, stands, and is driven by nobody.
+/// It was stopped for a limit, stands, and is not driven.
 fn assert_stopped_for_good(fixture: &mut Fixture) {
     fixture.run(ms(3_500));
     assert!(fixture.true_rpm().abs() < 1.0);

@@ -11,7 +11,7 @@ mod fixture;
 use fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Command, Event, LineEvent, LineEventKind};
 use motorlink_protocol::{Drive, Frame, Layout, Mode, explain_received, explain_sent};
-use motorlink_simulator::{Echo, Speaker, Split, WireFaults, WorldConfig};
+use motorlink_simulator::{Echo, Sender, Split, WireFaults, WorldConfig};
 
 fn log(fixture: &Fixture) -> Vec<LineEvent> {
     let traffic = fixture.events.iter().filter_map(|(_, event)| match event {
@@ -23,9 +23,9 @@ fn log(fixture: &Fixture) -> Vec<LineEvent> {
 
 /// Frames of both sides in the order in which they were on the wire.
 fn on_the_wire(fixture: &mut Fixture) -> Vec<(bool, Vec<u8>)> {
-    let traffic = fixture.world.drain_traffic();
+    let traffic = fixture.world.drain_wire_frames();
     traffic
-        .map(|passed| (passed.from == Speaker::Host, passed.frame.bytes().to_vec()))
+        .map(|passed| (passed.from == Sender::Host, passed.frame.bytes().to_vec()))
         .collect()
 }
 

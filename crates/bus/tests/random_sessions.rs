@@ -133,11 +133,11 @@ fn assignable(address: u8) -> AssignableId {
 }
 
 /// While stopped, a motor is asked, called, braked or brought into the velocity loop, and no more.
-fn assert_harmless(sent: &[fixture::Sent], story: &str) {
+fn assert_harmless(sent: &[fixture::Sent], context: &str) {
     for sent in sent {
         match Request::parse(&sent.frame) {
             Ok(Request::Drive { drive, .. }) => {
-                assert!(drive.brakes() && drive.signed() == 0, "{story}: {sent:?}");
+                assert!(drive.brakes() && drive.signed() == 0, "{context}: {sent:?}");
             }
             Ok(
                 Request::Query { .. }
@@ -147,7 +147,7 @@ fn assert_harmless(sent: &[fixture::Sent], story: &str) {
                     ..
                 },
             ) => {}
-            other => panic!("{story}: {sent:?} is {other:?}"),
+            other => panic!("{context}: {sent:?} is {other:?}"),
         }
     }
 }
@@ -176,8 +176,8 @@ fn stopped_means_stopped_whatever_is_pressed() {
             let before = fixture.sent.len();
             fixture.run(ms([1, 5, 20, 100, 700, 3_000][usize::from(dice.small(6))]));
             if stopped {
-                let story = format!("seed {seed}, act {act}, {command:?}: {outcome:?}");
-                assert_harmless(&fixture.sent[before..], &story);
+                let context = format!("seed {seed}, act {act}, {command:?}: {outcome:?}");
+                assert_harmless(&fixture.sent[before..], &context);
             }
             fixture.page_lives = true;
             fixture.bus.page_answered(fixture.now);

@@ -136,7 +136,7 @@ fn one_wheel_is_driven_in_one_way_at_a_time() {
     fixture.run(ms(100));
     assert!(
         matches!(fixture.activity(), Activity::Driven { .. }),
-        "a query disturbs nobody"
+        "a query disturbs no motor"
     );
 
     let mut fixture = Fixture::one_motor();

@@ -155,7 +155,7 @@ fn what_every_motor_hears_needs_one_loop_and_stays_below_the_speed_limit_in_any(
             .command(Command::SwitchMode { id: id(2), mode })
             .unwrap();
         fixture.run(ms(400));
-        // A third motor that nobody watches may read it as a speed.
+        // A third motor that is not watched may read it as a speed.
         for beyond in [331, 1_000, -25_000] {
             let refused = fixture.command(value(first, beyond));
             assert_eq!(refused, Err(Refusal::AboveSpeedLimit(330)), "{beyond}");

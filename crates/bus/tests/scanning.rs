@@ -15,7 +15,7 @@ use motorlink_bus::{
 use motorlink_protocol::{MotorId, Request};
 use motorlink_simulator::{Echo, MotorConfig, WireFaults, WorldConfig};
 
-/// A bus on which nobody was asked yet.
+/// A bus without any exchange yet.
 fn unknown(motors: &[u8], faults: WireFaults, seed: u64) -> Fixture {
     let ids = motors.iter().map(|address| id(*address));
     Fixture::new(WorldConfig {
@@ -88,7 +88,7 @@ fn motors_appear_as_they_answer_and_progress_is_told() {
     assert!(before < 20);
 }
 
-/// Two motors with one ID cannot be told apart, but their quarrel can be heard.
+/// Two motors with one ID cannot be told apart, but their replies collide.
 #[test]
 fn an_address_that_two_motors_share_is_told_as_noisy() {
     let mut fixture = unknown(&[4, 9], WireFaults::default(), 1);
@@ -205,8 +205,8 @@ fn a_machine_that_is_held_up_now_and_then_makes_no_slow_scan() {
     assert!(late > 10, "{late} replies were late");
 }
 
-/// However long it was held up: what it hands out then was not lost on the line, and no address has to be
-/// asked once more for it.
+/// A reply delayed by any time is not lost on the line, and no address has to be probed again for
+/// it.
 #[test]
 fn a_machine_that_stood_still_for_a_moment_makes_no_slow_scan() {
     for seed in 0..20 {

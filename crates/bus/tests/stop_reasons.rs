@@ -139,7 +139,8 @@ fn a_motor_that_stays_in_the_position_loop_gets_no_brake_and_is_not_confirmed() 
     assert_eq!(outcome.speed.map(Rpm::magnitude), Some(0));
 }
 
-/// It hears the switches though nobody hears it, or it hears nothing: then the brake harms nobody.
+/// Either it receives the switches although its replies are lost, or it receives nothing: then the
+/// brake is harmless.
 #[test]
 fn a_motor_that_falls_silent_in_the_position_loop_gets_the_brake_behind_its_switches() {
     let mut fixture = Fixture::one_motor();

@@ -1,24 +1,25 @@
-//! A world that fails, from one seed: the bus, virtual motors, a bad wire, and a person who clicks at
-//! random; after every step rules that must hold whatever happens.
+//! Fault simulation from one seed: the bus, virtual motors, a bad wire and an operator who clicks
+//! at random. Rules are checked after every step.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `act` | what can happen in this world |
-//! | `story` | from a seed to a list of acts |
-//! | `player` | plays a story over virtual time, and gives every step to the rules |
-//! | `rules` | what must hold, each rule with its name |
-//! | `shrink` | the shortest story that still breaks the rule |
+//! | `action` | what can happen |
+//! | `scenario` | generates a list of actions from a seed |
+//! | `player` | plays a scenario over virtual time and checks the rules |
+//! | `rule`, `rules` | the rules by name, and their checks |
+//! | `shrink` | the shortest scenario that still breaks the rule |
 //!
-//! It is for tests and for `cargo xtask soak`: the same seed is the same world on every machine.
+//! For tests and for `cargo xtask soak`: one seed gives the same run on every machine.
 
-mod act;
+mod action;
 mod player;
+mod rule;
 mod rules;
+mod scenario;
 mod shrink;
-mod story;
 
-pub use act::{Absence, Act, Fault, LineFault, Turn};
-pub use player::{Coverage, Failure, play, what_passed};
-pub use rules::{Rule, Violation};
+pub use action::{Absence, Action, Fault, LineFault, PendingInput};
+pub use player::{Coverage, Failure, play, trace_lines};
+pub use rule::{Rule, Violation};
+pub use scenario::Scenario;
 pub use shrink::shrink;
-pub use story::Story;

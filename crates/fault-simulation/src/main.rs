@@ -1,9 +1,9 @@
-//! Plays as many stories as there is time for, or one by its seed, and prints what was found.
+//! Plays scenarios for a given time, or one by its seed, and prints the broken rules.
 //!
-//! `cargo xtask soak` runs it, and prints a table of what was found. `--seconds N` is how long it plays, 60 at
-//! first, and `--seeds N` how many worlds instead; `--from N` is the first seed; `--seed N` plays that one alone
-//! and prints its acts, and what passed before a rule was broken. Of the seeds that break the same rule only
-//! the first is shrunk.
+//! `cargo xtask soak` runs it and prints a table of the results. `--seconds N` is the duration, 60
+//! by default; `--seeds N` is a number of scenarios instead; `--from N` is the first seed; `--seed
+//! N` plays that one alone and prints its actions, and a trace if a rule is broken. Of the seeds
+//! that break the same rule only the first is shrunk.
 
 use std::{
     collections::BTreeMap,
@@ -17,10 +17,10 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use motorlink_fault_simulation::{Coverage, Failure, Rule, Story, play, shrink, what_passed};
+use motorlink_fault_simulation::{Coverage, Failure, Rule, Scenario, play, shrink, trace_lines};
 
-/// Lines of what passed before a rule was broken.
-const PASSED_SHOWN: usize = 40;
+/// Lines of the trace before a broken rule.
+const TRACE_SHOWN: usize = 40;
 
 fn main() -> ExitCode {
     match soak() {
@@ -51,12 +51,12 @@ fn soak() -> Result<bool> {
         }
     }
     if let Some(seed) = only {
-        let story = Story::of(seed);
-        println!("seed {seed}, with {:?}", story.motors);
-        for (step, act) in story.acts.iter().enumerate() {
-            println!("{step:4}  {act:?}");
+        let scenario = Scenario::from_seed(seed);
+        println!("seed {seed}, with {:?}", scenario.motors);
+        for (step, action) in scenario.actions.iter().enumerate() {
+            println!("{step:4}  {action:?}");
         }
-        return Ok(holds(&story, &mut Coverage::default()));
+        return Ok(holds(&scenario, &mut Coverage::default()));
     }
     let began = Instant::now();
     let until = began + Duration::from_secs(seconds);
@@ -66,7 +66,7 @@ fn soak() -> Result<bool> {
     thread::scope(|scope| {
         let cores = thread::available_parallelism().map_or(1, Into::into);
         let start = |_| scope.spawn(|| play_some(&next, end, until));
-        // All are started before the first is waited for.
+        // All threads start before the first join.
         let threads: Vec<_> = (0..cores).map(start).collect();
         for thread in threads {
             played.add(thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
@@ -77,7 +77,7 @@ fn soak() -> Result<bool> {
     for (seed, failure) in &played.failures {
         let times = broken.entry(failure.violation.rule).or_insert(0_u64);
         if *times == 0 {
-            explain(&Story::of(*seed), failure);
+            explain(&Scenario::from_seed(*seed), failure);
         }
         *times += 1;
     }
@@ -86,7 +86,7 @@ fn soak() -> Result<bool> {
     Ok(broken.is_empty())
 }
 
-/// What came of some seeds.
+/// Results of some seeds.
 #[derive(Default)]
 struct Played {
     seeds: u64,
@@ -102,7 +102,7 @@ impl Played {
     }
 }
 
-/// Plays the seeds that no other thread has taken, to the end or as long as there is time.
+/// Plays seeds that no other thread has taken, until the last seed or the end of the time.
 fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
     let mut played = Played::default();
     while Instant::now() < until {
@@ -111,7 +111,7 @@ fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
             break;
         }
         played.seeds += 1;
-        if let Err(failure) = play(&Story::of(seed), &mut played.coverage) {
+        if let Err(failure) = play(&Scenario::from_seed(seed), &mut played.coverage) {
             println!("seed {seed}, step {}: {}", failure.step, failure.violation);
             played.failures.push((seed, failure));
         }
@@ -119,7 +119,7 @@ fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
     played
 }
 
-/// In the form of the tables of the documents.
+/// Prints the tables in the form of the documents.
 fn print_table(seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Coverage) {
     let yes = |is| if is { "yes" } else { "NO" };
     println!("| figure | must | measured | reached |");
@@ -152,7 +152,7 @@ fn print_table(seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Cover
     }
 }
 
-/// As `100,000`.
+/// With thousands separators: `100,000`.
 fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -165,17 +165,17 @@ fn grouped(number: u64) -> String {
     text
 }
 
-fn holds(story: &Story, coverage: &mut Coverage) -> bool {
-    let Err(failure) = play(story, coverage) else {
+fn holds(scenario: &Scenario, coverage: &mut Coverage) -> bool {
+    let Err(failure) = play(scenario, coverage) else {
         return true;
     };
-    explain(story, &failure);
+    explain(scenario, &failure);
     false
 }
 
-/// The shortest story that breaks the same rule, and what passed in it.
-fn explain(story: &Story, failure: &Failure) {
-    let (short, last) = shrink(story, failure);
+/// Prints the shortest scenario that breaks the same rule, and its trace.
+fn explain(scenario: &Scenario, failure: &Failure) {
+    let (short, last) = shrink(scenario, failure);
     println!(
         "seed {} shrunk, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
         short.seed,
@@ -184,11 +184,11 @@ fn explain(story: &Story, failure: &Failure) {
         if short.obey_all { "" } else { "not " },
         last.violation
     );
-    for act in &short.acts {
-        println!("  {act:?}");
+    for action in &short.actions {
+        println!("  {action:?}");
     }
     println!("the last that passed in it:");
-    for line in what_passed(&short, PASSED_SHOWN) {
+    for line in trace_lines(&short, TRACE_SHOWN) {
         println!("  {line}");
     }
 }

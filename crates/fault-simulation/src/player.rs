@@ -1,4 +1,4 @@
-//! Plays a story over virtual time, and gives every step to the rules.
+//! Plays a scenario over virtual time and checks the rules after every step.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -8,38 +8,39 @@ use std::{
 
 use motorlink_bus::{Bus, Command, Event, Limits, Output, StopReason};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
-use motorlink_simulator::{MotorConfig, Speaker, World, WorldConfig};
+use motorlink_simulator::{MotorConfig, Sender, World, WorldConfig};
 
 use crate::{
-    act::{Act, Fault, LineFault, Turn},
-    rules::{Rule, Rules, Violation},
-    story::Story,
+    action::{Action, Fault, LineFault, PendingInput},
+    rule::{Rule, Violation},
+    rules::Rules,
+    scenario::Scenario,
 };
 
-/// What the bus does at one moment is bounded: this is far above it, and far below a busy loop.
+/// Most steps of the bus at one moment: far above the usual number, and far below a busy loop.
 const STEPS_AT_ONCE_MAX: u32 = 2_000;
-/// No hand is quicker than this, and no system finds an adapter sooner. What the adapter held is gone then.
+/// Shortest time between unplug and replug: a hand and the system need it. The adapter's buffer is
+/// lost then.
 const PULLED_OUT_FOR: Duration = Duration::from_millis(300);
-/// How often the bus asks to be woken in a second: four times an exchange, at the most that the line
-/// carries.
+/// Most wake-ups per second: four per exchange at the highest rate of the line.
 const WAKES_A_SECOND_MAX: u32 = 2_400;
-/// Behind the last act everything is stopped, and stands within this.
+/// After the last action everything is stopped, and stands within this time.
 const LAST_STOP: Duration = Duration::from_secs(8);
-/// Released, nothing but questions is heard for this long.
+/// After Release only queries are sent for this long.
 const REST: Duration = Duration::from_secs(1);
-/// Below this a wheel stands.
+/// Below this speed a wheel stands.
 const STANDS_RPM: f32 = 1.0;
-/// Later than this after the moment that the bus asked for, whatever stood is withdrawn.
+/// After a call this late every setpoint is withdrawn.
 const LATE_MAX: Duration = Duration::from_millis(500);
-/// Mode switches for a motor that needs many.
+/// Mode switch frames for a motor that needs many.
 const MANY_SWITCHES: u8 = 5;
 
-/// What happened in the stories that were played.
+/// Coverage of the played scenarios.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     /// How often each fault happened.
     pub faults: BTreeMap<Fault, u64>,
-    /// How often each rule had something to judge.
+    /// How often each rule was applied.
     pub judged: BTreeMap<Rule, u64>,
 }
 
@@ -54,34 +55,34 @@ impl AddAssign for Coverage {
     }
 }
 
-/// Where a story broke a rule.
+/// Where a scenario broke a rule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The act, counted from 0, that was the last before.
+    /// Number of the last action before it, from 0.
     pub step: usize,
-    /// What did not hold.
+    /// The broken rule.
     pub violation: Violation,
 }
 
-/// Plays a story to its end, or to the first rule that does not hold.
+/// Plays a scenario to its end, or to the first broken rule.
 ///
 /// # Errors
 ///
-/// What did not hold, and where.
-pub fn play(story: &Story, coverage: &mut Coverage) -> Result<(), Failure> {
-    let mut player = Player::new(story);
+/// The broken rule, and the action at which it broke.
+pub fn play(scenario: &Scenario, coverage: &mut Coverage) -> Result<(), Failure> {
+    let mut player = Player::new(scenario);
     let mut count = |fault, times: usize| {
         if let Ok(times @ 1..) = u64::try_from(times) {
             *coverage.faults.entry(fault).or_default() += times;
         }
     };
-    count(Fault::NeedsFiveSwitches, story.need_five_switches.len());
-    count(Fault::ObeysAll, usize::from(story.obey_all));
-    for (step, act) in story.acts.iter().enumerate() {
-        if let Some(fault) = act.fault() {
+    count(Fault::NeedsFiveSwitches, scenario.need_five_switches.len());
+    count(Fault::ObeysAll, usize::from(scenario.obey_all));
+    for (step, action) in scenario.actions.iter().enumerate() {
+        if let Some(fault) = action.fault() {
             *coverage.faults.entry(fault).or_default() += 1;
         }
-        let outcome = player.act(act);
+        let outcome = player.apply(action);
         outcome.map_err(|violation| Failure { step, violation })?;
     }
     let ended = player.end();
@@ -89,22 +90,22 @@ pub fn play(story: &Story, coverage: &mut Coverage) -> Result<(), Failure> {
     for (rule, times) in &player.rules.judged {
         *coverage.judged.entry(*rule).or_default() += times;
     }
-    let step = story.acts.len();
+    let step = scenario.actions.len();
     ended.map_err(|violation| Failure { step, violation })
 }
 
-/// What passed in a story up to its end, or to the first rule that did not hold: the last lines of it.
+/// The last `lines` of the trace of a scenario, up to its end or the first broken rule.
 #[must_use]
-pub fn what_passed(story: &Story, lines: usize) -> Vec<String> {
-    let mut player = Player::new(story);
+pub fn trace_lines(scenario: &Scenario, lines: usize) -> Vec<String> {
+    let mut player = Player::new(scenario);
     player.passed = Some(VecDeque::with_capacity(lines));
-    for act in &story.acts {
-        player.note(|| format!("{act:?}"));
-        if player.act(act).is_err() {
+    for action in &scenario.actions {
+        player.note(|| format!("{action:?}"));
+        if player.apply(action).is_err() {
             return player.passed.into_iter().flatten().collect();
         }
     }
-    // Whether that breaks a rule is told elsewhere.
+    // `play` reports a broken rule.
     let _ = player.end();
     player.passed.into_iter().flatten().collect()
 }
@@ -114,34 +115,39 @@ struct Player {
     world: World,
     /// `None` while the adapter is unplugged.
     bus: Option<Bus>,
-    /// Whether Stop all motors stands, which outlives the port.
+    /// Whether Stop all motors is in force. It outlives the port.
     halted: bool,
     page_answers: bool,
-    /// What was clicked while the page hung, and when.
+    /// Commands that were clicked while the page hung, with their times.
     clicked: Vec<(Instant, Command)>,
     limits: Limits,
     rules: Rules,
     motors: Vec<MotorId>,
-    /// Frames that were sent since the last look, but questions.
+    /// Frames other than queries since the last check.
     acted: u64,
-    /// When the second began, and how often the bus has asked to be woken in it.
+    /// Start of the current second, and the number of wake-ups in it.
     wakes: (Instant, u32),
-    /// When the bus asked to be called again, at the latest.
+    /// Latest time of the next call, as the bus asked.
     promised: Option<Instant>,
     /// Frames that the port will refuse.
     refuses: u8,
-    /// Of how many frames the port will send only so many bytes, and whether it says so.
+    /// The next frames to truncate: number of frames, bytes sent of each, and whether the port
+    /// reports it.
     cuts: Option<(u8, usize, bool)>,
-    /// What passed, where somebody wants to know; no more lines than it was made for.
+    /// The trace, if it is recorded; at most its initial capacity.
     passed: Option<VecDeque<String>>,
 }
 
 impl Player {
-    fn new(story: &Story) -> Self {
+    fn new(scenario: &Scenario) -> Self {
         let now = Instant::from_millis(1_000);
         let mut world = World::new(WorldConfig {
-            seed: story.seed,
-            motors: story.motors.iter().map(|id| motor(story, *id)).collect(),
+            seed: scenario.seed,
+            motors: scenario
+                .motors
+                .iter()
+                .map(|id| motor(scenario, *id))
+                .collect(),
             ..WorldConfig::default()
         });
         world.advance(now);
@@ -154,7 +160,7 @@ impl Player {
             clicked: Vec::new(),
             limits: Limits::default(),
             rules: Rules::default(),
-            motors: story.motors.clone(),
+            motors: scenario.motors.clone(),
             acted: 0,
             wakes: (now, 0),
             promised: None,
@@ -167,7 +173,7 @@ impl Player {
         player
     }
 
-    /// A new bus, as the worker makes one for a port that it has opened.
+    /// A new bus, as the worker creates one for an open port.
     fn plug(&mut self) {
         let mut bus = if self.halted {
             Bus::halted(self.now)
@@ -179,103 +185,105 @@ impl Player {
         self.rules.limits(self.limits);
         self.promised = None;
         for command in watched.chain([limits]) {
-            // On a bus on which nothing drives this is not refused.
+            // A bus that drives nothing does not refuse this.
             let _: Result<(), _> = bus.command(self.now, command);
         }
         self.bus = Some(bus);
     }
 
-    fn act(&mut self, act: &Act) -> Result<(), Violation> {
-        match act {
-            Act::Command(command) if self.page_answers => self.command(self.now, *command)?,
-            // It is heard when the page goes on.
-            Act::Command(command) => self.clicked.push((self.now, *command)),
-            Act::Pause(duration) => self.run(*duration)?,
-            Act::Line(line) => {
+    fn apply(&mut self, action: &Action) -> Result<(), Violation> {
+        match action {
+            Action::Command(command) if self.page_answers => self.command(self.now, *command)?,
+            // It is delivered when the page resumes.
+            Action::Command(command) => self.clicked.push((self.now, *command)),
+            Action::Pause(duration) => self.run(*duration)?,
+            Action::Line(line) => {
                 self.world.set_faults(line.faults());
                 self.rules.line(self.now, *line == LineFault::None);
             }
-            Act::Power { id, on } => {
+            Action::Power { id, on } => {
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.power(*on);
                 }
             }
-            Act::Load { id, tenths_nm } => {
+            Action::Load { id, tenths_nm } => {
                 self.rules.loaded(*id);
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.set_load_nm(f32::from(*tenths_nm) / 10.0);
                 }
             }
-            Act::Heat { id, celsius } => {
+            Action::Heat { id, celsius } => {
                 self.rules.heated(self.now);
                 if let Some(motor) = self.world.motor_mut(*id) {
                     motor.set_temperature_c((*celsius).into());
                 }
             }
-            Act::PageHangs(true) => {
+            Action::PageHangs(true) => {
                 self.page_answers = false;
                 self.rules.page(self.now, false);
             }
-            Act::PageHangs(false) => self.page_goes_on()?,
-            Act::PageGoes => self.command(self.now, Command::StopAll(StopReason::PageGone))?,
-            Act::Unplug => {
+            Action::PageHangs(false) => self.page_goes_on()?,
+            Action::PageClosed => self.command(self.now, Command::StopAll(StopReason::PageGone))?,
+            Action::Unplug => {
                 if let Some(mut bus) = self.bus.take() {
                     self.halted = bus.is_halted();
                     for event in bus.close(self.now) {
-                        self.rules.told(self.now, &event, &self.world)?;
+                        self.rules.on_event(self.now, &event, &self.world)?;
                     }
                     self.rules.port_lost(self.now, &self.world);
                     self.run(PULLED_OUT_FOR)?;
                 }
             }
-            Act::Replug => {
+            Action::Replug => {
                 if self.bus.is_none() {
                     self.plug();
                 }
             }
-            Act::Away { lasts, then, .. } => self.away(*lasts, then)?,
-            Act::Refuses { frames } => self.refuses = *frames,
-            Act::Cuts {
+            Action::WorkerAbsent {
+                duration, pending, ..
+            } => self.away(*duration, pending)?,
+            Action::PortRefuses { frames } => self.refuses = *frames,
+            Action::PortTruncates {
                 frames,
                 bytes,
-                told,
-            } => self.cuts = Some((*frames, usize::from(*bytes), *told)),
+                reported,
+            } => self.cuts = Some((*frames, usize::from(*bytes), *reported)),
         }
         self.run(Duration::ZERO)
     }
 
-    /// Nobody calls the bus for a while; then all that waits is handed to it in this order.
-    fn away(&mut self, lasts: Duration, then: &[Turn]) -> Result<(), Violation> {
-        self.now = self.now + lasts;
+    /// No call reaches the bus for a while; then it gets the pending inputs in this order.
+    fn away(&mut self, duration: Duration, pending: &[PendingInput]) -> Result<(), Violation> {
+        self.now = self.now + duration;
         self.advance()?;
         let late = self
             .promised
             .map_or(Duration::ZERO, |promised| self.now.since(promised));
         let is_driven_late = self.bus.is_some() && late > LATE_MAX;
-        self.rules.was_away(self.now, is_driven_late, &self.world);
+        self.rules.on_absence(self.now, is_driven_late, &self.world);
         self.rules.passed(self.now, &self.world)?;
-        for turn in then {
+        for turn in pending {
             self.note(|| format!("{turn:?}"));
             match turn {
-                Turn::Pong => {
+                PendingInput::Pong => {
                     if let Some(bus) = self.bus.as_mut().filter(|_| self.page_answers) {
                         bus.page_answered(self.now);
                     }
                 }
-                Turn::Bytes => {
+                PendingInput::Bytes => {
                     let chunks = std::iter::from_fn(|| self.world.receive(self.now));
                     let bytes: Vec<u8> = chunks.flat_map(|chunk| chunk.bytes).collect();
                     if !bytes.is_empty() {
                         self.hand_over(&bytes);
                     }
                 }
-                Turn::Poll => {
+                PendingInput::Poll => {
                     self.settle()?;
                 }
-                Turn::Command { command, age } if self.page_answers => {
+                PendingInput::Command { command, age } if self.page_answers => {
                     self.give(self.now - *age, *command)?;
                 }
-                Turn::Command { command, age } => {
+                PendingInput::Command { command, age } => {
                     self.clicked.push((self.now - *age, *command));
                 }
             }
@@ -283,7 +291,7 @@ impl Player {
         Ok(())
     }
 
-    /// The world comes to this moment, and the rules see what its motors do.
+    /// Advances the world to now and checks its motors.
     fn advance(&mut self) -> Result<(), Violation> {
         self.world.advance(self.now);
         self.rules.moved(self.now, &self.world)?;
@@ -291,7 +299,7 @@ impl Player {
         Ok(())
     }
 
-    /// Bytes reach the bus, where there is one.
+    /// Delivers bytes to the bus, if there is one.
     fn hand_over(&mut self, bytes: &[u8]) {
         if let Some(bus) = &mut self.bus {
             self.rules.delivered(self.now, bytes);
@@ -299,7 +307,7 @@ impl Player {
         }
     }
 
-    /// What was clicked meanwhile is handed over, before or behind the answer to the ping.
+    /// Delivers the clicks of the meantime, before or after the answer to the ping.
     fn page_goes_on(&mut self) -> Result<(), Violation> {
         self.page_answers = true;
         self.rules.page(self.now, true);
@@ -317,8 +325,8 @@ impl Player {
         Ok(())
     }
 
-    /// The operator asks for something at `given`. As in the worker, an act that comes late is not
-    /// carried out.
+    /// A command of the operator, given at `given`. As in the worker, a command that is too old is
+    /// dropped.
     fn command(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
         self.give(given, command)?;
         self.run(Duration::ZERO)
@@ -333,26 +341,26 @@ impl Player {
         } else if let Some(bus) = &mut self.bus {
             let answer = bus.command(self.now, command);
             self.rules
-                .commanded(self.now, given, command, answer, bus, &self.world)?;
+                .on_command(self.now, given, command, answer, bus, &self.world)?;
         }
         Ok(())
     }
 
-    /// Stops everything on a good line, and looks whether it stands and stays so.
+    /// Stops everything on a good line and checks that it stands and stays so.
     fn end(&mut self) -> Result<(), Violation> {
         (self.refuses, self.cuts) = (0, None);
-        self.act(&Act::Line(LineFault::None))?;
+        self.apply(&Action::Line(LineFault::None))?;
         for motor in self.world.motors_mut() {
             self.rules.loaded(motor.id());
             motor.set_load_nm(0.0);
             motor.set_temperature_c(30.0);
-            // One without supply would coast for longer than anybody waits.
+            // A motor without supply would coast for too long.
             motor.power(true);
         }
         self.rules.heated(self.now);
-        self.act(&Act::PageHangs(false))?;
-        self.act(&Act::Replug)?;
-        // A bus stops whom it has heard.
+        self.apply(&Action::PageHangs(false))?;
+        self.apply(&Action::Replug)?;
+        // A bus stops the motors that have answered.
         self.run(REST)?;
         self.command(self.now, Command::StopAll(StopReason::Operator))?;
         self.run(LAST_STOP)?;
@@ -421,18 +429,18 @@ impl Player {
         Ok(())
     }
 
-    /// Lets the rules know what the motors said.
+    /// Passes the replies of the motors to the rules.
     fn hear_motors(&mut self) {
         let is_heard = self.bus.is_some();
-        let passed: Vec<_> = self.world.drain_traffic().collect();
+        let passed: Vec<_> = self.world.drain_wire_frames().collect();
         for traffic in passed {
-            if is_heard && let Speaker::Motor(_) = traffic.from {
+            if is_heard && let Sender::Motor(_) = traffic.from {
                 self.rules.replied(traffic.at, traffic.frame, &self.world);
             }
         }
     }
 
-    /// Lets the bus do what is due. Gives when it is to be asked again.
+    /// Polls the bus. Returns when to poll it again.
     fn settle(&mut self) -> Result<Option<Instant>, Violation> {
         for _ in 0..STEPS_AT_ONCE_MAX {
             let Some(bus) = &mut self.bus else {
@@ -443,7 +451,7 @@ impl Player {
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
                 Output::Event(event) => {
                     self.note(|| format!("{event:?}"));
-                    self.rules.told(self.now, &event, &self.world)?;
+                    self.rules.on_event(self.now, &event, &self.world)?;
                 }
                 Output::Wait(at) if at > self.now => {
                     self.rules.settled(self.now, bus)?;
@@ -457,7 +465,7 @@ impl Player {
             .map(|()| None)
     }
 
-    /// The port takes a frame, or not, or its front.
+    /// The port takes a frame, refuses it or truncates it.
     fn transmit(&mut self, frame: Frame) -> Result<(), Violation> {
         let Some(bus) = &mut self.bus else {
             return Ok(());
@@ -468,12 +476,12 @@ impl Player {
             self.rules.refused(self.now, frame, 0, true);
             return Ok(());
         }
-        if let Some((frames @ 1.., bytes, told)) = self.cuts {
-            self.cuts = Some((frames - 1, bytes, told));
-            if told {
+        if let Some((frames @ 1.., bytes, reported)) = self.cuts {
+            self.cuts = Some((frames - 1, bytes, reported));
+            if reported {
                 bus.transmit_failed();
             }
-            self.rules.refused(self.now, frame, bytes, told);
+            self.rules.refused(self.now, frame, bytes, reported);
             let front = frame.bytes().get(..bytes).unwrap_or_default();
             self.world.transmit(self.now, front);
             return Ok(());
@@ -489,17 +497,17 @@ impl Player {
     }
 }
 
-/// A motor of a story.
-fn motor(story: &Story, id: MotorId) -> MotorConfig {
+/// A motor of a scenario.
+fn motor(scenario: &Scenario, id: MotorId) -> MotorConfig {
     let default = MotorConfig::new(id);
-    let mode_switch_frames = if story.need_five_switches.contains(&id) {
+    let mode_switch_frames = if scenario.need_five_switches.contains(&id) {
         MANY_SWITCHES
     } else {
         default.mode_switch_frames
     };
     MotorConfig {
         mode_switch_frames,
-        obeys_all: story.obey_all,
+        obeys_all: scenario.obey_all,
         ..default
     }
 }

@@ -1,12 +1,12 @@
-//! What must hold after every step, each rule with its name.
+//! Checks the rules after every step.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `operator` | what was asked for, what stands of it, what may be sent by it |
-//! | `wire` | what passes on the wire, and what the log has of it |
-//! | `truth` | whether what is told is true of the motors |
-//! | `motion` | whether a wheel moves on behind a stop or a hold |
-//! | `bounds` | what may be on the wire at all |
+//! | `operator` | which commands are in force, and what may be sent by them |
+//! | `wire` | frames on the wire, and their entries in the log |
+//! | `truth` | whether the reported telemetry is true |
+//! | `motion` | whether a wheel moves on after a stop or a hold |
+//! | `bounds` | limits of every frame on the wire |
 
 mod bounds;
 mod motion;
@@ -14,7 +14,7 @@ mod operator;
 mod truth;
 mod wire;
 
-use std::{collections::BTreeMap, fmt, time::Duration};
+use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_bus::{
     Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport, WithdrawReason,
@@ -24,116 +24,25 @@ use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::World;
 
 use self::{bounds::Bounds, motion::Motion, operator::Operator, truth::Truth, wire::Wire};
+use crate::rule::{Outcome, Rule, Violation, broken};
 
-/// What a stop may take to reach a motor: 10 ms of bus time, and the exchange in flight, which it waits
-/// for at most 10 ms.
+/// Longest time until a stop reaches a motor: 10 ms of the bus, and at most 10 ms of the exchange
+/// in flight.
 const STOP_REACHES_WITHIN: Duration = Duration::from_millis(20);
-/// A motor that does not answer costs those behind it its window.
+/// A silent motor delays the next ones by its reply window.
 const WINDOW_MAX: Duration = Duration::from_millis(40);
-/// A frame that the port did not take costs its window, and what is sent then its airtime.
+/// A refused frame costs its reply window, and the next frame its airtime.
 const REFUSED_COSTS: Duration = Duration::from_millis(45);
-/// A stop ends confirmed or with the end of its window, three seconds; scans and switches are over then.
+/// A stop ends confirmed or after its window of three seconds; scans and switches are over then.
 const STOP_ENDS_WITHIN: Duration = Duration::from_secs(4);
 
-/// A rule's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rule {
-    /// A wheel is driven only while an operator's command for it stands.
-    DrivenByCommandOnly,
-    /// An act that comes late starts nothing.
-    NoOldActs,
-    /// What is sent lies between rest and what was commanded.
-    NoMoreThanCommanded,
-    /// A motor that is silent for 200 ms loses its setpoint.
-    SilentIsWithdrawn,
-    /// A motor that crosses a limit is driven no more.
-    LimitsHold,
-    /// A stop reaches every driven motor in time.
-    StopIsNext,
-    /// A stop ends, and says truly of each motor whether it stands.
-    StopEnds,
-    /// A hung page has its motors stopped.
-    DeadPageStops,
-    /// What is told was measured in that layout, from that motor.
-    TelemetryIsTrue,
-    /// Two frames are never on the wire at once.
-    OneFrameAtATime,
-    /// On a good line every reply is heard, whatever came before.
-    GoodRepliesAreHeard,
-    /// No ID is changed but on the proof of a full scan.
-    IdChangeIsProved,
-    /// Every frame sent, and every one that was read, is in the log, in order.
-    LogIsComplete,
-    /// No panic, no busy loop, and rest in the end.
-    ComesToRest,
-    /// What stood before the bus was called late stands no more.
-    GapWithdraws,
-    /// A wheel that is stopped turns no further than its momentum carries it.
-    StopMovesNothing,
-    /// A wheel that is held goes no further.
-    HoldHolds,
-    /// No frame asks for more than a limit, in any loop that its motor may be in.
-    NothingAboveALimit,
-    /// A torque is reversed only behind a zero that the motor has answered.
-    ReversalPassesZero,
-}
-
-impl Rule {
-    /// All of them.
-    pub const ALL: [Self; 19] = [
-        Self::DrivenByCommandOnly,
-        Self::NoOldActs,
-        Self::NoMoreThanCommanded,
-        Self::SilentIsWithdrawn,
-        Self::LimitsHold,
-        Self::StopIsNext,
-        Self::StopEnds,
-        Self::DeadPageStops,
-        Self::TelemetryIsTrue,
-        Self::OneFrameAtATime,
-        Self::GoodRepliesAreHeard,
-        Self::IdChangeIsProved,
-        Self::LogIsComplete,
-        Self::ComesToRest,
-        Self::GapWithdraws,
-        Self::StopMovesNothing,
-        Self::HoldHolds,
-        Self::NothingAboveALimit,
-        Self::ReversalPassesZero,
-    ];
-}
-
-/// A rule that did not hold.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Violation {
-    /// Which.
-    pub rule: Rule,
-    /// When, on the world's clock.
-    pub at: Instant,
-    /// What happened.
-    pub what: String,
-}
-
-impl fmt::Display for Violation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} at {:?}: {}", self.rule, self.at, self.what)
-    }
-}
-
-/// Whether a motor may obey a frame, by its first byte; all hear what is for 0xC8.
-fn hears(frame: &Frame, id: MotorId) -> bool {
+/// Whether a motor may obey a frame, by its first byte. 0xC8 addresses all.
+fn may_obey(frame: &Frame, id: MotorId) -> bool {
     let [first, ..] = *frame.bytes();
     first == id.get() || first == 0xC8
 }
 
-type Outcome = Result<(), Violation>;
-
-fn broken<T>(rule: Rule, at: Instant, what: impl Into<String>) -> Result<T, Violation> {
-    let what = what.into();
-    Err(Violation { rule, at, what })
-}
-
-/// What the rules know of the world beside what they are shown.
+/// State of the rules.
 #[derive(Debug, Default)]
 pub(crate) struct Rules {
     operator: Operator,
@@ -141,14 +50,14 @@ pub(crate) struct Rules {
     truth: Truth,
     motion: Motion,
     bounds: Bounds,
-    /// Who has to get a frame of a stop, and until when.
+    /// Motors that must get a stop frame, with the deadline.
     stops: BTreeMap<MotorId, Instant>,
-    /// When each motor got its last frame that a stop may consist of.
+    /// When each motor got its last possible stop frame.
     rested: BTreeMap<MotorId, Instant>,
-    /// Who has to be in the report of the stop.
+    /// Motors that the stop report must name.
     reported: Vec<MotorId>,
     stop_began: Option<Instant>,
-    /// How often each rule had something to judge: one that never has would hold whatever happens.
+    /// How often each rule was applied. A rule that never applies proves nothing.
     pub(crate) judged: BTreeMap<Rule, u64>,
 }
 
@@ -157,8 +66,8 @@ impl Rules {
         *self.judged.entry(rule).or_default() += 1;
     }
 
-    /// The operator asked for something at `given`, and the bus answered now.
-    pub(crate) fn commanded(
+    /// The bus answered a command that was given at `given`.
+    pub(crate) fn on_command(
         &mut self,
         now: Instant,
         given: Instant,
@@ -168,7 +77,7 @@ impl Rules {
         world: &World,
     ) -> Outcome {
         let raw = self.operator.raw();
-        self.operator.commanded(now, given, command, answer)?;
+        self.operator.on_command(now, given, command, answer)?;
         match answer {
             Ok(()) => self.carried_out(now, command, raw, world),
             Err(Refusal::AboveSpeedLimit(_) | Refusal::NeedsConsent(_)) => {
@@ -179,10 +88,10 @@ impl Rules {
         self.keep_what_stands(now, bus)
     }
 
-    /// The bus carries it out; `raw` is what a person's frame was before.
+    /// The bus accepted a command; `raw` is the raw frame before it.
     fn carried_out(&mut self, now: Instant, command: Command, raw: Option<Frame>, world: &World) {
         match command {
-            // One that joins another has a window of its own.
+            // A stop that joins another has its own window.
             Command::Stop(id) => {
                 self.stop_begins(now, |other| *other == id);
                 self.stop_began = self.stop_began.map(|_| now);
@@ -196,12 +105,12 @@ impl Rules {
             Command::StopRaw => {
                 let standing = self.operator.standing();
                 self.moves_no_more(now, world, |id| {
-                    !standing.contains(id) && raw.is_some_and(|raw| hears(&raw, *id))
+                    !standing.contains(id) && raw.is_some_and(|raw| may_obey(&raw, *id))
                 });
             }
             Command::Drive { id, consent, .. } | Command::Adjust { id, consent, .. } => {
                 self.motion.asked(|other| *other == id);
-                self.bounds.commanded(id, consent);
+                self.bounds.on_command(id, consent);
             }
             Command::DriveGroup {
                 setpoints: parts,
@@ -213,18 +122,18 @@ impl Rules {
             } => {
                 for (id, _) in parts.parts() {
                     self.motion.asked(|other| *other == id);
-                    self.bounds.commanded(id, consent);
+                    self.bounds.on_command(id, consent);
                 }
             }
             Command::SendRaw { frame, .. } if is_hazardous(&frame) => {
-                self.motion.asked(|id| hears(&frame, *id));
+                self.motion.asked(|id| may_obey(&frame, *id));
             }
             Command::Hold(id) if self.motion.hold(now, id, world) => self.judge(Rule::HoldHolds),
             _ => {}
         }
     }
 
-    /// These were stopped: whatever moves them now was not asked for.
+    /// These motors were stopped: any motion from now on is unwanted.
     fn moves_no_more(
         &mut self,
         now: Instant,
@@ -235,8 +144,8 @@ impl Rules {
         *self.judged.entry(Rule::StopMovesNothing).or_default() += judged;
     }
 
-    /// Nobody called the bus for a while: `is_late` is whether for too long.
-    pub(crate) fn was_away(&mut self, now: Instant, is_late: bool, world: &World) {
+    /// No call reached the bus for a while; `is_late` is whether for too long.
+    pub(crate) fn on_absence(&mut self, now: Instant, is_late: bool, world: &World) {
         self.wire.disturbed(now);
         self.stop_began = self.stop_began.map(|_| now);
         if is_late {
@@ -246,8 +155,8 @@ impl Rules {
             self.stop_begins(now, |_| true);
             self.moves_no_more(now, world, |_| true);
         } else {
-            // What a motor said before is heard this late.
-            self.truth.was_away();
+            // Earlier replies arrive this late.
+            self.truth.on_absence();
         }
         let others = u32::try_from(self.stops.len()).unwrap_or(u32::MAX);
         for until in self.stops.values_mut() {
@@ -259,12 +168,12 @@ impl Rules {
         let (driven, others) = self.operator.stop(is_stopped);
         for id in driven {
             self.reported.push(id);
-            // A stop that the bus begins is told behind its first frame.
+            // The event of a stop that the bus begins comes after its first frame.
             if self.rested.get(&id) == Some(&now) {
                 self.judge(Rule::StopIsNext);
                 continue;
             }
-            // Those whose stop began a moment ago come first, each with its window.
+            // Motors whose stop has just begun come first, each with its reply window.
             let waiting = u32::try_from(self.stops.len()).unwrap_or(u32::MAX);
             let before = others.saturating_add(waiting);
             let until = now + STOP_REACHES_WITHIN + WINDOW_MAX * before;
@@ -272,7 +181,7 @@ impl Rules {
         }
     }
 
-    /// All that was heard at this moment is told.
+    /// All events of this moment are out.
     pub(crate) fn settled(&mut self, now: Instant, bus: &Bus) -> Outcome {
         self.wire.settled(now)?;
         self.keep_what_stands(now, bus)
@@ -282,27 +191,27 @@ impl Rules {
         self.operator.keep_what_stands(now, bus)
     }
 
-    /// The page answers, or does not.
+    /// Whether the page answers.
     pub(crate) fn page(&mut self, now: Instant, answers: bool) {
         self.operator.page(now, answers);
     }
 
-    /// A new bus is told the limits.
+    /// A new bus gets the limits.
     pub(crate) fn limits(&mut self, limits: Limits) {
         self.operator.limits = limits;
     }
 
-    /// A motor is as hot at once as it would be in minutes.
+    /// The temperature of a motor was set.
     pub(crate) fn heated(&mut self, now: Instant) {
         self.truth.heated(now);
     }
 
-    /// The line becomes good, or bad.
+    /// The line was set healthy or faulty.
     pub(crate) fn line(&mut self, now: Instant, is_good: bool) {
         self.wire.line(now, is_good);
     }
 
-    /// The port is gone, and with it whatever stood.
+    /// The port is closed: no setpoint is in force.
     pub(crate) fn port_lost(&mut self, now: Instant, world: &World) {
         self.moves_no_more(now, world, |_| true);
         self.bounds.port_lost();
@@ -349,21 +258,21 @@ impl Rules {
         Ok(())
     }
 
-    /// The port refused a frame, or sent only its front; `told` is whether the bus knows.
-    pub(crate) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, told: bool) {
-        self.wire.refused(now, frame, bytes, told);
-        // Until the bus sends another.
+    /// The port refused or truncated a frame; `reported` is whether the bus knows.
+    pub(crate) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, reported: bool) {
+        self.wire.refused(now, frame, bytes, reported);
+        // The bus sends another first.
         for until in self.stops.values_mut() {
             *until = *until + REFUSED_COSTS;
         }
     }
 
-    /// Something holds this wheel, or lets it go: what its controller has built up against it comes out.
+    /// The load of this wheel changed: the integral part of its controller may move it.
     pub(crate) fn loaded(&mut self, id: MotorId) {
         self.motion.loaded(id);
     }
 
-    /// The motors have come to this moment.
+    /// The motors have advanced to now.
     pub(crate) fn moved(&mut self, now: Instant, world: &World) -> Outcome {
         self.bounds.moved(world);
         self.motion.moved(now, world)
@@ -376,16 +285,16 @@ impl Rules {
         self.bounds.replied(at, frame, world);
     }
 
-    /// Bytes are handed to the bus.
+    /// The bus gets bytes.
     pub(crate) fn delivered(&mut self, now: Instant, bytes: &[u8]) {
         self.bounds.delivered(now, bytes);
     }
 
-    /// The bus tells something.
-    pub(crate) fn told(&mut self, now: Instant, event: &Event, world: &World) -> Outcome {
-        self.operator.told(now, event);
-        self.wire.told(now, event)?;
-        self.truth.told(now, event, world)?;
+    /// The bus reports an event.
+    pub(crate) fn on_event(&mut self, now: Instant, event: &Event, world: &World) -> Outcome {
+        self.operator.on_event(now, event);
+        self.wire.on_event(now, event)?;
+        self.truth.on_event(now, event, world)?;
         match event {
             Event::StopBegan(reason) => {
                 self.stop_began = Some(now);

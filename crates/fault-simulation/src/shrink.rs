@@ -1,23 +1,23 @@
-//! The shortest story that still breaks the rule.
+//! Shrinks a scenario to the shortest that still breaks the rule.
 
 use crate::{
     player::{Coverage, Failure, play},
-    story::Story,
+    scenario::Scenario,
 };
 
-/// Leaves acts out, first many at once, then one by one, as long as the same rule is still broken.
+/// Leaves actions out, first many at once, then one by one, as long as the same rule is broken.
 #[must_use]
-pub fn shrink(story: &Story, failure: &Failure) -> (Story, Failure) {
-    let mut best = story.clone();
-    best.acts.truncate(failure.step + 1);
+pub fn shrink(scenario: &Scenario, failure: &Failure) -> (Scenario, Failure) {
+    let mut best = scenario.clone();
+    best.actions.truncate(failure.step + 1);
     let mut found = failure.clone();
-    let mut length = best.acts.len() / 2;
+    let mut length = best.actions.len() / 2;
     while length > 0 {
         let mut at = 0;
-        while at < best.acts.len() {
+        while at < best.actions.len() {
             let mut shorter = best.clone();
-            let end = (at + length).min(shorter.acts.len());
-            shorter.acts.drain(at..end);
+            let end = (at + length).min(shorter.actions.len());
+            shorter.actions.drain(at..end);
             match play(&shorter, &mut Coverage::default()) {
                 Err(other) if other.violation.rule == found.violation.rule => {
                     best = shorter;

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use motorlink_bus::{Command, CommandRate, Consent, GroupSetpoints, Limits, Repeat, SetIdFrames};
 use motorlink_fault_simulation::{
-    Absence, Act, Coverage, LineFault, Story, Turn, play, what_passed,
+    Absence, Action, Coverage, LineFault, PendingInput, Scenario, play, trace_lines,
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
@@ -19,74 +19,74 @@ fn id(address: u8) -> MotorId {
     MotorId::new(address).unwrap()
 }
 
-fn pause(ms: u64) -> Act {
-    Act::Pause(Duration::from_millis(ms))
+fn pause(ms: u64) -> Action {
+    Action::Pause(Duration::from_millis(ms))
 }
 
-fn amps(id: MotorId, amps: f32) -> Act {
+fn amps(id: MotorId, amps: f32) -> Action {
     drive(id, Setpoint::Current(CurrentTarget::from_amps(amps)))
 }
 
-fn degrees(id: MotorId, degrees: f32) -> Act {
+fn degrees(id: MotorId, degrees: f32) -> Action {
     drive(
         id,
         Setpoint::Position(PositionTarget::from_degrees(degrees)),
     )
 }
 
-fn raw(frame: Frame) -> Act {
-    Act::Command(Command::SendRaw {
+fn raw(frame: Frame) -> Action {
+    Action::Command(Command::SendRaw {
         frame,
         repeat: Repeat::Once,
         consent: Consent::None,
     })
 }
 
-fn away(because: Absence, lasts_ms: u64, then: Vec<Turn>) -> Act {
-    Act::Away {
-        because,
-        lasts: Duration::from_millis(lasts_ms),
-        then,
+fn away(cause: Absence, lasts_ms: u64, pending: Vec<PendingInput>) -> Action {
+    Action::WorkerAbsent {
+        cause,
+        duration: Duration::from_millis(lasts_ms),
+        pending,
     }
 }
 
-fn fresh(act: &Act) -> Turn {
-    let Act::Command(command) = act else {
-        panic!("{act:?}");
+fn fresh(action: &Action) -> PendingInput {
+    let Action::Command(command) = action else {
+        panic!("{action:?}");
     };
-    Turn::Command {
+    PendingInput::Command {
         command: *command,
         age: Duration::ZERO,
     }
 }
 
-fn rpm(id: MotorId, rpm: i32) -> Act {
+fn rpm(id: MotorId, rpm: i32) -> Action {
     drive(id, Setpoint::velocity(SpeedTarget::clamped(rpm)))
 }
 
-fn drive(id: MotorId, setpoint: Setpoint) -> Act {
-    Act::Command(Command::Drive {
+fn drive(id: MotorId, setpoint: Setpoint) -> Action {
+    Action::Command(Command::Drive {
         id,
         setpoint,
         consent: Consent::None,
     })
 }
 
-fn switch(id: MotorId, mode: Mode) -> Act {
-    Act::Command(Command::SwitchMode { id, mode })
+fn switch(id: MotorId, mode: Mode) -> Action {
+    Action::Command(Command::SwitchMode { id, mode })
 }
 
 /// The seed is that of the noise on the line, and the one that found it.
-fn holds(seed: u64, motors: u8, acts: Vec<Act>) {
-    let story = Story {
+fn holds(seed: u64, motors: u8, actions: Vec<Action>) {
+    let scenario = Scenario {
         seed,
         motors: (1..=motors).map(id).collect(),
         need_five_switches: Vec::new(),
         obey_all: false,
-        acts,
+        actions,
     };
-    if let Err(failure) = play(&story, &mut Coverage::default()) {
-        let passed = what_passed(&story, 20).join("\n  ");
+    if let Err(failure) = play(&scenario, &mut Coverage::default()) {
+        let passed = trace_lines(&scenario, 20).join("\n  ");
         panic!("step {}: {}\n  {passed}", failure.step, failure.violation);
     }
 }
@@ -99,11 +99,11 @@ fn a_motor_that_loses_power_before_its_switch_is_driven_by_its_old_silence() {
         3,
         vec![
             pause(300),
-            Act::Command(Command::SetRate(CommandRate::new(149).unwrap())),
+            Action::Command(Command::SetRate(CommandRate::new(149).unwrap())),
             pause(150),
             switch(id(1), Mode::Position),
             pause(60),
-            Act::Power {
+            Action::Power {
                 id: id(1),
                 on: false,
             },
@@ -129,7 +129,7 @@ fn a_driven_motor_that_loses_power_in_its_switch_is_withdrawn_by_its_old_silence
             switch(id(1), Mode::Current),
             drive(id(1), Setpoint::Current(current)),
             pause(30),
-            Act::Power {
+            Action::Power {
                 id: id(1),
                 on: false,
             },
@@ -153,7 +153,7 @@ fn a_frame_made_of_the_halves_of_two_others_is_not_read() {
             pause(3_200),
             rpm(id(1), 0),
             pause(2_650),
-            Act::Heat {
+            Action::Heat {
                 id: id(1),
                 celsius: 90,
             },
@@ -163,7 +163,7 @@ fn a_frame_made_of_the_halves_of_two_others_is_not_read() {
             pause(700),
             switch(id(1), Mode::Current),
             pause(700),
-            Act::Heat {
+            Action::Heat {
                 id: id(1),
                 celsius: 90,
             },
@@ -172,19 +172,19 @@ fn a_frame_made_of_the_halves_of_two_others_is_not_read() {
                 Setpoint::Position(PositionTarget::new(17_181).unwrap()),
             ),
             pause(30),
-            Act::Command(Command::FullScan),
+            Action::Command(Command::FullScan),
             pause(5_000),
-            Act::Command(Command::Stop(id(2))),
+            Action::Command(Command::Stop(id(2))),
             pause(700),
             rpm(id(2), 0),
             pause(30),
-            Act::Line(LineFault::Stalls),
+            Action::Line(LineFault::Stalls),
             pause(2_500),
         ],
     );
 }
 
-/// Rule `TelemetryIsTrue`: the answers of four motors at once were read as one of another that nobody gave.
+/// Rule `TelemetryIsTrue`: four simultaneous replies were read as a reply of another motor.
 #[test]
 fn answers_that_collide_into_a_good_frame_are_not_read() {
     holds(
@@ -193,12 +193,12 @@ fn answers_that_collide_into_a_good_frame_are_not_read() {
         vec![
             pause(150),
             rpm(id(1), -134),
-            Act::Heat {
+            Action::Heat {
                 id: id(3),
                 celsius: 90,
             },
             pause(2_650),
-            Act::Command(Command::IdQuery),
+            Action::Command(Command::IdQuery),
             pause(700),
         ],
     );
@@ -212,8 +212,8 @@ fn mixed_answers_with_a_good_crc_are_not_read() {
         3,
         vec![
             pause(600),
-            Act::Line(LineFault::Mixes),
-            Act::Command(Command::IdQuery),
+            Action::Line(LineFault::Mixes),
+            Action::Command(Command::IdQuery),
             pause(200),
         ],
     );
@@ -222,7 +222,7 @@ fn mixed_answers_with_a_good_crc_are_not_read() {
 /// Rule `GapWithdraws`: after ten minutes of sleep a wheel at rest was driven at its old speed.
 #[test]
 fn a_wheel_that_was_driven_before_the_machine_slept_is_not_driven_after() {
-    let turns = [Turn::Pong, Turn::Bytes, Turn::Poll];
+    let turns = [PendingInput::Pong, PendingInput::Bytes, PendingInput::Poll];
     for (first, second, third) in [
         (0, 1, 2),
         (0, 2, 1),
@@ -231,7 +231,7 @@ fn a_wheel_that_was_driven_before_the_machine_slept_is_not_driven_after() {
         (2, 0, 1),
         (2, 1, 0),
     ] {
-        let then = [first, second, third].map(|place: usize| turns.get(place).unwrap().clone());
+        let pending = [first, second, third].map(|place: usize| turns.get(place).unwrap().clone());
         holds(
             1,
             2,
@@ -239,7 +239,7 @@ fn a_wheel_that_was_driven_before_the_machine_slept_is_not_driven_after() {
                 pause(600),
                 rpm(id(1), 100),
                 pause(1_000),
-                away(Absence::Sleep, 600_000, then.to_vec()),
+                away(Absence::Sleep, 600_000, pending.to_vec()),
                 pause(700),
             ],
         );
@@ -260,7 +260,7 @@ fn a_wheel_that_was_driven_before_a_delay_is_not_driven_after() {
                 away(
                     Absence::Delay,
                     lasts_ms,
-                    vec![Turn::Pong, Turn::Poll, Turn::Bytes],
+                    vec![PendingInput::Pong, PendingInput::Poll, PendingInput::Bytes],
                 ),
                 pause(700),
             ],
@@ -277,7 +277,7 @@ fn a_reply_from_before_a_sleep_is_no_reading_of_now() {
             714,
             1,
             vec![
-                Act::Heat {
+                Action::Heat {
                     id: id(1),
                     celsius: 90,
                 },
@@ -285,7 +285,7 @@ fn a_reply_from_before_a_sleep_is_no_reading_of_now() {
                 away(
                     Absence::Sleep,
                     120_000,
-                    vec![Turn::Bytes, Turn::Pong, Turn::Poll],
+                    vec![PendingInput::Bytes, PendingInput::Pong, PendingInput::Poll],
                 ),
                 pause(100),
             ],
@@ -301,9 +301,9 @@ fn an_id_change_does_not_go_on_behind_a_sleep() {
         1,
         1,
         vec![
-            Act::Command(Command::FullScan),
+            Action::Command(Command::FullScan),
             pause(8_000),
-            Act::Command(Command::SetId {
+            Action::Command(Command::SetId {
                 from: id(1),
                 to,
                 frames: SetIdFrames::Five,
@@ -311,14 +311,14 @@ fn an_id_change_does_not_go_on_behind_a_sleep() {
             away(
                 Absence::Sleep,
                 172_000,
-                vec![Turn::Pong, Turn::Bytes, Turn::Poll],
+                vec![PendingInput::Pong, PendingInput::Bytes, PendingInput::Poll],
             ),
             pause(700),
         ],
     );
 }
 
-/// Rule `StopIsNext`: a stop that the port did not take was counted, and ended while nobody looked.
+/// Rule `StopIsNext`: a stop frame that the port refused was counted, and the stop ended unchecked.
 #[test]
 fn a_refused_stop_is_not_over_because_time_has_passed() {
     holds(
@@ -327,13 +327,18 @@ fn a_refused_stop_is_not_over_because_time_has_passed() {
         vec![
             pause(600),
             rpm(id(1), 80),
-            Act::Refuses { frames: 24 },
-            Act::Command(Command::Stop(id(1))),
+            Action::PortRefuses { frames: 24 },
+            Action::Command(Command::Stop(id(1))),
             pause(150),
             away(
                 Absence::Delay,
                 8_000,
-                vec![Turn::Pong, Turn::Bytes, Turn::Poll, fresh(&rpm(id(1), 0))],
+                vec![
+                    PendingInput::Pong,
+                    PendingInput::Bytes,
+                    PendingInput::Poll,
+                    fresh(&rpm(id(1), 0)),
+                ],
             ),
             pause(300),
         ],
@@ -354,8 +359,8 @@ fn a_stop_whose_switches_are_refused_turns_no_wheel_at_an_angle() {
                 pause(450),
                 degrees(id(1), 175.0),
                 pause(291),
-                Act::Refuses { frames },
-                Act::Command(Command::Stop(id(1))),
+                Action::PortRefuses { frames },
+                Action::Command(Command::Stop(id(1))),
                 pause(900),
             ],
         );
@@ -375,8 +380,8 @@ fn a_hold_without_replies_does_not_go_on() {
                 pause(450),
                 degrees(id(1), 170.0),
                 pause(100 + seed * 5),
-                Act::Line(LineFault::LosesMuch),
-                Act::Command(Command::Hold(id(1))),
+                Action::Line(LineFault::LosesMuch),
+                Action::Command(Command::Hold(id(1))),
                 pause(1_000),
             ],
         );
@@ -397,7 +402,7 @@ fn a_raw_frame_beyond_every_speed_is_under_the_speed_limit() {
         let [high, low] = value.to_be_bytes();
         let frame = Frame::with_crc([1, 0x64, high, low, 0, 0, 0, 0, 0]);
         let limits = Limits::new(20, 2_700, 75).unwrap();
-        let limits = Act::Command(Command::SetLimits(limits));
+        let limits = Action::Command(Command::SetLimits(limits));
         holds(1, 1, vec![pause(600), limits, raw(frame), pause(100)]);
     }
 }
@@ -413,7 +418,7 @@ fn a_lowered_speed_limit_holds_for_what_is_driven() {
             pause(600),
             rpm(id(1), 100),
             pause(30),
-            Act::Command(Command::SetLimits(limits)),
+            Action::Command(Command::SetLimits(limits)),
             pause(300),
         ],
     );
@@ -422,12 +427,12 @@ fn a_lowered_speed_limit_holds_for_what_is_driven() {
 /// Rule `ReversalPassesZero`: a zero that was refused, cut or lost counted as passed.
 #[test]
 fn a_torque_is_not_reversed_behind_a_zero_that_did_not_arrive() {
-    let cut = |told| Act::Cuts {
+    let cut = |reported| Action::PortTruncates {
         frames: 1,
         bytes: 5,
-        told,
+        reported,
     };
-    for trouble in [Act::Refuses { frames: 1 }, cut(true), cut(false)] {
+    for disturbance in [Action::PortRefuses { frames: 1 }, cut(true), cut(false)] {
         holds(
             1,
             1,
@@ -437,7 +442,7 @@ fn a_torque_is_not_reversed_behind_a_zero_that_did_not_arrive() {
                 pause(450),
                 amps(id(1), 0.5),
                 pause(100),
-                trouble,
+                disturbance,
                 amps(id(1), -0.5),
                 pause(100),
             ],
@@ -454,10 +459,10 @@ fn a_torque_is_not_reversed_behind_a_late_reply() {
         vec![
             switch(id(1), Mode::Current),
             pause(133),
-            Act::Line(LineFault::Gathers(59)),
+            Action::Line(LineFault::Gathers(59)),
             amps(id(1), -0.16),
             pause(147),
-            Act::Refuses { frames: 2 },
+            Action::PortRefuses { frames: 2 },
             amps(id(1), 0.16),
             pause(30),
         ],
@@ -474,8 +479,12 @@ fn a_frame_on_the_wire_when_a_stop_comes_explains_what_the_wheel_does() {
         vec![
             pause(10),
             rpm(id(3), 28),
-            Act::PageGoes,
-            away(Absence::Delay, 25_631, vec![Turn::Bytes, Turn::Poll]),
+            Action::PageClosed,
+            away(
+                Absence::Delay,
+                25_631,
+                vec![PendingInput::Bytes, PendingInput::Poll],
+            ),
         ],
     );
 }
@@ -496,16 +505,16 @@ fn the_last_of_three_withdrawn_motors_waits_for_the_windows_of_two() {
         vec![
             pause(2_474),
             rpm(id(1), 0),
-            Act::Line(LineFault::Stalls),
+            Action::Line(LineFault::Stalls),
             pause(2_500),
-            Act::Command(Command::DriveGroup {
+            Action::Command(Command::DriveGroup {
                 setpoints: GroupSetpoints::new(&parts).unwrap(),
                 consent: Consent::HighCurrent,
             }),
-            Act::Cuts {
+            Action::PortTruncates {
                 frames: 4,
                 bytes: 4,
-                told: false,
+                reported: false,
             },
             pause(700),
         ],

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::panic::resume_unwind;
 use std::thread;
 
-use motorlink_fault_simulation::{Coverage, Rule, Story, play, shrink};
+use motorlink_fault_simulation::{Coverage, Rule, Scenario, play, shrink};
 
 /// `cargo xtask reliability seeds` plays a hundred times as many.
 const SEEDS: u64 = 1_000;
@@ -46,15 +46,15 @@ fn the_rules_hold_in_every_world() {
 fn play_every(step: usize, first: u64) -> Coverage {
     let mut coverage = Coverage::default();
     for seed in (first..=SEEDS).step_by(step) {
-        let story = Story::of(seed);
-        if let Err(failure) = play(&story, &mut coverage) {
-            let (short, last) = shrink(&story, &failure);
-            let mut acts = String::new();
-            for act in &short.acts {
-                let _ = writeln!(acts, "  {act:?}");
+        let scenario = Scenario::from_seed(seed);
+        if let Err(failure) = play(&scenario, &mut coverage) {
+            let (short, last) = shrink(&scenario, &failure);
+            let mut actions = String::new();
+            for action in &short.actions {
+                let _ = writeln!(actions, "  {action:?}");
             }
             panic!(
-                "seed {seed}, step {}: {}\nshrunk, with {:?}: {}\n{acts}",
+                "seed {seed}, step {}: {}\nshrunk, with {:?}: {}\n{actions}",
                 failure.step, failure.violation, short.motors, last.violation
             );
         }

@@ -1,4 +1,4 @@
-//! Time as an argument: what the bus and the virtual motors are given instead of a clock.
+//! Time as an argument: the bus and the virtual motors have no clock.
 
 use core::{
     fmt,
@@ -6,10 +6,10 @@ use core::{
     time::Duration,
 };
 
-/// A moment, in microseconds since an epoch that only the caller knows.
+/// A time in microseconds since an epoch that only the caller knows.
 ///
-/// Nothing below the worker reads a clock. Whoever drives a state machine says what time it is, so
-/// a test can let an hour pass in a millisecond. Arithmetic saturates: a clock error must not panic.
+/// Nothing below the worker reads a clock. The caller of a state machine passes the time, so a test
+/// can let an hour pass in a millisecond. Arithmetic saturates: a clock error must not panic.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Instant(u64);

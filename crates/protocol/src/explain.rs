@@ -2,27 +2,34 @@
 
 use core::fmt;
 
-use crate::{Detail, Drive, Frame, Layout, Mode, Reply, ReplyError, Request, RequestError};
+use crate::{
+    frame::Frame,
+    measured::{Current, Position, Rpm},
+    mode::Mode,
+    reply::{Detail, Layout, Reply, ReplyError},
+    request::{Request, RequestError},
+    setpoint::Drive,
+};
 
-/// A frame in words: what a host asked, what a motor answered, or why it is neither.
+/// A frame in words: the request, the reply, or why it is neither.
 ///
-/// Displays as `drive +100 rpm, accel 1`, as `+100 rpm, +0.175 A, 66.96°`, or as what is
-/// wrong: `CRC 5B, expected 1B`.
+/// Displays as `drive +100 rpm, acceleration 1`, as `+100 rpm, +0.175 A, 66.96°`, or as the error:
+/// `CRC is 5B, should be 1B`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explained {
-    /// What a host asked.
+    /// A frame of the host.
     Sent {
-        /// The request, or why it is none.
+        /// The request, or why the frame is not one.
         request: Result<Request, RequestError>,
-        /// The loop in which the value of a drive frame is to be read.
+        /// The loop in which to read the value of a drive frame.
         mode: Option<Mode>,
     },
-    /// What a motor answered, or why it is no answer.
+    /// A frame of a motor, or why it is not a reply.
     Received(Result<Reply, ReplyError>),
 }
 
-/// Says what a host's frame asks. The value of a drive frame is read in `mode`, the loop that the
-/// motor is in; without it, the value stays a raw number.
+/// Explains a frame of the host. The value of a drive frame is read in `mode`, the motor's loop;
+/// without it the value stays a raw number.
 #[must_use]
 pub fn explain_sent(frame: &Frame, mode: Option<Mode>) -> Explained {
     Explained::Sent {
@@ -31,7 +38,7 @@ pub fn explain_sent(frame: &Frame, mode: Option<Mode>) -> Explained {
     }
 }
 
-/// Says what a motor's frame reports, read by what was asked.
+/// Explains a frame of a motor in the layout that was asked for.
 #[must_use]
 pub fn explain_received(frame: &Frame, asked: Option<Layout>) -> Explained {
     Explained::Received(Reply::decode(frame, asked))
@@ -69,14 +76,10 @@ fn driven(f: &mut fmt::Formatter<'_>, drive: Drive, mode: Option<Mode>) -> fmt::
     match mode {
         None => write!(f, "drive, value {}", drive.signed())?,
         Some(Mode::Velocity) if drive.brakes() => f.write_str("drive, brake")?,
-        Some(Mode::Velocity) => write!(f, "drive {}", crate::Rpm::new(drive.signed()))?,
-        Some(Mode::Current) => write!(f, "drive {}", crate::Current::from_raw(drive.signed()))?,
+        Some(Mode::Velocity) => write!(f, "drive {}", Rpm::new(drive.signed()))?,
+        Some(Mode::Current) => write!(f, "drive {}", Current::from_raw(drive.signed()))?,
         Some(Mode::Position) => {
-            write!(
-                f,
-                "drive to {}",
-                crate::Position::from_raw(drive.unsigned())
-            )?;
+            write!(f, "drive to {}", Position::from_raw(drive.unsigned()))?;
         }
     }
     match (mode, drive.acceleration.byte()) {

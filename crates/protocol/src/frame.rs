@@ -1,8 +1,8 @@
-//! Ten bytes, whatever they mean.
+//! A frame: ten bytes, with or without a meaning.
 
 use core::{fmt, str::FromStr, time::Duration};
 
-use crate::crc8;
+use crate::crc8::crc8;
 
 /// Bytes in every frame, both ways.
 pub const FRAME_LEN: usize = 10;
@@ -12,8 +12,8 @@ pub const FRAME_AIRTIME: Duration = Duration::from_micros(868);
 
 /// Ten bytes as they stand on the wire.
 ///
-/// A frame need not make sense: what cannot be decoded can still be shown, logged and sent.
-/// It is written, and read, as hex bytes with spaces: `01 74 00 00 00 00 00 00 00 04`.
+/// A frame may be malformed: it can still be shown, logged and sent. It is written, and read, as
+/// hex bytes with spaces: `01 74 00 00 00 00 00 00 00 04`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Frame([u8; FRAME_LEN]);

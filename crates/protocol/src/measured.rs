@@ -1,4 +1,4 @@
-//! What a motor reports: any value that the wire can carry, with its unit in the type.
+//! Reported values: everything that the wire can carry, with the unit in the type.
 
 use core::fmt;
 
@@ -178,7 +178,7 @@ pub(crate) fn nearest_i16(value: f32) -> i16 {
     }) as i16
 }
 
-/// A quantity without sign as it is written, to so many decimals: `1.250`.
+/// An unsigned quantity with this many decimals, for display: `1.250`.
 ///
 /// It is the exact quotient rounded to the nearest last digit, by whole numbers only: a log of a
 /// million rows is written in seconds, and no program carries the formatting of floats for it.
@@ -186,7 +186,7 @@ pub(crate) fn nearest_i16(value: f32) -> i16 {
 pub struct Scaled<const DECIMALS: usize> {
     /// The digits before the point.
     pub whole: u32,
-    /// The digits behind the point, as a number below 10 to the power of the decimals.
+    /// The digits after the point, as a number below 10 to the power of the decimals.
     pub fraction: u32,
 }
 

@@ -24,7 +24,7 @@ impl Mode {
     /// All three, in the order of their bytes.
     pub const ALL: [Self; 3] = [Self::Current, Self::Velocity, Self::Position];
 
-    /// The byte that stands for this mode in replies and mode switches.
+    /// The byte of this mode in replies and mode switches.
     #[must_use]
     pub const fn byte(self) -> u8 {
         match self {
@@ -34,10 +34,10 @@ impl Mode {
         }
     }
 
-    /// The mode that this byte stands for.
+    /// The mode of this byte.
     ///
     /// # Errors
-    /// Gives back a byte that stands for none.
+    /// Returns a byte that is not a mode.
     pub const fn from_byte(byte: u8) -> Result<Self, UnknownMode> {
         match byte {
             1 => Ok(Self::Current),

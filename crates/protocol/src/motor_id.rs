@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// First byte of the ID query. A motor may have it as its address but none should be given it.
+/// First byte of the ID query. A motor may have it as its address, but no motor should get it.
 const ID_QUERY_BYTE: u8 = 0xC8;
 
 /// The address of a motor: 1 to 254.
@@ -120,7 +120,7 @@ impl core::error::Error for MotorIdError {}
 #[cfg_attr(feature = "serde", serde(try_from = "MotorId", into = "MotorId"))]
 pub struct AssignableId(MotorId);
 
-/// 0xC8 starts the ID query, which every motor hears: no motor may be given it.
+/// 0xC8 starts the ID query, which all motors answer: no motor may get it as its ID.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotAssignable;
 
@@ -137,7 +137,7 @@ impl AssignableId {
         }
     }
 
-    /// The address as one to speak to.
+    /// The address.
     #[must_use]
     pub const fn id(self) -> MotorId {
         self.0

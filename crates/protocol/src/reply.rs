@@ -3,11 +3,14 @@
 use core::fmt;
 
 use crate::{
-    Celsius, CoarsePosition, Current, Faults, Frame, Mode, MotorId, MotorIdError, Position, Rpm,
-    UnknownMode,
+    faults::Faults,
+    frame::Frame,
+    measured::{Celsius, CoarsePosition, Current, Position, Rpm},
+    mode::{Mode, UnknownMode},
+    motor_id::{MotorId, MotorIdError},
 };
 
-/// What bytes 6 and 7 of a reply mean. Only what was asked tells.
+/// Meaning of bytes 6 and 7 of a reply. It depends on the request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Layout {
@@ -17,7 +20,7 @@ pub enum Layout {
     Query,
 }
 
-/// What a motor reports in one frame.
+/// A reply: what a motor reports in one frame.
 ///
 /// | byte | content |
 /// |---|---|
@@ -31,7 +34,7 @@ pub enum Layout {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reply {
-    /// Who reports.
+    /// The motor.
     pub id: MotorId,
     /// The loop that the motor closes.
     pub mode: Mode,
@@ -41,7 +44,7 @@ pub struct Reply {
     pub speed: Rpm,
     /// Bytes 6 and 7.
     pub detail: Detail,
-    /// What is wrong.
+    /// Active faults.
     pub faults: Faults,
 }
 
@@ -61,7 +64,7 @@ pub enum Detail {
         /// Byte 7.
         position: CoarsePosition,
     },
-    /// It is not known what was asked, so the bytes are kept and given no meaning.
+    /// The request is unknown, so the bytes have no meaning.
     Undetermined([u8; 2]),
 }
 
@@ -77,12 +80,13 @@ pub enum ReplyError {
     },
     /// Byte 0 is no motor's address.
     BadId(MotorIdError),
-    /// Byte 1 stands for no mode. A request that was echoed fails here.
+    /// Byte 1 is not a mode. An echoed request fails here.
     BadMode(UnknownMode),
 }
 
 impl Reply {
-    /// Reads ten bytes by what was asked; with `None`, bytes 6 and 7 stay undetermined.
+    /// Decodes a frame in the layout that was asked for; with `None`, bytes 6 and 7 stay
+    /// undetermined.
     ///
     /// # Errors
     /// A wrong CRC, an address that no motor has, or an unknown mode, checked in this order.

@@ -3,8 +3,12 @@
 use core::fmt;
 
 use crate::{
-    Acceleration, AssignableId, Drive, Frame, Layout, Mode, MotorId, MotorIdError, Setpoint,
-    UnknownMode,
+    frame::Frame,
+    mode::{Mode, UnknownMode},
+    motor_id::{AssignableId, MotorId, MotorIdError},
+    reply::Layout,
+    setpoint::{Drive, Setpoint},
+    target::Acceleration,
 };
 
 const DRIVE: u8 = 0x64;
@@ -13,7 +17,7 @@ const SWITCH_MODE: u8 = 0xA0;
 const SET_ID: [u8; 3] = [0xAA, 0x55, 0x53];
 const ID_QUERY: [u8; 9] = [0xC8, DRIVE, 0, 0, 0, 0, 0, 0, 0];
 
-/// What a host can ask.
+/// Requests of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Request {
@@ -42,15 +46,15 @@ pub enum Request {
     },
     /// `C8 64 00 00 00 00 00 00 00 DE`: every motor answers in [`Layout::Drive`], at once.
     IdQuery,
-    /// `AA 55 53 id 00 00 00 00 00 00`, heard by all, without answer.
+    /// `AA 55 53 id 00 00 00 00 00 00`, for all motors, without a reply.
     ///
     /// Takes effect after five in a row, once per power cycle, and is kept in flash. One published
     /// table ends it with a CRC, the maker's samples with 00: this crate sends 00 and reads both.
     SetId {
-        /// The address that every motor on the bus will have.
+        /// The new address of every motor on the bus.
         id: AssignableId,
     },
-    /// Ten bytes that a person wrote, sent as they are.
+    /// A raw frame: ten bytes, sent as they are.
     Raw(Frame),
 }
 
@@ -70,7 +74,7 @@ pub enum RequestError {
     NotAssignable,
     /// Byte 1 is none of 64, 74, A0.
     UnknownCommand(u8),
-    /// Byte 9 of a mode switch stands for no mode.
+    /// Byte 9 of a mode switch is not a mode.
     BadMode(UnknownMode),
     /// A byte that is always zero is not.
     NotZero {
@@ -130,7 +134,7 @@ impl Request {
     /// Reads a frame that a host sent. Never gives [`Request::Raw`].
     ///
     /// # Errors
-    /// Says why the frame is none of the requests that the motor knows.
+    /// Says why the frame is not a request that the motor knows.
     pub fn parse(frame: &Frame) -> Result<Self, RequestError> {
         let &[b0, b1, b2, b3, b4, b5, b6, b7, b8, b9] = frame.bytes();
         let zero = |first_place: usize, bytes: &[u8]| {
@@ -187,7 +191,7 @@ impl Request {
         }
     }
 
-    /// The one motor that is spoken to, where it is one.
+    /// The motor that the request addresses, if it is a single one.
     #[must_use]
     pub const fn addressee(&self) -> Option<MotorId> {
         match *self {
@@ -196,9 +200,9 @@ impl Request {
         }
     }
 
-    /// The layout of the answer, where there is one.
+    /// The layout of the reply, if the request has one.
     ///
-    /// A raw frame is answered as what it parses to.
+    /// A raw frame has the reply of the request that it parses to.
     #[must_use]
     pub fn reply_layout(&self) -> Option<Layout> {
         match self {

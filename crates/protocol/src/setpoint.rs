@@ -1,10 +1,13 @@
-//! What a motor is to do, and the drive frame that says so.
+//! Setpoints, and the drive frame that carries one.
 
 use core::fmt;
 
-use crate::{Acceleration, CurrentTarget, Mode, PositionTarget, SpeedTarget};
+use crate::{
+    mode::Mode,
+    target::{Acceleration, CurrentTarget, PositionTarget, SpeedTarget},
+};
 
-/// What a motor is to do, in the loop that it belongs to.
+/// A setpoint in its loop.
 ///
 /// **Zero is not "stop"**: it is 0 rpm in the velocity loop, coasting in the current loop and a move
 /// to 0 degrees in the position loop. So a setpoint always knows its loop.

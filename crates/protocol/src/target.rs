@@ -1,4 +1,4 @@
-//! What may be asked of a motor: values that are in range because their type says so.
+//! Commanded values. Their types keep them in range.
 
 use core::fmt;
 
@@ -7,13 +7,13 @@ use crate::measured::{Current, Position, Rpm, nearest_i16};
 /// A value outside its range. The text names the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutOfRange {
-    /// What was asked.
+    /// The value.
     pub value: i32,
     /// Least allowed value.
     pub min: i32,
     /// Greatest allowed value.
     pub max: i32,
-    /// What is measured, with its unit.
+    /// The quantity with its unit.
     pub quantity: &'static str,
 }
 

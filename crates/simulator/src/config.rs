@@ -1,30 +1,31 @@
-//! What a world starts as.
+//! Initial state of a world.
 
 use std::time::Duration;
 
 use motorlink_protocol::MotorId;
 
-use crate::WireFaults;
+use crate::wire::WireFaults;
 
-/// A motor as it stands on the shelf.
+/// Initial state of a motor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotorConfig {
     /// The address in its flash. Default 1, as new motors have.
     pub id: MotorId,
     /// The reported angle at the start, 0-360 degrees. Default 0.
     pub angle_deg: f32,
-    /// The air round it, which is also where the winding starts, in degrees Celsius. Default 28: the
-    /// captures show 30 to 32 in motors that had been on for a while.
+    /// Ambient temperature and start temperature of the winding, in degrees Celsius. Default 28:
+    /// the captures show 30 to 32 in motors that had been on for a while.
     pub ambient_c: f32,
     /// Supply voltage. Default 18, the rated one.
     pub supply_v: f32,
     /// A load that opposes motion, in N.m. Default 0.
     pub load_nm: f32,
-    /// How long a drive frame is obeyed. Default 100 ms, which is a guess: the maker only says that a
-    /// drive frame does not latch and asks for 50 Hz or more, so five missed frames are taken as too
-    /// many. Real motors are reported to coast sooner; no figure is published. The captures do not
-    /// tell: their drive frames are 44 to 62 ms apart at a steady 99 to 100 rpm, and a wheel that
-    /// coasts loses only some 20 rpm a second. A host must not rely on more than one period of 50 Hz.
+    /// How long a drive frame is obeyed. Default 100 ms, which is a guess: the maker only says that
+    /// a drive frame does not latch and asks for 50 Hz or more, so five missed frames are taken as
+    /// too many. Real motors are reported to coast sooner; no figure is published. The captures do
+    /// not show it: their drive frames are 44 to 62 ms apart at a steady 99 to 100 rpm, and a
+    /// coasting wheel loses only some 20 rpm per second. A host must not rely on more than one
+    /// period of 50 Hz.
     pub latch: Duration,
     /// Mode switch frames for the same mode before it is taken. Default 1; hosts are told to send
     /// five, so any number up to 5 is plausible. Drive frames in between do not matter.
@@ -64,7 +65,7 @@ impl Default for MotorConfig {
     }
 }
 
-/// Motors, wire and chance.
+/// Motors, wire and random seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldConfig {
     /// The same seed gives the same bytes at the same times.
@@ -73,7 +74,7 @@ pub struct WorldConfig {
     pub motors: Vec<MotorConfig>,
     /// From the last byte of a request to the first of its reply. Default 600 us.
     pub turnaround: Duration,
-    /// What is wrong with the wire. Default: nothing.
+    /// Faults of the wire. Default: none.
     pub faults: WireFaults,
 }
 

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `firmware/` | what the motor's controller does with a frame: loops, rules, protections |
 //! | `physics/` | the wheel, the windings, their heat, the encoder |
-//! | `wire/` | bytes on the air with their times and collisions, and the faults round them |
+//! | `wire/` | bytes on the wire with their times and collisions, and injected faults |
 //!
 //! It is made to hold the published figures of the motor (see `tests/`), not to predict a design.
 //!
@@ -33,17 +33,17 @@
 mod config;
 mod convert;
 mod firmware;
-mod line_case;
+mod line_condition;
 mod motor;
 mod physics;
 mod random;
-mod traffic;
 mod wire;
+mod wire_frame;
 mod world;
 
 pub use config::{MotorConfig, WorldConfig};
-pub use line_case::LineCase;
+pub use line_condition::LineCondition;
 pub use motor::VirtualMotor;
-pub use traffic::{Speaker, Traffic};
 pub use wire::{Chunk, Echo, Split, WireFaults};
+pub use wire_frame::{Sender, WireFrame};
 pub use world::World;

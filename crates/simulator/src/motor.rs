@@ -1,6 +1,6 @@
-//! One motor: firmware on physics, and what it is seen to do.
+//! One motor: firmware and physics.
 
-mod by_hand;
+mod external_inputs;
 
 use motorlink_protocol::{
     Celsius, Current, Detail, Drive, Faults, Frame, Instant, Layout, Mode, MotorId, Reply, Request,
@@ -8,7 +8,7 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    MotorConfig,
+    config::MotorConfig,
     convert::{narrow, nearest_i16, nearest_u8},
     firmware::{Firmware, Sense},
     physics::{
@@ -26,14 +26,14 @@ const REST_A: f64 = 0.002;
 /// Its noise, to either side.
 const NOISE_REST_A: f64 = 0.0005;
 
-/// Whether 18 V are there. Without them only the flash remembers.
+/// Whether the supply is on. Without it only the flash keeps its content.
 #[derive(Clone, Debug)]
 enum Power {
     On(Box<Firmware>),
     Off { stored: MotorId },
 }
 
-/// A motor of the world. Its getters tell the truth, not what a reply rounds it to.
+/// A virtual motor. Its getters return exact values, not the rounded ones of a reply.
 ///
 /// What is done to it by hand takes effect at its present: advance the world first.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ impl VirtualMotor {
         }
     }
 
-    /// The loop that it closes; without power, the one that it will wake up in.
+    /// The active loop; without power, the loop after power-up.
     #[must_use]
     pub fn mode(&self) -> Mode {
         self.firmware().map_or(Mode::Velocity, Firmware::mode)
@@ -92,20 +92,20 @@ impl VirtualMotor {
         self.firmware().map_or(Faults::NONE, Firmware::faults)
     }
 
-    /// Whether a drive frame was heard within the latch time, obeyed or not.
+    /// Whether a drive frame was received within the latch time, obeyed or not.
     #[must_use]
     pub fn is_driven(&self) -> bool {
         self.firmware()
             .is_some_and(|firmware| firmware.is_driven(self.now))
     }
 
-    /// The last drive frame that it heard, obeyed or not, and when.
+    /// The last drive frame that it received, obeyed or not, with its time.
     #[must_use]
-    pub fn drive_heard(&self) -> Option<(Instant, Drive)> {
-        self.firmware().and_then(Firmware::drive_heard)
+    pub fn last_drive(&self) -> Option<(Instant, Drive)> {
+        self.firmware().and_then(Firmware::last_drive)
     }
 
-    /// The drive frame that it obeys at present, and when it was heard.
+    /// The drive frame that it obeys now, with its time of receipt.
     #[must_use]
     pub fn obeyed(&self) -> Option<(Instant, Drive)> {
         self.firmware().and_then(Firmware::obeyed)
@@ -172,7 +172,7 @@ impl VirtualMotor {
     }
 
     /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
-    pub(crate) fn hear(
+    pub(crate) fn handle(
         &mut self,
         heard: Result<Request, RequestError>,
         now: Instant,
@@ -180,7 +180,7 @@ impl VirtualMotor {
         self.advance(now);
         let speed_rpm = rpm(self.wheel.speed_rad_s());
         match &mut self.power {
-            Power::On(firmware) => firmware.hear(heard, now, speed_rpm),
+            Power::On(firmware) => firmware.handle(heard, now, speed_rpm),
             Power::Off { .. } => None,
         }
     }

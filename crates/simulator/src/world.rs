@@ -1,36 +1,43 @@
-//! Motors, wire and time, put together.
+//! The world: motors, wire and time.
 
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_protocol::{Instant, Layout, MotorId};
 
 use crate::{
-    Chunk, LineCase, MotorConfig, Speaker, Traffic, VirtualMotor, WireFaults, WorldConfig,
-    firmware::understood,
+    config::MotorConfig,
+    config::WorldConfig,
+    firmware::parse_request,
+    line_condition::LineCondition,
+    motor::VirtualMotor,
     random::Random,
-    traffic::TrafficLog,
-    wire::{Adapter, Air, HostEar, MotorEar, Passed, Talker},
+    wire::Chunk,
+    wire::WireFaults,
+    wire::{Adapter, HostReceiver, MotorReceiver, PassedByte, SharedWire, Source},
+    wire_frame::Sender,
+    wire_frame::WireFrame,
+    wire_frame::WireFrameLog,
 };
 
-/// Answers that wait for their turnaround. A motor takes frames every 868 us at best and answers
-/// after 600 us, so a few a motor are always enough.
+/// Most replies that wait for their turnaround. A motor takes frames every 868 us at best and
+/// replies after 600 us, so a few per motor are enough.
 const ANSWERS_MAX: usize = 1024;
 
-/// Streams of chance: garbage, faults, then one a motor.
+/// Random streams: garbage, faults, then one per motor.
 const GARBAGE_STREAM: u64 = 1;
 const FAULT_STREAM: u64 = 2;
 const MOTOR_STREAM: u64 = 16;
 
-/// A motor with its number, which it keeps when its address changes.
+/// A motor with its number, which stays when its address changes.
 #[derive(Clone, Debug)]
 struct Slot {
     number: u32,
     motor: VirtualMotor,
-    /// When it was put on the wire: it hears no frame that had begun before.
+    /// When it was added: it receives no frame that began before.
     since: Instant,
 }
 
-/// A motor's answer before its turnaround is over.
+/// A reply during its turnaround.
 #[derive(Clone, Copy, Debug)]
 struct Answer {
     at: Instant,
@@ -38,30 +45,30 @@ struct Answer {
     layout: Layout,
 }
 
-/// Virtual motors on a half-duplex wire, with faults round the wire.
+/// Virtual motors on a half-duplex wire, with injected faults.
 ///
-/// Time only goes forward: a moment before the latest one counts as the latest. The first moment
-/// given starts the world, so its epoch may lie anywhere.
+/// Time only goes forward: an earlier time counts as the latest. The first time given starts the
+/// world, so its epoch may lie anywhere.
 #[derive(Clone, Debug)]
 pub struct World {
     slots: Vec<Slot>,
     next_number: u32,
     seed: u64,
     turnaround: Duration,
-    air: Air,
-    motor_ear: MotorEar,
-    host_ear: HostEar,
+    shared_wire: SharedWire,
+    motor_receiver: MotorReceiver,
+    host_receiver: HostReceiver,
     adapter: Adapter,
     /// In order of time.
     answers: VecDeque<Answer>,
-    traffic: TrafficLog,
+    wire_frames: WireFrameLog,
     now: Option<Instant>,
-    /// The motor that is there only while two share an address.
+    /// The second motor of [`LineCondition::SharedId`], while it is present.
     twin: Option<u32>,
 }
 
 impl World {
-    /// A world that starts at the first moment it is given.
+    /// A world that starts at the first time it is given.
     #[must_use]
     pub fn new(config: WorldConfig) -> Self {
         let mut world = Self {
@@ -69,12 +76,12 @@ impl World {
             next_number: 0,
             seed: config.seed,
             turnaround: config.turnaround,
-            air: Air::new(Random::new(config.seed, GARBAGE_STREAM)),
-            motor_ear: MotorEar::default(),
-            host_ear: HostEar::default(),
+            shared_wire: SharedWire::new(Random::new(config.seed, GARBAGE_STREAM)),
+            motor_receiver: MotorReceiver::default(),
+            host_receiver: HostReceiver::default(),
             adapter: Adapter::new(config.faults, Random::new(config.seed, FAULT_STREAM)),
             answers: VecDeque::new(),
-            traffic: TrafficLog::default(),
+            wire_frames: WireFrameLog::default(),
             now: None,
             twin: None,
         };
@@ -84,26 +91,26 @@ impl World {
         world
     }
 
-    /// The host writes bytes. They follow on the wire what it wrote before.
+    /// The host writes bytes. They follow its earlier bytes on the wire.
     pub fn transmit(&mut self, now: Instant, bytes: &[u8]) {
         let now = self.run_to(now);
-        self.air.host_sends(now, bytes, self.adapter.echo());
+        self.shared_wire.host_sends(now, bytes, self.adapter.echo());
     }
 
-    /// What has reached the host by `now`: one delivery, in the order of time, or nothing.
+    /// The next chunk that has reached the host by `now`, in order of time.
     pub fn receive(&mut self, now: Instant) -> Option<Chunk> {
         let now = self.run_to(now);
         self.adapter.receive(now)
     }
 
-    /// When [`receive`](Self::receive) or the traffic log may next have something. Nothing as long as
-    /// the wire is silent and no answer is due.
+    /// When [`receive`](Self::receive) or the frame log may next have something; `None` while the
+    /// wire is silent and no reply is due.
     #[must_use]
     pub fn next_event(&self) -> Option<Instant> {
         let answer = self.answers.front().map(|answer| answer.at);
         [
             self.adapter.next_arrival(),
-            self.air.next_frame_end(),
+            self.shared_wire.next_frame_end(),
             answer,
         ]
         .into_iter()
@@ -122,7 +129,7 @@ impl World {
         self.motors().find(|motor| motor.id() == id)
     }
 
-    /// The same, to lay hands on.
+    /// The same, mutable.
     pub fn motor_mut(&mut self, id: MotorId) -> Option<&mut VirtualMotor> {
         self.motors_mut().find(|motor| motor.id() == id)
     }
@@ -132,12 +139,12 @@ impl World {
         self.slots.iter().map(|slot| &slot.motor)
     }
 
-    /// The same, to lay hands on.
+    /// The same, mutable.
     pub fn motors_mut(&mut self) -> impl Iterator<Item = &mut VirtualMotor> {
         self.slots.iter_mut().map(|slot| &mut slot.motor)
     }
 
-    /// Puts one more motor on the wire, with power. Its address may be taken already.
+    /// Adds a motor with power. Its address may be taken already.
     pub fn add_motor(&mut self, config: MotorConfig) {
         let number = self.next_number;
         self.next_number = number.wrapping_add(1);
@@ -151,44 +158,45 @@ impl World {
         });
     }
 
-    /// Takes the motor with this address off the wire, the first of several.
+    /// Removes the motor with this address, the first of several.
     pub fn remove_motor(&mut self, id: MotorId) -> Option<VirtualMotor> {
         let place = self.slots.iter().position(|slot| slot.motor.id() == id)?;
         Some(self.slots.remove(place).motor)
     }
 
-    /// Changes what is wrong with the wire; what is on its way stays as it was.
+    /// Changes the faults of the wire; bytes on their way are not affected.
     pub fn set_faults(&mut self, faults: WireFaults) {
         self.adapter.set_faults(faults);
     }
 
-    /// Makes the line ill in one way, or well. In place of the faults so far; a motor that was there
-    /// for the last case goes. Nothing is driven by it: a second motor obeys the frames that come.
-    pub fn set_case(&mut self, now: Instant, case: LineCase) {
+    /// Sets a healthy line or one injected fault, in place of the faults so far, and removes the
+    /// second motor of an earlier condition. Stop driven motors first: a second motor obeys the
+    /// frames that come.
+    pub fn set_line_condition(&mut self, now: Instant, case: LineCondition) {
         self.run_to(now);
         self.set_faults(case.faults());
         if let Some(twin) = self.twin.take() {
             self.slots.retain(|slot| slot.number != twin);
         }
-        if case == LineCase::SharedId {
+        if case == LineCondition::SharedId {
             self.twin = Some(self.next_number);
-            self.add_motor(LineCase::twin());
+            self.add_motor(LineCondition::twin());
         }
     }
 
-    /// Every frame that went over the wire since the last call, in the order in which they became
-    /// known: a host's frame when its last byte had passed, a motor's when its first byte started.
-    pub fn drain_traffic(&mut self) -> impl Iterator<Item = Traffic> + '_ {
-        self.traffic.drain()
+    /// Every frame on the wire since the last call, in order: a frame of the host at its last byte,
+    /// a frame of a motor at its first byte.
+    pub fn drain_wire_frames(&mut self) -> impl Iterator<Item = WireFrame> + '_ {
+        self.wire_frames.drain()
     }
 
-    /// How many frames were dropped from the traffic log because nobody drained it.
+    /// Number of frames dropped from a full log.
     #[must_use]
-    pub const fn traffic_lost(&self) -> u64 {
-        self.traffic.lost()
+    pub const fn wire_frames_dropped(&self) -> u64 {
+        self.wire_frames.lost()
     }
 
-    /// Everything up to `now` in the order of time. Gives the present.
+    /// Runs everything up to `now` in order of time. Returns the present time.
     fn run_to(&mut self, now: Instant) -> Instant {
         let now = match self.now {
             None => {
@@ -209,11 +217,11 @@ impl World {
         now
     }
 
-    /// One answer that starts or one byte that has passed, if it is due. An answer that starts with
-    /// the end of a byte goes first, so that the byte knows it is followed.
+    /// One reply that starts or one byte that has passed, if due. A reply that starts at the end of
+    /// a byte goes first, so that the byte is known to be followed.
     fn step_within(&mut self, now: Instant) -> Option<Instant> {
         let answer = self.answers.front().map(|answer| answer.at);
-        let byte = self.air.next_end();
+        let byte = self.shared_wire.next_end();
         let due = |at: Option<Instant>| at.filter(|at| *at <= now);
         match (due(answer), due(byte)) {
             (Some(at), other) if other.is_none_or(|byte| at <= byte) => {
@@ -239,24 +247,24 @@ impl World {
         let Some(frame) = slot.motor.report(layout) else {
             return;
         };
-        self.traffic.push(Traffic {
+        self.wire_frames.push(WireFrame {
             at,
-            from: Speaker::Motor(slot.motor.id()),
+            from: Sender::Motor(slot.motor.id()),
             frame,
         });
-        self.air.motor_sends(at, number, frame.bytes());
+        self.shared_wire.motor_sends(at, number, frame.bytes());
     }
 
     fn pass_byte(&mut self) {
-        let Some(byte) = self.air.pass() else {
+        let Some(byte) = self.shared_wire.pass() else {
             return;
         };
-        if byte.talker == Talker::Host {
-            self.hear_host(byte);
+        if byte.source == Source::Host {
+            self.host_byte_passed(byte);
         }
         if byte.audible {
-            let more = self.air.is_audible_at(byte.end);
-            if let Some(run) = self.host_ear.hear(byte, more) {
+            let more = self.shared_wire.is_audible_at(byte.end);
+            if let Some(run) = self.host_receiver.receive(byte, more) {
                 let fastest_rpm = self.fastest_rpm(byte.end);
                 self.adapter.deliver(run, fastest_rpm);
             }
@@ -267,34 +275,34 @@ impl World {
     fn fastest_rpm(&mut self, now: Instant) -> f32 {
         let mut fastest_rpm = 0.0_f32;
         for Slot { motor, .. } in &mut self.slots {
-            // To this moment, however often the world is looked at.
+            // Up to this time, so that the result does not depend on how often the world is polled.
             motor.advance(now);
             fastest_rpm = fastest_rpm.max(motor.speed_rpm().abs());
         }
         fastest_rpm
     }
 
-    /// A byte of the host passed every motor.
-    fn hear_host(&mut self, byte: Passed) {
-        let Some(frame) = self.motor_ear.hear(byte) else {
+    /// Processes a byte of the host at the motors.
+    fn host_byte_passed(&mut self, byte: PassedByte) {
+        let Some(frame) = self.motor_receiver.receive(byte) else {
             return;
         };
-        self.traffic.push(Traffic {
+        self.wire_frames.push(WireFrame {
             at: frame.start,
-            from: Speaker::Host,
+            from: Sender::Host,
             frame: frame.sent,
         });
         let Some(heard) = self.adapter.request(frame.heard) else {
             return;
         };
-        let request = understood(&heard);
+        let request = parse_request(&heard);
         let at = byte.end + self.turnaround;
         let there = self
             .slots
             .iter_mut()
             .filter(|slot| slot.since <= frame.start);
         for Slot { number, motor, .. } in there {
-            let layout = motor.hear(request, byte.end);
+            let layout = motor.handle(request, byte.end);
             if let Some(layout) = layout.filter(|_| self.answers.len() < ANSWERS_MAX) {
                 self.answers.push_back(Answer {
                     at,

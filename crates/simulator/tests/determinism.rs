@@ -12,7 +12,7 @@ mod fixture;
 use fixture::{id, ms, speed, us};
 use motorlink_protocol::{Instant, Mode, MotorId, Request};
 use motorlink_simulator::{
-    Chunk, Echo, MotorConfig, Split, Traffic, WireFaults, World, WorldConfig,
+    Chunk, Echo, MotorConfig, Split, WireFaults, WireFrame, World, WorldConfig,
 };
 use proptest::prelude::*;
 
@@ -20,7 +20,7 @@ use proptest::prelude::*;
 #[derive(Debug, PartialEq)]
 struct Course {
     chunks: Vec<Chunk>,
-    traffic: Vec<Traffic>,
+    traffic: Vec<WireFrame>,
     ends: Vec<(MotorId, [u32; 3])>,
 }
 
@@ -81,13 +81,13 @@ fn play(seed: u64, look_every_us: &[u64]) -> Course {
         let sent_at = start + us(count * 1900);
         while look < sent_at {
             chunks.extend(std::iter::from_fn(|| world.receive(look)));
-            traffic.extend(world.drain_traffic());
+            traffic.extend(world.drain_wire_frames());
             look = look + us(*looks.next().unwrap());
         }
         world.transmit(sent_at, request(count).frame().bytes());
     }
     chunks.extend(std::iter::from_fn(|| world.receive(end)));
-    traffic.extend(world.drain_traffic());
+    traffic.extend(world.drain_wire_frames());
     let ends = world
         .motors()
         .map(|motor| {

@@ -13,7 +13,9 @@ use std::time::Duration;
 
 use fixture::{Fixture, ONE, ms, speed, us};
 use motorlink_protocol::{Frame, Layout, Reply, Request};
-use motorlink_simulator::{Chunk, Echo, LineCase, Split, VirtualMotor, WireFaults, WorldConfig};
+use motorlink_simulator::{
+    Chunk, Echo, LineCondition, Split, VirtualMotor, WireFaults, WorldConfig,
+};
 
 const QUERY: Request = Request::Query { id: ONE };
 
@@ -78,7 +80,7 @@ fn lost_replies_are_lost_to_the_host_alone() {
         .count();
     assert!((270..330).contains(&heard), "{heard} of 400");
     assert_eq!(
-        fixture.world.drain_traffic().count(),
+        fixture.world.drain_wire_frames().count(),
         800,
         "all were on the wire"
     );
@@ -252,7 +254,7 @@ fn noise_grows_with_the_speed_of_the_wheel() {
 
 #[test]
 fn a_stranger_is_heard_behind_every_reply() {
-    let mut fixture = with(LineCase::Stranger.faults());
+    let mut fixture = with(LineCondition::Stranger.faults());
     let heard = chunks(&mut fixture);
     assert_eq!(heard.len(), 2);
     assert_eq!(heard[1].0, us(2336 + 868));
@@ -263,16 +265,22 @@ fn a_stranger_is_heard_behind_every_reply() {
 #[test]
 fn two_motors_that_share_an_id_are_garbage_and_one_alone_is_heard_again() {
     let mut fixture = with(WireFaults::default());
-    fixture.world.set_case(fixture.now, LineCase::SharedId);
+    fixture
+        .world
+        .set_line_condition(fixture.now, LineCondition::SharedId);
     assert_eq!(fixture.world.motors().count(), 2);
     for _ in 0..100 {
         let heard = fixture.send(QUERY.frame());
         assert!(!heard.is_empty() && !is_reply(&heard));
     }
     // Chosen twice, there are two and not three.
-    fixture.world.set_case(fixture.now, LineCase::SharedId);
+    fixture
+        .world
+        .set_line_condition(fixture.now, LineCondition::SharedId);
     assert_eq!(fixture.world.motors().count(), 2);
-    fixture.world.set_case(fixture.now, LineCase::Good);
+    fixture
+        .world
+        .set_line_condition(fixture.now, LineCondition::Good);
     assert_eq!(fixture.world.motors().count(), 1);
     assert!(fixture.ask(QUERY).is_some());
 }
@@ -285,7 +293,7 @@ fn a_motor_does_not_obey_a_frame_that_was_on_the_wire_before_it() {
     fixture.world.transmit(fixture.now, drive.bytes());
     fixture
         .world
-        .set_case(fixture.now + us(400), LineCase::SharedId);
+        .set_line_condition(fixture.now + us(400), LineCondition::SharedId);
     fixture.wait(ms(10));
     let driven: Vec<_> = fixture
         .world
@@ -298,8 +306,8 @@ fn a_motor_does_not_obey_a_frame_that_was_on_the_wire_before_it() {
 #[test]
 fn no_case_of_a_line_drives_anything() {
     let mut fixture = with(WireFaults::default());
-    for case in LineCase::ALL {
-        fixture.world.set_case(fixture.now, case);
+    for case in LineCondition::ALL {
+        fixture.world.set_line_condition(fixture.now, case);
         for _ in 0..20 {
             fixture.send(QUERY.frame());
         }

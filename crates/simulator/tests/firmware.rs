@@ -386,7 +386,7 @@ fn the_last_drive_frame_is_known_by_whether_it_is_obeyed() {
     assert_eq!(drive.signed(), 7);
     fixture.wait(ms(150));
     assert_eq!(fixture.motor().obeyed(), None, "it does not latch");
-    assert_eq!(fixture.motor().drive_heard(), Some((heard, drive)));
+    assert_eq!(fixture.motor().last_drive(), Some((heard, drive)));
 }
 
 /// One report says that `C8 64` with a value drives every motor.

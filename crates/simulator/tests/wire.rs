@@ -11,7 +11,7 @@ mod fixture;
 
 use fixture::{Fixture, ONE, id, ms, speed, us};
 use motorlink_protocol::{Frame, Instant, Layout, Reply, Request};
-use motorlink_simulator::{MotorConfig, Speaker, Traffic, WorldConfig};
+use motorlink_simulator::{MotorConfig, Sender, WireFrame, WorldConfig};
 
 /// 868 us for ten bytes, 600 us turnaround, 868 us for the reply (motor.md).
 #[test]
@@ -66,19 +66,19 @@ fn the_traffic_log_has_every_frame_with_its_start() {
     let start = fixture.now;
     let query = Request::Query { id: ONE }.frame();
     let heard: [u8; 10] = fixture.send(query).try_into().unwrap();
-    let traffic: Vec<Traffic> = fixture.world.drain_traffic().collect();
-    let host = Traffic {
+    let traffic: Vec<WireFrame> = fixture.world.drain_wire_frames().collect();
+    let host = WireFrame {
         at: start,
-        from: Speaker::Host,
+        from: Sender::Host,
         frame: query,
     };
-    let motor = Traffic {
+    let motor = WireFrame {
         at: start + us(1468),
-        from: Speaker::Motor(ONE),
+        from: Sender::Motor(ONE),
         frame: Frame::new(heard),
     };
     assert_eq!(traffic, [host, motor]);
-    assert_eq!(fixture.world.drain_traffic().count(), 0);
+    assert_eq!(fixture.world.drain_wire_frames().count(), 0);
 }
 
 /// motor.md: the ID query is answered by every motor at once; several collide.

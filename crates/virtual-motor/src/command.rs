@@ -1,4 +1,4 @@
-//! What a test may do to a motor while it runs, one line each.
+//! Commands of a test, one per line, while the program runs.
 
 use std::time::Duration;
 

@@ -28,10 +28,10 @@ impl Link {
 }
 
 impl Drop for Link {
-    /// Removes it, unless somebody has put something else there meanwhile.
+    /// Removes the link, unless it was replaced meanwhile.
     fn drop(&mut self) {
         if fs::read_link(&self.path).is_ok_and(|target| target == self.target) {
-            // There is nobody left to tell, and a stale link does no harm.
+            // The program ends: no one reads an error, and a stale link does no harm.
             let _ = fs::remove_file(&self.path);
         }
     }

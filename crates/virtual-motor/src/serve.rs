@@ -133,14 +133,14 @@ impl Server {
     }
 
     fn log_traffic(&mut self) -> Result<(), Failure> {
-        let traffic = self.world.drain_traffic();
+        let traffic = self.world.drain_wire_frames();
         match &mut self.log {
             Some(log) => log.write(traffic),
             None => Ok(()),
         }
     }
 
-    /// Sleeps until the world nearly has something, or somebody says something.
+    /// Sleeps until shortly before the next event of the world, or until an input arrives.
     fn sleep(&self) -> Result<Woken, Failure> {
         let wake = match self.stalled_until {
             // Deliveries that are due cannot be made.
@@ -189,7 +189,7 @@ impl Server {
         let mut out = std::io::stdout().lock();
         for line in lines.unwrap_or_default() {
             self.world.advance(clock::now());
-            // Whoever closed our output does not want the answer.
+            // The reader has closed the output.
             let stall = |time| self.stalled_until = Some(clock::now() + time);
             let _ = writeln!(out, "{}", command::obey(&line, &mut self.world, stall));
         }

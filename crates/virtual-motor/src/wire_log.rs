@@ -7,7 +7,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use motorlink_simulator::{Speaker, Traffic};
+use motorlink_simulator::{Sender, WireFrame};
 
 use crate::failure::Failure;
 
@@ -37,12 +37,12 @@ impl WireLog {
     ///
     /// # Errors
     /// The disk is full, or so.
-    pub(crate) fn write(&mut self, frames: impl Iterator<Item = Traffic>) -> Result<(), Failure> {
+    pub(crate) fn write(&mut self, frames: impl Iterator<Item = WireFrame>) -> Result<(), Failure> {
         self.lines.clear();
-        for Traffic { at, from, frame } in frames {
+        for WireFrame { at, from, frame } in frames {
             let from = match from {
-                Speaker::Host => "HOST",
-                Speaker::Motor(_) => "MOTOR",
+                Sender::Host => "HOST",
+                Sender::Motor(_) => "MOTOR",
             };
             // Writing to a string does not fail.
             let _ = writeln!(self.lines, "{}\t{from}\t{frame}", at.as_micros());

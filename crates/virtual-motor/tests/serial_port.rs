@@ -203,7 +203,7 @@ fn a_wire_that_loses_everything_is_silent() {
     assert!(program.port().ask(QUERY).is_none());
 }
 
-/// Hundredths of a second from `/proc`: the program sleeps when nobody talks.
+/// Hundredths of a second from `/proc`: the program sleeps while the line is idle.
 #[test]
 fn an_idle_program_takes_no_time() {
     let program = Program::start(&[]);

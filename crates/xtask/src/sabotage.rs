@@ -381,7 +381,7 @@ mod tests {
 
     #[test]
     fn every_rule_has_a_sabotage() {
-        let rules = include_str!("../../fault-simulation/src/rules.rs");
+        let rules = include_str!("../../fault-simulation/src/rule.rs");
         let (_, list) = rules.split_once("pub const ALL").unwrap();
         let (list, _) = list.split_once("];").unwrap();
         let rules: Vec<&str> = list

@@ -1,4 +1,4 @@
-//! What may be on the wire at all: by what really reached the motors, and what really came back.
+//! Limits of every frame on the wire, by what really reached the motors and what really came back.
 
 use std::{
     collections::{BTreeMap, BTreeSet, VecDeque},
@@ -9,26 +9,26 @@ use motorlink_bus::{Consent, HIGH_CURRENT_RAW, Limits};
 use motorlink_protocol::{Drive, FRAME_LEN, Frame, Instant, Mode, MotorId, Request};
 use motorlink_simulator::{VirtualMotor, World};
 
-use super::{Rule, broken};
+use crate::rule::{Rule, broken};
 
 /// A frame of ten bytes at 115200 baud.
 const AIRTIME: Duration = Duration::from_micros(868);
-/// What a motor told longer ago than this is unknown.
+/// Older telemetry is unknown.
 const FRESH_FOR: Duration = Duration::from_millis(500);
-/// The address that every motor hears.
+/// The address of all motors.
 const ALL: u8 = 0xC8;
-/// Replies that may still come; motors say no more in the longest that an adapter holds.
+/// Most replies that may still arrive: motors send no more during the longest hold of an adapter.
 const REPLIES_KEPT: usize = 64;
-/// Bytes that reached the host, kept to find replies that came in pieces.
+/// Bytes that reached the host, kept to find replies in pieces.
 const BYTES_KEPT: usize = 4 * FRAME_LEN;
 
-/// What the host can know of each motor, and what each motor was told.
+/// What the host can know about each motor, and what each motor was sent.
 #[derive(Debug, Default)]
 pub(super) struct Bounds {
     motors: BTreeMap<MotorId, Known>,
     replies: VecDeque<Reply>,
     arrived: VecDeque<u8>,
-    /// Who was asked for a high current, and said yes.
+    /// Motors with consent to a high current.
     consented: BTreeSet<MotorId>,
 }
 
@@ -42,26 +42,26 @@ struct Reply {
 
 #[derive(Clone, Debug, Default)]
 struct Known {
-    /// The loop that its last reply told, and when that reached the host.
+    /// The loop in its last reply, and when that reply reached the host.
     told: Option<(Instant, Mode)>,
     /// Mode switches on the wire since that reply was sent.
     switches: Vec<(Instant, Mode)>,
     torque: Torque,
 }
 
-/// Torque that a motor was told.
+/// Torque that a motor was sent.
 #[derive(Clone, Copy, Debug, Default)]
 enum Torque {
     #[default]
     None,
-    /// Of this sign. The zero that came behind it was not answered yet.
+    /// Torque of this sign. A zero after it is not answered yet.
     Told { sign: i16, is_zero: bool },
-    /// It was answered.
+    /// The zero was answered.
     ZeroAnswered,
 }
 
 impl Bounds {
-    /// The port is gone: a new bus knows nothing. The motors are what they are.
+    /// The port is closed: a new bus knows nothing. The motors stay as they are.
     pub(super) fn port_lost(&mut self) {
         for known in self.motors.values_mut() {
             (known.told, known.switches) = (None, Vec::new());
@@ -72,7 +72,7 @@ impl Bounds {
     }
 
     /// An operator's setpoint was accepted.
-    pub(super) fn commanded(&mut self, id: MotorId, consent: Consent) {
+    pub(super) fn on_command(&mut self, id: MotorId, consent: Consent) {
         if consent == Consent::HighCurrent {
             self.consented.insert(id);
         } else {
@@ -80,13 +80,13 @@ impl Bounds {
         }
     }
 
-    /// The motors have come to this moment.
+    /// The motors have advanced to now.
     pub(super) fn moved(&mut self, world: &World) {
         for motor in world.motors() {
             let torque = &mut self.motors.entry(motor.id()).or_default().torque;
             let obeyed = motor.obeyed().filter(|_| motor.mode() == Mode::Current);
             *torque = match (*torque, obeyed.map(|(_, drive)| drive.signed())) {
-                // It coasts: there is no torque to reverse.
+                // A coasting wheel has no torque to reverse.
                 (_, None) => Torque::None,
                 (Torque::Told { sign, .. }, Some(0)) => Torque::Told {
                     sign,
@@ -105,7 +105,7 @@ impl Bounds {
     pub(super) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
         let [id, ..] = *frame.bytes();
         let motor = MotorId::new(id).ok().and_then(|id| world.motor(id));
-        let heard = motor.and_then(VirtualMotor::drive_heard);
+        let heard = motor.and_then(VirtualMotor::last_drive);
         if self.replies.len() >= REPLIES_KEPT {
             self.replies.pop_front();
         }
@@ -134,8 +134,8 @@ impl Bounds {
         self.arrived.drain(..old);
     }
 
-    /// A frame goes out whole; `raw` is for what a person said yes to where a person wrote it. Gives
-    /// which rules had something to judge.
+    /// A whole frame goes out; `raw` is the consent to a raw frame. Returns the rules that were
+    /// applied.
     pub(super) fn sent(
         &mut self,
         now: Instant,
@@ -221,8 +221,8 @@ impl Known {
         }
     }
 
-    /// Whether the motor may be in a loop, by all that the host can know. What the bus itself drives it
-    /// takes back by a rule of its own where nothing is heard.
+    /// Whether the motor may be in a loop, by all that the host can know. Another rule makes the
+    /// bus withdraw the setpoint of a silent motor.
     fn may_be_in(&self, mode: Mode, now: Instant, is_raw: bool) -> bool {
         let on_the_way = self.switches.iter().any(|(_, to)| *to == mode);
         on_the_way

@@ -1,65 +1,67 @@
-//! Whether a wheel moves on behind a stop or a hold: by what it truly does, and what it truly obeys.
+//! Whether a wheel moves on after a stop or a hold, by its true motion and the frames that it
+//! obeys.
 
 use std::{collections::BTreeMap, time::Duration};
 
 use motorlink_protocol::{Instant, Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
-use super::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, broken};
 
-/// A frame that was handed out before the stop may be heard so long after: its airtime, rounded up.
+/// A frame from before the stop arrives at most this long after it: its airtime, rounded up.
 const ON_ITS_WAY: Duration = Duration::from_millis(1);
-/// What a stopped wheel may turn beyond what its momentum explains: 4 mm at the tyre of 102 mm, and more
-/// than a controller that holds zero does.
+/// Most motion of a stopped wheel beyond its momentum: 4 mm at the tyre of 102 mm, and more than a
+/// controller that holds zero needs.
 const UNASKED_MAX_DEG: f32 = 2.0;
-/// The same behind a hold, whose controller still has to turn round: less than a finger is wide.
+/// The same after a hold, whose controller must still reverse: less than the width of a finger.
 const GOES_ON_MAX_DEG: f32 = 10.0;
-/// Without a fresh angle for 40 ms, a hold holds the last fresh one or stops; its frame goes next.
+/// Without a fresh angle for 40 ms, a hold holds the last fresh angle or stops; its frame goes
+/// next.
 const HOLD_TAKES: Duration = Duration::from_millis(50);
-/// The position loop changes its speed by no more than this, so that it takes a way to turn round.
+/// Largest acceleration of the position loop, which determines the distance for a reversal.
 const TURNS_ROUND_RAD_S2: f32 = 300.0;
-/// And its speed follows so much later than it is asked for.
+/// Delay with which its speed follows.
 const FOLLOWS_AFTER_S: f32 = 0.015;
-/// The angle that is held was read no longer than this before.
+/// Largest age of the held angle.
 const HELD_ANGLE_AGE_S: f32 = 0.5;
 
-/// Wheels that nobody has asked to move.
+/// Wheels that must not move.
 #[derive(Debug, Default)]
 pub(super) struct Motion {
     stops: BTreeMap<MotorId, Rundown>,
     holds: BTreeMap<MotorId, Held>,
 }
 
-/// A wheel behind a stop, until it is asked to move once more.
+/// A wheel after a stop, until the next command that moves it.
 #[derive(Clone, Copy, Debug)]
 struct Rundown {
     began: Instant,
     turns: f32,
-    /// The way since the stop, whichever direction.
+    /// Distance since the stop, in either direction.
     travelled_deg: f32,
-    /// Where its momentum would have brought it at the least, by all that was seen.
+    /// The least distance by its momentum, from all observations.
     explained_deg: f32,
-    /// Whether it still obeyed a frame from before the stop when it was last seen.
+    /// Whether it still obeyed a frame from before the stop at the last observation.
     was_asked: bool,
 }
 
-/// A wheel behind a hold.
+/// A wheel after a hold.
 #[derive(Clone, Copy, Debug)]
 struct Held {
     began: Instant,
     from_turns: f32,
-    /// 1 or -1: the direction in which it went.
+    /// 1 or -1: its direction of motion.
     direction: f32,
     speed_deg_s: f32,
-    /// How far it went in that direction, and in the other, by frames from before the hold.
+    /// Distance in that direction and in the other, by frames from before the hold.
     ahead_deg: f32,
     behind_deg: f32,
     was_asked: bool,
 }
 
 impl Motion {
-    /// A stop of these began, or their setpoints were withdrawn. Gives how many there was something to
-    /// judge of.
+    /// A stop of these began, or their setpoints were withdrawn. Returns the number of wheels to
+    /// judge.
     pub(super) fn stop(
         &mut self,
         now: Instant,
@@ -84,7 +86,7 @@ impl Motion {
         judged
     }
 
-    /// A hold was accepted. Gives whether there is something to judge.
+    /// A hold was accepted. Returns whether there is a wheel to judge.
     pub(super) fn hold(&mut self, now: Instant, id: MotorId, world: &World) -> bool {
         let Some(motor) = world.motor(id).filter(|it| it.mode() == Mode::Position) else {
             return false;
@@ -105,7 +107,7 @@ impl Motion {
         true
     }
 
-    /// A load came or went.
+    /// A load changed.
     pub(super) fn loaded(&mut self, id: MotorId) {
         self.holds.remove(&id);
     }
@@ -118,7 +120,7 @@ impl Motion {
 
     /// Time has passed.
     pub(super) fn moved(&mut self, now: Instant, world: &World) -> Outcome {
-        // One that has another ID now is another motor for everybody.
+        // A motor with a new ID counts as another motor.
         self.stops.retain(|id, _| world.motor(*id).is_some());
         for (id, rundown) in &mut self.stops {
             if let Some(motor) = world.motor(*id) {
@@ -146,7 +148,7 @@ impl Rundown {
         self.travelled_deg += (motor.turns() - self.turns).abs() * 360.0;
         self.turns = motor.turns();
         let latest = self.began + ON_ITS_WAY;
-        // Until then the motor may still come to hear one.
+        // Until then the motor may still receive one.
         let is_asked = now <= latest || motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
         let explained_deg = self.travelled_deg + motor.coasting_deg();
         self.explained_deg = if is_asked || self.was_asked {
@@ -171,14 +173,14 @@ impl Rundown {
 }
 
 impl Held {
-    /// Whether it is still to be looked at.
+    /// Whether the wheel is still observed.
     fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Result<bool, super::Violation> {
         let latest = self.began + HOLD_TAKES;
         let gone_deg = (motor.turns() - self.from_turns) * 360.0 * self.direction;
         let is_asked = motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
         if motor.obeyed().is_none() && now > latest {
-            // No frame has reached it for longer than it obeys one: it coasts, and which way round it
-            // comes back is nobody's choice.
+            // No frame has reached it for longer than it obeys one: it coasts, and its direction
+            // after a return is random.
             return Ok(false);
         }
         if is_asked || self.was_asked {
@@ -208,7 +210,7 @@ fn deg_s(motor: &VirtualMotor) -> f32 {
     motor.speed_rpm() * 6.0
 }
 
-/// The way that the position loop takes to turn round, signed as the speed.
+/// Distance that the position loop needs to reverse, with the sign of the speed.
 fn turns_round_deg(speed_deg_s: f32) -> f32 {
     let follows_deg = speed_deg_s * FOLLOWS_AFTER_S;
     let turns_round_deg_s2 = TURNS_ROUND_RAD_S2.to_degrees();

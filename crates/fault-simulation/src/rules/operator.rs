@@ -1,4 +1,4 @@
-//! What an operator asked for, what stands of it, and what may be sent by it.
+//! Commands of the operator: which are in force, and what may be sent by them.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -12,40 +12,40 @@ use motorlink_bus::{
 use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::World;
 
-use super::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, broken};
 
-/// A page that does not answer has its motors stopped.
+/// The motors of a silent page are stopped within this time.
 const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
-/// An act that is older than this starts nothing.
+/// An older command starts nothing.
 const COMMAND_AGE_MAX: Duration = Duration::from_millis(500);
-/// A full scan proves for so long who is there.
+/// How long the proof of a full scan lasts.
 const PROOF_LASTS: Duration = Duration::from_secs(60);
-/// A driven motor that is silent for longer loses its setpoint, once so many requests were in vain; the
-/// next may be on its way.
+/// A driven motor that is silent for longer loses its setpoint, after this many unanswered
+/// requests; the next may be on its way.
 const SILENCE_MAX: Duration = Duration::from_millis(200);
 const UNANSWERED_MAX: u32 = 4;
-/// What a wheel may overshoot its speed limit by.
+/// Overshoot of a wheel above its speed limit.
 const OVERSHOOT_RPM: u16 = 10;
 
-/// An operator's command that stands.
+/// A command of the operator that is in force.
 #[derive(Clone, Copy, Debug)]
 struct Standing {
     setpoint: Setpoint,
     since: Instant,
 }
 
-/// What a motor has told since it is driven, as far as it matters for whether it may go on.
+/// Reports of a motor since driving began, as far as they decide whether it may stay driven.
 #[derive(Clone, Copy, Debug, Default)]
 struct Told {
     last: Option<Instant>,
     /// Requests since then.
     asked: u32,
     overcurrent_since: Option<Instant>,
-    /// The limit that it crossed, and when that was heard.
+    /// The limit that it crossed, and when the report arrived.
     crossed: Option<(Instant, &'static str)>,
 }
 
-/// What the operator and the page did.
+/// Inputs of the operator and the page.
 #[derive(Debug, Default)]
 pub(super) struct Operator {
     standing: BTreeMap<MotorId, Standing>,
@@ -53,19 +53,19 @@ pub(super) struct Operator {
     pub(super) limits: Limits,
     page_silent_since: Option<Instant>,
     proof: Option<(MotorId, Instant)>,
-    /// What was asked for: from which ID to which.
+    /// The requested ID change: from which ID to which.
     id_change: Option<(MotorId, MotorId)>,
-    /// The frame that a person wrote and that is still sent, and what was said yes to.
+    /// The raw frame that is still repeated, with its consent.
     raw: Option<(Frame, Consent)>,
-    /// Whose setpoints ended because the bus was called late, until they are given another.
+    /// Motors whose setpoints ended with a late call, until the next one.
     withdrawn_by_gap: BTreeSet<MotorId>,
-    /// Frames that drive, at this moment; they are judged when all that was heard is told.
+    /// Drive frames of this moment. They are judged when all events of it are out.
     driven_now: Vec<MotorId>,
 }
 
 impl Operator {
-    /// The operator asked for something, and the bus answered.
-    pub(super) fn commanded(
+    /// The bus answered a command.
+    pub(super) fn on_command(
         &mut self,
         now: Instant,
         given: Instant,
@@ -120,7 +120,7 @@ impl Operator {
         self.withdrawn_by_gap.remove(&id);
     }
 
-    /// The bus was called late: nothing stands any more. Gives whether anything did.
+    /// A late call: no setpoint is in force any more. Returns whether one was.
     pub(super) fn was_late(&mut self) -> bool {
         let standing = self.standing.keys().copied();
         self.withdrawn_by_gap.extend(standing);
@@ -132,23 +132,23 @@ impl Operator {
         raw.is_some() || !self.standing.is_empty()
     }
 
-    /// For whom a command stands.
+    /// Motors with a command in force.
     pub(super) fn standing(&self) -> BTreeSet<MotorId> {
         self.standing.keys().copied().collect()
     }
 
-    /// The frame that a person wrote and that is still sent.
+    /// The raw frame that is still repeated.
     pub(super) fn raw(&self) -> Option<Frame> {
         self.raw.map(|(frame, _)| frame)
     }
 
-    /// Where a person wrote this frame: what was said yes to.
+    /// The consent, if this is the raw frame.
     pub(super) fn raw_consent(&self, frame: Frame) -> Option<Consent> {
         let (_, consent) = self.raw.filter(|(raw, _)| *raw == frame)?;
         Some(consent)
     }
 
-    /// Those for whom a command stood that does no more. A person's own frames end with any stop.
+    /// Ends the commands of these motors and returns the motors. A raw frame ends with any stop.
     pub(super) fn stop(&mut self, is_stopped: impl Fn(&MotorId) -> bool) -> (Vec<MotorId>, u32) {
         self.raw = None;
         let others = u32::try_from(self.standing.len()).unwrap_or(u32::MAX);
@@ -159,8 +159,8 @@ impl Operator {
         (driven, others)
     }
 
-    /// What the bus drives no more is driven by nobody's command any more, and only a new one can
-    /// change that. All that was heard is told now.
+    /// A motor that the bus does not drive any more has no command in force. Only a new command
+    /// changes that.
     pub(super) fn keep_what_stands(&mut self, now: Instant, bus: &Bus) -> Outcome {
         for id in std::mem::take(&mut self.driven_now) {
             self.may_still_be_driven(now, id)?;
@@ -169,7 +169,7 @@ impl Operator {
             .motors(now)
             .map(|status| (status.id, status.activity))
             .collect();
-        // What was asked for during a mode switch stands behind it.
+        // A setpoint given during a mode switch is in force after it.
         self.standing.retain(|id, _| {
             let activity = driven.get(id);
             matches!(
@@ -195,7 +195,7 @@ impl Operator {
             let what = format!("{id} is driven, and silent since {silent_since:?}");
             return broken(Rule::SilentIsWithdrawn, now, what);
         }
-        // A frame of the same moment may have gone before the reply came.
+        // A frame of the same moment may have been sent before the reply arrived.
         if let Some((_, limit)) = told.crossed.filter(|(heard, _)| *heard < now) {
             let what = format!("{id} is driven beyond its limit of {limit}");
             return broken(Rule::LimitsHold, now, what);
@@ -203,7 +203,7 @@ impl Operator {
         Ok(())
     }
 
-    /// The page answers, or does not.
+    /// Whether the page answers.
     pub(super) fn page(&mut self, now: Instant, answers: bool) {
         if answers {
             self.page_silent_since = None;
@@ -212,7 +212,7 @@ impl Operator {
         }
     }
 
-    /// The port is gone, and with it whatever stood; the limits are the page's.
+    /// The port is closed: no command is in force. The page keeps the limits.
     pub(super) fn port_lost(&mut self) {
         let (silent, limits) = (self.page_silent_since, self.limits);
         *self = Self::default();
@@ -220,7 +220,7 @@ impl Operator {
         self.limits = limits;
     }
 
-    /// A frame goes out. Gives whether it is one that a stop may consist of.
+    /// A frame goes out. Returns whether it may be a stop frame.
     pub(super) fn sent(
         &mut self,
         now: Instant,
@@ -261,7 +261,7 @@ impl Operator {
                 }
             }
             Ok(Request::Query { .. } | Request::IdQuery) => {}
-            // Nothing else is the bus's own.
+            // The bus sends no other frame on its own.
             other => {
                 let what = format!("{frame}: {other:?}");
                 return broken(Rule::DrivenByCommandOnly, now, what);
@@ -270,7 +270,7 @@ impl Operator {
         Ok(false)
     }
 
-    /// A person wrote it: it may be anything, but not behind a page that hangs.
+    /// A raw frame: any bytes, but not while the page hangs.
     fn raw_goes_out(&self, now: Instant, frame: Frame) -> Result<bool, super::Violation> {
         match self.page_silent_since {
             Some(since) if is_hazardous(&frame) && now.since(since) > PAGE_SILENT_MAX => {
@@ -303,7 +303,7 @@ impl Operator {
             (low..=high).contains(&signed)
         };
         let fits = match setpoint {
-            // A ramp may still be on its way there.
+            // A ramp may not have reached it yet.
             Setpoint::Velocity { speed, .. } => within(speed.rpm()),
             Setpoint::Current(current) => signed == current.raw() || signed == 0,
             Setpoint::Position(target) => raw == target.raw() || holds(id, raw, bus, now),
@@ -316,8 +316,8 @@ impl Operator {
         broken(Rule::NoMoreThanCommanded, now, what)
     }
 
-    /// The bus tells something.
-    pub(super) fn told(&mut self, now: Instant, event: &Event) {
+    /// The bus reports an event.
+    pub(super) fn on_event(&mut self, now: Instant, event: &Event) {
         match event {
             Event::Telemetry(sample) => self.reported(sample),
             Event::ScanEnded(report) => {
@@ -326,7 +326,7 @@ impl Operator {
                     _ => None,
                 };
             }
-            // A good reply is a sign of life, whatever it can be read as.
+            // A good reply shows that the motor answers, in any layout.
             Event::Line(traffic) => {
                 if let LineEventKind::Received { frame, .. } = traffic.kind
                     && let [id, ..] = *frame.bytes()
@@ -374,7 +374,7 @@ fn addressee(request: &Request) -> Option<MotorId> {
     }
 }
 
-/// Hold: the angle at which it was.
+/// Hold: the angle of the wheel at that time.
 fn holds(id: MotorId, raw: u16, bus: &Bus, now: Instant) -> bool {
     let status = bus.motors(now).find(|status| status.id == id);
     matches!(

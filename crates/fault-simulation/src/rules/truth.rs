@@ -1,4 +1,4 @@
-//! Whether what is told is true of the motors.
+//! Whether reported telemetry is true.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -9,41 +9,41 @@ use motorlink_bus::{Event, Sample, StopReport};
 use motorlink_protocol::{Detail, Frame, Instant, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
-use super::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, broken};
 
 /// A sensor's step, noise, and the time that a reply was held.
 const TEMPERATURE_OFF_MAX_C: f32 = 4.0;
-/// Of a wheel that stands, coarse steps of 1.4 degrees included.
+/// For a standing wheel, including coarse steps of 1.4 degrees.
 const ANGLE_OFF_MAX_DEG: f32 = 6.0;
-/// A reply speaks of no earlier moment than this.
+/// Largest age of a reply.
 const REPLY_HELD_MAX: Duration = Duration::from_millis(250);
-/// Below this a wheel stands.
+/// Below this speed a wheel stands.
 const STANDS_RPM: f32 = 1.0;
-/// A wheel whose standstill was confirmed turns no faster than this: it may be pushed.
+/// Highest speed of a wheel with confirmed standstill: it may be pushed.
 const CONFIRMED_RPM: f32 = 10.0;
 
-/// What motors said last: more than any adapter holds.
+/// Recent replies kept: more than any adapter holds.
 const SAID_MAX: usize = 256;
 
-/// What is known of the motors themselves.
+/// True state of the motors.
 #[derive(Debug, Default)]
 pub(super) struct Truth {
-    /// When a motor's temperature was last changed by more than nature does.
+    /// When a motor's temperature was last set.
     heated: Option<Instant>,
     /// Since when a wheel stands, and at which angle.
     standing: BTreeMap<MotorId, (Instant, f32)>,
-    /// What they said, the last behind.
+    /// Their replies, newest last.
     said: VecDeque<Frame>,
 }
 
 impl Truth {
-    /// A motor is as hot at once as it would be in minutes.
+    /// The temperature of a motor was set.
     pub(super) fn heated(&mut self, now: Instant) {
         self.heated = Some(now);
     }
 
-    /// What motors say is heard later than usual.
-    pub(super) fn was_away(&mut self) {
+    /// Replies arrive later than usual.
+    pub(super) fn on_absence(&mut self) {
         self.standing.clear();
     }
 
@@ -68,8 +68,8 @@ impl Truth {
         }
     }
 
-    /// The bus tells something.
-    pub(super) fn told(&self, now: Instant, event: &Event, world: &World) -> Outcome {
+    /// The bus reports an event.
+    pub(super) fn on_event(&self, now: Instant, event: &Event, world: &World) -> Outcome {
         match event {
             Event::Telemetry(sample) => self.reported(now, sample, world),
             Event::StopEnded(report) => confirmed(now, report, world),
@@ -114,7 +114,7 @@ impl Truth {
     }
 }
 
-/// What is said to stand does.
+/// A motor that is reported to stand does.
 fn confirmed(now: Instant, report: &StopReport, world: &World) -> Outcome {
     for outcome in report.motors.iter().filter(|outcome| outcome.confirmed) {
         let speed = world.motor(outcome.id).map_or(0.0, VirtualMotor::speed_rpm);
@@ -126,7 +126,7 @@ fn confirmed(now: Instant, report: &StopReport, world: &World) -> Outcome {
     Ok(())
 }
 
-/// The way between two angles in degrees.
+/// Distance of two angles in degrees.
 fn apart(one: f32, other: f32) -> f32 {
     let apart = (one - other).rem_euclid(360.0);
     apart.min(360.0 - apart)

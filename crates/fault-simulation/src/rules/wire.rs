@@ -1,17 +1,17 @@
-//! What passes on the wire, and what the log has of it.
+//! Frames on the wire, and their entries in the log.
 
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::{Event, LineEventKind};
 use motorlink_protocol::{Frame, Instant};
 
-use super::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, broken};
 
 /// A frame of ten bytes at 115200 baud.
 const AIRTIME: Duration = Duration::from_micros(868);
 /// On a good line a reply is in the log within this: the longest window, and the frames before it.
 const LOGGED_WITHIN: Duration = Duration::from_millis(250);
-/// When a bad line becomes good, what it has held is over after this.
+/// After a faulty line becomes healthy, held bytes have arrived within this time.
 const LINE_CLEARS: Duration = Duration::from_millis(250);
 
 /// A reply that a motor sent.
@@ -19,31 +19,31 @@ const LINE_CLEARS: Duration = Duration::from_millis(250);
 struct Sent {
     at: Instant,
     frame: Frame,
-    /// Nothing was wrong with the line, and nobody else spoke.
+    /// The line was healthy and no other sender was active.
     undisturbed: bool,
 }
 
 /// The wire and its log.
 #[derive(Debug, Default)]
 pub(super) struct Wire {
-    /// When the last byte that was handed out has passed.
+    /// When the last sent byte has passed.
     busy_until: Option<Instant>,
     last_was_for_all: bool,
-    /// Frames that the log is to have, and whether the bus knows that they were not sent.
+    /// Frames that must appear in the log, and whether the bus knows that they were not sent.
     unlogged: VecDeque<(Frame, bool)>,
     replies: VecDeque<Sent>,
     line_is_good_since: Option<Instant>,
-    /// Readings of this moment, which the log must have too.
+    /// Readings of this moment, which must be in the log too.
     read: Vec<Frame>,
     heard: Vec<Frame>,
 }
 
 impl Wire {
-    /// The line became good, or bad.
+    /// The line was set healthy or faulty.
     pub(super) fn line(&mut self, now: Instant, is_good: bool) {
         self.line_is_good_since = is_good.then(|| self.line_is_good_since.unwrap_or(now));
         if !is_good {
-            // What is on its way may be spoilt yet.
+            // Bytes on their way may still be corrupted.
             for sent in &mut self.replies {
                 sent.undisturbed = false;
             }
@@ -62,14 +62,14 @@ impl Wire {
         Ok(())
     }
 
-    /// Only so many bytes of a frame go out.
-    pub(super) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, told: bool) {
+    /// Only this many bytes of a frame go out.
+    pub(super) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, reported: bool) {
         let tenths = u32::try_from(bytes).unwrap_or(u32::MAX);
         self.busy_until = self.busy_until.max(Some(now + AIRTIME / 10 * tenths));
-        self.unlogged.push_back((frame, told));
+        self.unlogged.push_back((frame, reported));
     }
 
-    /// What is on its way is heard late, if at all.
+    /// Bytes on their way arrive late or never.
     pub(super) fn disturbed(&mut self, now: Instant) {
         let was_good = self.line_is_good_since.is_some();
         self.line(now, false);
@@ -86,20 +86,20 @@ impl Wire {
         self.replies.push_back(Sent {
             at,
             frame,
-            // All answer the ID query at once.
+            // All motors answer the ID query at once.
             undisturbed: good && !self.last_was_for_all,
         });
     }
 
-    /// The port is closed: what is on its way is heard by nobody.
+    /// The port is closed: bytes on their way are lost.
     pub(super) fn port_lost(&mut self) {
         let good = self.line_is_good_since;
         *self = Self::default();
         self.line_is_good_since = good;
     }
 
-    /// The bus tells something.
-    pub(super) fn told(&mut self, now: Instant, event: &Event) -> Outcome {
+    /// The bus reports an event.
+    pub(super) fn on_event(&mut self, now: Instant, event: &Event) -> Outcome {
         match event {
             Event::Line(traffic) => match traffic.kind {
                 LineEventKind::Sent { frame, .. } => return self.logged_as(now, frame, false),
@@ -116,7 +116,7 @@ impl Wire {
         Ok(())
     }
 
-    /// What was handed out is in the log in its turn, sent or not.
+    /// Every frame appears in the log in its order, sent or not.
     fn logged_as(&mut self, now: Instant, frame: Frame, unsent: bool) -> Outcome {
         if self.unlogged.pop_front() == Some((frame, unsent)) {
             return Ok(());
@@ -126,14 +126,15 @@ impl Wire {
         broken(Rule::LogIsComplete, now, what)
     }
 
-    /// What is in the log came in the order in which it was sent, and nothing good before it is missing.
+    /// The log has the replies in the order in which they were sent, and no good reply before is
+    /// missing.
     fn logged(&mut self, now: Instant, frame: Frame) -> Outcome {
-        // One that was spoilt may have said the same.
+        // A corrupt reply may have had the same bytes.
         let is_it = |sent: &Sent| sent.undisturbed && sent.frame == frame;
         let same = |sent: &Sent| sent.frame == frame;
         let place = self.replies.iter().position(is_it);
         let Some(place) = place.or_else(|| self.replies.iter().position(same)) else {
-            // Another host's motor, or bytes that chance made good.
+            // A motor of another host, or bytes with a good CRC by chance.
             return Ok(());
         };
         let missing = self.replies.drain(..=place).take(place);
@@ -145,7 +146,7 @@ impl Wire {
         }
     }
 
-    /// All that was heard at this moment is told.
+    /// All events of this moment are out.
     pub(super) fn settled(&mut self, now: Instant) -> Outcome {
         let heard = std::mem::take(&mut self.heard);
         let unlogged = std::mem::take(&mut self.read)

@@ -7,7 +7,7 @@ use motorlink_protocol::{Current, Drive, PositionTarget, SpeedTarget};
 use crate::physics::{Bridge, CURRENT_LIMIT_A, STEP_S, rad_s, rpm};
 
 use super::{
-    Sense,
+    sense::Sense,
     speed_loop::SpeedLoop,
     speed_profile::{SpeedProfile, towards},
 };

@@ -1,42 +1,31 @@
-//! What the motor's controller does with the frames that it hears.
+//! The motor's controller: what it does with received frames.
 
 mod frame_rate;
 mod loops;
-mod mode_row;
+mod mode_switch_count;
+mod parse_request;
 mod protection;
+mod sense;
 mod set_id;
 mod speed_loop;
 mod speed_profile;
-mod understood;
 
 use motorlink_protocol::{Drive, Faults, Instant, Layout, Mode, MotorId, Request, RequestError};
 
-use crate::{MotorConfig, physics::Bridge};
+use crate::{config::MotorConfig, physics::Bridge};
 use frame_rate::FrameRate;
 use loops::Loops;
-use mode_row::ModeRow;
+use mode_switch_count::ModeSwitchCount;
+pub(crate) use parse_request::parse_request;
 use protection::Protections;
-use set_id::SetIdRow;
-pub(crate) use understood::understood;
+pub(crate) use sense::Sense;
+use set_id::SetIdCount;
 
 /// The position loop is refused at or above this (maker's manual).
 const POSITION_MODE_BELOW_RPM: f64 = 10.0;
 
 /// The first byte of the ID query, which all motors answer.
 const ALL_ADDRESS: u8 = 0xC8;
-
-/// What the controller can measure.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sense {
-    pub(crate) speed_rad_s: f64,
-    pub(crate) turns: f64,
-    pub(crate) phase_a: f64,
-    pub(crate) bus_a: f64,
-    pub(crate) winding_c: f64,
-    /// Torque current that voltage and limit allow now.
-    pub(crate) range_a: (f64, f64),
-    pub(crate) encoder_broken: bool,
-}
 
 /// A drive frame that is still obeyed.
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +40,11 @@ pub(crate) struct Firmware {
     id: MotorId,
     mode: Mode,
     command: Option<Command>,
-    drive_heard: Option<(Instant, Drive)>,
+    last_drive: Option<(Instant, Drive)>,
     obeys_all: bool,
     loops: Loops,
-    mode_row: ModeRow,
-    set_id: SetIdRow,
+    mode_switch_count: ModeSwitchCount,
+    set_id: SetIdCount,
     frame_rate: FrameRate,
     protections: Protections,
     latch: core::time::Duration,
@@ -68,11 +57,11 @@ impl Firmware {
             id,
             mode: Mode::Velocity,
             command: None,
-            drive_heard: None,
+            last_drive: None,
             obeys_all: config.obeys_all,
             loops: Loops::Idle,
-            mode_row: ModeRow::new(config.mode_switch_frames),
-            set_id: SetIdRow::new(config.set_id_frames),
+            mode_switch_count: ModeSwitchCount::new(config.mode_switch_frames),
+            set_id: SetIdCount::new(config.set_id_frames),
             frame_rate: FrameRate::default(),
             protections: Protections::default(),
             latch: config.latch,
@@ -91,18 +80,18 @@ impl Firmware {
         self.protections.faults()
     }
 
-    /// Whether a drive frame was heard within the latch time before `now`.
+    /// Whether a drive frame was received within the latch time before `now`.
     pub(crate) fn is_driven(&self, now: Instant) -> bool {
-        self.drive_heard
+        self.last_drive
             .is_some_and(|(heard, _)| now.since(heard) <= self.latch)
     }
 
-    /// The last drive frame that was heard, obeyed or not.
-    pub(crate) const fn drive_heard(&self) -> Option<(Instant, Drive)> {
-        self.drive_heard
+    /// The last received drive frame, obeyed or not.
+    pub(crate) const fn last_drive(&self) -> Option<(Instant, Drive)> {
+        self.last_drive
     }
 
-    /// The drive frame that is obeyed, and when it was heard.
+    /// The drive frame that is obeyed, with its time of receipt.
     pub(crate) fn obeyed(&self) -> Option<(Instant, Drive)> {
         self.command
             .as_ref()
@@ -115,15 +104,15 @@ impl Firmware {
     }
 
     /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
-    pub(crate) fn hear(
+    pub(crate) fn handle(
         &mut self,
         heard: Result<Request, RequestError>,
         now: Instant,
         speed_rpm: f64,
     ) -> Option<Layout> {
         if let Ok(Request::SetId { id }) = heard {
-            // All motors hear it; the rate limit does not apply to what nobody answers in time.
-            self.id = self.set_id.hear(id).map_or(self.id, MotorId::from);
+            // For all motors; the rate limit does not apply to a frame that has no reply.
+            self.id = self.set_id.count(id).map_or(self.id, MotorId::from);
             return None;
         }
         // Five in a row means that any other frame on the wire starts the count anew.
@@ -145,14 +134,14 @@ impl Firmware {
 
     /// While a protection is active a drive frame is answered but not obeyed (maker's manual).
     fn drive(&mut self, drive: Drive, now: Instant) {
-        self.drive_heard = Some((now, drive));
+        self.last_drive = Some((now, drive));
         if self.protections.faults().is_none() {
             self.command = Some(Command { drive, heard: now });
         }
     }
 
     fn switch_mode(&mut self, mode: Mode, speed_rpm: f64) {
-        if !self.mode_row.hear(mode) || mode == self.mode {
+        if !self.mode_switch_count.count(mode) || mode == self.mode {
             return;
         }
         if mode == Mode::Position && speed_rpm.abs() >= POSITION_MODE_BELOW_RPM {

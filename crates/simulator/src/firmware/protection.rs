@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{Fault, Faults, Instant};
 
-use super::Sense;
+use super::sense::Sense;
 
 /// Supply current that trips (maker's manual).
 const BUS_MAX_A: f64 = 3.0;

@@ -4,7 +4,7 @@ use motorlink_protocol::AssignableId;
 
 /// Five in a row for the same ID, once per power cycle.
 #[derive(Clone, Debug)]
-pub(crate) enum SetIdRow {
+pub(crate) enum SetIdCount {
     /// This many have come in a row.
     Open {
         /// Frames that it takes.
@@ -16,13 +16,13 @@ pub(crate) enum SetIdRow {
     Spent,
 }
 
-impl SetIdRow {
+impl SetIdCount {
     pub(crate) const fn new(needed: u8) -> Self {
         Self::Open { needed, row: None }
     }
 
     /// The ID to store, if this frame completes the row.
-    pub(crate) fn hear(&mut self, id: AssignableId) -> Option<AssignableId> {
+    pub(crate) fn count(&mut self, id: AssignableId) -> Option<AssignableId> {
         let Self::Open { needed, row } = self else {
             return None;
         };

@@ -2,7 +2,7 @@
 
 use crate::physics::STEP_S;
 
-use super::Sense;
+use super::sense::Sense;
 
 /// Amps per rad/s of error: a response of 100 rad/s (10 ms) with the wheel's inertia and 0.75 N.m/A.
 const GAIN_A_S: f64 = 0.133;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::STEP_S;
+use super::units::STEP_S;
 
 /// Moment of inertia in kg.m2. The wheel has 485 g and 102 mm: a disc of that would have 0.63e-3, a
 /// ring 1.26e-3, and an outer rotor with a tyre lies towards the ring.

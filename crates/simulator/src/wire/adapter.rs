@@ -1,4 +1,4 @@
-//! The host's end of the wire: applies the faults, and keeps what has arrived until it is fetched.
+//! The host's adapter: applies the faults and buffers received bytes.
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -6,26 +6,30 @@ use motorlink_protocol::{FRAME_LEN, Frame, Instant};
 
 use crate::random::Random;
 
-use super::{Echo, WireFaults, airtime, host_ear::Run};
+use super::{
+    faults::{Echo, WireFaults},
+    host_receiver::Run,
+    timing::airtime,
+};
 
-/// Chunks kept for a host that does not read; the oldest are lost first, as in a serial driver.
+/// Chunks kept for a host that does not read; the oldest are dropped first, as in a serial driver.
 const CHUNKS_MAX: usize = 1024;
 /// Bytes at which a holding adapter delivers before its timer (a full USB packet of FTDI's chips).
 const PACKET_MAX: usize = 62;
 
-/// Answers that are mixed seem to come from one of the first so many addresses.
+/// Mixed replies seem to come from one of this many lowest addresses.
 const MIXED_IDS: u8 = 4;
 
 /// Bytes that reach the host at one moment, as one read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chunk {
-    /// When.
+    /// Time of arrival.
     pub at: Instant,
-    /// What.
+    /// The bytes.
     pub bytes: Vec<u8>,
 }
 
-/// Faults and what is on its way to the host.
+/// Faults, and chunks on their way to the host.
 #[derive(Clone, Debug)]
 pub(crate) struct Adapter {
     faults: WireFaults,
@@ -94,7 +98,7 @@ impl Adapter {
         }
     }
 
-    /// What has arrived by now, one chunk at a time.
+    /// The next chunk that has arrived by now.
     pub(crate) fn receive(&mut self, now: Instant) -> Option<Chunk> {
         if self.arriving.front()?.at > now {
             return None;
@@ -106,7 +110,7 @@ impl Adapter {
         self.arriving.front().map(|chunk| chunk.at)
     }
 
-    /// One bit of one byte.
+    /// Flips one bit of one byte.
     fn flip(&mut self, bytes: &mut [u8]) {
         let place = self.chance.below(bytes.len());
         let bit = self.chance.byte() % 8;
@@ -115,7 +119,7 @@ impl Adapter {
         }
     }
 
-    /// Ten bytes that several sent become a good frame of one motor: of which is left to chance.
+    /// Turns ten collided bytes into a good frame of one motor, chosen at random.
     fn mix(&mut self, reply: &mut [u8]) {
         let speaker = 1 + self.chance.byte() % MIXED_IDS;
         if let Some([id, body @ .., crc]) = reply.first_chunk_mut::<FRAME_LEN>() {
@@ -160,7 +164,7 @@ impl Adapter {
         self.arrive(at, rest);
     }
 
-    /// Queues a piece, behind what came before and held as long as the adapter holds.
+    /// Queues a piece after the ones before, held as long as the adapter holds bytes.
     fn arrive(&mut self, at: Instant, bytes: &[u8]) {
         if bytes.is_empty() {
             return;

@@ -1,19 +1,18 @@
-//! What may be wrong with a wire.
+//! Faults of a wire.
 
 use std::time::Duration;
 
 use motorlink_protocol::MotorId;
 
-/// Whether the host's adapter hears what it sends.
+/// Echo: whether the host's adapter receives its own bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Echo {
-    /// It does not.
+    /// No echo.
     #[default]
     Off,
     /// Every byte comes back.
     Whole,
-    /// Only so many bytes at the front of every frame come back, before its driver silences the
-    /// receiver.
+    /// Only this many bytes at the front of every frame, before the driver silences the receiver.
     Cut(usize),
 }
 
@@ -31,9 +30,9 @@ impl Echo {
 /// Delivery in pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Split {
-    /// At most so many pieces. Less than 2 does nothing.
+    /// Most pieces. Less than 2 does nothing.
     pub pieces_max: usize,
-    /// Each later piece comes up to so much after the one before it.
+    /// Longest delay of each later piece after the one before.
     pub gap_max: Duration,
 }
 
@@ -47,33 +46,33 @@ impl Default for Split {
     }
 }
 
-/// Faults round the wire. Probabilities are from 0 to 1, per frame. Default: a good wire.
+/// Faults of the wire. Probabilities are 0 to 1, per frame. Default: none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WireFaults {
-    /// What the host hears of itself.
+    /// Echo of the host's bytes.
     pub echo: Echo,
-    /// A request is not heard by any motor.
+    /// No motor receives a request.
     pub lose_request: f64,
     /// A reply does not reach the host.
     pub lose_reply: f64,
-    /// One bit of a request is heard wrong.
+    /// One bit of a request is received wrong.
     pub corrupt_request: f64,
     /// One bit of a reply is received wrong.
     pub corrupt_reply: f64,
-    /// The same, more of it for each rpm of the fastest wheel: the motor's current is heard on the
-    /// line, as where A and B are not terminated or the grounds lie apart.
+    /// The same per rpm of the fastest wheel: the motor current couples into a line that is not
+    /// terminated or whose grounds differ.
     pub corrupt_reply_per_rpm: f64,
-    /// Answers of several motors at once are received as one frame that nobody sent and whose CRC holds.
-    /// Chance does that to one collision in 256, of which one in a few has a known ID.
+    /// Simultaneous replies are received as one frame with a good CRC that no motor sent. Chance
+    /// does that to one collision in 256, of which one in a few has a known ID.
     pub mix_answers: f64,
     /// One to three bytes of noise come right before or after a reply.
     pub stray: f64,
-    /// What is received comes in pieces.
+    /// Received bytes arrive in pieces.
     pub split: Option<Split>,
-    /// The adapter holds received bytes until so long after the first, as FTDI's latency timer does
-    /// (16 ms by default there). Zero holds nothing.
+    /// The adapter holds received bytes for this long after the first, like FTDI's latency timer
+    /// (default there 16 ms). Zero holds nothing.
     pub hold: Duration,
-    /// Behind every reply comes a good one of this motor, as where another host asks it. It talks over
-    /// nobody.
+    /// A good reply of this motor follows every reply, as if another host queried it. It collides
+    /// with nothing.
     pub stranger: Option<MotorId>,
 }

@@ -1,5 +1,5 @@
 //! The program as a test sees it: a child with a serial port.
-#![allow(dead_code, reason = "every story uses its own part of the program")]
+#![allow(dead_code, reason = "each test file uses its own part of the program")]
 
 use std::{
     io::{BufRead, BufReader, Write},

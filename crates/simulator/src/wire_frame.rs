@@ -7,43 +7,43 @@ use motorlink_protocol::{Frame, Instant, MotorId};
 /// Frames kept for a reader: 16 s of the busiest exchange (two frames every 2.3 ms).
 const KEPT_MAX: usize = 16_384;
 
-/// Who put a frame on the wire.
+/// The sender of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Speaker {
+pub enum Sender {
     /// The host.
     Host,
-    /// The motor that had this address then.
+    /// The motor that had this address at that time.
     Motor(MotorId),
 }
 
-/// A frame as its speaker sent it, before collisions and faults.
+/// A frame as sent, before collisions and faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Traffic {
+pub struct WireFrame {
     /// Start of its first byte on the wire.
     pub at: Instant,
-    /// Who sent it.
-    pub from: Speaker,
-    /// What was sent.
+    /// The sender.
+    pub from: Sender,
+    /// The bytes.
     pub frame: Frame,
 }
 
-/// The frames that nobody has drained yet; the oldest go first when there are too many.
+/// Frames that were not drained yet; the oldest are dropped first.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct TrafficLog {
-    kept: VecDeque<Traffic>,
+pub(crate) struct WireFrameLog {
+    kept: VecDeque<WireFrame>,
     lost: u64,
 }
 
-impl TrafficLog {
-    pub(crate) fn push(&mut self, traffic: Traffic) {
+impl WireFrameLog {
+    pub(crate) fn push(&mut self, wire_frames: WireFrame) {
         if self.kept.len() >= KEPT_MAX {
             self.kept.pop_front();
             self.lost += 1;
         }
-        self.kept.push_back(traffic);
+        self.kept.push_back(wire_frames);
     }
 
-    pub(crate) fn drain(&mut self) -> impl Iterator<Item = Traffic> + '_ {
+    pub(crate) fn drain(&mut self) -> impl Iterator<Item = WireFrame> + '_ {
         self.kept.drain(..)
     }
 

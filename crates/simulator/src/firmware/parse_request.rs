@@ -1,4 +1,4 @@
-//! Which bytes of a frame the controller acts on.
+//! Parses requests like the motor's controller.
 
 use motorlink_protocol::{Frame, Request, RequestError};
 
@@ -7,7 +7,7 @@ use motorlink_protocol::{Frame, Request, RequestError};
 /// The article's `m0601_operations.py` sends its acceleration in byte 4 of a drive frame, which is
 /// reserved, and the motor is driven by it. Set-ID frames are matched whole, as the maker prints them:
 /// nothing is published of others, and they change the flash of every motor.
-pub(crate) fn understood(frame: &Frame) -> Result<Request, RequestError> {
+pub(crate) fn parse_request(frame: &Frame) -> Result<Request, RequestError> {
     let parsed = Request::parse(frame);
     // The parser has found the CRC right where the frame has one.
     let Err(RequestError::NotZero { .. }) = parsed else {

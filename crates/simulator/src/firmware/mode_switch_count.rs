@@ -5,18 +5,18 @@ use motorlink_protocol::Mode;
 /// Counts frames for one mode. Frames for another mode start anew, other frames do not matter: hosts
 /// drive on while they switch.
 #[derive(Clone, Debug)]
-pub(crate) struct ModeRow {
+pub(crate) struct ModeSwitchCount {
     needed: u8,
     row: Option<(Mode, u8)>,
 }
 
-impl ModeRow {
+impl ModeSwitchCount {
     pub(crate) const fn new(needed: u8) -> Self {
         Self { needed, row: None }
     }
 
     /// Whether this frame completes the row. The next one starts another.
-    pub(crate) fn hear(&mut self, mode: Mode) -> bool {
+    pub(crate) fn count(&mut self, mode: Mode) -> bool {
         let heard = match self.row {
             Some((same, heard)) if same == mode => heard.saturating_add(1),
             _ => 1,

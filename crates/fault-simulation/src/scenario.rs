@@ -1,4 +1,4 @@
-//! From a seed to a list of acts.
+//! Generates a list of actions from a seed.
 
 use std::time::Duration;
 
@@ -12,208 +12,208 @@ use motorlink_protocol::{
     SpeedTarget,
 };
 
-use crate::act::{Absence, Act, LineFault, Turn};
+use crate::action::{Absence, Action, LineFault, PendingInput};
 
-/// Draws of one story: acts, or now and then a scene of several.
+/// Random draws per scenario: single actions, and sometimes a sequence of several.
 const DRAWS: usize = 30;
-/// One draw in so many is a scene.
-const SCENE_EVERY: u8 = 6;
-/// The address of the ID query, which all motors hear.
+/// One draw in this many is a sequence.
+const SEQUENCE_EVERY: u8 = 6;
+/// The address of the ID query, for all motors.
 const ALL: u8 = 0xC8;
-/// Time passes behind an act, in milliseconds: from within an exchange to the end of any stop.
+/// Pauses after an action in milliseconds: from within an exchange to the end of any stop.
 const PAUSES_MS: [u64; 8] = [0, 1, 3, 10, 30, 150, 700, 2_500];
 
-/// What happens, from the beginning to the end.
+/// A scenario: motors and actions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Story {
-    /// Where it comes from.
+pub struct Scenario {
+    /// The seed that generates it.
     pub seed: u64,
     /// The addresses on the line.
     pub motors: Vec<MotorId>,
-    /// Those of them that take a loop only after five mode switches.
+    /// Motors that switch only after five mode switch frames.
     pub need_five_switches: Vec<MotorId>,
-    /// Whether they obey drive frames to 0xC8.
+    /// Whether the motors obey drive frames to 0xC8.
     pub obey_all: bool,
-    /// In this order.
-    pub acts: Vec<Act>,
+    /// The actions in order.
+    pub actions: Vec<Action>,
 }
 
-impl Story {
-    /// The story of this seed.
+impl Scenario {
+    /// The scenario of this seed.
     #[must_use]
-    pub fn of(seed: u64) -> Self {
-        let mut teller = Teller {
+    pub fn from_seed(seed: u64) -> Self {
+        let mut generator = Generator {
             rng: Rng::with_seed(seed),
             motors: Vec::new(),
         };
-        let count = teller.rng.u8(1..=4);
-        teller.motors = (1..=count).filter_map(|id| MotorId::new(id).ok()).collect();
-        let obey_all = teller.rng.u8(..4) == 0;
-        let need_five_switches = teller.some_motors();
-        let mut acts = Vec::new();
-        // An ID is changed only behind a whole scan, which chance alone would hardly wait for.
-        if let (1, Some(from), Some(to)) = (count, teller.motors.first(), another_id()) {
-            acts.push(Act::Command(Command::FullScan));
-            acts.push(Act::Pause(Duration::from_secs(5)));
-            acts.push(Act::Command(Command::SetId {
+        let count = generator.rng.u8(1..=4);
+        generator.motors = (1..=count).filter_map(|id| MotorId::new(id).ok()).collect();
+        let obey_all = generator.rng.u8(..4) == 0;
+        let need_five_switches = generator.some_motors();
+        let mut actions = Vec::new();
+        // An ID change needs a complete scan before it, which random pauses would rarely wait for.
+        if let (1, Some(from), Some(to)) = (count, generator.motors.first(), another_id()) {
+            actions.push(Action::Command(Command::FullScan));
+            actions.push(Action::Pause(Duration::from_secs(5)));
+            actions.push(Action::Command(Command::SetId {
                 from: *from,
                 to,
                 frames: SetIdFrames::Five,
             }));
         }
         for _ in 0..DRAWS {
-            if teller.rng.u8(..SCENE_EVERY) == 0 {
-                acts.extend(teller.scene());
+            if generator.rng.u8(..SEQUENCE_EVERY) == 0 {
+                actions.extend(generator.sequence());
             } else {
-                acts.push(teller.act());
+                actions.push(generator.action());
             }
-            let pause = PAUSES_MS.get(teller.rng.usize(..PAUSES_MS.len()));
-            acts.push(pause_ms(pause.copied().unwrap_or_default()));
+            let pause = PAUSES_MS.get(generator.rng.usize(..PAUSES_MS.len()));
+            actions.push(pause_ms(pause.copied().unwrap_or_default()));
         }
         Self {
             seed,
-            motors: teller.motors,
+            motors: generator.motors,
             need_five_switches,
             obey_all,
-            acts,
+            actions,
         }
     }
 }
 
-fn pause_ms(ms: u64) -> Act {
-    Act::Pause(Duration::from_millis(ms))
+fn pause_ms(ms: u64) -> Action {
+    Action::Pause(Duration::from_millis(ms))
 }
 
 fn another_id() -> Option<AssignableId> {
     AssignableId::new(MotorId::new(9).ok()?).ok()
 }
 
-struct Teller {
+struct Generator {
     rng: Rng,
     motors: Vec<MotorId>,
 }
 
-impl Teller {
-    /// Mostly the operator, so that there is something to go wrong.
-    fn act(&mut self) -> Act {
+impl Generator {
+    /// One action, mostly of the operator, so that motors are driven.
+    fn action(&mut self) -> Action {
         let id = self.motor();
         match self.rng.u8(..33) {
-            0..=17 => Act::Command(self.command(id)),
-            18..=20 => Act::Line(self.line()),
-            21 => Act::Power { id, on: false },
-            22 => Act::Power { id, on: true },
-            23 => Act::Load {
+            0..=17 => Action::Command(self.command(id)),
+            18..=20 => Action::Line(self.line()),
+            21 => Action::Power { id, on: false },
+            22 => Action::Power { id, on: true },
+            23 => Action::Load {
                 id,
                 tenths_nm: self.rng.u8(..=25),
             },
-            24 => Act::Heat {
+            24 => Action::Heat {
                 id,
                 celsius: if self.rng.bool() { 90 } else { 30 },
             },
-            25 => Act::PageHangs(true),
-            26 => Act::PageHangs(false),
-            27 => Act::PageGoes,
-            28 => Act::Unplug,
-            29 => Act::Replug,
+            25 => Action::PageHangs(true),
+            26 => Action::PageHangs(false),
+            27 => Action::PageClosed,
+            28 => Action::Unplug,
+            29 => Action::Replug,
             30 => self.away(),
             31 => self.refuses(),
             _ => self.cuts(),
         }
     }
 
-    /// What chance alone would hardly put in a row.
-    fn scene(&mut self) -> Vec<Act> {
+    /// A sequence of actions that single draws rarely produce.
+    fn sequence(&mut self) -> Vec<Action> {
         let id = self.motor();
-        // Nothing is driven, nothing is in the way.
-        let mut acts = vec![
-            Act::Replug,
-            Act::PageHangs(false),
-            Act::Line(LineFault::None),
-            Act::Power { id, on: true },
-            Act::Command(Command::Release),
-            Act::Command(Command::Stop(id)),
+        // Start from rest on a healthy line.
+        let mut actions = vec![
+            Action::Replug,
+            Action::PageHangs(false),
+            Action::Line(LineFault::None),
+            Action::Power { id, on: true },
+            Action::Command(Command::Release),
+            Action::Command(Command::Stop(id)),
             pause_ms(600),
         ];
         match self.rng.u8(..8) {
-            0 => self.hold(id, &mut acts),
-            1 => self.reverse(id, &mut acts),
-            2 => self.stop_at_an_angle(id, &mut acts),
+            0 => self.hold(id, &mut actions),
+            1 => self.reverse(id, &mut actions),
+            2 => self.stop_at_an_angle(id, &mut actions),
             3 => {
-                acts.push(drive(id, self.speed()));
-                acts.push(pause_ms(self.rng.u64(50..900)));
-                acts.push(self.away());
+                actions.push(drive(id, self.speed()));
+                actions.push(pause_ms(self.rng.u64(50..900)));
+                actions.push(self.away());
             }
             4 => {
-                acts.push(Act::Line(LineFault::Mixes));
-                acts.push(Act::Command(Command::IdQuery));
-                acts.push(pause_ms(self.rng.u64(60..300)));
+                actions.push(Action::Line(LineFault::Mixes));
+                actions.push(Action::Command(Command::IdQuery));
+                actions.push(pause_ms(self.rng.u64(60..300)));
             }
             5 => {
-                acts.push(Act::Command(self.raw(id)));
-                acts.push(pause_ms(self.rng.u64(10..400)));
-                acts.push(Act::Command(Command::StopRaw));
+                actions.push(Action::Command(self.raw(id)));
+                actions.push(pause_ms(self.rng.u64(10..400)));
+                actions.push(Action::Command(Command::StopRaw));
             }
             6 => {
-                acts.push(drive(id, self.speed()));
-                acts.push(pause_ms(self.rng.u64(50..900)));
-                acts.push(self.refuses());
-                acts.push(Act::Command(self.stop(id)));
+                actions.push(drive(id, self.speed()));
+                actions.push(pause_ms(self.rng.u64(50..900)));
+                actions.push(self.refuses());
+                actions.push(Action::Command(self.stop(id)));
             }
             _ => {
-                acts.extend(self.together().map(|parts| {
+                actions.extend(self.together().map(|parts| {
                     let consent = Consent::None;
-                    Act::Command(Command::DriveGroup {
+                    Action::Command(Command::DriveGroup {
                         setpoints: parts,
                         consent,
                     })
                 }));
-                acts.push(Act::Line(LineFault::Gathers(self.rng.u8(20..=70))));
+                actions.push(Action::Line(LineFault::Gathers(self.rng.u8(20..=70))));
             }
         }
-        acts
+        actions
     }
 
     /// Hold, in the position loop mostly, on the way to an angle.
-    fn hold(&mut self, id: MotorId, acts: &mut Vec<Act>) {
+    fn hold(&mut self, id: MotorId, actions: &mut Vec<Action>) {
         let setpoint = if self.rng.u8(..4) > 0 {
             self.angle()
         } else {
             self.setpoint()
         };
-        acts.push(switch(id, setpoint.mode()));
-        acts.push(pause_ms(450));
-        acts.push(drive(id, setpoint));
-        acts.push(pause_ms(self.rng.u64(10..500)));
-        acts.push(self.trouble());
-        acts.push(Act::Command(Command::Hold(id)));
-        acts.push(pause_ms(1_000));
+        actions.push(switch(id, setpoint.mode()));
+        actions.push(pause_ms(450));
+        actions.push(drive(id, setpoint));
+        actions.push(pause_ms(self.rng.u64(10..500)));
+        actions.push(self.disturbance());
+        actions.push(Action::Command(Command::Hold(id)));
+        actions.push(pause_ms(1_000));
     }
 
-    /// Torque one way, then the other.
-    fn reverse(&mut self, id: MotorId, acts: &mut Vec<Act>) {
+    /// Torque in one direction, then in the other.
+    fn reverse(&mut self, id: MotorId, actions: &mut Vec<Action>) {
         let amps = self.rng.f32() * 2.0 - 1.0;
-        // One in five is so high that it would have to be asked for.
+        // One in five is so high that it needs consent.
         let amps = if amps.abs() > 0.8 { amps * 8.0 } else { amps };
         let current = |amps| Setpoint::Current(CurrentTarget::from_amps(amps));
-        acts.push(switch(id, Mode::Current));
-        acts.push(pause_ms(450));
+        actions.push(switch(id, Mode::Current));
+        actions.push(pause_ms(450));
         for turn in 0..self.rng.u8(2..6) {
             let amps = if turn % 2 == 0 { amps } else { -amps };
-            acts.push(drive(id, current(amps)));
-            acts.push(pause_ms(self.rng.u64(1..150)));
-            acts.push(self.trouble());
+            actions.push(drive(id, current(amps)));
+            actions.push(pause_ms(self.rng.u64(1..150)));
+            actions.push(self.disturbance());
         }
     }
 
     /// A stop in the position loop.
-    fn stop_at_an_angle(&mut self, id: MotorId, acts: &mut Vec<Act>) {
-        acts.push(switch(id, Mode::Position));
-        acts.push(pause_ms(450));
-        acts.push(drive(id, self.angle()));
-        acts.push(pause_ms(self.rng.u64(10..1_500)));
-        acts.push(self.trouble());
-        acts.push(Act::Command(self.stop(id)));
-        acts.push(pause_ms(self.rng.u64(100..900)));
+    fn stop_at_an_angle(&mut self, id: MotorId, actions: &mut Vec<Action>) {
+        actions.push(switch(id, Mode::Position));
+        actions.push(pause_ms(450));
+        actions.push(drive(id, self.angle()));
+        actions.push(pause_ms(self.rng.u64(10..1_500)));
+        actions.push(self.disturbance());
+        actions.push(Action::Command(self.stop(id)));
+        actions.push(pause_ms(self.rng.u64(100..900)));
     }
 
     fn stop(&mut self, id: MotorId) -> Command {
@@ -224,44 +224,44 @@ impl Teller {
         }
     }
 
-    /// Something that keeps frames from their motor, or nothing.
-    fn trouble(&mut self) -> Act {
+    /// A fault that keeps frames from their motor, or none.
+    fn disturbance(&mut self) -> Action {
         match self.rng.u8(..6) {
             0 => self.refuses(),
             1 => self.cuts(),
-            2 => Act::Line(LineFault::LosesMuch),
-            3 => Act::Line(self.line()),
-            _ => Act::Line(LineFault::None),
+            2 => Action::Line(LineFault::LosesMuch),
+            3 => Action::Line(self.line()),
+            _ => Action::Line(LineFault::None),
         }
     }
 
-    /// One frame, a few, or as many as a stop has in its first moments.
-    fn refuses(&mut self) -> Act {
+    /// One frame, a few, or as many as a stop sends at first.
+    fn refuses(&mut self) -> Action {
         let most = if self.rng.bool() { 6 } else { 40 };
-        Act::Refuses {
+        Action::PortRefuses {
             frames: self.rng.u8(1..=most),
         }
     }
 
-    fn cuts(&mut self) -> Act {
-        Act::Cuts {
+    fn cuts(&mut self) -> Action {
+        Action::PortTruncates {
             frames: self.rng.u8(1..=6),
             bytes: self.rng.u8(1..=9),
-            told: self.rng.bool(),
+            reported: self.rng.bool(),
         }
     }
 
-    /// The worker is away, and finds all there is to do in any order.
-    fn away(&mut self) -> Act {
-        let (because, lasts_ms) = if self.rng.bool() {
+    /// The worker does not run for a while and then finds its inputs in any order.
+    fn away(&mut self) -> Action {
+        let (cause, lasts_ms) = if self.rng.bool() {
             (Absence::Sleep, self.rng.u64(2_000..=180_000))
         } else {
             (Absence::Delay, self.rng.u64(600..=30_000))
         };
-        let mut then = vec![Turn::Pong, Turn::Bytes, Turn::Poll];
+        let mut pending = vec![PendingInput::Pong, PendingInput::Bytes, PendingInput::Poll];
         for _ in 0..self.rng.u8(..3) {
             let id = self.motor();
-            then.push(Turn::Command {
+            pending.push(PendingInput::Command {
                 command: self.command(id),
                 age: Duration::from_millis(
                     [0, 100, 480, 590]
@@ -271,11 +271,11 @@ impl Teller {
                 ),
             });
         }
-        self.rng.shuffle(&mut then);
-        Act::Away {
-            because,
-            lasts: Duration::from_millis(lasts_ms),
-            then,
+        self.rng.shuffle(&mut pending);
+        Action::WorkerAbsent {
+            cause,
+            duration: Duration::from_millis(lasts_ms),
+            pending,
         }
     }
 
@@ -379,8 +379,8 @@ impl Teller {
         }
     }
 
-    /// Frames that a person wrote: to drive, to switch, to ask, within limits and beyond them, to one
-    /// motor or to all, well formed or not.
+    /// A raw frame: drive, switch or query, within and beyond the limits, to one motor or all, well
+    /// formed or not.
     fn raw(&mut self, id: MotorId) -> Command {
         let to = if self.rng.u8(..8) == 0 { ALL } else { id.get() };
         let [high, low] = self.value().to_be_bytes();
@@ -412,7 +412,7 @@ impl Teller {
         }
     }
 
-    /// Bytes 2 and 3 of a drive frame: a speed, more than any speed, or anything.
+    /// Bytes 2 and 3 of a drive frame: a speed, more than any speed, or any value.
     fn value(&mut self) -> i16 {
         match self.rng.u8(..4) {
             0 => self.rng.i16(-100..=100),
@@ -427,7 +427,7 @@ impl Teller {
         mode.copied().unwrap_or(Mode::Velocity)
     }
 
-    /// Mostly such that something crosses them.
+    /// Limits that are mostly crossed.
     fn limits(&mut self) -> Limits {
         let speed = self.rng.u16(10..=90);
         let current = self.rng.u16(100..=500);
@@ -437,7 +437,7 @@ impl Teller {
 
     fn setpoint(&mut self) -> Setpoint {
         match self.rng.u8(..24) {
-            // One in four may have to be asked for.
+            // One in four may need consent.
             0 => Setpoint::Current(CurrentTarget::from_amps(self.rng.f32() * 16.0 - 8.0)),
             1..=3 => Setpoint::Current(CurrentTarget::from_amps(self.rng.f32() * 2.0 - 1.0)),
             4..=7 => self.angle(),
@@ -465,12 +465,12 @@ impl Teller {
     }
 }
 
-fn switch(id: MotorId, mode: Mode) -> Act {
-    Act::Command(Command::SwitchMode { id, mode })
+fn switch(id: MotorId, mode: Mode) -> Action {
+    Action::Command(Command::SwitchMode { id, mode })
 }
 
-fn drive(id: MotorId, setpoint: Setpoint) -> Act {
-    Act::Command(Command::Drive {
+fn drive(id: MotorId, setpoint: Setpoint) -> Action {
+    Action::Command(Command::Drive {
         id,
         setpoint,
         consent: Consent::None,

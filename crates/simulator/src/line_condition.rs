@@ -1,46 +1,46 @@
-//! Lines that are ill in the ways in which real ones are.
+//! A healthy line, or one injected fault as real lines have it.
 
 use std::time::Duration;
 
 use motorlink_protocol::MotorId;
 
-use crate::{Echo, MotorConfig, WireFaults};
+use crate::{config::MotorConfig, wire::Echo, wire::WireFaults};
 
-/// A bit of every tenth reply is wrong at 100 rpm: much, and yet a wheel can be driven.
+/// One wrong bit in every tenth reply at 100 rpm: much, but a wheel can still be driven.
 const NOISE_PER_RPM: f64 = 0.001;
 
-/// What FTDI's latency timer is set to by default.
+/// Default of FTDI's latency timer.
 const LATENCY_TIMER: Duration = Duration::from_millis(16);
 
-/// Where the reported angle of a second motor starts, in degrees: with the angle of the first, most of
-/// its replies would be the same to the bit, and two that say the same do not collide.
+/// Start angle of the second motor in degrees. At the angle of the first motor most replies would
+/// be identical, and identical replies do not collide.
 const TWIN_ANGLE_DEG: f32 = 137.0;
 
-/// A motor that nobody asks.
+/// A motor that the host does not query.
 const STRANGER: u8 = 7;
 
-/// A line that is well, or ill in one way.
+/// A healthy line, or one injected fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LineCase {
-    /// Nothing is wrong.
+pub enum LineCondition {
+    /// Healthy.
     #[default]
     Good,
-    /// Nothing comes: no power, A and B exchanged, or a wire off.
+    /// No reply: no power, A and B exchanged, or a broken wire.
     Dead,
-    /// The adapter hears itself and nobody else.
+    /// The adapter receives only its own echo.
     EchoOnly,
-    /// A second motor has the ID 1, and both answer at once.
+    /// Two motors have ID 1 and reply at once.
     SharedId,
     /// The faster the fastest wheel turns, the more replies have a wrong bit.
     NoiseGrowsWithSpeed,
-    /// The adapter holds what it has received for 16 ms.
+    /// The adapter holds received bytes for 16 ms.
     HoldsBytes,
-    /// Motor 7 is heard, which nobody asks.
+    /// Motor 7 replies, which the host does not query.
     Stranger,
 }
 
-impl LineCase {
-    /// Every case, the good one first.
+impl LineCondition {
+    /// Every condition, the healthy one first.
     pub const ALL: [Self; 7] = [
         Self::Good,
         Self::Dead,
@@ -51,7 +51,7 @@ impl LineCase {
         Self::Stranger,
     ];
 
-    /// What is wrong with the wire, apart from who is on it.
+    /// The faults of the wire.
     #[must_use]
     pub fn faults(self) -> WireFaults {
         let good = WireFaults::default();
@@ -81,7 +81,7 @@ impl LineCase {
         }
     }
 
-    /// The motor that is there beside the others in [`SharedId`](Self::SharedId).
+    /// The second motor of [`SharedId`](Self::SharedId).
     pub(crate) fn twin() -> MotorConfig {
         MotorConfig {
             angle_deg: TWIN_ANGLE_DEG,

@@ -1,4 +1,4 @@
-//! What can happen in this world.
+//! Actions of a scenario: commands, faults and time.
 
 use std::time::Duration;
 
@@ -6,70 +6,70 @@ use motorlink_bus::Command;
 use motorlink_protocol::MotorId;
 use motorlink_simulator::{Echo, Split, WireFaults};
 
-/// One thing that happens, at once.
+/// One action, carried out at once.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Act {
-    /// The operator asks for something. A refusal is as good an end as any.
+pub enum Action {
+    /// A command of the operator. A refusal is a valid result.
     Command(Command),
     /// Time passes.
     Pause(Duration),
-    /// The line becomes bad in one way, or good.
+    /// Sets a line fault, or a healthy line.
     Line(LineFault),
-    /// A motor's supply is cut, or comes back.
+    /// Switches the supply of a motor.
     Power {
         /// Which motor.
         id: MotorId,
         /// Whether it has supply.
         on: bool,
     },
-    /// Something holds a wheel back; 0 lets it go.
+    /// Loads a wheel; 0 releases it.
     Load {
         /// Which motor.
         id: MotorId,
-        /// How hard, in tenths of a N.m.
+        /// Load in tenths of a N.m.
         tenths_nm: u8,
     },
-    /// A motor gets so hot that it protects itself, or cools down.
+    /// Sets the temperature of a motor, up to its own protection.
     Heat {
         /// Which motor.
         id: MotorId,
         /// Degrees Celsius.
         celsius: u8,
     },
-    /// The page does not answer its pings, or answers them again.
+    /// Whether the page hangs: a hung page answers no ping.
     PageHangs(bool),
-    /// The page is closed, reloaded or frozen: it says so with its last breath.
-    PageGoes,
+    /// The page is closed, reloaded or frozen. It sends a last stop.
+    PageClosed,
     /// The adapter is pulled out.
     Unplug,
-    /// It is put back: a new bus, on which nothing is known.
+    /// The adapter is plugged in again: a new bus without any knowledge.
     Replug,
-    /// The worker does nothing for a while, and the motors live on.
-    Away {
-        /// Why.
-        because: Absence,
-        /// How long.
-        lasts: Duration,
-        /// What it does at its end, in this order, all at one moment.
-        then: Vec<Turn>,
+    /// The worker does not run for a while; the motors do.
+    WorkerAbsent {
+        /// The cause.
+        cause: Absence,
+        /// The duration.
+        duration: Duration,
+        /// Inputs that it finds at the end, processed in this order at one moment.
+        pending: Vec<PendingInput>,
     },
-    /// The port refuses the next frames, and says so.
-    Refuses {
-        /// How many.
+    /// The port refuses the next frames and reports it.
+    PortRefuses {
+        /// Number of frames.
         frames: u8,
     },
-    /// Of the next frames the port sends only the front.
-    Cuts {
-        /// How many frames.
+    /// The port truncates the next frames.
+    PortTruncates {
+        /// Number of frames.
         frames: u8,
-        /// How many bytes of each reach the wire, 1-9.
+        /// Bytes of each that reach the wire, 1-9.
         bytes: u8,
-        /// Whether the port says so.
-        told: bool,
+        /// Whether the port reports it.
+        reported: bool,
     },
 }
 
-/// Why a worker does nothing for a while.
+/// Why the worker does not run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Absence {
     /// The machine sleeps, for seconds to minutes.
@@ -78,61 +78,62 @@ pub enum Absence {
     Delay,
 }
 
-/// One of the things that a worker finds to do behind an absence.
+/// An input that waits for the worker after an absence.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Turn {
+pub enum PendingInput {
     /// The page has answered a ping.
     Pong,
     /// All bytes that were received meanwhile, as one chunk.
     Bytes,
     /// A timer is due.
     Poll,
-    /// An act of the operator.
+    /// A command of the operator.
     Command {
-        /// What was asked for.
+        /// The command.
         command: Command,
-        /// How long ago; never before the absence.
+        /// Its age; never older than the absence.
         age: Duration,
     },
 }
 
-/// How a line is bad.
+/// Faults of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum LineFault {
-    /// It is not.
+    /// None.
     None,
-    /// 15 % of replies do not come.
+    /// 15 % of replies are lost.
     LosesReplies,
-    /// 5 % of requests are not heard.
+    /// 5 % of requests are lost.
     LosesRequests,
     /// 15 % of replies have a wrong bit.
     CorruptsReplies,
     /// 5 % of requests have a wrong bit.
     CorruptsRequests,
-    /// The adapter hears itself.
+    /// The adapter receives its own bytes.
     Echoes,
-    /// It hears the front of what it sends.
+    /// The adapter receives this many bytes at the front of its own frames.
     CutsEchoes(u8),
-    /// Replies come in pieces.
+    /// Replies arrive in pieces.
     Splits,
-    /// The adapter holds what it receives for 16 ms.
+    /// The adapter holds received bytes for 16 ms.
     Holds,
-    /// Adapter or machine are held up, and hand out what they received 120 ms later.
+    /// The adapter or the machine stalls and delivers received bytes 120 ms later.
     Stalls,
-    /// Noise stands beside 10 % of the replies.
+    /// Noise beside 10 % of the replies.
     Strays,
-    /// Another host's motor answers too.
+    /// A motor of another host replies too.
     Stranger,
-    /// 45 % of replies do not come, and 10 % of requests are not heard.
+    /// 45 % of replies and 10 % of requests are lost.
     LosesMuch,
-    /// Answers at once become a good frame that nobody sent.
+    /// Simultaneous replies become a good frame that no motor sent.
     Mixes,
-    /// The adapter hands out what it received so many milliseconds later, several frames in one chunk.
+    /// The adapter delivers received bytes this many milliseconds later, several frames in one
+    /// chunk.
     Gathers(u8),
 }
 
 impl LineFault {
-    /// The same for the virtual wire.
+    /// The faults of the virtual wire.
     #[must_use]
     pub fn faults(self) -> WireFaults {
         let good = WireFaults::default();
@@ -196,32 +197,32 @@ impl LineFault {
     }
 }
 
-/// The kinds of fault, as they are counted.
+/// Kinds of fault, for the coverage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Fault {
-    /// The line; cut echoes are one kind, however long, and so are adapters that gather.
+    /// A line fault. Truncated echoes of any length are one kind, and so are adapters that gather.
     Line(LineFault),
     /// A supply was cut.
     PowerCut,
     /// A supply came back.
     PowerBack,
-    /// A wheel was held back.
+    /// A wheel was loaded.
     Load,
     /// A motor was hot.
     Heat,
     /// The page hung.
     PageHung,
-    /// The page went.
+    /// The page was closed.
     PageWent,
     /// The adapter was pulled out.
     Unplugged,
-    /// The adapter was put back.
+    /// The adapter was plugged in again.
     Replugged,
-    /// The worker did nothing for a while.
+    /// The worker did not run for a while.
     Away(Absence),
     /// The port refused frames.
     Refused,
-    /// The port sent only the front of frames.
+    /// The port truncated frames.
     Cut,
     /// A motor needs all five mode switches.
     NeedsFiveSwitches,
@@ -229,8 +230,8 @@ pub enum Fault {
     ObeysAll,
 }
 
-impl Act {
-    /// As which fault it is counted.
+impl Action {
+    /// The fault that this action counts as.
     #[must_use]
     pub const fn fault(&self) -> Option<Fault> {
         match self {
@@ -246,12 +247,12 @@ impl Act {
             Self::Load { .. } => Some(Fault::Load),
             Self::Heat { .. } => Some(Fault::Heat),
             Self::PageHangs(true) => Some(Fault::PageHung),
-            Self::PageGoes => Some(Fault::PageWent),
+            Self::PageClosed => Some(Fault::PageWent),
             Self::Unplug => Some(Fault::Unplugged),
             Self::Replug => Some(Fault::Replugged),
-            Self::Away { because, .. } => Some(Fault::Away(*because)),
-            Self::Refuses { .. } => Some(Fault::Refused),
-            Self::Cuts { .. } => Some(Fault::Cut),
+            Self::WorkerAbsent { cause, .. } => Some(Fault::Away(*cause)),
+            Self::PortRefuses { .. } => Some(Fault::Refused),
+            Self::PortTruncates { .. } => Some(Fault::Cut),
         }
     }
 }

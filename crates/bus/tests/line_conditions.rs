@@ -1,4 +1,4 @@
-//! A line that falls ill while a wheel is driven.
+//! Line faults that begin while a wheel is driven.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -10,10 +10,10 @@ mod fixture;
 
 use fixture::{Fixture, ID, ms, rpm};
 use motorlink_bus::{Activity, Command};
-use motorlink_simulator::LineCase;
+use motorlink_simulator::LineCondition;
 
-/// What the worker does when a person asks for two motors with one ID: the brake is the next frame
-/// that the second motor hears.
+/// What the worker does when the operator chooses two motors with one ID: the brake is the next
+/// frame that the second motor receives.
 #[test]
 fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
     for since_ms in 0..20 {
@@ -21,7 +21,9 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
         fixture.drive(rpm(100)).unwrap();
         fixture.run(ms(500 + since_ms));
         fixture.bus.command(fixture.now, Command::Stop(ID)).unwrap();
-        fixture.world.set_case(fixture.now, LineCase::SharedId);
+        fixture
+            .world
+            .set_line_condition(fixture.now, LineCondition::SharedId);
         let mut fastest_rpm = 0.0_f32;
         for _ in 0..4_000 {
             fixture.run(ms(1));
@@ -33,18 +35,20 @@ fn a_second_motor_with_the_id_of_a_driven_one_does_not_start() {
     }
 }
 
-/// No case starts a wheel that stands, nor one whose setpoint was withdrawn.
+/// No condition starts a wheel that stands or whose setpoint was withdrawn.
 #[test]
 fn no_line_starts_a_wheel() {
-    for case in LineCase::ALL {
+    for case in LineCondition::ALL {
         let mut fixture = Fixture::one_motor();
         fixture.drive(rpm(100)).unwrap();
         fixture.run(ms(500));
-        fixture.world.set_case(fixture.now, LineCase::Dead);
+        fixture
+            .world
+            .set_line_condition(fixture.now, LineCondition::Dead);
         fixture.run(ms(12_000));
         assert_eq!(fixture.activity(), Activity::Idle, "withdrawn");
         assert_eq!(fixture.true_rpm().to_bits(), 0, "coasted");
-        fixture.world.set_case(fixture.now, case);
+        fixture.world.set_line_condition(fixture.now, case);
         fixture.run(ms(3_000));
         for motor in fixture.world.motors() {
             assert_eq!(motor.speed_rpm().to_bits(), 0, "{case:?}");

@@ -1,4 +1,4 @@
-//! Who talks when, and who talks over whom.
+//! The shared wire: which byte is sent when, and which bytes collide.
 
 use std::collections::VecDeque;
 
@@ -6,15 +6,18 @@ use motorlink_protocol::{FRAME_LEN, Instant};
 
 use crate::random::Random;
 
-use super::{FRAME_GAP, airtime, faults::Echo};
+use super::{
+    faults::Echo,
+    timing::{FRAME_GAP, airtime},
+};
 
-/// Bytes that a host may have queued: a third of a second of wire. What a host writes beyond it is
-/// lost, as in an adapter whose buffer is full.
+/// Most bytes that a host may queue: a third of a second of wire. More is lost, as in an adapter
+/// with a full buffer.
 const QUEUED_MAX: usize = 4096;
 
 /// Who sends a byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Talker {
+pub(crate) enum Source {
     Host,
     /// By its number in the world; addresses may be shared.
     Motor(u32),
@@ -26,42 +29,42 @@ struct Byte {
     start: Instant,
     end: Instant,
     sent: u8,
-    talker: Talker,
-    /// Whether the host's receiver picks it up.
+    source: Source,
+    /// Whether the host's adapter receives it.
     audible: bool,
-    /// Whether it is the tenth of a frame, after which somebody may have to act.
+    /// Whether it is the last byte of a frame.
     ends_frame: bool,
-    /// Whether another talker spoke a different byte at the same time.
+    /// Whether another source sends a different byte at the same time.
     collides: bool,
 }
 
 /// A byte that has passed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Passed {
+pub(crate) struct PassedByte {
     pub(crate) start: Instant,
     pub(crate) end: Instant,
-    pub(crate) talker: Talker,
-    /// As it left its talker.
+    pub(crate) source: Source,
+    /// The byte as sent.
     pub(crate) sent: u8,
-    /// As it is heard.
+    /// The byte as received.
     pub(crate) heard: u8,
-    /// Whether the host's receiver picks it up.
+    /// Whether the host's adapter receives it.
     pub(crate) audible: bool,
-    /// Whether another talker spoke a different byte at the same time.
+    /// Whether another source sends a different byte at the same time.
     pub(crate) collides: bool,
 }
 
-/// What is on the wire now and what the host has queued for it, in order of time.
+/// Bytes on the wire and bytes that the host has queued, in order of time.
 #[derive(Clone, Debug)]
-pub(crate) struct Air {
+pub(crate) struct SharedWire {
     bytes: VecDeque<Byte>,
-    /// When the host's last byte will have passed, and how many of its frame have been sent by then.
+    /// When the host's last byte has passed, and how many bytes of its frame are sent by then.
     host_until: Option<Instant>,
     host_place: usize,
     garbage: Random,
 }
 
-impl Air {
+impl SharedWire {
     pub(crate) const fn new(garbage: Random) -> Self {
         Self {
             bytes: VecDeque::new(),
@@ -71,7 +74,7 @@ impl Air {
         }
     }
 
-    /// The host writes; its bytes follow what it wrote before.
+    /// Queues bytes of the host after its earlier bytes.
     pub(crate) fn host_sends(&mut self, now: Instant, bytes: &[u8], echo: Echo) {
         if bytes.is_empty() {
             return;
@@ -92,7 +95,7 @@ impl Air {
                 start,
                 count,
                 *byte,
-                Talker::Host,
+                Source::Host,
                 audible,
                 place + 1 == FRAME_LEN,
             );
@@ -100,11 +103,11 @@ impl Air {
         self.host_until = Some(start + airtime(bytes.len().min(room)));
     }
 
-    /// A motor starts to talk now. It does not look whether the wire is free.
+    /// A motor sends now. It does not check whether the wire is free.
     pub(crate) fn motor_sends(&mut self, now: Instant, motor: u32, bytes: &[u8]) {
         for (count, byte) in bytes.iter().enumerate() {
-            let talker = Talker::Motor(motor);
-            self.put(now, count, *byte, talker, true, count + 1 == bytes.len());
+            let source = Source::Motor(motor);
+            self.put(now, count, *byte, source, true, count + 1 == bytes.len());
         }
     }
 
@@ -113,7 +116,7 @@ impl Air {
         burst: Instant,
         count: usize,
         sent: u8,
-        talker: Talker,
+        source: Source,
         audible: bool,
         ends_frame: bool,
     ) {
@@ -121,16 +124,16 @@ impl Air {
             start: burst + airtime(count),
             end: burst + airtime(count + 1),
             sent,
-            talker,
+            source,
             audible,
             ends_frame,
             collides: false,
         };
         for other in &mut self.bytes {
             let overlaps = other.start < byte.end && byte.start < other.end;
-            // Two that drive the same levels at the same time do not disturb each other.
+            // Two sources that drive the same levels at the same time do not collide.
             let agrees = other.start == byte.start && other.sent == byte.sent;
-            if other.talker != talker && overlaps && !agrees {
+            if other.source != source && overlaps && !agrees {
                 other.collides = true;
                 byte.collides = true;
             }
@@ -141,30 +144,30 @@ impl Air {
         self.bytes.insert(place, byte);
     }
 
-    /// When the next byte will have passed.
+    /// When the next byte has passed.
     pub(crate) fn next_end(&self) -> Option<Instant> {
         self.bytes.front().map(|byte| byte.end)
     }
 
-    /// When the next byte will have passed that completes a frame or leaves the wire silent.
+    /// When the next byte has passed that completes a frame or leaves the wire silent.
     pub(crate) fn next_frame_end(&self) -> Option<Instant> {
         let of_frame = self.bytes.iter().find(|byte| byte.ends_frame);
         of_frame.or_else(|| self.bytes.back()).map(|byte| byte.end)
     }
 
-    /// Takes the next byte off the wire.
-    pub(crate) fn pass(&mut self) -> Option<Passed> {
+    /// Removes the next byte from the wire.
+    pub(crate) fn pass(&mut self) -> Option<PassedByte> {
         let byte = self.bytes.pop_front()?;
         let heard = if byte.collides {
-            // Anything but what was sent.
+            // Any byte except the one sent.
             byte.sent ^ self.garbage.byte().max(1)
         } else {
             byte.sent
         };
-        Some(Passed {
+        Some(PassedByte {
             start: byte.start,
             end: byte.end,
-            talker: byte.talker,
+            source: byte.source,
             sent: byte.sent,
             heard,
             audible: byte.audible,
@@ -172,7 +175,7 @@ impl Air {
         })
     }
 
-    /// Whether a byte that the host hears is on the wire, or starts, at this moment.
+    /// Whether a byte that the host receives is on the wire at this time, or starts then.
     pub(crate) fn is_audible_at(&self, now: Instant) -> bool {
         let mut started = self.bytes.iter().take_while(|byte| byte.start <= now);
         started.any(|byte| byte.audible)

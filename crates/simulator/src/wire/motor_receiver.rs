@@ -2,7 +2,7 @@
 
 use motorlink_protocol::{FRAME_LEN, Frame, Instant};
 
-use super::{FRAME_GAP, Passed};
+use super::{shared_wire::PassedByte, timing::FRAME_GAP};
 
 /// Ten bytes of the host.
 #[derive(Clone, Copy, Debug)]
@@ -11,13 +11,13 @@ pub(crate) struct HostFrame {
     pub(crate) start: Instant,
     /// As the host sent it.
     pub(crate) sent: Frame,
-    /// As the motors hear it.
+    /// As the motors receive it.
     pub(crate) heard: Frame,
 }
 
-/// Every ten bytes are a frame; silence starts anew.
+/// Ten bytes make a frame. A silence starts a new one.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct MotorEar {
+pub(crate) struct MotorReceiver {
     sent: [u8; FRAME_LEN],
     heard: [u8; FRAME_LEN],
     filled: usize,
@@ -25,9 +25,9 @@ pub(crate) struct MotorEar {
     last_end: Instant,
 }
 
-impl MotorEar {
-    /// A byte of the host passed. Gives the frame that it completes.
-    pub(crate) fn hear(&mut self, byte: Passed) -> Option<HostFrame> {
+impl MotorReceiver {
+    /// Takes a byte of the host. Returns the frame that it completes.
+    pub(crate) fn receive(&mut self, byte: PassedByte) -> Option<HostFrame> {
         if byte.start.since(self.last_end) > FRAME_GAP {
             self.filled = 0;
         }

@@ -1,0 +1,97 @@
+//! The rules by name, and a violation of one.
+
+use std::fmt;
+
+use motorlink_protocol::Instant;
+
+/// A rule's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rule {
+    /// A wheel is driven only while a command of the operator for it is in force.
+    DrivenByCommandOnly,
+    /// A late command starts nothing.
+    NoOldActs,
+    /// A sent setpoint lies between rest and the commanded one.
+    NoMoreThanCommanded,
+    /// A motor that is silent for 200 ms loses its setpoint.
+    SilentIsWithdrawn,
+    /// A motor that crosses a limit is not driven any more.
+    LimitsHold,
+    /// A stop reaches every driven motor in time.
+    StopIsNext,
+    /// A stop ends, and reports truly for each motor whether it stands.
+    StopEnds,
+    /// The motors of a hung page are stopped.
+    DeadPageStops,
+    /// Reported telemetry was measured by that motor, in that layout.
+    TelemetryIsTrue,
+    /// Two frames are never on the wire at once.
+    OneFrameAtATime,
+    /// On a good line every reply is received, after any history.
+    GoodRepliesAreHeard,
+    /// An ID changes only with the proof of a full scan.
+    IdChangeIsProved,
+    /// Every sent frame and every received one is in the log, in order.
+    LogIsComplete,
+    /// No panic, no busy loop, and rest in the end.
+    ComesToRest,
+    /// A late call of the bus withdraws all setpoints.
+    GapWithdraws,
+    /// A wheel that is stopped turns no further than its momentum carries it.
+    StopMovesNothing,
+    /// A held wheel does not move on.
+    HoldHolds,
+    /// No frame asks for more than a limit, in any loop that the motor may be in.
+    NothingAboveALimit,
+    /// A torque is reversed only after a zero that the motor has answered.
+    ReversalPassesZero,
+}
+
+impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 19] = [
+        Self::DrivenByCommandOnly,
+        Self::NoOldActs,
+        Self::NoMoreThanCommanded,
+        Self::SilentIsWithdrawn,
+        Self::LimitsHold,
+        Self::StopIsNext,
+        Self::StopEnds,
+        Self::DeadPageStops,
+        Self::TelemetryIsTrue,
+        Self::OneFrameAtATime,
+        Self::GoodRepliesAreHeard,
+        Self::IdChangeIsProved,
+        Self::LogIsComplete,
+        Self::ComesToRest,
+        Self::GapWithdraws,
+        Self::StopMovesNothing,
+        Self::HoldHolds,
+        Self::NothingAboveALimit,
+        Self::ReversalPassesZero,
+    ];
+}
+
+/// A broken rule.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Violation {
+    /// The rule.
+    pub rule: Rule,
+    /// When, in virtual time.
+    pub at: Instant,
+    /// What happened.
+    pub what: String,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} at {:?}: {}", self.rule, self.at, self.what)
+    }
+}
+
+pub(crate) type Outcome = Result<(), Violation>;
+
+pub(crate) fn broken<T>(rule: Rule, at: Instant, what: impl Into<String>) -> Result<T, Violation> {
+    let what = what.into();
+    Err(Violation { rule, at, what })
+}
