@@ -6,11 +6,11 @@
 //! |---|---|
 //! | run the line | [`Bus::poll`], [`Bus::receive`], [`Output`] |
 //! | ask for something | [`Bus::command`], [`Command`]; why not: [`Refusal`] |
-//! | hear what happened | [`Event`], [`Sample`], [`StopReport`], [`WithdrawReason`] |
+//! | see what happened | [`Event`], [`Sample`], [`StopReport`], [`WithdrawReason`] |
 //! | show every motor | [`Bus::motors`], [`MotorStatus`], [`Activity`], [`LinkQuality`] |
 //! | bound what is asked | [`CommandRate`], [`Ramp`], [`Limits`], [`Consent`] |
-//! | drive several as one | [`Together`] |
-//! | find motors, give an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
+//! | drive several as one | [`GroupSetpoints`] |
+//! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
 //!
