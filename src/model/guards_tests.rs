@@ -43,7 +43,7 @@ fn nothing_drives_while_it_must_not() {
         s.connection = Connection::Disconnected;
     });
     case("Opening the port", &|s| {
-        s.connection = Connection::Connecting
+        s.connection = Connection::Connecting;
     });
     case("Press Release", &|s| s.halted = true);
     case("bus scan is running", &|s| {

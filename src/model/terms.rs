@@ -47,7 +47,10 @@ pub(crate) fn crossed(crossed: Crossed) -> String {
 pub(crate) fn not_together(why: GroupError) -> String {
     match why {
         GroupError::Empty => tr!("No motor is selected.").to_owned(),
-        GroupError::TooMany => tr!("A group has at most {count} motors.", count = GroupSetpoints::MAX),
+        GroupError::TooMany => tr!(
+            "A group has at most {count} motors.",
+            count = GroupSetpoints::MAX
+        ),
         GroupError::Duplicate(id) => tr!("Motor {id} is listed twice.", id),
     }
 }

@@ -9,7 +9,8 @@ use crate::browser::{self, Browser};
 use crate::failure::refusal_of_flags;
 use crate::other_hosts;
 use crate::process;
-use crate::site::{self, Profile};
+use crate::site;
+use crate::site_file::Profile;
 use crate::size;
 use crate::tables::Rows;
 use crate::workspace::Workspace;
@@ -94,7 +95,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
         };
         // A part that fails does not prevent the others.
         failed = failed.and(process::run_with_lines(&mut command, |line| {
-            rows.add_line(line)
+            rows.add_line(line);
         }));
     }
     rows.write_into(&workspace.root().join("README.md"), "bench")?;
@@ -175,7 +176,7 @@ pub fn check_first_visit(dist: &Path) -> Result<()> {
     Ok(())
 }
 
-fn list(files: &[site::SiteFile]) -> String {
+fn list(files: &[crate::site_file::SiteFile]) -> String {
     let hosts: Vec<String> = other_hosts::named_in(files).into_iter().collect();
     if hosts.is_empty() {
         "none".to_owned()

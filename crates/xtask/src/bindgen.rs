@@ -8,7 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::process;
-use crate::site::Profile;
+use crate::site_file::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 

@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use anyhow::Result;
 
 use crate::cargo;
+use crate::layers;
 use crate::process;
 use crate::suite::{Step, Suite};
 use crate::tools;
@@ -33,6 +34,12 @@ pub static SUITE: Suite = Suite(&[
         about: "every message of the code has its translations",
         needs: &[],
         run: |workspace| translations::update(workspace, true),
+    },
+    Step {
+        name: "layers",
+        about: "no arrow between modules or crates points up, and no two files use each other",
+        needs: &[],
+        run: layers::check,
     },
     Step {
         name: "dependencies",

@@ -11,7 +11,8 @@ use crate::browser;
 use crate::npm;
 use crate::process;
 use crate::serve;
-use crate::site::{self, Profile};
+use crate::site;
+use crate::site_file::Profile;
 use crate::workspace::Workspace;
 
 /// A figure of the report and its limit.

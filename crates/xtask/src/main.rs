@@ -11,6 +11,7 @@ mod check;
 mod command_line;
 mod content_hash;
 mod failure;
+mod layers;
 mod lighthouse;
 mod minify;
 mod mutants;
@@ -24,6 +25,7 @@ mod scenarios;
 mod serve;
 mod service_worker;
 mod site;
+mod site_file;
 mod size;
 mod suite;
 mod tables;
@@ -39,7 +41,7 @@ use anyhow::Result;
 use clap::Parser;
 
 use command_line::{Command, CommandLine};
-use site::Profile;
+use site_file::Profile;
 use workspace::Workspace;
 
 fn main() -> ExitCode {

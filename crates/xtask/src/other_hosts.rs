@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::site::SiteFile;
+use crate::site_file::SiteFile;
 
 /// Hosts in names of XML name spaces, which are never fetched.
 const NAME_SPACES: [&str; 1] = ["www.w3.org"];

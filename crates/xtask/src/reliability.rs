@@ -54,7 +54,7 @@ pub fn show(workspace: &Workspace, only: Option<&str>, seconds: u64, seeds: u64)
                 let mut worlds = bench::worlds(workspace);
                 let seeds = seeds.to_string();
                 process::run_with_lines(worlds.args(["--seeds", &seeds]), |line| {
-                    rows.add_line(line)
+                    rows.add_line(line);
                 })
             }
             "sabotage" => sabotage::show(workspace, &mut rows),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use crate::content_hash::{integrity, is_hashed, short_hash};
 use crate::minify;
-use crate::site::{Profile, SiteFile};
+use crate::site_file::{Profile, SiteFile};
 use crate::template::fill;
 
 /// In the top directory, so that its scope is the whole site; the name stays, so that a browser finds the

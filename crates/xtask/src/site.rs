@@ -12,52 +12,10 @@ use crate::bindgen::{self, Module, PROGRAM, files_below};
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
 use crate::service_worker;
+use crate::site_file::{Profile, SiteFile};
 use crate::size;
 use crate::template::fill;
 use crate::workspace::Workspace;
-
-/// How the site is built.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Profile {
-    /// Quickly, without optimisation.
-    Dev,
-    /// Optimised, as it is published.
-    Release,
-}
-
-impl Profile {
-    /// The name for cargo's `--profile`.
-    pub fn cargo_name(self) -> &'static str {
-        match self {
-            Self::Dev => "dev",
-            Self::Release => "release",
-        }
-    }
-
-    /// Cargo's output directory of this profile.
-    pub fn target_dir(self) -> &'static str {
-        match self {
-            Self::Dev => "debug",
-            Self::Release => "release",
-        }
-    }
-
-    fn site_dir(self, workspace: &Workspace) -> PathBuf {
-        match self {
-            Self::Dev => workspace.target().join("site-dev"),
-            Self::Release => workspace.dist(),
-        }
-    }
-}
-
-/// A file of the site, its path relative to the site's top.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SiteFile {
-    /// Its path in the site.
-    pub path: PathBuf,
-    /// Its content.
-    pub content: Vec<u8>,
-}
 
 /// The input of the site.
 #[derive(Debug, Clone, Default)]

@@ -7,7 +7,8 @@ use crate::cargo;
 use crate::page_tests;
 use crate::process;
 use crate::scenarios;
-use crate::site::{self, Profile};
+use crate::site;
+use crate::site_file::Profile;
 use crate::suite::{Step, Suite};
 use crate::workspace::Workspace;
 

@@ -12,10 +12,11 @@ use motorlink_web_server::{Delivery, Server, files};
 use rustix::thread::{CapabilitySet, remove_capability_from_bounding_set};
 use tempfile::TempDir;
 
-use crate::adapter::{Adapter, Line, Usb};
+use crate::adapter::{Adapter, Usb};
 use crate::artefacts;
 use crate::cdp::Session;
 use crate::chromium::Chromium;
+use crate::line::Line;
 use crate::page::Page;
 use crate::retry::retry;
 use crate::wait::{WAIT_MAX, wait_until};

@@ -7,30 +7,6 @@ use serde_json::Value;
 
 use crate::page::Page;
 
-/// Put into every page before its own scripts. The browser reports tasks of more than 50 ms and no
-/// others; the page may measure parts of its own work.
-pub(crate) const NOTE_WORK: &str = "
-    globalThis.benchWork = { tasks: [], measures: [] };
-    const benchObserver = (type, note) => {
-        const observer = new PerformanceObserver((list) => list.getEntries().forEach(note));
-        observer.observe({ type, buffered: true });
-        return observer;
-    };
-    benchWork.observers = [
-        [benchObserver('longtask', (entry) => benchWork.tasks.push(entry.duration)),
-            (entry) => benchWork.tasks.push(entry.duration)],
-        [benchObserver('measure', (entry) => benchWork.measures.push([entry.name, entry.duration])),
-            (entry) => benchWork.measures.push([entry.name, entry.duration])],
-    ];
-    benchWork.take = () => {
-        for (const [observer, note] of benchWork.observers) observer.takeRecords().forEach(note);
-        const { tasks, measures } = benchWork;
-        benchWork.tasks = [];
-        benchWork.measures = [];
-        return { tasks, measures };
-    };
-";
-
 /// What kept the main thread busy for a while.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Work {

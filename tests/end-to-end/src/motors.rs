@@ -9,8 +9,8 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail, ensure};
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::adapter::Line;
 use crate::artefacts;
+use crate::line::Line;
 use crate::wait::{WAIT_MAX, wait_until};
 
 /// Longest time for the program to end by itself: it only removes its link.

@@ -10,9 +10,32 @@ use crate::cdp::{Session, at};
 use crate::console::Console;
 use crate::control::{self, Control};
 use crate::keyboard::Key;
-use crate::main_thread::NOTE_WORK;
 use crate::stopwatch::{self, KeyPress};
 use crate::wait::{WAIT_MAX, wait_until};
+
+/// Put into every page before its own scripts. The browser reports tasks of more than 50 ms and no
+/// others; the page may measure parts of its own work.
+pub(crate) const NOTE_WORK: &str = "
+    globalThis.benchWork = { tasks: [], measures: [] };
+    const benchObserver = (type, note) => {
+        const observer = new PerformanceObserver((list) => list.getEntries().forEach(note));
+        observer.observe({ type, buffered: true });
+        return observer;
+    };
+    benchWork.observers = [
+        [benchObserver('longtask', (entry) => benchWork.tasks.push(entry.duration)),
+            (entry) => benchWork.tasks.push(entry.duration)],
+        [benchObserver('measure', (entry) => benchWork.measures.push([entry.name, entry.duration])),
+            (entry) => benchWork.measures.push([entry.name, entry.duration])],
+    ];
+    benchWork.take = () => {
+        for (const [observer, note] of benchWork.observers) observer.takeRecords().forEach(note);
+        const { tasks, measures } = benchWork;
+        benchWork.tasks = [];
+        benchWork.measures = [];
+        return { tasks, measures };
+    };
+";
 
 /// A page in a tab.
 pub struct Page {

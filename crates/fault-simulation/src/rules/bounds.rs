@@ -9,7 +9,7 @@ use motorlink_bus::{Consent, HIGH_CURRENT_RAW, Limits};
 use motorlink_protocol::{Drive, FRAME_LEN, Frame, Instant, Mode, MotorId, Request};
 use motorlink_simulator::{VirtualMotor, World};
 
-use crate::rule::{Rule, broken};
+use crate::rule::{Rule, Violation, broken};
 
 /// A frame of ten bytes at 115200 baud.
 const AIRTIME: Duration = Duration::from_micros(868);
@@ -143,7 +143,7 @@ impl Bounds {
         raw: Option<Consent>,
         limits: Limits,
         world: &World,
-    ) -> Result<Vec<Rule>, super::Violation> {
+    ) -> Result<Vec<Rule>, Violation> {
         let mut judged = Vec::new();
         let [first, command, high, low, .., brake, _, last] = *frame.bytes();
         let ids: Vec<MotorId> = world

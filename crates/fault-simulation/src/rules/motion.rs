@@ -6,7 +6,7 @@ use std::{collections::BTreeMap, time::Duration};
 use motorlink_protocol::{Instant, Mode, MotorId};
 use motorlink_simulator::{VirtualMotor, World};
 
-use crate::rule::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, Violation, broken};
 
 /// A frame from before the stop arrives at most this long after it: its airtime, rounded up.
 const ON_ITS_WAY: Duration = Duration::from_millis(1);
@@ -174,7 +174,7 @@ impl Rundown {
 
 impl Held {
     /// Whether the wheel is still observed.
-    fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Result<bool, super::Violation> {
+    fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Result<bool, Violation> {
         let latest = self.began + HOLD_TAKES;
         let gone_deg = (motor.turns() - self.from_turns) * 360.0 * self.direction;
         let is_asked = motor.obeyed().is_some_and(|(heard, _)| heard <= latest);

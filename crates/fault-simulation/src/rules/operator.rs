@@ -12,7 +12,7 @@ use motorlink_bus::{
 use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 use motorlink_simulator::World;
 
-use crate::rule::{Outcome, Rule, broken};
+use crate::rule::{Outcome, Rule, Violation, broken};
 
 /// The motors of a silent page are stopped within this time.
 const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
@@ -227,7 +227,7 @@ impl Operator {
         frame: Frame,
         bus: &Bus,
         world: &World,
-    ) -> Result<bool, super::Violation> {
+    ) -> Result<bool, Violation> {
         let request = Request::parse(&frame);
         if let Ok(request) = request
             && let Some(id) = addressee(&request)
@@ -271,7 +271,7 @@ impl Operator {
     }
 
     /// A raw frame: any bytes, but not while the page hangs.
-    fn raw_goes_out(&self, now: Instant, frame: Frame) -> Result<bool, super::Violation> {
+    fn raw_goes_out(&self, now: Instant, frame: Frame) -> Result<bool, Violation> {
         match self.page_silent_since {
             Some(since) if is_hazardous(&frame) && now.since(since) > PAGE_SILENT_MAX => {
                 let what = format!("{frame} of a person, the page silent since {since:?}");

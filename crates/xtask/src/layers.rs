@@ -1,0 +1,414 @@
+//! Which part of the workspace may use which. The tables here are the rule; ARCHITECTURE.md explains it.
+//!
+//! The page's folders and the crates are layers. An arrow may only point to a layer further down. No feature
+//! of the page uses another, and no two files use each other.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::Path,
+};
+
+use anyhow::{Context, Result, bail};
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
+use crate::workspace::Workspace;
+
+/// The folders of `src/`, from the top down.
+const PAGE: [&str; 5] = ["app", "features", "model", "link", "ui"];
+
+/// The crates, from the top down. Those of one row do not use each other.
+const CRATES: [&[&str]; 9] = [
+    &["motorlink-fuzz-checks", "end-to-end", "xtask"],
+    &["motorlink"],
+    &["motorlink-worker"],
+    &["motorlink-fault-simulation", "virtual-motor"],
+    &["motorlink-recorder"],
+    &["motorlink-messages"],
+    &["motorlink-bus", "motorlink-simulator", "motorlink-i18n"],
+    &["motorlink-protocol"],
+    // What needs nothing of ours.
+    &["motorlink-web-server", "udev-shim"],
+];
+
+/// The modules of a crate, and which of them each one uses.
+type Uses = BTreeMap<String, BTreeSet<String>>;
+
+/// Fails on an arrow that points up, and on files that use each other.
+pub fn check(workspace: &Workspace) -> Result<()> {
+    let mut wrong = Vec::new();
+    for source in sources(workspace)? {
+        let uses = uses_in(&workspace.root().join(&source))?;
+        for cycle in cycles(&uses) {
+            wrong.push(format!(
+                "{source}: files that use each other: {}",
+                cycle.join(", ")
+            ));
+        }
+        if source == "src" {
+            wrong.extend(upward_in_page(&uses));
+        }
+    }
+    wrong.extend(upward_in_crates(&dependencies(workspace)?));
+    if wrong.is_empty() {
+        return Ok(());
+    }
+    bail!("{}", wrong.join("\n"))
+}
+
+/// Every folder with the sources of a crate.
+fn sources(workspace: &Workspace) -> Result<Vec<String>> {
+    let mut sources = vec!["src".to_owned(), "tests/end-to-end/src".to_owned()];
+    let crates = workspace.root().join("crates");
+    for entry in fs::read_dir(&crates).context("cannot read crates/")? {
+        let name = entry?.file_name();
+        sources.push(format!("crates/{}/src", name.to_string_lossy()));
+    }
+    sources.sort();
+    Ok(sources)
+}
+
+/// Reads every module in a folder, without its tests.
+fn uses_in(source: &Path) -> Result<Uses> {
+    let mut texts = BTreeMap::new();
+    read_modules(source, "", &mut texts)?;
+    let mut uses = Uses::new();
+    for (module, text) in &texts {
+        let tokens: TokenStream = text
+            .parse()
+            .map_err(|error| anyhow::anyhow!("{module}: {error}"))?;
+        let mut paths = Vec::new();
+        paths_in(tokens, module, &mut paths);
+        let others = paths.iter().filter_map(|path| module_of(path, &texts));
+        let others = others.filter(|other| other != module).collect();
+        uses.insert(module.clone(), others);
+    }
+    Ok(uses)
+}
+
+fn read_modules(folder: &Path, prefix: &str, texts: &mut BTreeMap<String, String>) -> Result<()> {
+    for entry in fs::read_dir(folder).with_context(|| format!("{}", folder.display()))? {
+        let path = entry?.path();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = join(prefix, &stem);
+        if path.is_dir() {
+            read_modules(&path, &name, texts)?;
+        } else if path.extension().is_some_and(|end| end == "rs") && !stem.ends_with("tests") {
+            let module = match stem.as_ref() {
+                "mod" | "lib" | "main" => prefix.to_owned(),
+                _ => name,
+            };
+            let text = fs::read_to_string(&path).with_context(|| format!("{}", path.display()))?;
+            texts.entry(module).or_default().push_str(&text);
+        }
+    }
+    Ok(())
+}
+
+fn join(prefix: &str, name: &str) -> String {
+    if prefix.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{prefix}::{name}")
+    }
+}
+
+/// The module of a crate that this path leads into.
+fn module_of(path: &str, texts: &BTreeMap<String, String>) -> Option<String> {
+    let mut path = path;
+    loop {
+        if texts.contains_key(path) && !path.is_empty() {
+            return Some(path.to_owned());
+        }
+        path = path.rsplit_once("::")?.0;
+    }
+}
+
+/// Every path in these tokens that begins with `crate`, `super` or `self`, from the crate's root. Macros are
+/// read as well; modules of tests are not.
+fn paths_in(tokens: TokenStream, module: &str, paths: &mut Vec<String>) {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut at = 0;
+    while let Some(token) = tokens.get(at) {
+        at += 1;
+        match token {
+            TokenTree::Punct(hash)
+                if hash.as_char() == '#' && is_test_attribute(tokens.get(at)) =>
+            {
+                at = behind_item(&tokens, at + 1);
+            }
+            TokenTree::Group(group) => paths_in(group.stream(), module, paths),
+            TokenTree::Ident(ident) => {
+                let base = match ident.to_string().as_str() {
+                    "crate" => String::new(),
+                    "super" => parent(module).to_owned(),
+                    "self" => module.to_owned(),
+                    _ => continue,
+                };
+                if is_colons(&tokens, at) {
+                    at = path_from(&tokens, at + 2, &base, paths);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// `#[cfg(test)]` behind its `#`.
+fn is_test_attribute(token: Option<&TokenTree>) -> bool {
+    let Some(TokenTree::Group(group)) = token else {
+        return false;
+    };
+    group.stream().to_string().replace(' ', "") == "cfg(test)"
+}
+
+/// The place behind the item that begins here.
+fn behind_item(tokens: &[TokenTree], from: usize) -> usize {
+    let is_end = |token: &TokenTree| match token {
+        TokenTree::Group(group) => group.delimiter() == Delimiter::Brace,
+        TokenTree::Punct(punct) => punct.as_char() == ';',
+        _ => false,
+    };
+    let rest = tokens.get(from..).unwrap_or_default();
+    rest.iter()
+        .position(is_end)
+        .map_or(tokens.len(), |end| from + end + 1)
+}
+
+fn is_colons(tokens: &[TokenTree], at: usize) -> bool {
+    let colon =
+        |at: usize| matches!(tokens.get(at), Some(TokenTree::Punct(p)) if p.as_char() == ':');
+    colon(at) && colon(at + 1)
+}
+
+/// Reads a path, or a tree of them, and notes each from the crate's root. Gives the place behind it.
+fn path_from(tokens: &[TokenTree], at: usize, base: &str, paths: &mut Vec<String>) -> usize {
+    match tokens.get(at) {
+        Some(TokenTree::Ident(ident)) => {
+            let name = ident.to_string();
+            let path = match name.as_str() {
+                "super" => parent(base).to_owned(),
+                "self" => base.to_owned(),
+                _ => join(base, &name),
+            };
+            if is_colons(tokens, at + 1) {
+                return path_from(tokens, at + 3, &path, paths);
+            }
+            paths.push(path);
+            at + 1
+        }
+        Some(TokenTree::Group(group)) => {
+            let inner: Vec<TokenTree> = group.stream().into_iter().collect();
+            let is_comma =
+                |token: &TokenTree| matches!(token, TokenTree::Punct(p) if p.as_char() == ',');
+            for one in inner.split(is_comma).filter(|one| !one.is_empty()) {
+                path_from(one, 0, base, paths);
+            }
+            at + 1
+        }
+        _ => {
+            paths.push(base.to_owned());
+            at
+        }
+    }
+}
+
+fn parent(module: &str) -> &str {
+    module.rsplit_once("::").map_or("", |(parent, _)| parent)
+}
+
+/// Modules that use each other, directly or by others, each group once.
+fn cycles(uses: &Uses) -> Vec<Vec<&str>> {
+    let reachable = |from: &str| {
+        let mut seen = BTreeSet::new();
+        let mut open: Vec<&str> = vec![from];
+        while let Some(module) = open.pop() {
+            for used in uses.get(module).into_iter().flatten() {
+                if seen.insert(used.as_str()) {
+                    open.push(used);
+                }
+            }
+        }
+        seen
+    };
+    let targets: BTreeMap<&str, BTreeSet<&str>> = uses
+        .keys()
+        .map(|module| (module.as_str(), reachable(module)))
+        .collect();
+    let reaches = |from: &str, to: &str| targets.get(from).is_some_and(|seen| seen.contains(to));
+    let mut groups: Vec<Vec<&str>> = Vec::new();
+    for module in uses.keys().filter(|module| reaches(module, module)) {
+        let group = groups.iter_mut().find(|group| {
+            let one = group.first().copied().unwrap_or_default();
+            reaches(one, module) && reaches(module, one)
+        });
+        match group {
+            Some(group) => group.push(module),
+            None => groups.push(vec![module]),
+        }
+    }
+    groups
+}
+
+/// Arrows of the page that point up, or from one feature to another.
+fn upward_in_page(uses: &Uses) -> Vec<String> {
+    let layer = |module: &str| {
+        let folder = module.split("::").next().unwrap_or_default();
+        PAGE.iter().position(|layer| *layer == folder)
+    };
+    let feature = |module: &str| module.split("::").nth(1).map(ToOwned::to_owned);
+    let mut wrong = Vec::new();
+    for (module, used) in uses
+        .iter()
+        .flat_map(|(module, used)| used.iter().map(move |used| (module, used)))
+    {
+        let (Some(from), Some(to)) = (layer(module), layer(used)) else {
+            continue;
+        };
+        let to_other_feature =
+            PAGE.get(from) == Some(&"features") && from == to && feature(module) != feature(used);
+        if to < from || to_other_feature {
+            wrong.push(format!("src: {module} may not use {used}"));
+        }
+    }
+    wrong
+}
+
+/// Each crate of ours with the crates of ours that it needs to run.
+fn dependencies(workspace: &Workspace) -> Result<Uses> {
+    let mut cargo = crate::process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args([
+        "metadata",
+        "--format-version",
+        "1",
+        "--no-deps",
+        "--offline",
+    ]);
+    let output = cargo.output().context("cannot start cargo metadata")?;
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout)?;
+    let list = |value: &serde_json::Value, key: &str| {
+        let list = value.get(key).and_then(serde_json::Value::as_array);
+        list.cloned().unwrap_or_default()
+    };
+    let name = |value: &serde_json::Value| {
+        let name = value.get("name").and_then(serde_json::Value::as_str);
+        name.unwrap_or_default().to_owned()
+    };
+    let packages = list(&metadata, "packages");
+    let ours: BTreeSet<String> = packages.iter().map(name).collect();
+    let mut found = Uses::new();
+    for package in &packages {
+        let needs = list(package, "dependencies").into_iter();
+        let to_run = needs.filter(|need| need.get("kind").is_none_or(serde_json::Value::is_null));
+        let needed = to_run.map(|need| name(&need));
+        found.insert(
+            name(package),
+            needed.filter(|need| ours.contains(need)).collect(),
+        );
+    }
+    Ok(found)
+}
+
+fn upward_in_crates(needs: &Uses) -> Vec<String> {
+    let row = |name: &str| CRATES.iter().position(|row| row.contains(&name));
+    let mut wrong = Vec::new();
+    for (name, needed) in needs {
+        let Some(from) = row(name) else {
+            wrong.push(format!("{name} has no place among the layers"));
+            continue;
+        };
+        for need in needed {
+            if row(need).is_none_or(|to| to <= from) {
+                wrong.push(format!("{name} may not use {need}"));
+            }
+        }
+    }
+    wrong
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uses(arrows: &[(&str, &str)]) -> Uses {
+        let mut uses = Uses::new();
+        for (from, to) in arrows {
+            uses.entry((*from).to_owned())
+                .or_default()
+                .insert((*to).to_owned());
+            uses.entry((*to).to_owned()).or_default();
+        }
+        uses
+    }
+
+    fn paths(text: &str) -> Vec<String> {
+        let mut paths = Vec::new();
+        paths_in(text.parse().unwrap(), "a::b", &mut paths);
+        paths
+    }
+
+    #[test]
+    fn the_workspace_keeps_its_layers() {
+        check(&Workspace::find().unwrap()).unwrap();
+    }
+
+    #[test]
+    fn paths_are_found_in_trees_macros_and_code() {
+        assert_eq!(paths("use crate::{x::{self, Y}, z};"), ["x", "x::Y", "z"]);
+        assert_eq!(paths("use super::{c, super::d};"), ["a::c", "d"]);
+        assert_eq!(
+            paths("fn f() { view! { <p>{crate::x::y()}</p> } }"),
+            ["x::y"]
+        );
+        assert_eq!(paths("use self::c::D;"), ["a::b::c::D"]);
+    }
+
+    #[test]
+    fn tests_may_use_what_they_like() {
+        let text = "#[cfg(test)] mod tests { use crate::x; } use crate::y;";
+        assert_eq!(paths(text), ["y"]);
+        assert_eq!(
+            paths("#[cfg(test)] #[path = \"t.rs\"] mod tests; use crate::y;"),
+            ["y"]
+        );
+    }
+
+    #[test]
+    fn an_arrow_up_and_one_between_features_are_found() {
+        let good = uses(&[
+            ("app::x", "features::a::x"),
+            ("features::a::x", "model::m"),
+            ("features::a::x", "features::a::y"),
+        ]);
+        assert!(upward_in_page(&good).is_empty());
+        assert_eq!(
+            upward_in_page(&uses(&[("model::m", "features::a::x")])).len(),
+            1
+        );
+        assert_eq!(
+            upward_in_page(&uses(&[("features::a::x", "features::b::y")])).len(),
+            1
+        );
+    }
+
+    #[test]
+    fn files_that_use_each_other_are_found_once() {
+        let found = uses(&[("a", "b"), ("b", "c"), ("c", "a"), ("c", "d")]);
+        assert_eq!(cycles(&found), [["a", "b", "c"]]);
+        assert!(cycles(&uses(&[("a", "b"), ("a", "c"), ("b", "c")])).is_empty());
+    }
+
+    #[test]
+    fn a_crate_may_not_use_one_above_it_or_beside_it() {
+        assert!(upward_in_crates(&uses(&[("motorlink-bus", "motorlink-protocol")])).is_empty());
+        assert_eq!(
+            upward_in_crates(&uses(&[("motorlink-bus", "motorlink-simulator")])).len(),
+            1
+        );
+        assert_eq!(
+            upward_in_crates(&uses(&[("motorlink-protocol", "motorlink-bus")])).len(),
+            1
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! What is on the line of an adapter.
+
+/// What is on the wire: arguments of `virtual-motor`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    /// The motors on the bus.
+    pub ids: Vec<u8>,
+    /// From the last bit of a request to the first of its reply.
+    pub turnaround_us: u32,
+    /// Further arguments, such as `["--echo", "whole"]` or `["--loss", "0.15", "--seed", "7"]`.
+    pub extra: Vec<String>,
+}
+
+impl Default for Line {
+    /// One motor with ID 1 that answers in 0.6 ms, the turnaround that all figures are held to.
+    fn default() -> Self {
+        Self {
+            ids: vec![1],
+            turnaround_us: 600,
+            extra: Vec::new(),
+        }
+    }
+}
+
+impl Line {
+    /// A line with these motors.
+    #[must_use]
+    pub fn with_motors(ids: &[u8]) -> Self {
+        Self {
+            ids: ids.to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// The same line with further arguments.
+    #[must_use]
+    pub fn with(mut self, extra: &[&str]) -> Self {
+        self.extra
+            .extend(extra.iter().map(|argument| (*argument).to_owned()));
+        self
+    }
+}
