@@ -24,7 +24,7 @@ use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::World;
 
 use self::{bounds::Bounds, motion::Motion, operator::Operator, truth::Truth, wire::Wire};
-use crate::rule::{Outcome, Rule, Violation, broken};
+use crate::rule::{Outcome, Rule, broken};
 
 /// Longest time until a stop reaches a motor: 10 ms of the bus, and at most 10 ms of the exchange
 /// in flight.
