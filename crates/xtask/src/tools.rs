@@ -55,10 +55,30 @@ pub fn ensure_wasm_bindgen(workspace: &Workspace) -> Result<WasmBindgen> {
         return Ok(on_path);
     }
 
-    // Not with its lock file, which names a crate that may be missing.
-    install("wasm-bindgen-cli", version, &root, "1", &[])?;
+    // Not with its lock file, which names a crate that may be missing. Without TLS: the test runner
+    // talks to programs on this machine.
+    let flags = ["--no-default-features", "--bin", "wasm-bindgen"];
+    let flags = [&flags[..], &["--bin", "wasm-bindgen-test-runner"]].concat();
+    install(
+        "wasm-bindgen-cli",
+        version,
+        &root,
+        &WASM_BINDGEN_WORKS,
+        &flags,
+    )?;
     Ok(cached)
 }
+
+/// The crates in which wasm-bindgen spends its time.
+const WASM_BINDGEN_WORKS: [&str; 7] = [
+    "gimli",
+    "id-arena",
+    "walrus",
+    "wasm-bindgen-cli",
+    "wasm-bindgen-cli-support",
+    "wasm-encoder",
+    "wasmparser",
+];
 
 /// A program for one command, built once into the cache.
 struct Pinned {
@@ -95,34 +115,39 @@ impl Pinned {
         if program.is_file() {
             return Ok(dir);
         }
-        install(package, version, &root, "0", &["--locked"])?;
+        install(package, version, &root, &[], &["--locked"])?;
         Ok(dir)
     }
 }
 
-/// Builds a program into a directory of its own. Less optimisation makes the build faster: "0" for a program
-/// that runs for seconds in all, "1" for one that runs in every build of the page.
+/// Builds a program into a directory of its own. Without optimisation the build is much faster, so that
+/// only these crates are `optimised`, and only a little.
 fn install(
     package: &str,
     version: &str,
     root: &Path,
-    opt_level: &str,
+    optimised: &[&str],
     flags: &[&str],
 ) -> Result<()> {
     println!(
         "building {package} {version} into {} (once)",
         root.display()
     );
-    let build = cache_dir()?.join("build");
+    // One for each program: a check and a test may build at the same time.
+    let build = cache_dir()?.join(format!("build-{package}"));
     let mut install = process::cargo();
     install
         .args(["install", package, "--version", version])
         .args(flags)
+        .args(optimised.iter().flat_map(|name| {
+            let setting = format!("profile.release.package.{name}.opt-level=1");
+            ["--config".to_owned(), setting]
+        }))
         .arg("--root")
         .arg(root)
         // In the workspace's directory both would rebuild common dependencies each time.
         .env("CARGO_TARGET_DIR", &build)
-        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt_level)
+        .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0")
         .env("CARGO_PROFILE_RELEASE_LTO", "off")
         .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16");
     process::run(&mut install)?;
