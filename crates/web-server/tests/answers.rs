@@ -1,4 +1,5 @@
 //! What the server answers, byte by byte as a browser reads it.
+#![cfg(test)]
 
 use std::fs;
 use std::io::{ErrorKind, Read, Write};

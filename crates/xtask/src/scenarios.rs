@@ -1,7 +1,7 @@
 //! Runs the scenarios of `tests/end-to-end` in a real browser over real Web Serial.
 
-use std::fs;
-use std::io::ErrorKind;
+use std::fs::{self, OpenOptions};
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::Command;
 use std::thread;
@@ -22,20 +22,36 @@ pub const ALONE: &str = "alone::";
 /// More retries in one run mean that the machine or the page is too slow.
 const RETRIES_MAX: usize = 20;
 
+/// So many scenarios that fail beside others run once more, alone: the others may have delayed them. If more
+/// fail, the page is at fault.
+const AGAIN_MAX: usize = 5;
+
 /// Runs every scenario, and fails if there are too many retries.
 pub fn run(workspace: &Workspace) -> Result<()> {
     bench::ensure_linux()?;
     let browser = browser::ensure()?;
     let axe = npm::AXE.ensure()?;
     let retries = Retries::none_yet(workspace)?;
-    let run = |module: &str, at_once: usize| {
+    let run = |selected: &[&str], at_once: usize| {
         let mut cargo = command(workspace, &browser, Speed::QuickToBuild);
         cargo.env("MOTORLINK_AXE", &axe);
         cargo.env("MOTORLINK_RETRIES", &retries.file);
-        cargo.arg("--").arg(module);
-        process::run(cargo.arg(format!("--test-threads={at_once}")))
+        cargo.arg("--").args(selected);
+        cargo.arg(format!("--test-threads={at_once}"));
+        let mut failed = Vec::new();
+        let result = process::run_with_lines(&mut cargo, |line| {
+            failed.extend(failed_test(line).map(str::to_owned));
+        });
+        (result, failed)
     };
-    let passed = run(SIDE_BY_SIDE, at_once()?).and_then(|()| run(ALONE, 1));
+    let (mut passed, failed) = run(&[SIDE_BY_SIDE], at_once()?);
+    if (1..=AGAIN_MAX).contains(&failed.len()) {
+        retries.note(&failed)?;
+        let mut selected = vec!["--exact"];
+        selected.extend(failed.iter().map(String::as_str));
+        (passed, _) = run(&selected, 1);
+    }
+    let passed = passed.and_then(|()| run(&[ALONE], 1).0);
     // After a failure too: the retries may explain it.
     let within = retries.summarise();
     passed.and(within)
@@ -54,6 +70,11 @@ fn at_once() -> Result<usize> {
     Ok(cores.get() * 2)
 }
 
+/// The name in `test side_by_side::stopping::a_closed_tab_stops ... FAILED`.
+fn failed_test(line: &str) -> Option<&str> {
+    line.strip_prefix("test ")?.strip_suffix(" ... FAILED")
+}
+
 /// The retries of a run: a line of the file each.
 struct Retries {
     file: PathBuf,
@@ -68,6 +89,19 @@ impl Retries {
             }
             _ => Ok(Self { file }),
         }
+    }
+
+    /// Adds scenarios that run once more.
+    fn note(&self, failed: &[String]) -> Result<()> {
+        let mut file = OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(&self.file)
+            .with_context(|| format!("opening {}", self.file.display()))?;
+        for name in failed {
+            writeln!(file, "{name}: run alone: it failed beside others")?;
+        }
+        Ok(())
     }
 
     /// Prints them, and fails if there are too many.
@@ -103,6 +137,21 @@ mod tests {
             assert_eq!(retries.summarise().is_ok(), is_good, "{count}");
             fs::remove_file(&retries.file).unwrap();
         }
+    }
+
+    #[test]
+    fn a_failed_test_is_named() {
+        assert_eq!(failed_test("test a::b ... FAILED"), Some("a::b"));
+        assert_eq!(failed_test("test a::b ... ok"), None);
+        assert_eq!(failed_test("test result: FAILED. 1 passed"), None);
+    }
+
+    #[test]
+    fn a_scenario_that_runs_once_more_is_counted() {
+        let retries = retries("again", RETRIES_MAX);
+        retries.note(&["a::b".to_owned()]).unwrap();
+        assert!(retries.summarise().is_err());
+        fs::remove_file(&retries.file).unwrap();
     }
 
     #[test]

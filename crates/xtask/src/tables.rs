@@ -31,14 +31,14 @@ struct Row {
 impl Rows {
     /// Adds the row in a line that a program printed. Most lines are no rows.
     pub fn add_line(&mut self, line: &str) {
-        if let Some(row) = Row::from_table(line).or_else(|| self.criterion_row(line)) {
+        if let Some(row) = Row::from_table(line).or_else(|| self.read_criterion(line)) {
             self.put(row);
         }
     }
 
     /// Reads `decode a reply   time:   [12.1 ns 12.3 ns 12.6 ns]`, where the middle is the estimate. A long
     /// name is alone on the line before.
-    fn criterion_row(&mut self, line: &str) -> Option<Row> {
+    fn read_criterion(&mut self, line: &str) -> Option<Row> {
         let Some((name, times)) = line.split_once("time:") else {
             line.trim().clone_into(&mut self.pending_name);
             return None;

@@ -1,7 +1,5 @@
 //! Scenarios that judge the times of frames or the load of the page, which other browsers would change.
 
-mod harness_measuring;
 mod hidden;
 mod rates;
 mod stalling;
-mod starting;
