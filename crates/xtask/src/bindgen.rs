@@ -8,6 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use crate::process;
+use crate::short_names;
 use crate::site_file::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
@@ -78,9 +79,14 @@ fn bind(workspace: &Workspace, profile: Profile, bindgen: &Path) -> Result<Modul
         fs::read(&path).with_context(|| format!("reading {}", path.display()))
     };
     let glue = file(format!("{PROGRAM}.js"))?;
+    let mut glue = String::from_utf8(glue).context("the glue is not text")?;
+    let mut wasm = file(format!("{PROGRAM}_bg.wasm"))?;
+    if matches!(profile, Profile::Release) {
+        (wasm, glue) = short_names::shorten(&wasm, &glue)?;
+    }
     Ok(Module {
-        glue: String::from_utf8(glue).context("the glue is not text")?,
-        wasm: file(format!("{PROGRAM}_bg.wasm"))?,
+        glue,
+        wasm,
         snippets: files_below(&out.join("snippets"))?,
     })
 }

@@ -24,6 +24,7 @@ mod sabotage;
 mod scenarios;
 mod serve;
 mod service_worker;
+mod short_names;
 mod site;
 mod site_file;
 mod size;
