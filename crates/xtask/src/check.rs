@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 use anyhow::Result;
 
 use crate::cargo;
+use crate::invariants;
 use crate::layers;
 use crate::process;
 use crate::suite::{Step, Suite};
@@ -40,6 +41,12 @@ pub static SUITE: Suite = Suite(&[
         about: "no arrow between modules or crates points up, and no two files use each other",
         needs: &[],
         run: layers::check,
+    },
+    Step {
+        name: "invariants",
+        about: "every test and file that docs/invariants.md names exists",
+        needs: &[],
+        run: invariants::check,
     },
     Step {
         name: "dependencies",

@@ -11,6 +11,7 @@ mod check;
 mod command_line;
 mod content_hash;
 mod failure;
+mod invariants;
 mod layers;
 mod lighthouse;
 mod minify;
