@@ -73,7 +73,10 @@ fn udev_shim(built: &Path) -> PathBuf {
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
 const PARTS: [&str; 6] = ["start", "figures", "instruments", "wire", "scans", "pure"];
 
-/// Measures the page's performance figures, prints them, and updates the README's table.
+/// The document with the measured figures.
+const TABLE: &str = "docs/performance.md";
+
+/// Measures the page's performance figures, prints them, and updates the table in [`TABLE`].
 ///
 /// The first of `args` may name a part; the rows of other parts stay.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
@@ -98,7 +101,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
             rows.add_line(line);
         }));
     }
-    rows.write_into(&workspace.root().join("README.md"), "bench")?;
+    rows.write_into(&workspace.root().join(TABLE), "bench")?;
     let files = site::files_of(&dist)?;
     let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
     let max = size::FIRST_VISIT_GZIP_BYTES_MAX;

@@ -56,7 +56,7 @@ pub enum Command {
     Test(Selection),
     /// Check format, lints, documentation, dependencies and translations, stopping at the first failure
     Check(Selection),
-    /// Measure drive rates, stop times and the first visit in a real browser
+    /// Measure drive rates, stop times and the first visit in a real browser; update docs/performance.md
     Bench {
         /// Arguments of the program that measures
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
