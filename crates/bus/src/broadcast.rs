@@ -66,13 +66,17 @@ impl Bus {
             }
             answer = answer.or(Some((frame, asked)));
         }
-        if layout.is_some() {
-            // The other motors, and motors added later, may still answer.
-            let answered = |id: MotorId| rest.replies().any(|received| received.reply.id == id);
-            let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));
-            for motor in others {
+        // The other motors, and motors added later, may still answer.
+        let answered = |id: MotorId| rest.replies().any(|received| received.reply.id == id);
+        let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));
+        for motor in others {
+            if layout.is_some() {
                 motor.id_query_unanswered(exchange.sent);
+            } else if only == Some(motor.id) {
+                motor.unknown_frame_unanswered(exchange.sent);
             }
+        }
+        if layout.is_some() {
             self.last_id_query = Some(exchange.sent);
         }
         let took = exchange.last_byte.map(|last| last.since(exchange.sent));

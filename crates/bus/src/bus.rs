@@ -63,7 +63,7 @@ pub struct Bus {
     /// Number of the last group that was driven.
     pub(crate) last_group: u32,
     pub(crate) line_use: LineUse,
-    /// Whether the last frame was a query.
+    /// Whether the last frame, mode switches aside, was a query.
     pub(crate) query_was_last: bool,
     pub(crate) last_drive: LastDrive,
     /// When the last good frame arrived outside its window.

@@ -6,9 +6,11 @@
 //! an outstanding reply comes before those of later requests: a few replies in their windows show
 //! that none is outstanding.
 
+use std::{collections::VecDeque, time::Duration};
+
 use motorlink_protocol::{Instant, Layout};
 
-use crate::timing::LATE_REPLY_MAX;
+use crate::timing::{FRESH_FOR, LATE_REPLY_MAX};
 
 /// No reply is outstanding after as many replies as requests in a row were unanswered, plus this
 /// many. On a machine with four times the load that it can carry, two exchanges in a row were seen
@@ -16,12 +18,18 @@ use crate::timing::LATE_REPLY_MAX;
 const REPLIES_MORE: u32 = 3;
 /// At most this many: a motor that was absent has nothing outstanding.
 const REPLIES_MAX: u32 = 8;
+/// A request older than this has lost its reply: otherwise a line that loses many would be waited for on each.
+const HELD_MAX: Duration = FRESH_FOR;
 
 /// Outstanding replies of one motor, per layout.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LateReplies {
     drive: Outstanding,
     query: Outstanding,
+    /// When the last unanswered requests were sent whose replies may still arrive, at most [`REPLIES_MAX`].
+    sent: VecDeque<Instant>,
+    /// When the last ID query was sent, while answers to it may still arrive.
+    id_query: Option<Instant>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,12 +53,49 @@ impl LateReplies {
             // Earlier outstanding replies stay outstanding.
             replies: replies.max(outstanding.replies),
         };
+        if self.sent.len() >= REPLIES_MAX as usize {
+            self.sent.pop_front();
+        }
+        self.sent.push_back(sent);
+    }
+
+    /// Records an ID query without an answer of this motor.
+    pub(crate) fn id_query_unanswered(&mut self, sent: Instant) {
+        self.unanswered(Layout::Drive, sent, 1);
+        self.id_query = Some(sent);
+    }
+
+    /// Whether a reply outside its window may be several answers to an ID query at once. They may pass the CRC
+    /// as a reply of no motor.
+    pub(crate) const fn may_answer_id_query(&self) -> bool {
+        self.id_query.is_some()
+    }
+
+    /// The same for a reply in its window.
+    pub(crate) fn id_query_is_recent(&self, now: Instant) -> bool {
+        self.id_query
+            .is_some_and(|sent| now < sent + LATE_REPLY_MAX)
+    }
+
+    /// Records a reply outside its window.
+    pub(crate) fn late_reply(&mut self) {
+        self.sent.pop_front();
+    }
+
+    /// The replies that may arrive before that to a request sent now.
+    pub(crate) fn outstanding(&self, now: Instant) -> usize {
+        let may_come = |sent: &&Instant| now.since(**sent) < HELD_MAX;
+        self.sent.iter().filter(may_come).count()
     }
 
     /// Records a reply to any request.
     pub(crate) fn replied(&mut self) {
         for outstanding in [&mut self.drive, &mut self.query] {
             outstanding.replies = outstanding.replies.saturating_sub(1);
+        }
+        if self.drive.replies == 0 && self.query.replies == 0 {
+            self.sent.clear();
+            self.id_query = None;
         }
     }
 
@@ -103,8 +148,6 @@ impl Outstanding {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
     use super::*;
 
     fn at(ms: u64) -> Instant {
@@ -169,6 +212,26 @@ mod tests {
             late.layout_of_reply(at(140), Layout::Drive),
             Some(Layout::Drive)
         );
+    }
+
+    #[test]
+    fn a_reply_outside_its_window_is_outstanding_no_more() {
+        let mut late = LateReplies::default();
+        late.unanswered(Layout::Query, at(0), 1);
+        late.unanswered(Layout::Drive, at(9), 2);
+        assert_eq!(late.outstanding(at(99)), 2);
+        // One in its window may be either of them.
+        late.replied();
+        assert_eq!(late.outstanding(at(99)), 2);
+        late.late_reply();
+        late.replied();
+        assert_eq!(late.outstanding(at(99)), 1);
+        assert_eq!(late.outstanding(at(508)), 1);
+        assert_eq!(late.outstanding(at(509)), 0);
+        for _ in 0..3 {
+            late.replied();
+        }
+        assert_eq!(late.outstanding(at(99)), 0);
     }
 
     #[test]

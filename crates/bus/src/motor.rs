@@ -115,6 +115,16 @@ pub struct MotorStatus {
     pub counters: Counters,
 }
 
+/// A mode switch that no reply has confirmed yet.
+#[derive(Clone, Copy, Debug)]
+struct Switched {
+    to: Mode,
+    /// The replies that may arrive first and report the time before it.
+    outstanding: usize,
+    /// Whether another loop was asked for just before: then those replies may report any.
+    among_others: bool,
+}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Motor {
     pub(crate) id: MotorId,
@@ -137,7 +147,9 @@ pub(crate) struct Motor {
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
     /// The loop of a mode switch that no reply has confirmed yet.
-    switched_to: Option<Mode>,
+    switched_to: Option<Switched>,
+    /// The loop that a reply of unknown age has reported since the last reading, if it is another one.
+    other_loop: Option<Mode>,
     pub(crate) next_query: Instant,
     /// Queries since it fell silent, while other motors are driven.
     silent_queries: u32,
@@ -167,6 +179,7 @@ impl Motor {
             torque: Torque::default(),
             unanswered_in_a_row: 0,
             switched_to: None,
+            other_loop: None,
             next_query: now,
             silent_queries: 0,
             counters: Counters::default(),
@@ -186,13 +199,30 @@ impl Motor {
             self.crossed = self.crossed.or(crossed);
         }
         self.unanswered_in_a_row = 0;
-        self.late.replied();
+        self.other_loop = None;
+        self.count_reply();
         match reply.detail {
             Detail::Drive { position } => self.position = Some((at, position)),
             Detail::Query { temperature, .. } => self.temperature = Some((at, temperature)),
             Detail::Undetermined(_) => {}
         }
         std::mem::take(&mut self.silent)
+    }
+
+    /// Records a reply of unknown age: one less is outstanding, and it is no current reading. But replies arrive
+    /// in order: if it reports another loop than the last reading, the motor has been there since.
+    pub(crate) fn record_reply_of_unknown_age(&mut self, reply: &Reply) {
+        let differs = |last: &Sample| last.reply.mode != reply.mode;
+        self.other_loop = self.last.filter(differs).map(|_| reply.mode);
+        self.count_reply();
+    }
+
+    /// Records that a reply arrived, without its content.
+    pub(crate) fn count_reply(&mut self) {
+        self.late.replied();
+        if let Some(switched) = &mut self.switched_to {
+            switched.outstanding = switched.outstanding.saturating_sub(1);
+        }
     }
 
     /// The layout in which to read its reply to a request in `layout`; `None` if that is uncertain.
@@ -255,20 +285,51 @@ impl Motor {
     /// Records an ID query without an answer of this motor. Its answer has the layout of a drive
     /// reply.
     pub(crate) fn id_query_unanswered(&mut self, sent: Instant) {
+        self.late.id_query_unanswered(sent);
+    }
+
+    /// Records an unknown frame without a reply of this motor. Its reply may have either layout.
+    pub(crate) fn unknown_frame_unanswered(&mut self, sent: Instant) {
         self.late.unanswered(Layout::Drive, sent, 1);
+        self.late.unanswered(Layout::Query, sent, 1);
     }
 
     /// Records a mode switch. Of several unconfirmed switches the position loop counts, in which
     /// zero moves the wheel.
-    pub(crate) fn switch_sent(&mut self, to: Mode) {
-        if self.switched_to != Some(Mode::Position) {
-            self.switched_to = Some(to);
+    pub(crate) fn switch_sent(&mut self, now: Instant, to: Mode) {
+        let outstanding = self.late.outstanding(now);
+        match &mut self.switched_to {
+            // The same again: a reply after the first of them tells as much.
+            Some(before) if before.to == to && to != Mode::Position => {}
+            Some(before) if before.to == Mode::Position && to != Mode::Position => {
+                before.among_others = true;
+            }
+            before => {
+                let others = before.is_some_and(|before| before.among_others || before.to != to);
+                *before = Some(Switched {
+                    to,
+                    outstanding,
+                    among_others: others,
+                });
+            }
         }
     }
 
-    /// A reply has reported the loop after the last mode switch.
+    /// Whether a reply in its window reports a time after the last mode switch.
+    pub(crate) fn confirms_loop(&self) -> bool {
+        !self
+            .switched_to
+            .is_some_and(|switched| switched.among_others && switched.outstanding > 0)
+    }
+
+    /// A reply to a request after the last mode switch has reported the loop, unless it may be an earlier one.
     pub(crate) fn loop_reported(&mut self) {
-        self.switched_to = None;
+        if self
+            .switched_to
+            .is_some_and(|switched| switched.outstanding == 0)
+        {
+            self.switched_to = None;
+        }
     }
 
     /// Whether a mode switch was sent that no reply has confirmed yet.
@@ -279,7 +340,7 @@ impl Motor {
     /// The loop by a reply of the last 500 ms, and the last known loop.
     pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
         let last = self.last_mode();
-        match self.switched_to {
+        match self.switched_to.map(|switched| switched.to) {
             Some(Mode::Position) => (None, Some(Mode::Position)),
             Some(_) => (None, last),
             None => (self.fresh_mode(now), last),
@@ -304,7 +365,7 @@ impl Motor {
 
     pub(crate) fn fresh_mode(&self, now: Instant) -> Option<Mode> {
         self.fresh(now)
-            .filter(|_| self.switched_to.is_none())
+            .filter(|_| self.switched_to.is_none() && self.other_loop.is_none())
             .map(|reply| reply.mode)
     }
 
@@ -352,8 +413,10 @@ impl Motor {
         limits.crossed(self.last?, temperature, self.overcurrent, driven_since)
     }
 
+    /// The loop in the last reply, of any age.
     pub(crate) fn last_mode(&self) -> Option<Mode> {
-        self.last.map(|sample| sample.reply.mode)
+        let last = self.last.map(|sample| sample.reply.mode);
+        self.other_loop.or(last)
     }
 
     pub(crate) const fn has_answered(&self) -> bool {

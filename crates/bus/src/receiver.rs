@@ -222,13 +222,14 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
         let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
         let has_reason =
             |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
-        // A stray byte after a reply and a truncated echo of one byte before it look alike.
-        let is_odd = |offset: usize| {
-            bytes
-                .get(offset + FAULT_BYTE)
-                .is_some_and(|b| b & RESERVED != 0)
+        // A stray byte after a reply and a truncated echo of one byte before it look alike. Most replies report
+        // no fault, and a byte in that place by chance is rarely 0.
+        let doubt = |offset: usize| match bytes.get(offset + FAULT_BYTE) {
+            Some(0) | None => 0,
+            Some(faults) if faults & RESERVED == 0 => 1,
+            Some(_) => 2,
         };
-        let is_likely = |rival: &usize| has_reason(rival) && (is_odd(first) || !is_odd(*rival));
+        let is_likely = |rival: &usize| has_reason(rival) && doubt(*rival) <= doubt(first);
         // After a truncated echo the true reply is the last one.
         offset = rivals().rfind(is_likely).unwrap_or(first);
         let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
@@ -495,5 +496,16 @@ mod tests {
         };
         let (found, _) = receiver.take(offset, &query).unwrap();
         assert_eq!(found.frame, reply);
+    }
+
+    /// Seed 304647: the same with faults that a motor may have, where the other window has none.
+    #[test]
+    fn of_two_readings_the_one_without_a_fault_is_taken() {
+        let id = MotorId::new(3).unwrap();
+        let reply = frame("03 03 01 6C 00 00 1C CA 00 11");
+        let query = frame("03 74 00 00 00 00 00 00 00 55");
+        let mut receiver = after(reply.bytes());
+        receiver.push(&[0x4B]);
+        assert_eq!(receiver.find(id, &query, true), Found::At(0));
     }
 }

@@ -235,18 +235,26 @@ impl Bus {
         };
         motor.counters.replies += 1;
         motor.loss.count(false);
+        if motor.late.id_query_is_recent(now) {
+            // Several replies at once may pass the CRC as a reply of no motor.
+            motor.count_reply();
+            return;
+        }
+        let confirms_loop = motor.confirms_loop();
+        motor.loop_reported();
         let measures_round_trip = !motor.late.makes_round_trip_ambiguous(now);
         if measures_round_trip {
             motor.round_trip.replied(took);
-            // A late reply may report the time before a switch or before this frame.
-            motor.loop_reported();
-            motor.torque.answered(&exchange.frame);
+            // A late reply may report the time before this frame.
+            if motor.late.outstanding(now) == 0 {
+                motor.torque.answered(&exchange.frame);
+            }
         }
         let loop_unconfirmed = motor.loop_is_unconfirmed();
         motor.angle_estimate.replied(now, &reply);
         let seen = motor.angle_estimate.confirmed_now(now);
         match (&mut motor.control, reply.detail) {
-            (Control::Switching(switch), _) => switch.record_mode(reply.mode),
+            (Control::Switching(switch), _) if confirms_loop => switch.record_mode(reply.mode),
             // A late reply may report the time before a switch.
             (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !loop_unconfirmed => {
                 stop.record_reply(&reply);
@@ -281,12 +289,13 @@ impl Bus {
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
-                if motor.late.makes_round_trip_ambiguous(now) {
+                motor.late.late_reply();
+                if motor.late.may_answer_id_query() {
+                    motor.count_reply();
+                } else if motor.late.makes_round_trip_ambiguous(now) {
                     self.record_reply(now, reply);
                 } else {
-                    // Its age is unknown: it counts as an outstanding reply, not as a current
-                    // reading.
-                    motor.late.replied();
+                    motor.record_reply_of_unknown_age(&reply);
                 }
             }
             None => self.counters.wrong_ids += 1,

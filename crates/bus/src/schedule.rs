@@ -50,7 +50,7 @@ pub(crate) struct Pacing {
     pub(crate) usual: Duration,
     /// Time between two drive frames to one motor.
     pub(crate) period: Duration,
-    /// Whether the last frame was a query. A second one must not delay a drive frame.
+    /// Whether the last frame, mode switches aside, was a query. A second one must not delay a drive frame.
     pub(crate) query_was_last: bool,
     /// Whether the last exchange has just ended.
     pub(crate) just_freed: bool,

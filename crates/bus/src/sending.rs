@@ -174,7 +174,14 @@ impl Bus {
 
     fn apply_effect(&mut self, handed: &PendingTransmit) {
         let now = handed.at;
-        self.query_was_last = false;
+        // A mode switch has no reply: a frame that waits for a query keeps waiting.
+        self.query_was_last &= matches!(
+            handed.effect,
+            Effect::Motor {
+                sent: Sent::Switch { .. },
+                ..
+            }
+        );
         match handed.effect {
             Effect::IdQuery => self.id_query_wanted = false,
             Effect::Job(_) => {}
@@ -196,7 +203,7 @@ impl Bus {
                             // Ask whether the motor has switched.
                             motor.next_query = now;
                         }
-                        motor.switch_sent(to);
+                        motor.switch_sent(now, to);
                     }
                     Sent::Drive(setpoint) => {
                         drives = setpoint.is_some_and(|setpoint| !is_rest(setpoint));

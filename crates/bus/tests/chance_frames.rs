@@ -9,7 +9,7 @@
 mod fixture;
 
 use fixture::{Fixture, ID, drive_frame, id, ms, raw, rpm};
-use motorlink_bus::{Command, Event, IdQueryOutcome, RawAnswer, Repeat};
+use motorlink_bus::{Command, Event, IdQueryOutcome, RawAnswer, Repeat, StopReason};
 use motorlink_protocol::{Frame, Reply, Request};
 use motorlink_simulator::WorldConfig;
 
@@ -145,5 +145,28 @@ fn the_answer_to_a_raw_frame_with_one_addressee_is_telemetry_of_that_motor_only(
         let last = fixture.bus.raw().unwrap().last;
         let is_answer = matches!(last, Some(RawAnswer::Reply { .. }));
         assert_eq!(is_answer, kept == 1, "{last:?}");
+    }
+}
+
+/// A stop cuts the ID query short, and an adapter hands out what it had held.
+#[test]
+fn answers_that_collide_are_no_telemetry_when_they_come_late() {
+    for late in [1, 5, 12, 25, 60] {
+        let mut fixture = known(&[FROM_1, FROM_2]);
+        fixture.command(Command::IdQuery).unwrap();
+        fixture.run_until(ms(5_000), |fixture| {
+            fixture.sent.last().map(fixture::Sent::request) == Some(Request::IdQuery)
+        });
+        fixture.run(ms(2));
+        fixture
+            .command(Command::StopAll(StopReason::Operator))
+            .unwrap();
+        fixture.run(ms(8 + late));
+        fixture.bus.receive(fixture.now, &bytes(COLLIDED));
+        fixture.run(ms(100));
+        let faulty = told(&fixture)
+            .into_iter()
+            .find(|reply| reply.faults.any_named());
+        assert_eq!(faulty, None, "{late} ms behind the window");
     }
 }

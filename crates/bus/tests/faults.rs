@@ -10,7 +10,7 @@
 mod fixture;
 
 use fixture::{Fixture, ID, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Activity, Command, Event, Limits, Refusal, WithdrawReason};
+use motorlink_bus::{Activity, Command, Event, Limits, LineEventKind, Refusal, WithdrawReason};
 use motorlink_protocol::{Detail, Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
@@ -369,4 +369,65 @@ fn windows_are_never_waited_twice_and_frames_never_overlap() {
         .count();
     assert!((15..=25).contains(&asked), "{asked}");
     assert!(fixture.now > Instant::ZERO);
+}
+
+/// Seed 57716: an adapter begins to hold bytes for 120 ms, and a motor loses its power for a moment. Its
+/// replies from the velocity loop are too late to be readings, and the angle would be read as a speed.
+#[test]
+fn a_reply_of_unknown_age_that_reports_another_loop_takes_the_setpoint() {
+    for wait in 0..20 {
+        let mut fixture = fixture::two();
+        fixture.switch(Mode::Position);
+        fixture.drive(degrees(40.0)).unwrap();
+        fixture.run(ms(1_000 + wait));
+        fixture.world.set_faults(WireFaults {
+            hold: ms(120),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(20));
+        fixture.forget_the_past();
+        fixture.world.motor_mut(ID).unwrap().power(false);
+        fixture.world.motor_mut(ID).unwrap().power(true);
+        fixture.run(ms(400));
+        let other_loop = |event: &Event| {
+            let Event::Line(line) = event else {
+                return false;
+            };
+            let LineEventKind::Received { frame, .. } = line.kind else {
+                return false;
+            };
+            frame
+                .bytes()
+                .starts_with(&[ID.get(), Mode::Velocity.byte()])
+        };
+        let heard = fixture.events.iter().find(|(_, event)| other_loop(event));
+        let (heard, _) = heard.expect("a reply from the velocity loop");
+        let angle = |sent: &&fixture::Sent| {
+            sent.at >= *heard && sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0)
+        };
+        let sent = fixture.sent.iter().find(angle);
+        assert!(sent.is_none(), "{wait} ms: {sent:?} behind {heard:?}");
+    }
+}
+
+/// A drive frame with a byte that no drive frame has is answered like one, by a motor that does not mind.
+#[test]
+fn the_answer_to_a_raw_frame_that_nobody_can_read_is_not_read_in_the_layout_of_a_later_query() {
+    let [id, command, high, low, ..] = *fixture::drive_frame(ID, rpm(60)).bytes();
+    let odd = Frame::with_crc([id, command, high, low, 0, 0, 0, 0, 1]);
+    for stall in [30, 45, 65, 90] {
+        for trial in 0..20 {
+            let mut fixture = Fixture::one_motor();
+            fixture.run(ms(5 * trial));
+            fixture.world.set_faults(WireFaults {
+                hold: ms(stall),
+                ..WireFaults::default()
+            });
+            fixture
+                .command(fixture::raw(odd, fixture::every(24, 40)))
+                .unwrap();
+            fixture.run(ms(2_000));
+            assert_telemetry_is_true(&fixture, stall);
+        }
+    }
 }

@@ -11,7 +11,7 @@ mod fixture;
 
 use std::time::Duration;
 
-use fixture::{Fixture, ID, amps, degrees, ms, rpm, scan_report};
+use fixture::{Fixture, ID, amps, degrees, id, ms, rpm, scan_report};
 use motorlink_bus::{Activity, Command, Event, LineEventKind, StopReason, WithdrawReason};
 use motorlink_protocol::{Drive, Mode, MotorId, Request};
 use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
@@ -152,11 +152,7 @@ fn every_refused_frame_is_logged_as_not_sent_and_none_as_silence() {
 
 #[test]
 fn a_scan_through_refusals_finds_every_motor() {
-    let mut fixture = Fixture::new(WorldConfig::with_ids([
-        ID,
-        fixture::id(77),
-        fixture::id(250),
-    ]));
+    let mut fixture = Fixture::new(WorldConfig::with_ids([ID, id(77), id(250)]));
     fixture.command(Command::FullScan).unwrap();
     for _ in 0..40 {
         fixture.adapter_is_busy = true;
@@ -169,7 +165,7 @@ fn a_scan_through_refusals_finds_every_motor() {
         Event::ScanEnded(report) => Some(report.found.clone()),
         _ => None,
     });
-    assert_eq!(found, Some(vec![ID, fixture::id(77), fixture::id(250)]));
+    assert_eq!(found, Some(vec![ID, id(77), id(250)]));
 }
 
 #[test]
@@ -255,4 +251,31 @@ fn a_reversal_waits_for_a_zero_that_is_answered() {
     assert!(!fixture.sent.is_empty());
     let value = |sent: &fixture::Sent| sent.drive_of(ID).map_or(0, Drive::signed);
     assert!(fixture.sent.iter().all(|sent| value(sent) == 0));
+}
+
+/// An adapter begins to hold bytes, and every zero is lost: a reply to a frame before is no answer to it.
+#[test]
+fn a_late_reply_does_not_answer_a_zero_that_was_lost() {
+    let holding = |lose_request| WireFaults {
+        hold: ms(60),
+        lose_request,
+        ..WireFaults::default()
+    };
+    let ids = [ID, id(2), id(3)];
+    for wait in 100..140 {
+        let mut fixture = Fixture::watching(WorldConfig::with_ids(ids), &ids);
+        fixture.switch(Mode::Current);
+        fixture.world.motor_mut(ID).unwrap().set_load_nm(1.0);
+        fixture.drive(amps(0.5)).unwrap();
+        fixture.run(ms(577));
+        fixture.world.set_faults(holding(0.0));
+        fixture.run(ms(wait));
+        fixture.world.set_faults(holding(1.0));
+        fixture.forget_the_past();
+        fixture.drive(amps(-0.5)).unwrap();
+        fixture.run(ms(400));
+        let value = |sent: &fixture::Sent| sent.drive_of(ID).map_or(0, Drive::signed);
+        let reversed = fixture.sent.iter().find(|sent| value(sent) < 0);
+        assert!(reversed.is_none(), "after {wait} ms: {reversed:?}");
+    }
 }

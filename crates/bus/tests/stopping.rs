@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{Activity, Bus, Command, Consent, Event, Refusal, StopReason, StopReport};
 use motorlink_protocol::{Drive, Instant, Mode, MotorId, Request, Setpoint};
-use motorlink_simulator::{MotorConfig, WorldConfig};
+use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
 const STOP: Command = Command::StopAll(StopReason::Operator);
 
@@ -317,6 +317,35 @@ fn a_brake_that_is_due_waits_for_one_query_at_most() {
     let queries: Vec<usize> = of_the_stop.map(<[Sent]>::len).collect();
     assert!(queries.len() > 20, "{queries:?}");
     assert!(queries.iter().all(|queries| *queries <= 1), "{queries:?}");
+}
+
+/// Seed 311329: on an adapter that holds bytes a mode switch of another motor stood between the queries.
+#[test]
+fn a_brake_that_is_due_waits_for_one_query_at_most_beside_a_switch() {
+    for held in (0..200).step_by(10) {
+        let ids = [id(1), id(2), id(3), id(4)];
+        let mut fixture = Fixture::watching(WorldConfig::with_ids(ids), &ids);
+        fixture.drive(rpm(100)).unwrap();
+        fixture.run(ms(1_500));
+        fixture.world.set_faults(WireFaults {
+            hold: ms(120),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(held));
+        let mode = Mode::Current;
+        let switch = Command::SwitchMode { id: id(3), mode };
+        fixture.command(switch).unwrap();
+        fixture.forget_the_past();
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(500));
+        let queries = |sent: &[Sent]| sent.iter().filter(|sent| sent.is_query()).count();
+        let of_the_stop = fixture.sent.split(|sent| sent.drive_of(ID).is_some());
+        let queries: Vec<usize> = of_the_stop.map(queries).collect();
+        assert!(
+            queries.iter().all(|queries| *queries <= 1),
+            "{held} ms: {queries:?}"
+        );
+    }
 }
 
 #[test]

@@ -12,8 +12,8 @@ mod fixture;
 
 use fixture::{Fixture, ID, degrees, ms, rpm};
 use motorlink_bus::{Activity, Command, StopReason};
-use motorlink_protocol::{Mode, MotorId};
-use motorlink_simulator::{MotorConfig, WorldConfig};
+use motorlink_protocol::{Drive, Mode, MotorId};
+use motorlink_simulator::{MotorConfig, WireFaults, WorldConfig};
 
 const STOP: Command = Command::StopAll(StopReason::Operator);
 
@@ -110,5 +110,62 @@ fn a_stop_during_a_second_switch_does_not_move_the_wheel() {
                 );
             }
         }
+    }
+}
+
+/// An adapter begins to hold bytes, and the reply of before the switches is read as one behind them.
+#[test]
+fn a_late_reply_does_not_report_the_loop_of_after_a_switch() {
+    for (hold, wait) in [60, 90, 120, 160]
+        .into_iter()
+        .flat_map(|hold| (60..200).step_by(5).map(move |wait| (hold, wait)))
+    {
+        let mut fixture = standing_at_120(5);
+        fixture.run(ms(70));
+        let before = angle(&fixture);
+        fixture.world.set_faults(WireFaults {
+            hold: ms(hold),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(60));
+        fixture.command(switch_to(Mode::Position)).unwrap();
+        fixture.run(ms(wait));
+        fixture.command(STOP).unwrap();
+        fixture.run(ms(1_000));
+        let after = angle(&fixture);
+        assert!(
+            (after - before).abs() < 2.0,
+            "held for {hold} ms, stop after {wait} ms: {before} to {after}"
+        );
+    }
+}
+
+/// Two of the five switches back are lost, and the reply of before the switch forth says that all is done.
+#[test]
+fn a_late_reply_does_not_confirm_a_switch_back() {
+    let holding = |lose_request| WireFaults {
+        hold: ms(120),
+        lose_request,
+        ..WireFaults::default()
+    };
+    for wait in (60..180).step_by(5) {
+        let mut fixture = standing_at_120(5);
+        fixture.switch(Mode::Position);
+        fixture.run(ms(85));
+        fixture.world.set_faults(holding(0.0));
+        fixture.run(ms(40));
+        fixture.command(switch_to(Mode::Velocity)).unwrap();
+        fixture.run(ms(wait));
+        fixture.world.set_faults(holding(1.0));
+        fixture.forget_the_past();
+        fixture.command(switch_to(Mode::Position)).unwrap();
+        fixture.drive(degrees(200.0)).unwrap();
+        fixture.run(ms(30));
+        fixture.world.set_faults(holding(0.0));
+        fixture.run(ms(600));
+        let value = |sent: &fixture::Sent| sent.drive_of(ID).map_or(0, Drive::signed);
+        let angle = fixture.sent.iter().find(|sent| value(sent) != 0);
+        let mode = fixture.world.motor(ID).unwrap().mode();
+        assert!(angle.is_none(), "after {wait} ms: {angle:?} in {mode}");
     }
 }

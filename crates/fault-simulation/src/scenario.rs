@@ -134,7 +134,7 @@ impl Generator {
             Action::Command(Command::Stop(id)),
             pause_ms(600),
         ];
-        match self.rng.u8(..8) {
+        match self.rng.u8(..9) {
             0 => self.hold(id, &mut actions),
             1 => self.reverse(id, &mut actions),
             2 => self.stop_at_an_angle(id, &mut actions),
@@ -159,6 +159,7 @@ impl Generator {
                 actions.push(self.refuses());
                 actions.push(Action::Command(self.stop(id)));
             }
+            7 => self.switch_on_a_late_line(id, &mut actions),
             _ => {
                 actions.extend(self.together().map(|parts| {
                     let consent = Consent::None;
@@ -187,6 +188,37 @@ impl Generator {
         actions.push(self.disturbance());
         actions.push(Action::Command(Command::Hold(id)));
         actions.push(pause_ms(1_000));
+    }
+
+    /// Mode switches on a line that begins to hold replies; some switches may be lost.
+    fn switch_on_a_late_line(&mut self, id: MotorId, actions: &mut Vec<Action>) {
+        let setpoint = self.setpoint();
+        actions.push(switch(id, setpoint.mode()));
+        actions.push(pause_ms(450));
+        actions.push(drive(id, setpoint));
+        actions.push(pause_ms(self.rng.u64(10..500)));
+        actions.push(Action::Command(Command::Stop(id)));
+        actions.push(pause_ms(600));
+        actions.push(Action::Line(if self.rng.bool() {
+            LineFault::Stalls
+        } else {
+            LineFault::Gathers(self.rng.u8(20..=70))
+        }));
+        for _ in 0..self.rng.u8(1..4) {
+            actions.push(pause_ms(self.rng.u64(1..150)));
+            actions.push(switch(id, self.mode()));
+            if self.rng.u8(..3) == 0 {
+                actions.push(self.cuts());
+            }
+        }
+        if self.rng.bool() {
+            actions.push(drive(id, self.setpoint()));
+        } else {
+            actions.push(pause_ms(self.rng.u64(50..200)));
+            actions.push(Action::Command(self.stop(id)));
+        }
+        actions.push(pause_ms(700));
+        actions.push(Action::Line(LineFault::None));
     }
 
     /// Torque in one direction, then in the other.

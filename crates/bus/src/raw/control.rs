@@ -149,7 +149,7 @@ impl Bus {
         }
         match (effect, addressee) {
             (RawEffect::Probe | RawEffect::SetId, _) => {}
-            (RawEffect::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(mode),
+            (RawEffect::Switch(mode), Some(id)) => self.watch(now, id).switch_sent(now, mode),
             (RawEffect::Drive { .. } | RawEffect::Unknown, Some(id)) => {
                 self.watch(now, id).may_turn = true;
             }
@@ -157,7 +157,7 @@ impl Bus {
                 for motor in &mut self.motors {
                     motor.may_turn = true;
                     if let RawEffect::Switch(mode) = effect {
-                        motor.switch_sent(mode);
+                        motor.switch_sent(now, mode);
                     }
                 }
             }
