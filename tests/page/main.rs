@@ -1,11 +1,6 @@
 //! The page in a browser, with a worker that only writes down what it is told.
+#![cfg(test)]
 #![cfg(target_arch = "wasm32")]
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "what fails here fails a test"
-)]
 
 mod bench;
 mod contract;

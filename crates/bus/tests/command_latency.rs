@@ -1,11 +1,5 @@
 //! What an operator does shows at once, and what is not an operator's act shows not at all.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,10 +1,5 @@
 //! Giving a motor another ID: proved before, verified after, never by accident.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

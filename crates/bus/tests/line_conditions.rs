@@ -1,10 +1,5 @@
 //! Line faults that begin while a wheel is driven.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

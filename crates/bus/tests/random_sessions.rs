@@ -1,10 +1,5 @@
 //! Days of random commands on bad lines: whatever is pressed, stopped means stopped.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,10 +1,5 @@
 //! Raw frames: what is sent, and what is answered.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

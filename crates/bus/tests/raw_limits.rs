@@ -1,10 +1,5 @@
 //! Limits hold for what a person writes byte by byte, and for what every motor hears.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

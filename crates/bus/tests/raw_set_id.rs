@@ -1,10 +1,5 @@
 //! Raw set-ID frames: the same proof and the same check as the command.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,10 +1,5 @@
 //! What ends raw frames: stops, a silent page, and the reasons that withdraw any setpoint.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test that cannot go on fails"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,11 +1,5 @@
 //! An adapter that stalls keeps what it is given and puts it on the wire later: how much that is.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,11 +1,5 @@
 //! Stopping: velocity loop, zero, brake, next on the wire, until every reply says it stands.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod fixture;
 

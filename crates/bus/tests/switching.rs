@@ -1,11 +1,5 @@
 //! Changing loops: five frames, confirmed by replies, and refused where the wheel would move by it.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod fixture;
 

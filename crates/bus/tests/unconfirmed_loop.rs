@@ -1,12 +1,6 @@
 //! A mode switch whose outcome is not known: the motor may be in the position loop, where zero moves
 //! the wheel.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod fixture;
 

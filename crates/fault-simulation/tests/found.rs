@@ -1,8 +1,7 @@
 //! Worlds in which a rule was once broken, with nothing left in them that the fault does not need.
 //!
 //! A seed means another world as soon as anything new is drawn, so what it had found is kept here.
-#![allow(clippy::panic, reason = "a test fails by panicking")]
-#![allow(clippy::unwrap_used, reason = "the numbers are good ones")]
+#![cfg(test)]
 
 use std::time::Duration;
 

@@ -1,4 +1,5 @@
 //! The first change of CONTRIBUTING.md. The code between the marks is shown there, word for word.
+#![cfg(test)]
 
 // mark: function
 use motorlink_i18n::terms::in_language;

@@ -1,11 +1,5 @@
 //! Every frame in `captures/` is a golden vector: what real motors said and published frames ask.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, Detail, Drive,

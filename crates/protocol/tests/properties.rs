@@ -1,11 +1,5 @@
 //! What holds for any bytes and any request.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 use motorlink_protocol::{
     Acceleration, AssignableId, CoarsePosition, Current, Drive, Frame, Layout, Mode, MotorId,

@@ -1,10 +1,5 @@
 //! A session that is kept, and read back into another recorder.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod line;
 

@@ -1,9 +1,5 @@
 //! What is kept, what gives way, and where an entry stands.
-#![allow(
-    clippy::unwrap_used,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod line;
 

@@ -1,8 +1,5 @@
 //! A view that grew with the log shows what one shows that is made anew.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 mod line;
 

@@ -1,11 +1,5 @@
 //! What adapters and cables do to bytes, one fault at a time.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,10 +1,5 @@
 //! The published figures of the motor, each with its tolerance and where it comes from.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

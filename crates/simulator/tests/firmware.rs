@@ -1,11 +1,5 @@
 //! What the controller does with frames: modes, latch, brake, IDs, and the two reply layouts.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

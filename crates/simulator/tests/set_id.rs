@@ -1,11 +1,5 @@
 //! How an address is given: five frames in a row, heard by all, once per power cycle, kept in flash.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,11 +1,5 @@
 //! Bytes in time: airtime, turnaround, collisions, and how motors find frames again.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod fixture;
 

@@ -1,10 +1,5 @@
 //! The example of `motorlink-bus` drives a virtual motor, through the terminal that it opens by itself.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod program;
 #[allow(dead_code, reason = "its main() is not called")]

@@ -1,11 +1,5 @@
 //! A serial program drives virtual motors through the terminal.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a broken expectation is a failed test"
-)]
+#![cfg(test)]
 
 mod program;
 

@@ -1,9 +1,5 @@
 //! Plays what is kept in `fuzz/corpus`: frames of real motors and what fuzzing found worth keeping.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test fails by panicking, in its helpers too"
-)]
+#![cfg(test)]
 
 use std::{fs, path::Path};
 

@@ -1,10 +1,5 @@
 //! What passes on a line, for the stories of the recorder.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    clippy::missing_panics_doc,
-    reason = "not every story needs all of it, and a test fails by panicking"
-)]
+#![allow(dead_code, reason = "not every story needs all of it")]
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, LogPage, Row, Window};

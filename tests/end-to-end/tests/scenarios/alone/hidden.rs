@@ -1,11 +1,4 @@
 //! A page that is hidden for long, as behind another tab while a robot drives.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{env, thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! The command rate, up to what the motor takes: 500 Hz.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{thread, time::Duration};
 

@@ -1,12 +1,5 @@
 //! What a machine can judge of the page's accessibility: axe on every screen, in every theme, language and
 //! width.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,11 +1,4 @@
 //! Lines that lose, spoil, echo and split: what is driven on them, and what is shown of it.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{
     thread,

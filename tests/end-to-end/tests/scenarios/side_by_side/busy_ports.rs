@@ -1,11 +1,4 @@
 //! Ports that are another's: a program's, another tab's, or nobody's any more.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::time::Duration;
 

@@ -1,11 +1,4 @@
 //! A person drives a motor: over real Web Serial, in every loop, and without hardware.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! The page without a network, at any path, and the next version of it.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,11 +1,4 @@
 //! Pages that are gone or half gone while a wheel turns: left, crashed, discarded, without their worker.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! The page's policy: nothing of the page breaks it, and it stands.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{fs, path::Path};
 

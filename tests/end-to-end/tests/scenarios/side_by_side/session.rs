@@ -1,11 +1,4 @@
 //! A session survives a crash of the page, and is erased when a person says so.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! The page is used while it still comes.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use crate::fixture::assert_quiet_console;
 use anyhow::Result;

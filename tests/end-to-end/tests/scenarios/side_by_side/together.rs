@@ -1,11 +1,4 @@
 //! Motors that are driven as one, over real Web Serial.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! The adapter pulled out and put back, whatever the page is at.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::time::Duration;
 

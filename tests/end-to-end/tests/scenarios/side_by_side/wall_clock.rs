@@ -1,12 +1,5 @@
 //! The wall clock jumps, as when a machine is told the time or has slept: only in the page and its workers
 //! here, never in the machine.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::{fs, path::Path, thread, time::Duration};
 

@@ -1,11 +1,4 @@
 //! Reading the instruments: the log, the graph, the faults.
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing,
-    reason = "a test fails by panicking, in its helpers too"
-)]
 
 use std::time::Duration;
 
