@@ -141,7 +141,7 @@ async fn a_file_that_does_not_fit_changes_nothing() {
         "Nothing was changed. motors[1].side: expected \"none\", \"left\" or \"right\"."
     );
     let words = import(&bench, "{\n  \"motorlink_setup\": 1,\n}").await;
-    assert!(words.contains("Line 3, column 1"), "{words}");
+    assert!(words.contains("line 3, column 1"), "{words}");
     assert_eq!(kept(), before);
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "");
     let told = bench.told().await;

@@ -231,7 +231,7 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
         })
         .await;
     let words = bench.text(QUESTION.0, QUESTION.1);
-    assert!(words.contains("Motor 0x01 will answer as 0x05"), "{words}");
+    assert!(words.contains("Motor 0x01 becomes 0x05"), "{words}");
     let agree = bench.find("button", "Set ID 0x05");
     agree.click();
     agree.click();
