@@ -18,7 +18,7 @@ use crate::{
         page::{Dialog, use_page},
         preferences::Theme,
     },
-    ui::reactive::{heard, live},
+    ui::reactive::{dynamic, handler},
 };
 
 /// The combobox by which the language is chosen.
@@ -80,7 +80,7 @@ fn LanguageChoice(features: Features) -> impl IntoView {
                 aria-label=tr!("Language")
                 title=tr!("Language")
                 id=LANGUAGE
-                on:change=heard(move |event| {
+                on:change=handler(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         features.choose_language(language);
                         // By then the page is another, and the focus is to be where it was; but not while
@@ -140,9 +140,9 @@ fn ThemeButton() -> impl IntoView {
             type="button"
             class="button icon-button"
             aria-label=tr!("Theme")
-            title=live(title)
-            on:click=heard(move |_| page.prefer(|preferences| preferences.theme = preferences.theme.next()))
-            inner_html=live(move || glyph(shape()))
+            title=dynamic(title)
+            on:click=handler(move |_| page.prefer(|preferences| preferences.theme = preferences.theme.next()))
+            inner_html=dynamic(move || glyph(shape()))
         ></button>
     }
 }
@@ -157,7 +157,7 @@ fn HelpButton() -> impl IntoView {
             aria-label=tr!("Help")
             aria-haspopup="dialog"
             title=tr!("Wiring, first spin, protocol, troubleshooting (?)")
-            on:click=heard(move |_| page.dialog.set(Some(Dialog::Help(None))))
+            on:click=handler(move |_| page.dialog.set(Some(Dialog::Help(None))))
         >
             <span aria-hidden="true">"?"</span>
         </button>

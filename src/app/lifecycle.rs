@@ -12,7 +12,7 @@ use crate::{
         clock::page_now_ms,
         format,
         listener::on_window,
-        reactive::{follow, memo},
+        reactive::{effect, memo},
     },
 };
 
@@ -30,7 +30,7 @@ pub(crate) fn watch(features: Features) {
     on_window("visibilitychange", move |_| visibility_changed(features));
 
     let title = memo(move || features.page.shown.with(title));
-    follow(move || document().set_title(&title.get()));
+    effect(move || document().set_title(&title.get()));
 }
 
 fn leave(features: Features) {

@@ -29,7 +29,7 @@ use crate::{
         notice_texts::of_dead_worker,
         preferences::{Preferences, Theme, remembered},
     },
-    ui::reactive::follow,
+    ui::reactive::effect,
 };
 
 /// How often the page checks that the worker lives; a hidden page's timers may come less often.
@@ -51,14 +51,14 @@ pub fn App() -> impl IntoView {
     if wants_virtual_motor() {
         features.connect.connect_virtual();
     }
-    follow(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
+    effect(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
 
     // First of all: a stop that is asked for before there is a worker stands once there is one.
     keyboard::listen(features);
     lifecycle::watch(features);
     // The workers start last: on two cores they would take half of the time in which the page comes.
     let complete = RwSignal::new(false);
-    follow(move || {
+    effect(move || {
         if complete.get() {
             untrack(move || start_worker(features));
         }

@@ -36,7 +36,7 @@ use crate::{
         telemetry::{Telemetry, twin::panel::WheelPanel},
     },
     model::page::Page,
-    ui::reactive::{follow, live},
+    ui::reactive::{dynamic, effect},
 };
 
 /// Where parts are mounted, in the order in which they stand on the page.
@@ -275,13 +275,13 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
             in_the_next_turn(move || assembly.add_others(round));
         }
     };
-    follow(move || {
+    effect(move || {
         features.page.language.track();
         untrack(begin);
     });
     let behind_dialog = move || is_behind_dialog(features.page);
     view! {
-        <div class="page" class:incomplete=live(move || !assembly.complete.get())>
+        <div class="page" class:incomplete=dynamic(move || !assembly.complete.get())>
             <div class="top" node_ref=places.top></div>
             <div class="above-desk" inert=behind_dialog node_ref=places.above_desk></div>
             <main class="desk" inert=behind_dialog node_ref=places.desk></main>

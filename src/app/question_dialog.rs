@@ -11,7 +11,7 @@ use crate::{
     ui::{
         button::PressButton,
         focus::focus_when,
-        reactive::{live, memo},
+        reactive::{dynamic, memo},
     },
 };
 
@@ -23,14 +23,14 @@ pub(crate) fn QuestionDialog(features: Features) -> impl IntoView {
     let open = memo(move || asked.with(Option::is_some));
     focus_when(open, dialog);
     let of_question = move |read: fn(&Question) -> String| {
-        live(move || asked.with(|asked| asked.as_ref().map(read).unwrap_or_default()))
+        dynamic(move || asked.with(|asked| asked.as_ref().map(read).unwrap_or_default()))
     };
     let yes = move || {
         let yes = asked.with(|asked| asked.as_ref().map(|question| question.yes.clone()));
         yes.unwrap_or_default()
     };
     view! {
-        <div class="scrim" hidden=live(move || !open.get())>
+        <div class="scrim" hidden=dynamic(move || !open.get())>
             <div
                 class="dialog consent"
                 role="alertdialog"

@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 
-use crate::ui::reactive::{heard, live};
+use crate::ui::reactive::{dynamic, handler};
 
 /// A button; disabled while there is a reason why not, which is then its description.
 #[component]
@@ -32,9 +32,9 @@ pub(crate) fn PressButton(
             type="button"
             class=class
             aria-label=name
-            title=live(title)
-            disabled=live(move || why_not.with(Option::is_some))
-            on:click=heard(move |_| on_press.run(()))
+            title=dynamic(title)
+            disabled=dynamic(move || why_not.with(Option::is_some))
+            on:click=handler(move |_| on_press.run(()))
         >
             {label}
         </button>

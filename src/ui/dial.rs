@@ -8,7 +8,7 @@ use web_sys::{KeyboardEvent, PointerEvent};
 use crate::ui::{
     entry::ANGLE,
     mathematics,
-    reactive::{heard, live},
+    reactive::{dynamic, handler},
     target::Target,
 };
 
@@ -46,23 +46,23 @@ pub(crate) fn Dial(
             aria-label=tr!("Target angle dial")
             aria-valuemin="0"
             aria-valuemax="360"
-            aria-valuenow=live(move || format!("{:.0}", degrees()))
-            aria-valuetext=live(move || tr!("{angle} degrees", angle = in_language(format!("{:.1}", degrees()))))
+            aria-valuenow=dynamic(move || format!("{:.0}", degrees()))
+            aria-valuetext=dynamic(move || tr!("{angle} degrees", angle = in_language(format!("{:.1}", degrees()))))
             tabindex="0"
             node_ref=dial
-            on:pointerdown=heard(move |event: PointerEvent| {
+            on:pointerdown=handler(move |event: PointerEvent| {
                 if let Some(dial) = dial.get_untracked() {
                     // Without capture the drag ends at the dial's edge, which is harmless.
                     let _ = dial.set_pointer_capture(event.pointer_id());
                 }
                 turn_to(&event);
             })
-            on:pointermove=heard(move |event: PointerEvent| {
+            on:pointermove=handler(move |event: PointerEvent| {
                 if dragging(&event) {
                     turn_to(&event);
                 }
             })
-            on:keydown=heard(move |event: KeyboardEvent| {
+            on:keydown=handler(move |event: KeyboardEvent| {
                 let by = match event.key().as_str() {
                     "ArrowUp" | "ArrowRight" => ANGLE.step,
                     "ArrowDown" | "ArrowLeft" => -ANGLE.step,
@@ -74,7 +74,7 @@ pub(crate) fn Dial(
                 target.set(ANGLE.moved(target.get_untracked(), by));
                 on_edit.run(());
             })
-            inner_html=live(move || face(degrees()))
+            inner_html=dynamic(move || face(degrees()))
         ></svg>
     }
 }

@@ -4,7 +4,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
-use crate::ui::{button::PressButton, reactive::live};
+use crate::ui::{button::PressButton, reactive::dynamic};
 
 /// A panel of the drawer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub(crate) fn panel_of_drawer(
 ) -> impl IntoView {
     let closed = move || open.get() != Some(which);
     view! {
-        <section class="panel drawer" aria-label=title hidden=live(closed)>
+        <section class="panel drawer" aria-label=title hidden=dynamic(closed)>
             <div class="drawer-head">
                 <h2>{title}</h2>
                 <PressButton

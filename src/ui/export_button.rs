@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
-use crate::ui::{button::PressButton, reactive::live};
+use crate::ui::{button::PressButton, reactive::dynamic};
 
 /// A button of this name; while the file is being written `Cancel export`, with a progress bar.
 #[component]
@@ -36,8 +36,8 @@ pub(crate) fn ExportButton(
             <progress
                 aria-label=tr!("Export")
                 max="1000"
-                value=live(move || per_mille.get().unwrap_or_default().to_string())
-                hidden=live(move || per_mille.get().is_none())
+                value=dynamic(move || per_mille.get().unwrap_or_default().to_string())
+                hidden=dynamic(move || per_mille.get().is_none())
             ></progress>
         </span>
     }

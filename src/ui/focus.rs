@@ -2,12 +2,12 @@
 
 use leptos::{html::Div, prelude::*};
 
-use crate::ui::reactive::follow;
+use crate::ui::reactive::effect;
 
 /// Gives a dialog the focus as a whole when it opens: it is on nothing that Space or Enter could
 /// press, so somebody who hammers on Space stops again and confirms nothing.
 pub(crate) fn focus_when(open: Memo<bool>, dialog: NodeRef<Div>) {
-    follow(move || {
+    effect(move || {
         if open.get() {
             // By then it is shown; what is hidden takes no focus.
             request_animation_frame(move || {

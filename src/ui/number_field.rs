@@ -5,7 +5,7 @@ use web_sys::KeyboardEvent;
 
 use crate::ui::{
     entry::Entry,
-    reactive::{heard, live, memo},
+    reactive::{dynamic, handler, memo},
     target::Target,
 };
 
@@ -43,7 +43,7 @@ pub(crate) fn NumberField(
     let trouble = memo(move || target.trouble_in(field).or_else(|| objection.get()));
     let wrong = move || trouble.with(Option::is_some);
     view! {
-        <div class="field" class:wrong=live(wrong)>
+        <div class="field" class:wrong=dynamic(wrong)>
             <label class="field-name" for=slug.clone() aria-hidden="true">
                 {name}
             </label>
@@ -58,20 +58,20 @@ pub(crate) fn NumberField(
                     aria-label=name
                     aria-valuemin=entry.plain(entry.min)
                     aria-valuemax=entry.plain(entry.max)
-                    aria-valuenow=live(move || entry.plain(target.get()))
-                    aria-valuetext=live(move || format!("{} {unit}", (entry.show)(target.get())))
-                    aria-invalid=live(move || if wrong() { "true" } else { "false" })
+                    aria-valuenow=dynamic(move || entry.plain(target.get()))
+                    aria-valuetext=dynamic(move || format!("{} {unit}", (entry.show)(target.get())))
+                    aria-invalid=dynamic(move || if wrong() { "true" } else { "false" })
                     aria-describedby=words_id.clone()
-                    prop:value=live(move || target.text(field, entry))
-                    on:input=heard(move |event| {
+                    prop:value=dynamic(move || target.text(field, entry))
+                    on:input=handler(move |event| {
                         target.type_in(field, event_target_value(&event), entry);
                     })
-                    on:blur=heard(move |_| {
+                    on:blur=handler(move |_| {
                         if target.finish(field, entry) {
                             on_edit.run(());
                         }
                     })
-                    on:keydown=heard(move |event| {
+                    on:keydown=handler(move |event| {
                         if step(target, field, entry, &event) {
                             on_edit.run(());
                         }
@@ -83,7 +83,7 @@ pub(crate) fn NumberField(
             </span>
             // One place for both, so that nothing moves when something is wrong.
             <p class="field-words" id=words_id aria-live="polite">
-                {live(move || trouble.get().unwrap_or_else(|| hint.get()))}
+                {dynamic(move || trouble.get().unwrap_or_else(|| hint.get()))}
             </p>
         </div>
     }

@@ -1,27 +1,25 @@
-//! Closures of a view with their types forgotten.
+//! Boxed closures for views, effects and event handlers.
 //!
-//! A view makes its code anew for the type of each closure in it, and every closure has a type of
-//! its own. Boxed, all that give a `String` share one: 20 KB less of the page's gzip.
+//! Leptos compiles its code once per closure type, and every closure has a type of its own. Boxed closures
+//! with the same signature share one type: 20 KB less of the page's gzip.
 
 use leptos::prelude::{Effect, Memo};
 
-/// What a part of the view shows, read anew whenever it changes.
-pub(crate) fn live<T>(read: impl FnMut() -> T + Send + 'static) -> Box<dyn FnMut() -> T + Send> {
+/// A dynamic text or attribute of a view: read again whenever a signal in it changes.
+pub(crate) fn dynamic<T>(read: impl FnMut() -> T + Send + 'static) -> Box<dyn FnMut() -> T + Send> {
     Box::new(read)
 }
 
-/// Does this now, and again whenever something changes that it has read: effects too share their code
-/// this way.
-pub(crate) fn follow(act: impl FnMut() + 'static) {
-    follow_boxed(Box::new(act));
+/// Runs `run` now, and again whenever a signal changes that it has read.
+pub(crate) fn effect(run: impl FnMut() + 'static) {
+    effect_boxed(Box::new(run));
 }
 
-fn follow_boxed(mut act: Box<dyn FnMut()>) {
-    Effect::new(move |_| act());
+fn effect_boxed(mut run: Box<dyn FnMut()>) {
+    Effect::new(move |_| run());
 }
 
-/// A value that others read, made anew when something changes that it was made of; those others only
-/// hear of it where it differs. All of one type share their code.
+/// A derived value: computed again when a signal in it changes. Its readers run only if the value differs.
 pub(crate) fn memo<T: PartialEq + Send + Sync + 'static>(
     read: impl Fn() -> T + Send + Sync + 'static,
 ) -> Memo<T> {
@@ -34,7 +32,7 @@ fn memo_boxed<T: PartialEq + Send + Sync + 'static>(
     Memo::new(move |_| read())
 }
 
-/// What is done when an event is heard.
-pub(crate) fn heard<E>(act: impl FnMut(E) + 'static) -> Box<dyn FnMut(E)> {
-    Box::new(act)
+/// A handler of a DOM event.
+pub(crate) fn handler<E>(handle: impl FnMut(E) + 'static) -> Box<dyn FnMut(E)> {
+    Box::new(handle)
 }

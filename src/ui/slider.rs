@@ -4,7 +4,7 @@ use leptos::prelude::*;
 
 use crate::ui::{
     entry::Entry,
-    reactive::{heard, live},
+    reactive::{dynamic, handler},
     target::Target,
 };
 
@@ -37,18 +37,18 @@ pub(crate) fn Slider(
                 min=entry.min.to_string()
                 max=entry.max.to_string()
                 step="1"
-                aria-valuetext=live(move || format!("{} {unit}", (entry.show)(target.get())))
-                prop:value=live(move || target.get().to_string())
-                style=("--from", live(move || format!("{:.2}%", ends().0)))
-                style=("--to", live(move || format!("{:.2}%", ends().1)))
-                on:input=heard(move |event| {
+                aria-valuetext=dynamic(move || format!("{} {unit}", (entry.show)(target.get())))
+                prop:value=dynamic(move || target.get().to_string())
+                style=("--from", dynamic(move || format!("{:.2}%", ends().0)))
+                style=("--to", dynamic(move || format!("{:.2}%", ends().1)))
+                on:input=handler(move |event| {
                     if let Ok(value) = event_target_value(&event).parse::<i32>() {
                         target.set(value.clamp(entry.min, entry.max));
                         on_edit.run(());
                     }
                 })
             />
-            <div class="slider-marks" aria-hidden="true" inner_html=live(move || marks.get())></div>
+            <div class="slider-marks" aria-hidden="true" inner_html=dynamic(move || marks.get())></div>
         </div>
     }
 }

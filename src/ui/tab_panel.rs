@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 
-use crate::ui::reactive::live;
+use crate::ui::reactive::dynamic;
 
 /// The id of a tab, by the tab's key.
 pub(crate) fn tab_id(key: &str) -> String {
@@ -27,7 +27,7 @@ pub(crate) fn tab_panel(
             role="tabpanel"
             id=panel_id(key)
             aria-labelledby=tab_id(key)
-            class:closed=live(is_closed)
+            class:closed=dynamic(is_closed)
         >
             {body}
         </div>

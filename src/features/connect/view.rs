@@ -14,7 +14,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
-        reactive::{live, memo},
+        reactive::{dynamic, memo},
     },
 };
 
@@ -37,13 +37,13 @@ pub(crate) fn ConnectionState() -> impl IntoView {
             class="connection"
             role="status"
             aria-label=tr!("Connection")
-            data-state=live(state)
-            title=live(move || words.with(|(_, detail)| detail.clone()))
+            data-state=dynamic(state)
+            title=dynamic(move || words.with(|(_, detail)| detail.clone()))
         >
-            <strong class="connection-state">{live(move || words.with(|(state, _)| *state))}</strong>
+            <strong class="connection-state">{dynamic(move || words.with(|(state, _)| *state))}</strong>
             " "
             <span class="connection-detail">
-                {live(move || words.with(|(_, detail)| detail.clone()))}
+                {dynamic(move || words.with(|(_, detail)| detail.clone()))}
             </span>
         </div>
     }

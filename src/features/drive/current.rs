@@ -17,7 +17,7 @@ use crate::{
         button::PressButton,
         entry, format,
         number_field::NumberField,
-        reactive::live,
+        reactive::dynamic,
         slider::{Slider, marks},
     },
 };
@@ -88,7 +88,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
         <p class="equals">
             "= "
             <output aria-label=tr!("Target current in amps") aria-live="off">
-                {live(in_amps)}
+                {dynamic(in_amps)}
             </output>
         </p>
         <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>

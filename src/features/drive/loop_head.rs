@@ -7,7 +7,7 @@ use motorlink_messages::protocol::Mode;
 use crate::{
     features::drive::actions::Drive,
     model::{guards::why_not_switch, snapshot::Reading, terms::loop_name},
-    ui::{button::PressButton, reactive::live},
+    ui::{button::PressButton, reactive::dynamic},
 };
 
 #[component]
@@ -28,7 +28,7 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
     view! {
         <div class="loop-head">
             <h2>{loop_name(mode)}</h2>
-            <span class="chip good" class:absent=live(move || !active())>
+            <span class="chip good" class:absent=dynamic(move || !active())>
                 {tr!("active")}
             </span>
             <PressButton
@@ -37,7 +37,7 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
                 why_not=why_not
                 on_press=move || drive.switch(mode)
             />
-            <p class="quiet">{live(words)}</p>
+            <p class="quiet">{dynamic(words)}</p>
         </div>
     }
 }

@@ -6,7 +6,7 @@ use motorlink_messages::protocol::Mode;
 use crate::{
     features::drive::{actions::Drive, loop_head::LoopHead},
     model::{guards::why_not_drive, page::Page, tab::Tab},
-    ui::{reactive::live, tab_panel::tab_panel, target::Target},
+    ui::{reactive::dynamic, tab_panel::tab_panel, target::Target},
 };
 
 /// The panel of a loop: what the motor reports and the switch, what the loop has of its own, and
@@ -60,10 +60,10 @@ fn Foot(
     let blocked = move || why_not.with(Option::is_some);
     view! {
         <div class="tab-foot">
-            <p class="reason" class:absent=live(move || !blocked())>
-                {live(move || why_not.get().unwrap_or_default())}
+            <p class="reason" class:absent=dynamic(move || !blocked())>
+                {dynamic(move || why_not.get().unwrap_or_default())}
             </p>
-            <p class="quiet" class:absent=live(blocked) inner_html=hint></p>
+            <p class="quiet" class:absent=dynamic(blocked) inner_html=hint></p>
         </div>
     }
 }

@@ -21,7 +21,7 @@ use crate::{
         tab::Tab,
     },
     ui::{
-        reactive::{heard, live},
+        reactive::{dynamic, handler},
         tab_panel::{panel_id, tab_id},
     },
 };
@@ -58,10 +58,10 @@ fn TabButton(tab: Tab) -> impl IntoView {
             class:working=working
             id=tab_id(tab.key())
             aria-controls=panel_id(tab.key())
-            aria-selected=live(move || if selected() { "true" } else { "false" })
-            tabindex=live(move || if selected() { "0" } else { "-1" })
-            on:click=heard(move |_| page.open_tab(tab))
-            on:keydown=heard(move |event| move_between_tabs(page, tab, &event))
+            aria-selected=dynamic(move || if selected() { "true" } else { "false" })
+            tabindex=dynamic(move || if selected() { "0" } else { "-1" })
+            on:click=handler(move |_| page.open_tab(tab))
+            on:keydown=handler(move |event| move_between_tabs(page, tab, &event))
         >
             {tab.name()}
         </button>

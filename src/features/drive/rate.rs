@@ -8,7 +8,7 @@ use crate::{
     ui::{
         entry,
         number_field::NumberField,
-        reactive::{heard, live},
+        reactive::{dynamic, handler},
     },
 };
 
@@ -31,8 +31,8 @@ pub(crate) fn Settings() -> impl IntoView {
             <label class="check">
                 <input
                     type="checkbox"
-                    prop:checked=live(keep_driving)
-                    on:change=heard(move |event| {
+                    prop:checked=dynamic(keep_driving)
+                    on:change=handler(move |event| {
                         let checked = event_target_checked(&event);
                         page.prefer(|preferences| preferences.keep_driving = checked);
                     })

@@ -14,7 +14,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
-        reactive::{heard, live},
+        reactive::{dynamic, handler},
     },
 };
 
@@ -48,7 +48,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
             <div
                 class="graph-comparing"
                 inner_html=legend::markup(chart.traces.get_untracked().compared)
-                on:change=heard(move |event| {
+                on:change=handler(move |event| {
                     let compared = Trace::from_class(&event_target_value(&event));
                     chart.traces.update(|traces| traces.compared = compared);
                     chart.wake();
@@ -93,8 +93,8 @@ fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
             <input
                 type="checkbox"
                 aria-label=trace.switch_name()
-                prop:checked=live(move || traces.get().has(trace))
-                on:change=heard(move |event| {
+                prop:checked=dynamic(move || traces.get().has(trace))
+                on:change=handler(move |event| {
                     let on = event_target_checked(&event);
                     traces.update(|traces| *traces = traces.with(trace, on));
                     chart.wake();
@@ -121,10 +121,10 @@ fn Window(chart: Chart, window: (u64, &'static str)) -> impl IntoView {
             type="button"
             role="radio"
             class="graph-window"
-            aria-checked=live(move || if chosen() { "true" } else { "false" })
-            tabindex=live(move || if chosen() || first_of_none() { "0" } else { "-1" })
-            on:click=heard(move |_| choose(chart, span_us))
-            on:keydown=heard(move |event: KeyboardEvent| move_between(chart, span_us, &event))
+            aria-checked=dynamic(move || if chosen() { "true" } else { "false" })
+            tabindex=dynamic(move || if chosen() || first_of_none() { "0" } else { "-1" })
+            on:click=handler(move |_| choose(chart, span_us))
+            on:keydown=handler(move |event: KeyboardEvent| move_between(chart, span_us, &event))
         >
             {name}
         </button>

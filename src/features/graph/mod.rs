@@ -40,7 +40,7 @@ use motorlink_i18n::tr;
 use self::{controls::Controls, state::Chart};
 use crate::{
     features::graph::{plot::texts, stage::StageCell},
-    ui::reactive::{heard, live, memo},
+    ui::reactive::{dynamic, handler, memo},
 };
 
 /// The section `Speed and current` with its graph, the img of the same name.
@@ -73,20 +73,20 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                 <div
                     class="graph-plot"
                     role="img"
-                    aria-label=live(name)
+                    aria-label=dynamic(name)
                     aria-describedby="graph-words graph-keys"
                     tabindex="0"
-                    on:pointerdown=heard(move |event| pointer::down(chart, &event))
-                    on:pointermove=heard(move |event| pointer::moved(chart, &event))
-                    on:pointerup=heard(move |_| pointer::up(chart))
-                    on:pointercancel=heard(move |_| pointer::left(chart))
-                    on:pointerleave=heard(move |_| pointer::left(chart))
-                    on:wheel=heard(move |event| pointer::wheel(chart, &event))
-                    on:dblclick=heard(move |_| chart.follow())
-                    on:keydown=heard(move |event| pointer::key(chart, &event))
+                    on:pointerdown=handler(move |event| pointer::down(chart, &event))
+                    on:pointermove=handler(move |event| pointer::moved(chart, &event))
+                    on:pointerup=handler(move |_| pointer::up(chart))
+                    on:pointercancel=handler(move |_| pointer::left(chart))
+                    on:pointerleave=handler(move |_| pointer::left(chart))
+                    on:wheel=handler(move |event| pointer::wheel(chart, &event))
+                    on:dblclick=handler(move |_| chart.follow())
+                    on:keydown=handler(move |event| pointer::key(chart, &event))
                     inner_html=overlay::PLOT
                 ></div>
-                <p class="graph-none quiet" hidden=live(move || !empty.get())>
+                <p class="graph-none quiet" hidden=dynamic(move || !empty.get())>
                     {texts::no_graph()}
                 </p>
                 // Not in the img, of which nobody reads the inside aloud.

@@ -23,7 +23,7 @@ use crate::{
         drawer::Drawer,
         format::signed,
         listener::on_window,
-        reactive::{follow, memo},
+        reactive::{effect, memo},
     },
 };
 
@@ -81,8 +81,8 @@ pub(crate) fn keep_working(groups: Groups) {
             .shown
             .with(|session| why_not_steer(session, &crew))
     });
-    follow(move || show(groups, why_not.get()));
-    follow(move || {
+    effect(move || show(groups, why_not.get()));
+    effect(move || {
         let open = groups.page.drawer.get() == Some(Drawer::Together);
         if !open || groups.page.dialog.with(Option::is_some) {
             groups.leave_pad();

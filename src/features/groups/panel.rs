@@ -22,7 +22,7 @@ use crate::{
         list::replace_keeping_focus,
         listener::on_window,
         number_field::NumberField,
-        reactive::{follow, memo},
+        reactive::{effect, memo},
     },
 };
 
@@ -106,7 +106,7 @@ fn keep_rows(groups: Groups) {
         page.shown.with(held)
     });
     let mut made = None;
-    follow(move || {
+    effect(move || {
         held.track();
         let wanted = (ids.get(), page.motors.replaced.get());
         let list = document().get_element_by_id(ROWS);

@@ -59,7 +59,7 @@ impl LineCard {
             let frame = request.frame();
             (frame, terms::explained(explain_sent(&frame, mode)))
         };
-        let heard = |reply: Reply, layout| {
+        let reply_row = |reply: Reply, layout| {
             let frame = reply.frame();
             (
                 frame,
@@ -74,8 +74,10 @@ impl LineCard {
                 self.query_reply.map(|_| sent(Request::Query { id }, None)),
                 self.switched_to
                     .map(|mode| sent(Request::SwitchMode { id, mode }, None)),
-                self.drive_reply.map(|reply| heard(reply, Layout::Drive)),
-                self.query_reply.map(|reply| heard(reply, Layout::Query)),
+                self.drive_reply
+                    .map(|reply| reply_row(reply, Layout::Drive)),
+                self.query_reply
+                    .map(|reply| reply_row(reply, Layout::Query)),
             ]
         };
         let text =

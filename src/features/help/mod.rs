@@ -26,7 +26,7 @@ use crate::{
         button::PressButton,
         focus::focus_when,
         listener::on_window,
-        reactive::{follow, heard, live, memo},
+        reactive::{dynamic, effect, handler, memo},
     },
 };
 
@@ -53,7 +53,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
     let open = memo(move || matches!(page.dialog.get(), Some(Dialog::Help(_))));
     on_window("click", move |event| hear_link(page, &event));
     focus_when(open, dialog);
-    follow(move || {
+    effect(move || {
         // Another place may be asked for while it is open.
         page.dialog.track();
         if open.get() {
@@ -78,7 +78,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
         }
     };
     view! {
-        <div class="scrim" hidden=live(move || !open.get())>
+        <div class="scrim" hidden=dynamic(move || !open.get())>
             <div
                 class="dialog help"
                 role="dialog"
@@ -92,18 +92,18 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
                     <PressButton label=tr!("Tour") hint=tr!("First spin, step by step") on_press=take_tour />
                     <PressButton label=tr!("Close") on_press=move || page.dialog.set(None) />
                 </div>
-                <div class="help-missing" hidden=live(move || matches!(loaded.get(), Loaded::In(_)))>
-                    <p role="status">{live(said)}</p>
+                <div class="help-missing" hidden=dynamic(move || matches!(loaded.get(), Loaded::In(_)))>
+                    <p role="status">{dynamic(said)}</p>
                     <button
                         type="button"
                         class="button"
-                        hidden=live(move || loaded.get() != Loaded::Failed)
-                        on:click=heard(move |_| loaded.set(Loaded::Not))
+                        hidden=dynamic(move || loaded.get() != Loaded::Failed)
+                        on:click=handler(move |_| loaded.set(Loaded::Not))
                     >
                         {tr!("Retry")}
                     </button>
                 </div>
-                <div class="help-page" node_ref=article on:click=heard(pressed)></div>
+                <div class="help-page" node_ref=article on:click=handler(pressed)></div>
             </div>
         </div>
     }
@@ -161,7 +161,7 @@ fn show_topic(page: Page, article: NodeRef<Div>) {
 /// whoever opens it wants to see what passed just now.
 fn show_frames(page: Page, open: Memo<bool>, loaded: RwSignal<Loaded>, article: NodeRef<Div>) {
     let mut card = LineCard::default();
-    follow(move || {
+    effect(move || {
         page.shown.track();
         let id = page.selected.get();
         page.latest.with_value(|session| card.look(session, id));

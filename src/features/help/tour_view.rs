@@ -18,7 +18,7 @@ use crate::{
     },
     ui::{
         listener::on_window,
-        reactive::{follow, live},
+        reactive::{dynamic, effect},
     },
 };
 
@@ -64,8 +64,8 @@ pub(crate) fn TourNotice(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct) ->
     view! {
         <div
             class="tour"
-            class:asked=live(move || wanted() == Wanted::Asked)
-            hidden=live(move || wanted() == Wanted::No)
+            class:asked=dynamic(move || wanted() == Wanted::Asked)
+            hidden=dynamic(move || wanted() == Wanted::No)
             inner_html=markup()
         ></div>
     }
@@ -103,7 +103,7 @@ fn markup() -> String {
 fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_act: OnTourAct) {
     on_window("click", move |event| hear(page, tour_state, on_act, &event));
     let mut shown = None;
-    follow(move || {
+    effect(move || {
         let id = page.selected.get();
         let mut tour = tour_state.get();
         let was = tour;

@@ -22,7 +22,7 @@ use crate::{
         button::PressButton,
         list::{clicked_value, replace_keeping_focus},
         number_field::NumberField,
-        reactive::{follow, heard, live, memo},
+        reactive::{dynamic, effect, handler, memo},
         tab_panel::tab_panel,
     },
 };
@@ -100,7 +100,7 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                         why_not=why_not_set
                         on_press=move || ids.set_id()
                     />
-                    <div hidden=live(move || more.get().is_none())>
+                    <div hidden=dynamic(move || more.get().is_none())>
                         <PressButton
                             label=Signal::derive(send_more)
                             hint=tr!("Scans, then asks to confirm")
@@ -130,12 +130,12 @@ fn Progress() -> impl IntoView {
             aria-label=tr!("Scan")
             aria-valuemin="0"
             aria-valuemax="254"
-            aria-valuenow=live(move || asked.get().to_string())
+            aria-valuenow=dynamic(move || asked.get().to_string())
             aria-valuetext=words
         >
             <span
                 class="scan-bar"
-                style=("--asked", live(move || asked.get().to_string()))
+                style=("--asked", dynamic(move || asked.get().to_string()))
             ></span>
             <span class="quiet">{words}</span>
         </div>
@@ -148,7 +148,7 @@ fn Said(ids: Ids) -> impl IntoView {
     let page = ids.page;
     let unconnected = page.of_motor(|session, _| why_not_stop(session));
     let words = memo(move || ids.manager.with(IdManager::words));
-    let of_words = move |read: fn(&NoticeText) -> String| live(move || words.with(read));
+    let of_words = move |read: fn(&NoticeText) -> String| dynamic(move || words.with(read));
     let title = move || {
         let words = || words.with(|words| words.title.clone());
         unconnected.get().unwrap_or_else(words)
@@ -166,7 +166,7 @@ fn Said(ids: Ids) -> impl IntoView {
             role="status"
             aria-label=tr!("Scan result")
         >
-            <p class="notice-title">{live(title)}</p>
+            <p class="notice-title">{dynamic(title)}</p>
             <p class="notice-advice">{of_words(|words| words.advice.join(" "))}</p>
         </div>
     }
@@ -184,7 +184,7 @@ fn FoundList(ids: Ids) -> impl IntoView {
                 .with(|session| list_html(&found_motors(session, ids.found(), selected)))
         })
     });
-    follow(move || {
+    effect(move || {
         if let Some(list) = list.get() {
             html.with(|html| replace_keeping_focus(&list, html, "value"));
         }
@@ -195,7 +195,7 @@ fn FoundList(ids: Ids) -> impl IntoView {
             role="list"
             aria-label=tr!("Motors found")
             node_ref=list
-            on:click=heard(move |event| {
+            on:click=handler(move |event| {
                 if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
                     page.choose(id);
                 }

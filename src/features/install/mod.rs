@@ -23,7 +23,7 @@ use crate::{
     ui::{
         clock::page_now_ms,
         listener::on_window,
-        reactive::{follow, memo},
+        reactive::{effect, memo},
     },
 };
 
@@ -76,7 +76,7 @@ pub(crate) fn watch(install: Install) {
     });
     // A page whose worker died needs its next version more than any other.
     let works = memo(move || install.page.worker.state.get() != WorkerState::Starting);
-    follow(move || {
+    effect(move || {
         // Only now: what is fetched to be kept must not hold up what is fetched to start.
         if works.get() {
             call("keepOffline");

@@ -5,7 +5,7 @@ use leptos::prelude::*;
 use crate::{
     features::install::{Install, call, new_version_texts},
     model::{guards::is_in_use, notice_board::Topic},
-    ui::reactive::{follow, memo},
+    ui::reactive::{effect, memo},
 };
 
 impl Install {
@@ -16,7 +16,7 @@ impl Install {
                 .shown
                 .with(|session| is_in_use(session.connection))
         });
-        follow(move || {
+        effect(move || {
             if !self.new_version.get() {
                 return;
             }
@@ -39,7 +39,7 @@ impl Install {
                 .shown
                 .with(|session| is_in_use(session.connection))
         });
-        follow(move || {
+        effect(move || {
             if self.taken.get() && !open.get() {
                 let _ = document().location().map(|location| location.reload());
             }

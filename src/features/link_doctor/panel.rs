@@ -12,7 +12,7 @@ use crate::{
     model::page::Page,
     ui::{
         drawer::{Drawer, panel_of_drawer},
-        reactive::{follow, heard},
+        reactive::{effect, handler},
     },
 };
 
@@ -28,7 +28,7 @@ pub(crate) fn LinkPanel(
     let rewired = StoredValue::new(false);
     let mut record = Record::default();
     let mut elements = None;
-    follow(move || {
+    effect(move || {
         let Some(panel) = panel.get() else { return };
         let elements = elements.get_or_insert_with(|| Elements::of(&panel));
         if rewired.get_value() {
@@ -53,7 +53,7 @@ pub(crate) fn LinkPanel(
             <div
                 class="link-panel"
                 node_ref=panel
-                on:change=heard(rewire)
+                on:change=handler(rewire)
                 inner_html=markup::panel()
             ></div>
         },

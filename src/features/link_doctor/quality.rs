@@ -7,7 +7,7 @@ use crate::{
     model::page::use_page,
     ui::{
         format::{UNKNOWN, milliseconds, percent},
-        reactive::live,
+        reactive::dynamic,
     },
 };
 
@@ -38,7 +38,7 @@ pub(crate) fn LinkQuality() -> impl IntoView {
                 aria-label=tr!("Link")
                 aria-live="off"
                 title=tr!("Drive frames per second · round trip · requests without a valid reply")
-                inner_html=live(move || parts.get())
+                inner_html=dynamic(move || parts.get())
             ></output>
         </div>
     }

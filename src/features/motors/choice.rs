@@ -8,7 +8,7 @@ use motorlink_messages::protocol::MotorId;
 
 use crate::{
     model::{page::use_page, preferences::Model, snapshot::Session},
-    ui::reactive::{heard, live, memo},
+    ui::reactive::{dynamic, handler, memo},
 };
 
 /// Combobox `Motor`: those that have answered first, then every other ID.
@@ -26,10 +26,10 @@ pub(crate) fn MotorChoice() -> impl IntoView {
             <select
                 aria-label=tr!("Motor")
                 class="select motor-select"
-                inner_html=live(move || options(&found.get(), page.selected.get(), wanted.get()))
-                on:pointerdown=heard(move |_| wanted.set(true))
-                on:focus=heard(move |_| wanted.set(true))
-                on:change=heard(move |event| {
+                inner_html=dynamic(move || options(&found.get(), page.selected.get(), wanted.get()))
+                on:pointerdown=handler(move |_| wanted.set(true))
+                on:focus=handler(move |_| wanted.set(true))
+                on:change=handler(move |event| {
                     if let Ok(id) = event_target_value(&event).parse() {
                         page.choose(id);
                     }
@@ -92,8 +92,8 @@ pub(crate) fn ModelChoice() -> impl IntoView {
                 class="select model-select"
                 inner_html=options
                 // Behind the options, of which it chooses one.
-                prop:value=live(move || page.preferences.with(|chosen| chosen.model.key()))
-                on:change=heard(move |event| {
+                prop:value=dynamic(move || page.preferences.with(|chosen| chosen.model.key()))
+                on:change=handler(move |event| {
                     if let Some(model) = Model::from_key(&event_target_value(&event)) {
                         page.prefer(|preferences| preferences.model = model);
                     }

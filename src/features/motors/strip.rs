@@ -12,7 +12,7 @@ use crate::{
     ui::{
         drawer::Drawer,
         list::{clicked_value, replace_keeping_focus},
-        reactive::{heard, live, memo},
+        reactive::{dynamic, handler, memo},
     },
 };
 
@@ -47,7 +47,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
             <div
                 class="motor-chips"
                 id=CHIPS
-                on:click=heard(move |event| {
+                on:click=handler(move |event| {
                     if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
                         page.choose(id);
                     }
@@ -128,8 +128,8 @@ fn DrawerButton(which: Drawer, label: &'static str) -> impl IntoView {
         <button
             type="button"
             class="button small"
-            aria-expanded=live(move || if is_open() { "true" } else { "false" })
-            on:click=heard(move |_| {
+            aria-expanded=dynamic(move || if is_open() { "true" } else { "false" })
+            on:click=handler(move |_| {
                 let open = page.drawer.get_untracked() == Some(which);
                 page.drawer.set(if open { None } else { Some(which) });
             })

@@ -17,7 +17,7 @@ use crate::{
     },
     ui::{
         format,
-        reactive::{heard, live},
+        reactive::{dynamic, handler},
     },
 };
 
@@ -46,14 +46,14 @@ pub(crate) fn Notices(
         <section
             class="panel notices"
             aria-label=tr!("Notices")
-            class:empty=live(move || none() && is_alone.get())
+            class:empty=dynamic(move || none() && is_alone.get())
         >
             {saved_session}
             {tour}
-            <div hidden=live(move || !none() || is_tour_shown.get())>
+            <div hidden=dynamic(move || !none() || is_tour_shown.get())>
                 <h2>{tr!("Next steps")}</h2>
                 <p class="next-steps">
-                    {live(move || if none() { next.get() } else { String::new() })}
+                    {dynamic(move || if none() { next.get() } else { String::new() })}
                 </p>
             </div>
             {slots}
@@ -66,7 +66,7 @@ pub(crate) fn Notices(
 fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
     let page = use_page();
     let notice = move |read: fn(&Posted) -> String| {
-        live(move || {
+        dynamic(move || {
             page.notices
                 .with(|board| board.slot(place).map(read).unwrap_or_default())
         })
@@ -95,36 +95,36 @@ fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
             })
             // The newest on top.
             style=("order", notice(|posted| format!("-{}", posted.number)))
-            hidden=live(move || page.notices.with(|board| board.slot(place).is_none()))
+            hidden=dynamic(move || page.notices.with(|board| board.slot(place).is_none()))
         >
             <p class="notice-title">{notice(|posted| posted.words.title.clone())}</p>
             <p class="notice-advice">{notice(|posted| posted.words.advice.join("\n"))}</p>
             <button
                 type="button"
                 class="button small"
-                hidden=live(move || remedy().is_none())
-                on:click=heard(move |_| {
+                hidden=dynamic(move || remedy().is_none())
+                on:click=handler(move |_| {
                     if let Some(remedy) = remedy() {
                         on_remedy(remedy);
                     }
                 })
             >
-                {live(move || remedy().map_or("", |remedy| remedy.label()))}
+                {dynamic(move || remedy().map_or("", |remedy| remedy.label()))}
             </button>
             <button
                 type="button"
                 class="help-link"
-                hidden=live(move || topic().is_none())
-                data-help=live(move || topic().map(HelpTopic::id))
+                hidden=dynamic(move || topic().is_none())
+                data-help=dynamic(move || topic().map(HelpTopic::id))
             >
-                {live(move || topic().map(HelpTopic::link))}
+                {dynamic(move || topic().map(HelpTopic::link))}
             </button>
             <button
                 type="button"
                 class="dismiss"
                 aria-label=tr!("Dismiss")
                 title=tr!("Dismiss")
-                on:click=heard(move |_| {
+                on:click=handler(move |_| {
                     page.notices
                         .update(|board| {
                             let number = board.slot(place).map(|posted| posted.number);

@@ -9,7 +9,7 @@ use motorlink_messages::{protocol::MotorId, recorder::Kind};
 use crate::{
     features::packet_log::actions::Log,
     model::{recorder_texts::no_recorder, snapshot::Session},
-    ui::reactive::{heard, live, memo},
+    ui::reactive::{dynamic, handler, memo},
 };
 
 /// A filter is sent when nothing has been typed for so long: each one has a million entries looked
@@ -48,7 +48,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
     let collapse = move || page.preferences.with(|chosen| chosen.collapse_polls);
     let following = memo(move || log.state.with(|state| state.following));
     let stopped = move || !page.recorder.alive.get();
-    let title = |hint: &'static str| live(move || if stopped() { no_recorder() } else { hint });
+    let title = |hint: &'static str| dynamic(move || if stopped() { no_recorder() } else { hint });
     view! {
         <div class="packet-filters">
             <input
@@ -60,16 +60,16 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 prop:value=filter.text
                 autocomplete="off"
                 spellcheck="false"
-                disabled=live(stopped)
-                on:input=heard(move |event| type_in(log, typed, event_target_value(&event)))
+                disabled=dynamic(stopped)
+                on:input=handler(move |event| type_in(log, typed, event_target_value(&event)))
             />
             <select
                 class="select"
                 aria-label=tr!("Log ID")
                 title=title(tr!("Filter by motor"))
-                disabled=live(stopped)
-                inner_html=live(move || id_options(&found.get(), id.get()))
-                on:change=heard(move |event| {
+                disabled=dynamic(stopped)
+                inner_html=dynamic(move || id_options(&found.get(), id.get()))
+                on:change=handler(move |event| {
                     let chosen = event_target_value(&event).parse().ok();
                     id.set(chosen);
                     log.refilter(|filter| filter.id = chosen);
@@ -79,9 +79,9 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 class="select"
                 aria-label=tr!("Log direction")
                 title=title(tr!("Filter by type"))
-                disabled=live(stopped)
+                disabled=dynamic(stopped)
                 inner_html=kind_options(filter.kind)
-                on:change=heard(move |event| {
+                on:change=handler(move |event| {
                     let chosen = kind_at(&event_target_value(&event));
                     log.refilter(|filter| filter.kind = chosen);
                 })
@@ -92,8 +92,8 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
             >
                 <input
                     type="checkbox"
-                    prop:checked=live(collapse)
-                    on:change=heard(move |event| {
+                    prop:checked=dynamic(collapse)
+                    on:change=handler(move |event| {
                         let checked = event_target_checked(&event);
                         page.prefer(|preferences| preferences.collapse_polls = checked);
                         log.refilter(|filter| filter.collapse = checked);
@@ -104,8 +104,8 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
             <label class="check" title=tr!("Keeps the newest entries in view")>
                 <input
                     type="checkbox"
-                    prop:checked=live(move || following.get())
-                    on:change=heard(move |event| log.follow(event_target_checked(&event)))
+                    prop:checked=dynamic(move || following.get())
+                    on:change=handler(move |event| log.follow(event_target_checked(&event)))
                 />
                 {tr!("Auto-scroll")}
             </label>

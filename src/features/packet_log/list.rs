@@ -14,7 +14,7 @@ use crate::{
         button::PressButton,
         clock::page_now_ms,
         format::grouped,
-        reactive::{follow, heard, live, memo},
+        reactive::{dynamic, effect, handler, memo},
     },
 };
 
@@ -32,7 +32,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
     let frames = StoredValue::new_local(None::<Frames>);
     let size = StoredValue::new_local(None::<SizeWatch>);
 
-    follow(move || {
+    effect(move || {
         let (Some(scroller), Some(extent), Some(rows)) = (scroller.get(), extent.get(), rows.get())
         else {
             return;
@@ -88,11 +88,11 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                 aria-live="off"
                 tabindex="0"
                 node_ref=scroller
-                on:scroll=heard(scroll)
+                on:scroll=handler(scroll)
                 // Before the list begins to move, and be it by a key that is only now pressed.
-                on:keydown=heard(move |_| touch())
-                on:wheel=heard(move |_| touch())
-                on:pointerdown=heard(move |_| touch())
+                on:keydown=handler(move |_| touch())
+                on:wheel=handler(move |_| touch())
+                on:pointerdown=handler(move |_| touch())
             >
                 <div class="packet-extent" node_ref=extent>
                     <div class="packet-window">
@@ -100,10 +100,10 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                     </div>
                 </div>
             </div>
-            <p class="packet-none quiet" hidden=live(move || nothing().is_empty())>
-                {live(nothing)}
+            <p class="packet-none quiet" hidden=dynamic(move || nothing().is_empty())>
+                {dynamic(nothing)}
             </p>
-            <span class="packet-back" hidden=live(move || back.get().0)>
+            <span class="packet-back" hidden=dynamic(move || back.get().0)>
                 <PressButton
                     label=Signal::derive(back_reads)
                     name=tr!("Jump to newest")

@@ -20,7 +20,7 @@ use crate::{
     ui::{
         button::PressButton,
         export_button::ExportButton,
-        reactive::{live, memo},
+        reactive::{dynamic, memo},
     },
 };
 
@@ -54,11 +54,11 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
                     class="entries"
                     aria-label=tr!("Entries")
                     aria-live="off"
-                    title=live(move || title.get())
+                    title=dynamic(move || title.get())
                 >
-                    <span>{live(move || lines.with(|(entries, _)| entries.clone()))}</span>
-                    <span class="comma">{live(comma)}</span>
-                    <span>{live(move || lines.with(|(_, others)| others.clone()))}</span>
+                    <span>{dynamic(move || lines.with(|(entries, _)| entries.clone()))}</span>
+                    <span class="comma">{dynamic(comma)}</span>
+                    <span>{dynamic(move || lines.with(|(_, others)| others.clone()))}</span>
                 </output>
                 <PressButton
                     label=tr!("Clear")

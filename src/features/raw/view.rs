@@ -23,7 +23,7 @@ use crate::{
     ui::{
         button::PressButton,
         number_field::NumberField,
-        reactive::{heard, live, memo},
+        reactive::{dynamic, handler, memo},
         tab_panel::tab_panel,
     },
 };
@@ -40,8 +40,8 @@ pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
                 <label class="check">
                     <input
                         type="checkbox"
-                        prop:checked=live(move || raw.repeats.get())
-                        on:change=heard(move |event| raw.repeats.set(event_target_checked(&event)))
+                        prop:checked=dynamic(move || raw.repeats.get())
+                        on:change=handler(move |event| raw.repeats.set(event_target_checked(&event)))
                     />
                     {tr!("Repeat")}
                 </label>
@@ -110,15 +110,15 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             placeholder="01 74 00 00 00 00 00 00 00"
             aria-label=tr!("Frame bytes")
             aria-describedby="frame-words"
-            aria-invalid=live(move || if wrong.get() { "true" } else { "false" })
-            prop:value=live(move || text.get())
-            on:input=heard(move |event| text.set(event_target_value(&event)))
+            aria-invalid=dynamic(move || if wrong.get() { "true" } else { "false" })
+            prop:value=dynamic(move || text.get())
+            on:input=handler(move |event| text.set(event_target_value(&event)))
         ></textarea>
         <output
             class="cells"
             aria-label=tr!("Frame with CRC")
             aria-live="off"
-            inner_html=live(move || entered.with(cells::cells))
+            inner_html=dynamic(move || entered.with(cells::cells))
         ></output>
         // Somebody who types is not interrupted by how many bytes are missing.
         <p
@@ -127,9 +127,9 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             // Long words scroll in their two lines, by keyboard too.
             tabindex="0"
             class:bad=wrong
-            aria-live=live(move || if wrong.get() { "polite" } else { "off" })
+            aria-live=dynamic(move || if wrong.get() { "polite" } else { "off" })
         >
-            {live(words)}
+            {dynamic(words)}
         </p>
     }
 }
@@ -202,9 +202,9 @@ fn Answer(raw: Raw) -> impl IntoView {
     };
     let words = move || refused.get().or_else(|| answer.get()).unwrap_or_default();
     view! {
-        <output class="answer" class:bad=live(not_sent) aria-label=tr!("Reply") aria-live="off">
-            <span class="answer-title">{live(title)}</span>
-            <span class="answer-words">{live(words)}</span>
+        <output class="answer" class:bad=dynamic(not_sent) aria-label=tr!("Reply") aria-live="off">
+            <span class="answer-title">{dynamic(title)}</span>
+            <span class="answer-words">{dynamic(words)}</span>
         </output>
     }
 }

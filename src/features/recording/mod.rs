@@ -11,7 +11,7 @@ use crate::{
     model::{page::use_page, recorder_texts::no_recorder},
     ui::{
         export_button::ExportButton,
-        reactive::{heard, live, memo},
+        reactive::{dynamic, handler, memo},
     },
 };
 
@@ -54,10 +54,10 @@ pub(crate) fn Recording() -> impl IntoView {
             <button
                 type="button"
                 class="button small record"
-                aria-pressed=live(move || if records.get() { "true" } else { "false" })
-                title=live(hint)
-                disabled=live(move || why_not_record().is_some())
-                on:click=heard(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))
+                aria-pressed=dynamic(move || if records.get() { "true" } else { "false" })
+                title=dynamic(hint)
+                disabled=dynamic(move || why_not_record().is_some())
+                on:click=handler(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))
             >
                 {tr!("Record telemetry")}
             </button>
@@ -65,10 +65,10 @@ pub(crate) fn Recording() -> impl IntoView {
                 class="recording-words"
                 aria-label=tr!("Recorded")
                 aria-live="off"
-                title=live(move || says.with(|(what, much)| format!("{what}{much}")))
+                title=dynamic(move || says.with(|(what, much)| format!("{what}{much}")))
             >
-                <span>{live(move || says.with(|(what, _)| *what))}</span>
-                <span>{live(move || says.with(|(_, much)| much.clone()))}</span>
+                <span>{dynamic(move || says.with(|(what, _)| *what))}</span>
+                <span>{dynamic(move || says.with(|(_, much)| much.clone()))}</span>
             </output>
             <ExportButton
                 label=tr!("Export telemetry CSV")

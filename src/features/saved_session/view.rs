@@ -11,7 +11,7 @@ use crate::{
     ui::{
         clock::{page_now_ms, page_origin_ms},
         listener::on_window,
-        reactive::{follow, live},
+        reactive::{dynamic, effect},
     },
 };
 
@@ -55,7 +55,7 @@ pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
     view! {
         <div
             class="notice kept"
-            hidden=live(move || is_hidden(saved))
+            hidden=dynamic(move || is_hidden(saved))
             inner_html=markup()
         ></div>
     }
@@ -64,7 +64,7 @@ pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
 /// Has it show what there is, and its buttons work, from now on.
 fn keep_working(saved: SavedSession) {
     on_window("click", move |event| hear(saved, &event));
-    follow(move || {
+    effect(move || {
         let offer = saved.offer.get();
         if let Some(said) = document().get_element_by_id(SAID) {
             let now_ms = page_origin_ms() + page_now_ms();

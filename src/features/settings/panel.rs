@@ -14,7 +14,7 @@ use crate::{
         entry,
         listener::on_window,
         number_field::NumberField,
-        reactive::follow,
+        reactive::effect,
     },
 };
 
@@ -140,7 +140,7 @@ fn keep_working(settings: Settings, install: &'static InstallButton) {
         on_window(name, move |event| hear(settings, install, &event));
     }
     let why_not = page.of_motor(move |session, _| settings.why_not_import(session));
-    follow(move || {
+    effect(move || {
         let reason = why_not.get();
         say_why(
             IMPORT,
@@ -150,8 +150,8 @@ fn keep_working(settings: Settings, install: &'static InstallButton) {
         let erases = tr!("Deletes all MotorLink sessions and settings stored in this browser");
         say_why(ERASE, settings.why_not_erase(reason).as_deref(), erases);
     });
-    follow(move || say_why(INSTALL, (install.why_not)(), install.hint));
-    follow(move || say(settings.erased.get()));
+    effect(move || say_why(INSTALL, (install.why_not)(), install.hint));
+    effect(move || say(settings.erased.get()));
 }
 
 /// A button that cannot be pressed for this reason, or that does this.

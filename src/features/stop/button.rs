@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
-use crate::ui::reactive::heard;
+use crate::ui::reactive::handler;
 
 #[component]
 pub(crate) fn StopButton(
@@ -18,8 +18,8 @@ pub(crate) fn StopButton(
             aria-keyshortcuts="Space Escape"
             title=tr!("Brakes every motor. The power switch is the only emergency stop.")
             // When it is touched, not when the finger is lifted again.
-            on:pointerdown=heard(move |_| on_stop())
-            on:click=heard(move |click: web_sys::MouseEvent| {
+            on:pointerdown=handler(move |_| on_stop())
+            on:click=handler(move |click: web_sys::MouseEvent| {
                 // By keyboard or a screen reader: no pointer went down before.
                 if click.detail() == 0 {
                     on_stop();

@@ -15,7 +15,7 @@ use crate::{
         button::PressButton,
         focus::focus_when,
         format::{self, UNKNOWN},
-        reactive::{live, memo},
+        reactive::{dynamic, memo},
     },
 };
 
@@ -41,13 +41,13 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
             aria-label=tr!("Stopped")
             aria-describedby="stopped-why"
             tabindex="-1"
-            hidden=live(move || !halted.get())
+            hidden=dynamic(move || !halted.get())
             node_ref=dialog
         >
             <h2>{tr!("Stopped")}</h2>
-            <p id="stopped-why">{live(reason)}</p>
+            <p id="stopped-why">{dynamic(reason)}</p>
             <table class="stopped-motors">
-                <tbody inner_html=live(rows)></tbody>
+                <tbody inner_html=dynamic(rows)></tbody>
             </table>
             <div class="stopped-foot">
                 <p class="quiet">

@@ -12,7 +12,7 @@ use crate::{
     ui::{
         button::PressButton,
         clock::local_time,
-        reactive::{live, memo},
+        reactive::{dynamic, memo},
     },
 };
 
@@ -41,9 +41,9 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
             .maybe_update(|history| history.mark_seen(id));
     };
     view! {
-        <div class="fault-record" class:unseen=live(move || unseen.get())>
+        <div class="fault-record" class:unseen=dynamic(move || unseen.get())>
             <output aria-label=tr!("Fault record") aria-live="off">
-                {live(move || lines.get())}
+                {dynamic(move || lines.get())}
             </output>
             <PressButton
                 label=tr!("Seen")

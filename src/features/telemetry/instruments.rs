@@ -16,7 +16,7 @@ use crate::{
         twin::{Drawn, TwinFeed},
     },
     model::mirror::Mirror,
-    ui::{attribute::Attribute, clock::page_now_ms, reactive::follow},
+    ui::{attribute::Attribute, clock::page_now_ms, reactive::effect},
 };
 
 /// Columns of a sparkline, about as many as it has pixels on the desk.
@@ -41,12 +41,12 @@ pub(crate) fn sparkline_markup() -> String {
 /// Draws the instruments with every newly shown state, which comes ten times a second while the page
 /// is seen.
 pub(crate) fn keep_drawing(readings: Readings, section: NodeRef<html::Section>) {
-    follow(move || {
+    effect(move || {
         let Some(section) = section.get() else { return };
         let Some(mut instruments) = Instruments::of(&section) else {
             return;
         };
-        follow(move || {
+        effect(move || {
             readings.page.shown.track();
             instruments.draw(readings);
         });

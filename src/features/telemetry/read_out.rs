@@ -7,7 +7,7 @@ use crate::{
     model::snapshot::Reading,
     ui::{
         format::{self, UNKNOWN},
-        reactive::live,
+        reactive::dynamic,
     },
 };
 
@@ -123,20 +123,20 @@ pub(crate) fn ReadOut(
     });
     view! {
         <div
-            class=live(look)
+            class=dynamic(look)
         >
             <div class="read-out-head">
                 <span class="read-out-name" aria-hidden="true">
                     {name}
                 </span>
                 <span class="age" id=age_id.clone() title=tr!("Age of the reading")>
-                    {live(part(|shown| shown.age.clone()))}
+                    {dynamic(part(|shown| shown.age.clone()))}
                 </span>
             </div>
             <output aria-label=name aria-live="off" aria-describedby=age_id>
-                <span class="figure">{live(figure)}</span>
-                <span class="unit">{live(unit)}</span>
-                <span class="detail">{live(detail)}</span>
+                <span class="figure">{dynamic(figure)}</span>
+                <span class="unit">{dynamic(unit)}</span>
+                <span class="detail">{dynamic(detail)}</span>
             </output>
             <div class="drawing" aria-hidden="true" inner_html=drawing></div>
         </div>

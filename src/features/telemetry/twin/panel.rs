@@ -10,7 +10,7 @@ use crate::{
         twin::{DigitalTwin, texts::no_motor},
     },
     model::terms::loop_name,
-    ui::{format, reactive::live},
+    ui::{format, reactive::dynamic},
 };
 
 #[component]
@@ -39,7 +39,7 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
     view! {
         <section class="panel wheel-panel" aria-label=tr!("Wheel")>
             <p class="chip wheel-chip" class:active=driven>
-                {live(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
+                {dynamic(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
             </p>
             <DigitalTwin feed=readings.twin />
         </section>
