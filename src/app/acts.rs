@@ -97,9 +97,9 @@ impl Features {
     /// Erases what is kept, and goes on as a page that is visited for the first time.
     pub(crate) fn erase_kept(self) {
         // Driving or recording may have begun while the question was open.
-        let in_use = untrack(|| self.settings.why_not_import(&self.page.present()));
-        let in_use = in_use.or_else(|| self.page.why_not_turn_sides());
-        if let Some(reason) = untrack(|| self.settings.why_not_erase(in_use)) {
+        let in_use = untrack(|| self.settings.import_blocked_by(&self.page.present()));
+        let in_use = in_use.or_else(|| self.page.side_changes_blocked_by());
+        if let Some(reason) = untrack(|| self.settings.erase_blocked_by(in_use)) {
             self.page.refuse(tr!("Nothing deleted").to_owned(), reason);
             return;
         }

@@ -150,7 +150,7 @@ fn notices(features: Features) -> impl IntoView {
 
 fn settings_panel(features: Features) -> impl IntoView {
     let install = Box::leak(Box::new(InstallButton {
-        why_not: Box::new(move || features.install.why_not_install()),
+        disabled_reason: Box::new(move || features.install.install_blocked_by()),
         hint: texts::hint(),
         on_press: Box::new(move || features.install.install()),
     }));

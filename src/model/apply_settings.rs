@@ -5,7 +5,7 @@ use motorlink_messages::bus::{Command, CommandRate, Limits};
 
 use crate::{
     model::{
-        drive_settings::RAMP_STORED_AS, guards::why_not_stop, page::Page, preferences::remember,
+        drive_settings::RAMP_STORED_AS, guards::stop_blocked_by, page::Page, preferences::remember,
     },
     ui::target::Target,
 };
@@ -63,6 +63,6 @@ impl Page {
 
     fn is_connected(self) -> bool {
         self.latest
-            .with_value(|session| why_not_stop(session).is_none())
+            .with_value(|session| stop_blocked_by(session).is_none())
     }
 }

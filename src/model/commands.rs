@@ -45,7 +45,7 @@ impl Page {
 
     /// Why no motor can change its side now, whatever is shown of it: the effect of the last command may not
     /// have been told yet, and a question may be open that has the sign of now.
-    pub(crate) fn why_not_turn_sides(self) -> Option<String> {
+    pub(crate) fn side_changes_blocked_by(self) -> Option<String> {
         let just_asked = self.has_just_started();
         let asks = self.dialog.with_untracked(Option::is_some);
         (just_asked || asks).then(|| tr!("A motor is starting. Try again in a moment.").to_owned())

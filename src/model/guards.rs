@@ -1,7 +1,7 @@
 //! Whether a control applies now, and the reason to show where it does not.
 //!
 //! The bus decides what is driven and refuses what must not be; these are its rules as far as a
-//! person can know them beforehand, so that a button says why before it is pressed.
+//! person can know them beforehand, so that a button shows the reason before it is pressed.
 
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
@@ -18,19 +18,19 @@ use motorlink_messages::{
     protocol::{Mode, MotorId},
 };
 
-/// Why nothing can be asked of this motor now.
-fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
-    if let Some(reason) = why_not_connected(session.connection) {
+/// Why this motor cannot be commanded now.
+fn request_blocked_by(session: &Session, id: MotorId) -> Option<String> {
+    if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
     }
     if session.halted {
         return Some(terms::refusal(Refusal::Halted));
     }
-    let heard = session.mode(id).filter(super::snapshot::Reading::is_fresh);
+    let reported = session.mode(id).filter(super::snapshot::Reading::is_fresh);
     if session.job.is_some() {
         return Some(terms::refusal(Refusal::JobRunning));
     }
-    if heard.is_none() {
+    if reported.is_none() {
         return Some(terms::refusal(Refusal::NotAnswering(id)));
     }
     let mut activities = session.motors.iter().map(|motor| motor.activity);
@@ -39,7 +39,7 @@ fn why_not_asked(session: &Session, id: MotorId) -> Option<String> {
         .then(|| terms::refusal(Refusal::RawRunning))
 }
 
-fn why_not_connected(connection: Connection) -> Option<&'static str> {
+fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
     match connection {
         Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
@@ -50,8 +50,8 @@ fn why_not_connected(connection: Connection) -> Option<&'static str> {
     }
 }
 
-/// What a motor has to be through with first.
-fn why_not_yet(id: MotorId, activity: Activity) -> Option<String> {
+/// What the motor does now that must end first.
+fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
     match activity {
         Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
         Activity::Switching { to } => Some(tr!(
@@ -64,11 +64,11 @@ fn why_not_yet(id: MotorId, activity: Activity) -> Option<String> {
 }
 
 /// Why this motor cannot be driven in this loop now.
-pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    if let Some(reason) = why_not_asked(session, id) {
+pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
-    if let Some(reason) = why_not_yet(id, session.motor(id)?.activity) {
+    if let Some(reason) = blocked_by_activity(id, session.motor(id)?.activity) {
         return Some(reason);
     }
     let faults = session.faults(id)?.value;
@@ -87,8 +87,8 @@ pub(crate) fn why_not_drive(session: &Session, id: MotorId, mode: Mode) -> Optio
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
-pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String> {
-    if let Some(reason) = why_not_connected(session.connection) {
+pub(crate) fn group_drive_blocked_by(session: &Session, crew: &Crew) -> Option<String> {
+    if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
     }
     if session.halted {
@@ -104,7 +104,7 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
         return Some(terms::not_together(GroupError::TooMany));
     }
     crew.iter().find_map(|(id, _)| {
-        let reason = why_not_drive(session, *id, Mode::Velocity)?;
+        let reason = drive_blocked_by(session, *id, Mode::Velocity)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason
@@ -115,15 +115,15 @@ pub(crate) fn why_not_together(session: &Session, crew: &Crew) -> Option<String>
 }
 
 /// Why these motors cannot be steered as a vehicle now.
-pub(crate) fn why_not_steer(session: &Session, crew: &Crew) -> Option<String> {
-    why_not_together(session, crew).or_else(|| {
+pub(crate) fn steer_blocked_by(session: &Session, crew: &Crew) -> Option<String> {
+    group_drive_blocked_by(session, crew).or_else(|| {
         let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
         Some(tr!("To steer, set the side of motor {id}.", id))
     })
 }
 
 /// Why this motor's side cannot be changed now: a setpoint that stands would turn with it.
-pub(crate) fn why_not_side(session: &Session, id: MotorId) -> Option<String> {
+pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<String> {
     let in_hand = session.motor(id).is_some_and(is_in_hand);
     in_hand.then(|| {
         tr!(
@@ -134,11 +134,11 @@ pub(crate) fn why_not_side(session: &Session, id: MotorId) -> Option<String> {
 }
 
 /// Why this motor's loop cannot be changed to this one now.
-pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
-    if let Some(reason) = why_not_asked(session, id) {
+pub(crate) fn switch_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
-    if let Some(reason) = why_not_yet(id, session.motor(id)?.activity) {
+    if let Some(reason) = blocked_by_activity(id, session.motor(id)?.activity) {
         return Some(reason);
     }
     if session.mode(id)?.value == mode {
@@ -156,37 +156,36 @@ pub(crate) fn why_not_switch(session: &Session, id: MotorId, mode: Mode) -> Opti
 }
 
 /// Why this motor cannot be stopped on its own. Stop all motors has no such reason, ever.
-pub(crate) fn why_not_stop(session: &Session) -> Option<String> {
-    why_not_connected(session.connection).map(str::to_owned)
+pub(crate) fn stop_blocked_by(session: &Session) -> Option<String> {
+    blocked_by_connection(session.connection).map(str::to_owned)
 }
 
-/// Why nobody can be asked who is there. What is driven is no reason: it is stopped first.
-pub(crate) fn why_not_scan(session: &Session) -> Option<String> {
-    if let Some(reason) = why_not_connected(session.connection) {
+/// Why a scan cannot start. Driven motors are no reason: the scan stops them first.
+pub(crate) fn scan_blocked_by(session: &Session) -> Option<String> {
+    if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
     }
-    let surveying = session.job.is_some();
-    surveying.then(|| terms::refusal(Refusal::JobRunning))
+    let job_runs = session.job.is_some();
+    job_runs.then(|| terms::refusal(Refusal::JobRunning))
 }
 
-/// Why there is no scan to end.
-pub(crate) fn why_not_cancel(session: &Session) -> Option<String> {
+/// Why no scan can be cancelled.
+pub(crate) fn cancel_blocked_by(session: &Session) -> Option<String> {
     session
         .job
         .is_none()
         .then(|| tr!("No scan is running.").to_owned())
 }
 
-/// Why a frame that a person wrote cannot be sent; one that moves nothing can while all motors are
-/// stopped.
-pub(crate) fn why_not_send(session: &Session, hazardous: bool) -> Option<String> {
-    why_not_scan(session)
+/// Why a raw frame cannot be sent. While all motors are stopped, only frames that move nothing can be.
+pub(crate) fn send_blocked_by(session: &Session, hazardous: bool) -> Option<String> {
+    scan_blocked_by(session)
         .or_else(|| (hazardous && session.halted).then(|| terms::refusal(Refusal::Halted)))
 }
 
-/// Why no other setup can be taken in: it says which wheel is mirrored and who drives with whom, and
-/// that changes under nobody's hands.
-pub(crate) fn why_not_import(session: &Session, pad_is_held: bool) -> Option<String> {
+/// Why a setup cannot be imported: it changes sides and groups, which must not change while a motor is
+/// driven.
+pub(crate) fn import_blocked_by(session: &Session, pad_is_held: bool) -> Option<String> {
     if pad_is_held {
         return Some(tr!("Let go of the drive pad first.").to_owned());
     }
@@ -203,13 +202,13 @@ pub(crate) fn is_in_use(connection: Connection) -> bool {
 }
 
 /// Why no port can be opened.
-pub(crate) fn why_not_at_all(worker: WorkerState) -> Option<String> {
+pub(crate) fn port_blocked_by(worker: WorkerState) -> Option<String> {
     (worker == WorkerState::Dead)
         .then(|| tr!("The background worker has stopped. Reload the page.").to_owned())
 }
 
 /// Why no serial port can be opened.
-pub(crate) fn why_not_serial(worker: WorkerState) -> Option<String> {
+pub(crate) fn serial_blocked_by(worker: WorkerState) -> Option<String> {
     if !serial_ports::is_supported() {
         let words = tr!(
             "This browser does not support Web Serial. Use desktop Chrome, Edge or Firefox 151 or \
@@ -217,7 +216,7 @@ pub(crate) fn why_not_serial(worker: WorkerState) -> Option<String> {
         );
         return Some(words.to_owned());
     }
-    why_not_at_all(worker)
+    port_blocked_by(worker)
 }
 
 #[cfg(test)]

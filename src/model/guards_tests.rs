@@ -15,15 +15,15 @@ fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
     for reported in MODES {
         let session = session(1_000, status(1_000, reported, 0));
         for mode in MODES {
-            let reason = why_not_drive(&session, ID, mode);
+            let reason = drive_blocked_by(&session, ID, mode);
             assert_eq!(reason.is_none(), mode == reported, "{reported} {mode}");
-            let reason = why_not_switch(&session, ID, mode);
+            let reason = switch_blocked_by(&session, ID, mode);
             assert_eq!(reason.is_none(), mode != reported, "{reported} {mode}");
         }
     }
     let session = session(1_000, status(1_000, Mode::Current, 0));
     assert_eq!(
-        why_not_drive(&session, ID, Mode::Velocity).unwrap(),
+        drive_blocked_by(&session, ID, Mode::Velocity).unwrap(),
         "Motor 0x01 is in the current loop. Press Switch to velocity loop first."
     );
 }
@@ -31,7 +31,7 @@ fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
 #[test]
 fn nothing_drives_while_it_must_not() {
     let good = session(1_000, status(1_000, Mode::Velocity, 0));
-    assert_eq!(why_not_drive(&good, ID, Mode::Velocity), None);
+    assert_eq!(drive_blocked_by(&good, ID, Mode::Velocity), None);
 
     let mut cases = vec![];
     let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
@@ -65,7 +65,7 @@ fn nothing_drives_while_it_must_not() {
         sample.reply.faults = Faults::from_byte(8);
     });
     for (words, session) in cases {
-        let reason = why_not_drive(&session, ID, Mode::Velocity).unwrap();
+        let reason = drive_blocked_by(&session, ID, Mode::Velocity).unwrap();
         assert!(reason.contains(words), "{reason}");
     }
 }
@@ -73,9 +73,9 @@ fn nothing_drives_while_it_must_not() {
 #[test]
 fn a_setup_is_taken_in_while_no_motor_is_in_use() {
     let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
-    assert_eq!(why_not_import(&session, false), None);
-    assert_eq!(why_not_import(&Session::default(), false), None);
-    let held = why_not_import(&session, true).unwrap();
+    assert_eq!(import_blocked_by(&session, false), None);
+    assert_eq!(import_blocked_by(&Session::default(), false), None);
+    let held = import_blocked_by(&session, true).unwrap();
     assert!(held.contains("drive pad"), "{held}");
     let setpoint = Setpoint::velocity(SpeedTarget::clamped(100));
     for activity in [
@@ -85,7 +85,7 @@ fn a_setup_is_taken_in_while_no_motor_is_in_use() {
         Activity::Stopping { confirmed: false },
     ] {
         session.motors[0].activity = activity;
-        let reason = why_not_import(&session, false).unwrap();
+        let reason = import_blocked_by(&session, false).unwrap();
         assert!(reason.contains("Motor 0x01 is in use"), "{reason}");
     }
 }
@@ -94,8 +94,8 @@ fn a_setup_is_taken_in_while_no_motor_is_in_use() {
 fn motors_drive_together_where_each_of_them_may() {
     let good = session(1_000, status(1_000, Mode::Velocity, 0));
     let crew = vec![(ID, Side::Left)];
-    assert_eq!(why_not_together(&good, &crew), None);
-    assert_eq!(why_not_steer(&good, &crew), None);
+    assert_eq!(group_drive_blocked_by(&good, &crew), None);
+    assert_eq!(steer_blocked_by(&good, &crew), None);
     let missing = MotorId::new(9).unwrap();
     let too_many: Crew = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
     for (words, crew) in [
@@ -106,9 +106,9 @@ fn motors_drive_together_where_each_of_them_may() {
             vec![(ID, Side::Left), (missing, Side::Right)],
         ),
     ] {
-        let reason = why_not_together(&good, &crew).unwrap();
+        let reason = group_drive_blocked_by(&good, &crew).unwrap();
         assert!(reason.contains(words), "{reason}");
-        assert_eq!(why_not_steer(&good, &crew), Some(reason));
+        assert_eq!(steer_blocked_by(&good, &crew), Some(reason));
     }
     let mut cases = vec![];
     let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
@@ -127,13 +127,13 @@ fn motors_drive_together_where_each_of_them_may() {
         s.motors = vec![status(1_000, Mode::Current, 0)];
     });
     for (words, session) in cases {
-        let reason = why_not_together(&session, &crew).unwrap();
+        let reason = group_drive_blocked_by(&session, &crew).unwrap();
         assert!(reason.contains(words), "{reason}");
     }
     let sideless = vec![(ID, Side::None)];
-    assert_eq!(why_not_together(&good, &sideless), None);
+    assert_eq!(group_drive_blocked_by(&good, &sideless), None);
     assert!(
-        why_not_steer(&good, &sideless)
+        steer_blocked_by(&good, &sideless)
             .unwrap()
             .contains("side of motor 0x01")
     );
@@ -142,23 +142,23 @@ fn motors_drive_together_where_each_of_them_may() {
 #[test]
 fn one_scan_at_a_time_and_no_frame_beside_it() {
     let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
-    assert_eq!(why_not_scan(&session), None);
-    assert!(why_not_cancel(&session).is_some());
+    assert_eq!(scan_blocked_by(&session), None);
+    assert!(cancel_blocked_by(&session).is_some());
     session.job = Some(JobStatus::Stopping);
-    assert!(why_not_scan(&session).is_some());
-    assert!(why_not_send(&session, false).is_some());
-    assert_eq!(why_not_cancel(&session), None);
+    assert!(scan_blocked_by(&session).is_some());
+    assert!(send_blocked_by(&session, false).is_some());
+    assert_eq!(cancel_blocked_by(&session), None);
     session.job = None;
     session.connection = Connection::Disconnected;
-    assert!(why_not_scan(&session).is_some());
+    assert!(scan_blocked_by(&session).is_some());
 }
 
 #[test]
 fn while_all_motors_are_stopped_only_a_query_is_sent() {
     let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
     session.halted = true;
-    assert_eq!(why_not_send(&session, false), None);
-    assert!(why_not_send(&session, true).unwrap().contains("Release"));
+    assert_eq!(send_blocked_by(&session, false), None);
+    assert!(send_blocked_by(&session, true).unwrap().contains("Release"));
 }
 
 #[test]
@@ -173,11 +173,11 @@ fn a_side_is_not_changed_while_the_motor_is_in_hand() {
     ] {
         let mut motor = status(1_000, Mode::Velocity, 0);
         motor.activity = activity;
-        let reason = why_not_side(&session(1_000, motor), ID);
+        let reason = side_change_blocked_by(&session(1_000, motor), ID);
         assert_eq!(reason.is_none(), allowed, "{activity:?}");
     }
     assert_eq!(
-        why_not_side(&Session::default(), ID),
+        side_change_blocked_by(&Session::default(), ID),
         None,
         "nobody answers"
     );
@@ -190,25 +190,25 @@ fn a_driven_motor_takes_another_target() {
         setpoint: Setpoint::velocity(SpeedTarget::ZERO),
     };
     let session = session(1_000, driven);
-    assert_eq!(why_not_drive(&session, ID, Mode::Velocity), None);
+    assert_eq!(drive_blocked_by(&session, ID, Mode::Velocity), None);
 }
 
 #[test]
 fn the_position_loop_needs_a_wheel_that_is_known_to_be_slow() {
     for (rpm, allowed) in [(0, true), (9, true), (-9, true), (10, false), (-10, false)] {
         let session = session(1_000, status(1_000, Mode::Velocity, rpm));
-        let reason = why_not_switch(&session, ID, Mode::Position);
+        let reason = switch_blocked_by(&session, ID, Mode::Position);
         assert_eq!(reason.is_none(), allowed, "{}", Rpm::new(rpm));
     }
     let old = session(1_000, status(400, Mode::Velocity, 0));
-    assert!(why_not_switch(&old, ID, Mode::Position).is_some());
+    assert!(switch_blocked_by(&old, ID, Mode::Position).is_some());
 }
 
 #[test]
 fn a_stop_waits_for_nothing_but_a_port() {
     let mut session = session(9_000, status(0, Mode::Position, 90));
     session.halted = true;
-    assert_eq!(why_not_stop(&session), None);
+    assert_eq!(stop_blocked_by(&session), None);
     session.connection = Connection::Disconnected;
-    assert!(why_not_stop(&session).is_some());
+    assert!(stop_blocked_by(&session).is_some());
 }

@@ -73,7 +73,7 @@ impl Recorder {
     }
 
     /// Why this file cannot be exported now, unless because of what is in it.
-    pub(crate) fn why_not_export(&self, what: Export) -> Option<String> {
+    pub(crate) fn export_blocked_by(&self, what: Export) -> Option<String> {
         if !self.alive.get() {
             return Some(no_recorder().to_owned());
         }

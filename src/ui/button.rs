@@ -21,19 +21,19 @@ pub(crate) fn PressButton(
     hint: Option<&'static str>,
     /// Why it cannot be pressed now.
     #[prop(optional, into)]
-    why_not: Signal<Option<String>>,
+    disabled_reason: Signal<Option<String>>,
     /// What it does.
     #[prop(into)]
     on_press: Callback<()>,
 ) -> impl IntoView {
-    let title = move || why_not.get().or_else(|| hint.map(str::to_owned));
+    let title = move || disabled_reason.get().or_else(|| hint.map(str::to_owned));
     view! {
         <button
             type="button"
             class=class
             aria-label=name
             title=dynamic(title)
-            disabled=dynamic(move || why_not.with(Option::is_some))
+            disabled=dynamic(move || disabled_reason.with(Option::is_some))
             on:click=handler(move |_| on_press.run(()))
         >
             {label}

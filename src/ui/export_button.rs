@@ -15,7 +15,7 @@ pub(crate) fn ExportButton(
     /// How much is written, while the file is being written.
     per_mille: Signal<Option<u64>>,
     /// Why it cannot be pressed.
-    why_not: Signal<Option<String>>,
+    disabled_reason: Signal<Option<String>>,
     /// Starts to write the file, or cancels it.
     #[prop(into)]
     on_press: Callback<()>,
@@ -30,7 +30,7 @@ pub(crate) fn ExportButton(
                 label=Signal::derive(reads)
                 class="button small"
                 hint
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || on_press.run(())
             />
             <progress

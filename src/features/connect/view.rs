@@ -9,7 +9,7 @@ use crate::{
     link::worker_link::WorkerState,
     model::{
         connect_texts,
-        guards::{is_in_use, why_not_at_all, why_not_serial},
+        guards::{is_in_use, port_blocked_by, serial_blocked_by},
         page::use_page,
     },
     ui::{
@@ -66,21 +66,21 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let page = connect.page;
     // Then one disconnects.
     let open = memo(move || page.shown.with(|session| is_in_use(session.connection)));
-    let why_no_serial = Signal::derive(move || why_not_serial(page.worker.state.get()));
-    let why_not_connect = Signal::derive(move || {
+    let no_serial_reason = Signal::derive(move || serial_blocked_by(page.worker.state.get()));
+    let connect_blocked_by = Signal::derive(move || {
         if open.get() {
             None
         } else {
-            why_not_serial(page.worker.state.get())
+            serial_blocked_by(page.worker.state.get())
         }
     });
-    let why_not_virtual = Signal::derive(move || {
+    let virtual_blocked_by = Signal::derive(move || {
         let connection = page.shown.with(|session| session.connection);
         match connection {
             Connection::Connected(Adapter::Virtual) => {
                 Some(tr!("The virtual motor is already connected.").to_owned())
             }
-            _ => why_not_at_all(page.worker.state.get()),
+            _ => port_blocked_by(page.worker.state.get()),
         }
     });
     let label = Signal::derive(move || {
@@ -96,7 +96,7 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
             <PressButton
                 label=label
                 class="button connect"
-                why_not=why_not_connect
+                disabled_reason=connect_blocked_by
                 on_press=move || {
                     if open.get_untracked() { connect.disconnect() } else { connect.connect() }
                 }
@@ -105,13 +105,13 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
                 label=tr!("Other port…")
                 name=tr!("Other port")
                 hint=tr!("Other port")
-                why_not=why_no_serial
+                disabled_reason=no_serial_reason
                 on_press=move || connect.choose_port(true)
             />
             <PressButton
                 label=tr!("Virtual motor")
                 hint=tr!("Simulated motor. Needs no hardware or permission.")
-                why_not=why_not_virtual
+                disabled_reason=virtual_blocked_by
                 on_press=move || connect.connect_virtual()
             />
         </div>

@@ -4,7 +4,7 @@ use crate::{
     features::drive::one_stop::stop_of,
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        guards::{why_not_drive, why_not_stop, why_not_switch},
+        guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
         notice_board::Topic,
         page::{Dialog, Page},
         tab::Tab,
@@ -108,7 +108,7 @@ impl Drive {
     /// it cannot be driven.
     pub(crate) fn drive(self, setpoint: Setpoint) {
         let id = self.page.selected.get_untracked();
-        if let Some(reason) = why_not_drive(&self.page.present(), id, setpoint.mode()) {
+        if let Some(reason) = drive_blocked_by(&self.page.present(), id, setpoint.mode()) {
             self.page.refuse(tr!("Motor {id} not started", id), reason);
             return;
         }
@@ -157,7 +157,7 @@ impl Drive {
 
     /// Stops the chosen motor as its loop allows: see [`stop_of`].
     pub(crate) fn stop_motor(self, tab: Tab) {
-        if let Some(reason) = why_not_stop(&self.page.present()) {
+        if let Some(reason) = stop_blocked_by(&self.page.present()) {
             self.page.refuse(tr!("Stop not sent").to_owned(), reason);
             return;
         }
@@ -179,7 +179,7 @@ impl Drive {
 
     pub(crate) fn switch(self, mode: Mode) {
         let id = self.page.selected.get_untracked();
-        if let Some(reason) = why_not_switch(&self.page.present(), id, mode) {
+        if let Some(reason) = switch_blocked_by(&self.page.present(), id, mode) {
             self.page.refuse(
                 tr!("Not switched to the {mode}", mode = terms::mode(mode)),
                 reason,

@@ -10,9 +10,9 @@ use motorlink_messages::{
 use crate::{
     features::drive::{
         actions::Drive,
-        loop_panel::{loop_panel, why_not_in, why_not_with},
+        loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
-    model::{guards::why_not_stop, tab::Tab},
+    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -39,9 +39,9 @@ const PRESETS: [(f32, &str, &str); 7] = [
 pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
     let current = drive.targets.current;
-    let why_not = why_not_in(page, MODE);
-    let why_not_start = why_not_with(page, MODE, [current]);
-    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    let disabled_reason = loop_blocked_by(page, MODE);
+    let start_blocked_by = loop_start_blocked_by(page, MODE, [current]);
+    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
@@ -59,7 +59,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
                 label=in_language(label.to_owned())
                 name=name
                 class="button preset"
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || {
                     current.set(CurrentTarget::from_amps(amps).into());
                     drive.start(MODE);
@@ -97,17 +97,17 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
                 label=tr!("Stop")
                 class="button halt"
                 hint=tr!("Sets 0 A: the wheel coasts")
-                why_not=why_not_halt
+                disabled_reason=halt_blocked_by
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Start")
                 class="button primary"
-                why_not=why_not_start
+                disabled_reason=start_blocked_by
                 on_press=move || drive.start(MODE)
             />
         </div>
     };
     let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");
-    loop_panel(drive, MODE, why_not_start, hint.to_owned(), body)
+    loop_panel(drive, MODE, start_blocked_by, hint.to_owned(), body)
 }

@@ -6,7 +6,7 @@ use motorlink_messages::protocol::Mode;
 
 use crate::{
     features::drive::actions::Drive,
-    model::{guards::why_not_switch, snapshot::Reading, terms::loop_name},
+    model::{guards::switch_blocked_by, snapshot::Reading, terms::loop_name},
     ui::{button::PressButton, reactive::dynamic},
 };
 
@@ -24,7 +24,7 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
             |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
         )
     };
-    let why_not = page.of_motor(move |session, id| why_not_switch(session, id, mode));
+    let disabled_reason = page.of_motor(move |session, id| switch_blocked_by(session, id, mode));
     view! {
         <div class="loop-head">
             <h2>{loop_name(mode)}</h2>
@@ -34,7 +34,7 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
             <PressButton
                 label=tr!("Switch to {mode}", mode = terms::mode(mode))
                 class="button small"
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || drive.switch(mode)
             />
             <p class="quiet">{dynamic(words)}</p>

@@ -5,7 +5,7 @@ use motorlink_messages::protocol::Mode;
 
 use crate::{
     features::drive::{actions::Drive, loop_head::LoopHead},
-    model::{guards::why_not_drive, page::Page, tab::Tab},
+    model::{guards::drive_blocked_by, page::Page, tab::Tab},
     ui::{reactive::dynamic, tab_panel::tab_panel, target::Target},
 };
 
@@ -14,7 +14,7 @@ use crate::{
 pub(crate) fn loop_panel(
     drive: Drive,
     mode: Mode,
-    why_not: Signal<Option<String>>,
+    disabled_reason: Signal<Option<String>>,
     hint: String,
     body: impl IntoView,
 ) -> impl IntoView {
@@ -24,28 +24,28 @@ pub(crate) fn loop_panel(
         view! {
             <LoopHead drive mode />
             {body}
-            <Foot why_not hint />
+            <Foot disabled_reason hint />
         },
     )
 }
 
 /// Why the chosen motor cannot be driven in this loop now.
-pub(crate) fn why_not_in(page: Page, mode: Mode) -> Signal<Option<String>> {
-    page.of_motor(move |session, id| why_not_drive(session, id, mode))
+pub(crate) fn loop_blocked_by(page: Page, mode: Mode) -> Signal<Option<String>> {
+    page.of_motor(move |session, id| drive_blocked_by(session, id, mode))
         .into()
 }
 
 /// The same, or what is wrong with what is entered.
-pub(crate) fn why_not_with(
+pub(crate) fn loop_start_blocked_by(
     page: Page,
     mode: Mode,
     targets: impl IntoIterator<Item = Target>,
 ) -> Signal<Option<String>> {
-    let why_not = why_not_in(page, mode);
+    let disabled_reason = loop_blocked_by(page, mode);
     let targets: Vec<Target> = targets.into_iter().collect();
     Signal::derive(move || {
         let trouble = || targets.iter().find_map(|target| target.trouble());
-        why_not.get().or_else(trouble)
+        disabled_reason.get().or_else(trouble)
     })
 }
 
@@ -53,15 +53,15 @@ pub(crate) fn why_not_with(
 /// to read its title, else what is good to know. One place for both, so that nothing moves.
 #[component]
 fn Foot(
-    why_not: Signal<Option<String>>,
+    disabled_reason: Signal<Option<String>>,
     /// What is good to know, as HTML.
     hint: String,
 ) -> impl IntoView {
-    let blocked = move || why_not.with(Option::is_some);
+    let blocked = move || disabled_reason.with(Option::is_some);
     view! {
         <div class="tab-foot">
             <p class="reason" class:absent=dynamic(move || !blocked())>
-                {dynamic(move || why_not.get().unwrap_or_default())}
+                {dynamic(move || disabled_reason.get().unwrap_or_default())}
             </p>
             <p class="quiet" class:absent=dynamic(blocked) inner_html=hint></p>
         </div>

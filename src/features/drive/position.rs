@@ -7,9 +7,9 @@ use motorlink_messages::protocol::{Mode, PositionTarget};
 use crate::{
     features::drive::{
         actions::Drive,
-        loop_panel::{loop_panel, why_not_in, why_not_with},
+        loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
-    model::{guards::why_not_stop, tab::Tab},
+    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         dial::Dial,
@@ -27,15 +27,15 @@ const PRESETS: [(f32, &str); 4] = [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"
 pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
     let position = drive.targets.position;
-    let why_not = why_not_in(page, MODE);
-    let why_not_go = why_not_with(page, MODE, [position]);
-    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    let disabled_reason = loop_blocked_by(page, MODE);
+    let go_blocked_by = loop_start_blocked_by(page, MODE, [position]);
+    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let preset = move |(degrees, label): (f32, &'static str)| {
         view! {
             <PressButton
                 label=label
                 class="button preset"
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || {
                     position.set(PositionTarget::from_degrees(degrees).into());
                     drive.start(MODE);
@@ -81,17 +81,17 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
                 label=tr!("Stop")
                 class="button halt"
                 hint=tr!("Holds the present angle")
-                why_not=why_not_halt
+                disabled_reason=halt_blocked_by
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Go")
                 class="button primary"
-                why_not=why_not_go
+                disabled_reason=go_blocked_by
                 on_press=move || drive.start(MODE)
             />
         </div>
     };
     let hint = tr!("Stop holds the present angle. STOP brakes, then lets the wheel coast.");
-    loop_panel(drive, MODE, why_not_go, hint.to_owned(), body)
+    loop_panel(drive, MODE, go_blocked_by, hint.to_owned(), body)
 }

@@ -7,9 +7,9 @@ use motorlink_messages::protocol::{Mode, Setpoint};
 use crate::{
     features::drive::{
         actions::Drive,
-        loop_panel::{loop_panel, why_not_in, why_not_with},
+        loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
-    model::{guards::why_not_stop, tab::Tab},
+    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -39,10 +39,10 @@ fn hint() -> String {
 pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
     let targets = drive.targets;
-    let why_not = why_not_in(page, MODE);
-    let why_not_start = why_not_with(page, MODE, [targets.speed, targets.acceleration]);
-    let why_not_preset = why_not_with(page, MODE, [targets.acceleration]);
-    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    let disabled_reason = loop_blocked_by(page, MODE);
+    let start_blocked_by = loop_start_blocked_by(page, MODE, [targets.speed, targets.acceleration]);
+    let preset_blocked_by = loop_start_blocked_by(page, MODE, [targets.acceleration]);
+    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let direction = Signal::derive(move || {
         let words = if mirrored.get() {
@@ -66,7 +66,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
                 label=format::signed(rpm)
                 name=name
                 class="button preset"
-                why_not=why_not_preset
+                disabled_reason=preset_blocked_by
                 on_press=move || drive.drive_at(rpm)
             />
         }
@@ -104,25 +104,25 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
                 label=tr!("Stop")
                 class="button halt"
                 hint=tr!("Brakes to a standstill, then coasts")
-                why_not=why_not_halt
+                disabled_reason=halt_blocked_by
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
             <PressButton
                 label=tr!("Start")
                 class="button primary"
-                why_not=why_not_start
+                disabled_reason=start_blocked_by
                 on_press=move || drive.start(MODE)
             />
             <PressButton
                 label=tr!("Brake")
                 class="button brake"
                 hint=tr!("Brakes and keeps braking")
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || drive.drive(Setpoint::Brake)
             />
             {preset(50, "+50")}
             {preset(100, "+100")}
         </div>
     };
-    loop_panel(drive, MODE, why_not_start, hint(), body)
+    loop_panel(drive, MODE, start_blocked_by, hint(), body)
 }

@@ -69,7 +69,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                 <PressButton
                     class="button small"
                     label=tr!("Now")
-                    why_not=live_already
+                    disabled_reason=live_already
                     on_press=move || chart.follow()
                 />
                 <PressButton

@@ -17,7 +17,7 @@ use crate::{
     model::{
         drive_settings::FIRST_SPEED_RPM,
         fleet::{Crew, Fleet, Side, Wheels, parts},
-        guards::{why_not_side, why_not_steer, why_not_together},
+        guards::{group_drive_blocked_by, side_change_blocked_by, steer_blocked_by},
         notice_board::Topic,
         page::Page,
     },
@@ -78,8 +78,8 @@ impl Groups {
 
     /// Not while the motor is driven: the next adjustment would turn it round.
     pub(crate) fn set_side(self, id: MotorId, side: Side) {
-        let reason =
-            why_not_side(&self.page.present(), id).or_else(|| self.page.why_not_turn_sides());
+        let reason = side_change_blocked_by(&self.page.present(), id)
+            .or_else(|| self.page.side_changes_blocked_by());
         if let Some(reason) = reason {
             self.page
                 .refuse(tr!("The side of motor {id} was not changed", id), reason);
@@ -93,7 +93,7 @@ impl Groups {
     /// Drives all members to the entered speed, each in its direction.
     pub(crate) fn start_together(self) {
         let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
-        if let Some(reason) = why_not_together(&self.page.present(), &crew) {
+        if let Some(reason) = group_drive_blocked_by(&self.page.present(), &crew) {
             self.page
                 .refuse(tr!("Group not started").to_owned(), reason);
             return;
@@ -162,7 +162,7 @@ impl Groups {
     /// How fast the pad may drive now.
     fn pad_limit(self) -> Option<i32> {
         let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
-        let allowed = why_not_steer(&self.page.present(), &crew).is_none();
+        let allowed = steer_blocked_by(&self.page.present(), &crew).is_none();
         allowed.then(|| self.speed.get_untracked())
     }
 

@@ -17,7 +17,7 @@ use crate::{
         actions::Groups,
         pad::{By, Stick},
     },
-    model::{fleet::Fleet, guards::why_not_steer},
+    model::{fleet::Fleet, guards::steer_blocked_by},
     ui::{
         animation::Frames,
         drawer::Drawer,
@@ -74,14 +74,14 @@ pub(crate) fn keep_working(groups: Groups) {
     for name in HEARD {
         on_window(name, move |event| hear(groups, &event));
     }
-    let why_not = memo(move || {
+    let disabled_reason = memo(move || {
         let crew = groups.page.motors.fleet.with(Fleet::crew);
         groups
             .page
             .shown
-            .with(|session| why_not_steer(session, &crew))
+            .with(|session| steer_blocked_by(session, &crew))
     });
-    effect(move || show(groups, why_not.get()));
+    effect(move || show(groups, disabled_reason.get()));
     effect(move || {
         let open = groups.page.drawer.get() == Some(Drawer::Together);
         if !open || groups.page.dialog.with(Option::is_some) {
@@ -97,7 +97,7 @@ pub(crate) fn keep_working(groups: Groups) {
 }
 
 /// Shows where the stick is, and why it does not drive or what it is sent; one place for both.
-fn show(groups: Groups, why_not: Option<String>) {
+fn show(groups: Groups, disabled_reason: Option<String>) {
     let driving = groups.driving.get();
     let (pad, words) = (
         document().get_element_by_id(PAD),
@@ -110,9 +110,13 @@ fn show(groups: Groups, why_not: Option<String>) {
     let mark = |name, value: &str| drop(pad.set_attribute(name, value));
     mark(
         "aria-disabled",
-        if why_not.is_some() { "true" } else { "false" },
+        if disabled_reason.is_some() {
+            "true"
+        } else {
+            "false"
+        },
     );
-    mark("title", why_not.as_deref().unwrap_or_default());
+    mark("title", disabled_reason.as_deref().unwrap_or_default());
     mark("data-held", if driving.is_some() { "yes" } else { "no" });
     let stick = driving.map(|(stick, _)| stick).unwrap_or_default();
     let knob = pad.first_element_child().map(Element::dyn_into);
@@ -126,7 +130,7 @@ fn show(groups: Groups, why_not: Option<String>) {
         let (left, right) = (signed(wheels.left), signed(wheels.right));
         tr!("Left {left} rpm, right {right} rpm", left, right)
     });
-    let said = sent.or(why_not);
+    let said = sent.or(disabled_reason);
     let said = said.as_deref();
     words.set_text_content(Some(
         said.unwrap_or(tr!("Hold to run: drag, or use the arrow keys.")),

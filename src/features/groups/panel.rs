@@ -10,7 +10,7 @@ use crate::{
     features::groups::{actions::Groups, pad_view},
     model::{
         fleet::{Fleet, Side, listed, rows_html},
-        guards::{why_not_side, why_not_stop, why_not_together},
+        guards::{group_drive_blocked_by, side_change_blocked_by, stop_blocked_by},
         page::Page,
         snapshot::Session,
         tool_entry,
@@ -40,10 +40,11 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
     let page = groups.page;
     let blocked = memo(move || {
         let crew = page.motors.fleet.with(Fleet::crew);
-        page.shown.with(|session| why_not_together(session, &crew))
+        page.shown
+            .with(|session| group_drive_blocked_by(session, &crew))
     });
-    let why_not_start = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
-    let why_not_halt = page.of_motor(|session, _| why_not_stop(session));
+    let start_blocked_by = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
+    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     keep_rows(groups);
     pad_view::keep_working(groups);
     panel_of_drawer(
@@ -76,13 +77,13 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                         label=tr!("Stop group")
                         class="button halt"
                         hint=tr!("Brakes the group to a standstill, then coasts")
-                        why_not=why_not_halt
+                        disabled_reason=halt_blocked_by
                         on_press=move || groups.stop_together()
                     />
                     <PressButton
                         label=tr!("Start group")
                         class="button primary"
-                        why_not=why_not_start
+                        disabled_reason=start_blocked_by
                         on_press=move || groups.start_together()
                     />
                 </div>
@@ -136,7 +137,7 @@ fn hold_sides(page: Page, ids: &[MotorId]) {
         let Some(list) = list.and_then(|list| list.dyn_into::<HtmlSelectElement>().ok()) else {
             continue;
         };
-        let shown = |session: &Session| why_not_side(session, *id);
+        let shown = |session: &Session| side_change_blocked_by(session, *id);
         let reason = page.shown.with_untracked(shown).unwrap_or_default();
         list.set_disabled(!reason.is_empty());
         list.set_title(&reason);

@@ -12,7 +12,7 @@ use crate::{
         tour_texts,
     },
     model::{
-        guards::{why_not_at_all, why_not_drive, why_not_serial, why_not_stop},
+        guards::{drive_blocked_by, port_blocked_by, serial_blocked_by, stop_blocked_by},
         page::Page,
         preferences::{remember, remembered},
     },
@@ -132,10 +132,10 @@ struct Controls {
     now: Step,
     id: MotorId,
     free: bool,
-    why_not_pick: Option<String>,
-    why_not_virtual: Option<String>,
-    why_not_spin: Option<String>,
-    why_not_stop: Option<String>,
+    pick_blocked_by: Option<String>,
+    virtual_blocked_by: Option<String>,
+    spin_blocked_by: Option<String>,
+    stop_blocked_by: Option<String>,
 }
 
 impl Controls {
@@ -144,10 +144,10 @@ impl Controls {
             now: tour.step(session, id),
             id,
             free: tour.free,
-            why_not_pick: why_not_serial(page.worker.state.get()),
-            why_not_virtual: why_not_at_all(page.worker.state.get()),
-            why_not_spin: why_not_drive(session, id, Mode::Velocity),
-            why_not_stop: why_not_stop(session),
+            pick_blocked_by: serial_blocked_by(page.worker.state.get()),
+            virtual_blocked_by: port_blocked_by(page.worker.state.get()),
+            spin_blocked_by: drive_blocked_by(session, id, Mode::Velocity),
+            stop_blocked_by: stop_blocked_by(session),
         })
     }
 }
@@ -166,10 +166,10 @@ fn show(controls: &Controls) {
     );
     mark_steps(now);
     let picks = matches!(now, Step::PlugIn | Step::PickPort);
-    set_control(PICK, picks, controls.why_not_pick.as_deref());
-    set_control(VIRTUAL, picks, controls.why_not_virtual.as_deref());
-    set_control(SPIN, now == Step::Spin, controls.why_not_spin.as_deref());
-    set_control(STOP, now == Step::Stop, controls.why_not_stop.as_deref());
+    set_control(PICK, picks, controls.pick_blocked_by.as_deref());
+    set_control(VIRTUAL, picks, controls.virtual_blocked_by.as_deref());
+    set_control(SPIN, now == Step::Spin, controls.spin_blocked_by.as_deref());
+    set_control(STOP, now == Step::Stop, controls.stop_blocked_by.as_deref());
     if let Some(tick) = element(FREE) {
         if let Some(label) = tick.parent_element() {
             let _ = label.toggle_attribute_with_force("hidden", now != Step::Free);
@@ -207,11 +207,11 @@ fn mark_steps(now: Step) {
     }
 }
 
-fn set_control(id: &str, shown: bool, why_not: Option<&str>) {
+fn set_control(id: &str, shown: bool, disabled_reason: Option<&str>) {
     if let Some(button) = element(id) {
         let _ = button.toggle_attribute_with_force("hidden", !shown);
-        let _ = button.toggle_attribute_with_force("disabled", why_not.is_some());
-        set(id, "title", why_not.unwrap_or_default());
+        let _ = button.toggle_attribute_with_force("disabled", disabled_reason.is_some());
+        set(id, "title", disabled_reason.unwrap_or_default());
     }
 }
 

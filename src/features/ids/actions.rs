@@ -9,7 +9,7 @@ use motorlink_messages::{
 use crate::{
     features::ids::state::IdManager,
     model::{
-        guards::why_not_scan,
+        guards::scan_blocked_by,
         notice_board::Topic,
         page::{Dialog, Page},
         snapshot::Session,
@@ -76,7 +76,7 @@ impl Ids {
         if self
             .page
             .latest
-            .with_value(|session| why_not_scan(session).is_none())
+            .with_value(|session| scan_blocked_by(session).is_none())
         {
             self.change_ids(|ids| ids.wish_for(to));
             self.page.command(Command::FullScan);
@@ -85,7 +85,7 @@ impl Ids {
 
     /// Begins to send more frames to a motor that has kept its ID: with the same proof and question.
     pub(crate) fn set_id_with_more(self) {
-        let may_scan = |session: &Session| why_not_scan(session).is_none();
+        let may_scan = |session: &Session| scan_blocked_by(session).is_none();
         if self.page.latest.with_value(may_scan) {
             let mut wished = false;
             self.change_ids(|ids| wished = ids.wish_for_more());

@@ -11,7 +11,7 @@ use crate::{
         state::IdManager,
     },
     model::{
-        guards::{why_not_cancel, why_not_scan, why_not_stop},
+        guards::{cancel_blocked_by, scan_blocked_by, stop_blocked_by},
         notice_board::{NoticeText, Tone},
         page::use_page,
         scan_texts::of_progress,
@@ -31,13 +31,13 @@ use crate::{
 pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
     let page = ids.page;
     let new_id = ids.new_id;
-    let blocked = page.of_motor(|session, _| why_not_scan(session));
-    let why_not_cancel = page.of_motor(|session, _| why_not_cancel(session));
+    let blocked = page.of_motor(|session, _| scan_blocked_by(session));
+    let cancel_blocked_by = page.of_motor(|session, _| cancel_blocked_by(session));
     let objection = memo(move || {
         let to = assignable(new_id.get())?;
         page.shown.with(|session| objection(session, to))
     });
-    let why_not_set = Signal::derive(move || {
+    let set_blocked_by = Signal::derive(move || {
         let missing = || {
             let nothing = assignable(new_id.get()).is_none();
             nothing.then(|| tr!("Enter the new ID.").to_owned())
@@ -63,19 +63,19 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                 <PressButton
                     label=tr!("Scan")
                     hint=tr!("One query to all motors: enough for a single motor")
-                    why_not=blocked
+                    disabled_reason=blocked
                     on_press=move || ids.scan()
                 />
                 <PressButton
                     label=tr!("Full scan")
                     class="button full-scan"
                     hint=tr!("Queries all 254 addresses")
-                    why_not=blocked
+                    disabled_reason=blocked
                     on_press=move || ids.full_scan()
                 />
                 <PressButton
                     label=tr!("Cancel")
-                    why_not=why_not_cancel
+                    disabled_reason=cancel_blocked_by
                     on_press=move || ids.cancel_scan()
                 />
             </div>
@@ -97,14 +97,14 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                         label=tr!("Set ID")
                         class="button primary"
                         hint=tr!("Scans, then asks to confirm")
-                        why_not=why_not_set
+                        disabled_reason=set_blocked_by
                         on_press=move || ids.set_id()
                     />
                     <div hidden=dynamic(move || more.get().is_none())>
                         <PressButton
                             label=Signal::derive(send_more)
                             hint=tr!("Scans, then asks to confirm")
-                            why_not=blocked
+                            disabled_reason=blocked
                             on_press=move || ids.set_id_with_more()
                         />
                     </div>
@@ -146,7 +146,7 @@ fn Progress() -> impl IntoView {
 #[component]
 fn Said(ids: Ids) -> impl IntoView {
     let page = ids.page;
-    let unconnected = page.of_motor(|session, _| why_not_stop(session));
+    let unconnected = page.of_motor(|session, _| stop_blocked_by(session));
     let words = memo(move || ids.manager.with(IdManager::words));
     let of_words = move |read: fn(&NoticeText) -> String| dynamic(move || words.with(read));
     let title = move || {

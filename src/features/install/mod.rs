@@ -117,7 +117,7 @@ impl Install {
     }
 
     /// Why it cannot be installed now.
-    pub(crate) fn why_not_install(self) -> Option<&'static str> {
+    pub(crate) fn install_blocked_by(self) -> Option<&'static str> {
         match self.state.get() {
             Installation::Offered => None,
             Installation::Done => Some(words::installed()),

@@ -33,15 +33,15 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
     let title = memo(move || state.with(texts::of_entries_at_length));
     let empty = memo(move || state.with(|state| state.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
-    let why_empty = move || empty.get().then(|| tr!("No entries yet.").to_owned());
-    let why_not_export = move || {
-        let why_not = recorder.why_not_export(Export::Log);
+    let empty_reason = move || empty.get().then(|| tr!("No entries yet.").to_owned());
+    let export_blocked_by = move || {
+        let disabled_reason = recorder.export_blocked_by(Export::Log);
         let writes = recorder.per_mille(Export::Log).is_some();
-        why_not.or_else(|| why_empty().filter(|_| !writes))
+        disabled_reason.or_else(|| empty_reason().filter(|_| !writes))
     };
-    let why_not_clear = move || {
+    let clear_blocked_by = move || {
         if recorder.alive.get() {
-            why_empty()
+            empty_reason()
         } else {
             Some(no_recorder().to_owned())
         }
@@ -64,14 +64,14 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
                     label=tr!("Clear")
                     class="button small"
                     hint=tr!("Deletes all log entries")
-                    why_not=Signal::derive(why_not_clear)
+                    disabled_reason=Signal::derive(clear_blocked_by)
                     on_press=move || log.ask_to_clear()
                 />
                 <ExportButton
                     label=tr!("Export CSV")
                     hint=tr!("Exports all entries, including hidden ones")
                     per_mille=Signal::derive(move || log.page.recorder.per_mille(Export::Log))
-                    why_not=Signal::derive(why_not_export)
+                    disabled_reason=Signal::derive(export_blocked_by)
                     on_press=move || log.page.recorder.export_or_cancel(Export::Log)
                 />
             </div>

@@ -15,7 +15,7 @@ use crate::{
         texts,
     },
     model::{
-        guards::{why_not_send, why_not_stop},
+        guards::{send_blocked_by, stop_blocked_by},
         snapshot::Reading,
         tab::Tab,
         terms, tool_entry,
@@ -139,10 +139,10 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
 fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     let page = raw.page;
     let frame = memo(move || entered.with(Entered::frame));
-    let blocked = page.of_motor(|session, _| why_not_send(session, false));
-    let blocked_hazard = page.of_motor(|session, _| why_not_send(session, true));
-    let why_not_stop = page.of_motor(|session, _| why_not_stop(session));
-    let why_not = Signal::derive(move || {
+    let blocked = page.of_motor(|session, _| send_blocked_by(session, false));
+    let blocked_hazard = page.of_motor(|session, _| send_blocked_by(session, true));
+    let stop_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
+    let disabled_reason = Signal::derive(move || {
         let Some(frame) = frame.get() else {
             let missing = || Some(tr!("Enter 9 or 10 bytes.").to_owned());
             return blocked.get().or_else(missing);
@@ -164,7 +164,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             <PressButton
                 label=tr!("Send")
                 class="button primary"
-                why_not=why_not
+                disabled_reason=disabled_reason
                 on_press=move || {
                     if let Some(frame) = frame.get_untracked() {
                         raw.send_raw(frame);
@@ -175,7 +175,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
                 label=tr!("Stop")
                 class="button halt"
                 hint=tr!("Stops sending, and stops any motor the frame may have moved")
-                why_not=why_not_stop
+                disabled_reason=stop_blocked_by
                 on_press=move || raw.stop_raw()
             />
         </div>
@@ -187,7 +187,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
 fn Answer(raw: Raw) -> impl IntoView {
     let page = raw.page;
     let refused = raw.refused;
-    let unconnected = page.of_motor(|session, _| why_not_send(session, false));
+    let unconnected = page.of_motor(|session, _| send_blocked_by(session, false));
     let sent = page.of_motor(|session, _| session.raw.map(|raw| texts::sent(&raw)));
     let answer = page.of_motor(|session, _| session.raw.map(|raw| texts::answer(&raw)));
     let not_sent = move || refused.with(Option::is_some);

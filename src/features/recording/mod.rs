@@ -30,24 +30,24 @@ pub(crate) fn Recording() -> impl IntoView {
             ("", no_recorder().to_owned())
         }
     });
-    let why_not_record = move || {
+    let record_blocked_by = move || {
         if alive.get() {
-            status.with(why_no_recording)
+            status.with(full_recording_reason)
         } else {
             Some(no_recorder())
         }
     };
     let hint = move || {
-        why_not_record().unwrap_or(if records.get() {
+        record_blocked_by().unwrap_or(if records.get() {
             tr!("Press again to stop recording")
         } else {
             tr!("Records every sample from now on. Otherwise only the last 10 minutes are stored.")
         })
     };
-    let why_not_export = move || {
-        let why_not = recorder.why_not_export(Export::Telemetry);
+    let export_blocked_by = move || {
+        let disabled_reason = recorder.export_blocked_by(Export::Telemetry);
         let writes = recorder.per_mille(Export::Telemetry).is_some();
-        why_not.or_else(|| status.with(why_nothing_to_export).filter(|_| !writes))
+        disabled_reason.or_else(|| status.with(nothing_to_export_reason).filter(|_| !writes))
     };
     view! {
         <section class="panel recording" aria-label=tr!("Recording")>
@@ -56,7 +56,7 @@ pub(crate) fn Recording() -> impl IntoView {
                 class="button small record"
                 aria-pressed=dynamic(move || if records.get() { "true" } else { "false" })
                 title=dynamic(hint)
-                disabled=dynamic(move || why_not_record().is_some())
+                disabled=dynamic(move || record_blocked_by().is_some())
                 on:click=handler(move |_| page.recorder.post(&ToRecorder::Record(!records.get_untracked())))
             >
                 {tr!("Record telemetry")}
@@ -76,7 +76,7 @@ pub(crate) fn Recording() -> impl IntoView {
                     "One row per sample: the recording or, without one, the last 10 minutes"
                 )
                 per_mille=Signal::derive(move || page.recorder.per_mille(Export::Telemetry))
-                why_not=Signal::derive(why_not_export)
+                disabled_reason=Signal::derive(export_blocked_by)
                 on_press=move || page.recorder.export_or_cancel(Export::Telemetry)
             />
         </section>
@@ -84,11 +84,11 @@ pub(crate) fn Recording() -> impl IntoView {
 }
 
 /// A full recording has to become a file before there is room for another.
-fn why_no_recording(status: &RecordingStatus) -> Option<&'static str> {
+fn full_recording_reason(status: &RecordingStatus) -> Option<&'static str> {
     (status.full && !status.exported).then(|| tr!("The recording is full. Export it first."))
 }
 
-fn why_nothing_to_export(status: &RecordingStatus) -> Option<String> {
+fn nothing_to_export_reason(status: &RecordingStatus) -> Option<String> {
     (status.recorded == 0 && status.rolling == 0)
         .then(|| tr!("No samples yet. Connect a motor.").to_owned())
 }

@@ -9,7 +9,7 @@ use web_sys::{Blob, File};
 use crate::{
     features::settings::texts::{self, of_erased},
     model::{
-        guards::why_not_import,
+        guards::import_blocked_by,
         log_lines,
         page::{Dialog, Page},
         recorder_texts::no_recorder,
@@ -47,8 +47,8 @@ impl Settings {
     }
 
     /// Why no file can be taken in now.
-    pub(crate) fn why_not_import(self, session: &Session) -> Option<String> {
-        why_not_import(session, self.page.motors.steered.get())
+    pub(crate) fn import_blocked_by(self, session: &Session) -> Option<String> {
+        import_blocked_by(session, self.page.motors.steered.get())
     }
 
     /// Takes in a file, and says what became of it.
@@ -67,8 +67,8 @@ impl Settings {
     fn take_file(self, read: Result<Setup, SetupError>) -> String {
         // Driving may have begun while the file was chosen and read.
         let pad_is_held = self.page.motors.steered.get_untracked();
-        let reason = why_not_import(&self.page.present(), pad_is_held);
-        if let Some(reason) = reason.or_else(|| self.page.why_not_turn_sides()) {
+        let reason = import_blocked_by(&self.page.present(), pad_is_held);
+        if let Some(reason) = reason.or_else(|| self.page.side_changes_blocked_by()) {
             return texts::of_refusal(&reason);
         }
         match read {
@@ -82,7 +82,7 @@ impl Settings {
     }
 
     /// Why nothing can be erased now, where a setup could not be taken in for this reason either.
-    pub(crate) fn why_not_erase(self, in_use: Option<String>) -> Option<String> {
+    pub(crate) fn erase_blocked_by(self, in_use: Option<String>) -> Option<String> {
         if !self.page.recorder.alive.get() {
             return Some(no_recorder().to_owned());
         }

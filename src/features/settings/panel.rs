@@ -80,7 +80,7 @@ fn button(id: &str, label: &str) -> String {
 /// What the button `Install` does; another feature knows how.
 pub(crate) struct InstallButton {
     /// Why it cannot be pressed.
-    pub(crate) why_not: Box<dyn Fn() -> Option<&'static str>>,
+    pub(crate) disabled_reason: Box<dyn Fn() -> Option<&'static str>>,
     pub(crate) hint: &'static str,
     pub(crate) on_press: Box<dyn Fn()>,
 }
@@ -139,23 +139,23 @@ fn keep_working(settings: Settings, install: &'static InstallButton) {
     for name in ["click", "change"] {
         on_window(name, move |event| hear(settings, install, &event));
     }
-    let why_not = page.of_motor(move |session, _| settings.why_not_import(session));
+    let disabled_reason = page.of_motor(move |session, _| settings.import_blocked_by(session));
     effect(move || {
-        let reason = why_not.get();
-        say_why(
+        let reason = disabled_reason.get();
+        show_reason(
             IMPORT,
             reason.as_deref(),
             tr!("From an exported setup file"),
         );
         let erases = tr!("Deletes all MotorLink sessions and settings stored in this browser");
-        say_why(ERASE, settings.why_not_erase(reason).as_deref(), erases);
+        show_reason(ERASE, settings.erase_blocked_by(reason).as_deref(), erases);
     });
-    effect(move || say_why(INSTALL, (install.why_not)(), install.hint));
+    effect(move || show_reason(INSTALL, (install.disabled_reason)(), install.hint));
     effect(move || say(settings.erased.get()));
 }
 
 /// A button that cannot be pressed for this reason, or that does this.
-fn say_why(id: &str, reason: Option<&str>, hint: &str) {
+fn show_reason(id: &str, reason: Option<&str>, hint: &str) {
     let Some(button) = document().get_element_by_id(id) else {
         return;
     };

@@ -33,7 +33,7 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
         let id = page.selected.get();
         readings.faults.with(|history| history.has_unseen(id))
     });
-    let why_not = move || (!unseen.get()).then(|| tr!("No unseen faults").to_owned());
+    let disabled_reason = move || (!unseen.get()).then(|| tr!("No unseen faults").to_owned());
     let mark_seen = move || {
         let id = page.selected.get_untracked();
         readings
@@ -49,7 +49,7 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
                 label=tr!("Seen")
                 name=tr!("Mark faults as seen")
                 class="button small"
-                why_not=Signal::derive(why_not)
+                disabled_reason=Signal::derive(disabled_reason)
                 on_press=mark_seen
             />
         </div>
