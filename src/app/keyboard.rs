@@ -20,7 +20,7 @@ pub(crate) fn listen(features: Features) {
         let stop_keys = Rc::clone(&stop_keys);
         on_window(name, move |event| {
             if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
-                hear_key(features, &stop_keys, event);
+                on_key(features, &stop_keys, event);
             }
         });
     }
@@ -36,7 +36,7 @@ pub(crate) fn listen(features: Features) {
     on_window("click", let_go_of_clicked_button);
 }
 
-fn hear_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
+fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
     let goes_down = event.type_() == "keydown";
     let key = event.key();
     if let Some(key) = StopKey::of(&key) {

@@ -83,7 +83,7 @@ fn wanted_languages() -> Vec<String> {
 fn start_worker(features: Features) {
     let page = features.page;
     let started = WorkerLink::spawn(
-        move |message| features.hear(message),
+        move |message| features.on_message(message),
         move || features.worker_lost(),
     );
     if let Ok(link) = started {

@@ -17,7 +17,7 @@ impl Features {
     /// Starts the recorder and lays the line from the worker that owns the port.
     pub(crate) fn start_recorder(self) {
         let started = RecorderLink::spawn(
-            move |message, file| self.hear_recorder(message, file),
+            move |message, file| self.on_recorder_message(message, file),
             move || self.recorder_lost(),
         );
         let Ok(recorder) = started else {
@@ -42,7 +42,7 @@ impl Features {
         self.log.refilter(|filter| filter.collapse = collapse);
     }
 
-    fn hear_recorder(self, message: FromRecorder, file: Option<Blob>) {
+    fn on_recorder_message(self, message: FromRecorder, file: Option<Blob>) {
         let recorder = &self.page.recorder;
         match message {
             FromRecorder::Log(rows) => self.log.take(rows),

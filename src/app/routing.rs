@@ -27,7 +27,7 @@ use crate::{
 };
 
 impl Features {
-    pub(crate) fn hear(self, message: ToPage) {
+    pub(crate) fn on_message(self, message: ToPage) {
         match message {
             ToPage::Hello { time_origin_ms } => {
                 self.page
@@ -114,7 +114,7 @@ impl Features {
         if matches!(before, Connection::Connected(_)) {
             self.page.loops.asked.set(None);
             self.readings.forget();
-            self.readings.faults_unheard(None);
+            self.readings.end_faults_of_silent(None);
             self.ids.disconnected();
             self.raw.forget();
             self.page.notices.update(NoticeBoard::close_line);
@@ -134,7 +134,7 @@ impl Features {
                 }
             }
             Notice::ModeSwitched { id, mode } if *id == selected => self.page.follow(*mode),
-            Notice::MotorSilent(id) => self.readings.faults_unheard(Some(*id)),
+            Notice::MotorSilent(id) => self.readings.end_faults_of_silent(Some(*id)),
             // It may be back before the page was told that it was gone.
             Notice::AdapterLost { .. } => self.page.withdraw_question(),
             // The bus ends a stop in the velocity loop, whatever was asked for before.
@@ -220,7 +220,7 @@ impl Features {
         });
         self.page.worker.state.set(WorkerState::Dead);
         self.readings.forget();
-        self.readings.faults_unheard(None);
+        self.readings.end_faults_of_silent(None);
         self.ids.disconnected();
         self.page.notices.update(|board| {
             board.close_line();

@@ -21,10 +21,10 @@ const NAME: &str = "recorder";
 pub(crate) struct RecorderLink(StartedWorker);
 
 impl RecorderLink {
-    /// Starts the recorder. `hear` gets every message, and the file that came with it; `lost` is
+    /// Starts the recorder. `on_message` gets every message, and the file that came with it; `lost` is
     /// called when it has failed.
     pub(crate) fn spawn(
-        mut hear: impl FnMut(FromRecorder, Option<Blob>) + 'static,
+        mut on_message: impl FnMut(FromRecorder, Option<Blob>) + 'static,
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
         let started = StartedWorker::start(
@@ -32,7 +32,7 @@ impl RecorderLink {
             Box::new(move |_, data| {
                 let (bytes, file) = with_file(data);
                 match decode::<FromRecorder>(&Uint8Array::new(&bytes).to_vec()) {
-                    Ok(message) => hear(message, file),
+                    Ok(message) => on_message(message, file),
                     Err(error) => {
                         logging::error!("a message of the recorder does not read: {error}");
                     }

@@ -1,11 +1,11 @@
-//! A worker of the page: started, posted to, listened to. What is said is for the links to know.
+//! Starts a worker of the page, posts to it and receives from it. The links know what the messages mean.
 
 use js_sys::{Array, Uint8Array};
 use leptos::logging;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{ErrorEvent, Event, MessageEvent, MessagePort, Worker, WorkerOptions, WorkerType};
 
-/// Why there is no worker to speak to.
+/// Why no worker runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoWorker {
     /// The page does not name one.
@@ -14,21 +14,21 @@ pub(crate) enum NoWorker {
     NotStarted,
 }
 
-/// A worker and what hears it. All workers run one script, which tells by its name which it is.
+/// A worker and its handlers. All workers run one script, and the name of a worker says which one it is.
 pub(crate) struct StartedWorker {
     worker: Worker,
     _on_message: Closure<dyn FnMut(MessageEvent)>,
     _on_error: Closure<dyn FnMut(Event)>,
 }
 
-/// Hears the data of a message, and is given the worker for what must be answered at once.
-pub(crate) type Hear = Box<dyn FnMut(&Worker, &JsValue)>;
+/// Gets the data of a message, and the worker for messages that need an answer at once.
+pub(crate) type OnMessage = Box<dyn FnMut(&Worker, &JsValue)>;
 
 impl StartedWorker {
     /// Starts the worker that the page names, under this name. `lost` is called when it has failed.
     pub(crate) fn start(
         name: &str,
-        mut hear: Hear,
+        mut on_message: OnMessage,
         mut lost: Box<dyn FnMut()>,
     ) -> Result<Self, NoWorker> {
         let url = named_in_page().ok_or(NoWorker::NotNamed)?;
@@ -37,9 +37,9 @@ impl StartedWorker {
         options.set_name(name);
         let worker = Worker::new_with_options(&url, &options).map_err(|_| NoWorker::NotStarted)?;
 
-        let heard = worker.clone();
+        let receiver = worker.clone();
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-            hear(&heard, &event.data());
+            on_message(&receiver, &event.data());
         });
         worker.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
@@ -69,12 +69,12 @@ impl StartedWorker {
         post(&self.worker, message);
     }
 
-    /// Gives it an end of a line to another worker: a message that is nothing but the port.
+    /// Gives it a port to another worker: a message that is only the port.
     pub(crate) fn hand_over(&self, port: &MessagePort) {
         post_with(&self.worker, port, port);
     }
 
-    /// Ends it, whatever it does. What it said before and has not been heard yet is not heard any more.
+    /// Terminates the worker at once. Messages that have not arrived yet are dropped.
     pub(crate) fn end(&self) {
         self.worker.terminate();
         self.worker.set_onmessage(None);

@@ -36,14 +36,14 @@ pub(crate) struct WorkerLink {
 }
 
 impl WorkerLink {
-    /// Starts the worker that the page names. `hear` gets every message but pings; `lost` is called
+    /// Starts the worker that the page names. `on_message` gets every message but pings; `lost` is called
     /// when the worker has failed, after which nothing comes from it.
     pub(crate) fn spawn(
-        mut hear: impl FnMut(ToPage) + 'static,
+        mut on_message: impl FnMut(ToPage) + 'static,
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
         let silent_looks = Rc::new(Cell::new(None));
-        let heard = Rc::clone(&silent_looks);
+        let looks = Rc::clone(&silent_looks);
         let worker = StartedWorker::start(
             "",
             Box::new(move |worker, data| {
@@ -51,14 +51,14 @@ impl WorkerLink {
                     // At once and before anything else: a hidden page answers too, and one whose
                     // handlers no longer run must not seem alive.
                     Ok(ToPage::Ping) => {
-                        heard.set(Some(0));
+                        looks.set(Some(0));
                         pong(worker);
                     }
                     Ok(message) => {
                         if let ToPage::Hello { .. } = message {
                             pong(worker);
                         }
-                        hear(message);
+                        on_message(message);
                     }
                     Err(error) => logging::error!("a message of the worker does not read: {error}"),
                 }
@@ -83,7 +83,7 @@ impl WorkerLink {
         self.worker.hand_over(port);
     }
 
-    /// Ends it, whatever it does: no frame leaves any more, and nothing more is heard of it.
+    /// Ends it, whatever it does: no frame leaves any more, and no message of it arrives any more.
     pub(crate) fn end(&self) {
         self.worker.end();
     }

@@ -10,15 +10,15 @@ struct Listener {
     closure: Closure<dyn FnMut(Event)>,
 }
 
-/// Calls `heard` with every event of this name in the page, until the present owner is gone.
+/// Calls `handle` with every event of this name in the page, until the present owner is gone.
 ///
-/// It listens while the event goes down from the window to its target, so it comes first, and it
-/// hears events that do not bubble.
-pub(crate) fn on_window(name: &'static str, heard: impl FnMut(Event) + 'static) {
+/// It listens in the capture phase, while the event goes down from the window to its target, so it comes first, and it
+/// gets events that do not bubble.
+pub(crate) fn on_window(name: &'static str, handle: impl FnMut(Event) + 'static) {
     let Some(window) = web_sys::window() else {
         return;
     };
-    let closure = Closure::<dyn FnMut(Event)>::new(heard);
+    let closure = Closure::<dyn FnMut(Event)>::new(handle);
     let options = AddEventListenerOptions::new();
     options.set_capture(true);
     let added = window.add_event_listener_with_callback_and_add_event_listener_options(

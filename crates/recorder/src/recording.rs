@@ -297,7 +297,7 @@ mod tests {
         }
     }
 
-    fn hear(recording: &mut Recording, millis: impl IntoIterator<Item = u64>) {
+    fn receive(recording: &mut Recording, millis: impl IntoIterator<Item = u64>) {
         for at in millis {
             recording.passed(&reply_at(Instant::from_millis(at)));
         }
@@ -306,22 +306,22 @@ mod tests {
     #[test]
     fn samples_older_than_ten_minutes_are_dropped() {
         let mut recording = Recording::default();
-        hear(&mut recording, [0, 1, 599_999, 600_000]);
+        receive(&mut recording, [0, 1, 599_999, 600_000]);
         assert_eq!(recording.status().rolling, 4);
-        hear(&mut recording, [600_001]);
+        receive(&mut recording, [600_001]);
         assert_eq!(recording.status().rolling, 4, "the one at 0 is too old");
-        hear(&mut recording, [1_200_001]);
+        receive(&mut recording, [1_200_001]);
         assert_eq!(recording.status().rolling, 2);
     }
 
     #[test]
     fn no_more_samples_are_kept_than_the_line_carries_in_ten_minutes() {
         let mut recording = Recording::default();
-        hear(&mut recording, std::iter::repeat_n(5, 400_000));
+        receive(&mut recording, std::iter::repeat_n(5, 400_000));
         assert_eq!(recording.status().rolling, ROLLING_MAX);
         assert_eq!(ROLLING_MAX, 345_623);
         let reserved = recording.rolling.reserved();
-        hear(&mut recording, std::iter::repeat_n(6, 400_000));
+        receive(&mut recording, std::iter::repeat_n(6, 400_000));
         assert!(recording.rolling.reserved() <= reserved + 1024);
     }
 
@@ -347,13 +347,13 @@ mod tests {
     #[test]
     fn a_recording_goes_on_until_it_was_exported() {
         let mut recording = Recording::default();
-        hear(&mut recording, [0, 10]);
+        receive(&mut recording, [0, 10]);
         recording.record(true);
-        hear(&mut recording, [20, 30, 45]);
+        receive(&mut recording, [20, 30, 45]);
         recording.record(false);
-        hear(&mut recording, [1_000]);
+        receive(&mut recording, [1_000]);
         recording.record(true);
-        hear(&mut recording, [5_000, 5_005]);
+        receive(&mut recording, [5_000, 5_005]);
         let status = recording.status();
         assert_eq!(
             (status.recorded, status.recorded_ms, status.rolling),
@@ -365,7 +365,7 @@ mod tests {
         assert_eq!(which, Which::Recorded);
         recording.exported(range.end);
         assert!(recording.status().exported);
-        hear(&mut recording, [5_010]);
+        receive(&mut recording, [5_010]);
         assert!(!recording.status().exported, "one more came");
         recording.record(false);
         recording.record(true);
@@ -380,7 +380,7 @@ mod tests {
         recording.record(false);
         assert_eq!(recording.status().recorded, 6, "it is kept until the next");
         recording.record(true);
-        hear(&mut recording, [6_000]);
+        receive(&mut recording, [6_000]);
         let status = recording.status();
         assert_eq!((status.recorded, status.recorded_ms), (1, 0));
     }
@@ -389,17 +389,17 @@ mod tests {
     fn a_full_recording_ends_by_itself_and_keeps_what_it_has() {
         let mut recording = Recording::with_capacity(3);
         recording.record(true);
-        hear(&mut recording, 0..10);
+        receive(&mut recording, 0..10);
         let status = recording.status();
         assert!(status.full && !status.recording);
         assert_eq!((status.recorded, status.rolling), (3, 10));
         recording.record(true);
-        hear(&mut recording, 10..12);
+        receive(&mut recording, 10..12);
         assert_eq!(recording.status().recorded, 3, "it is exported first");
         let (_, range) = recording.to_export();
         recording.exported(range.end);
         recording.record(true);
-        hear(&mut recording, 12..14);
+        receive(&mut recording, 12..14);
         let status = recording.status();
         assert!(status.recording && !status.full);
         assert_eq!(status.recorded, 2);
@@ -408,7 +408,7 @@ mod tests {
     #[test]
     fn without_a_recording_the_last_ten_minutes_are_exported() {
         let mut recording = Recording::default();
-        hear(&mut recording, 0..5);
+        receive(&mut recording, 0..5);
         assert_eq!(recording.to_export(), (Which::Rolling, 0..5));
     }
 }

@@ -72,7 +72,7 @@ pub(crate) fn keep_working(groups: Groups) {
     groups.waker.set_value(Some(Box::new(frames.waker())));
     StoredValue::new_local(frames);
     for name in HEARD {
-        on_window(name, move |event| hear(groups, &event));
+        on_window(name, move |event| on_event(groups, &event));
     }
     let disabled_reason = memo(move || {
         let crew = groups.page.motors.fleet.with(Fleet::crew);
@@ -137,7 +137,7 @@ fn show(groups: Groups, disabled_reason: Option<String>) {
     ));
 }
 
-fn hear(groups: Groups, event: &Event) {
+fn on_event(groups: Groups, event: &Event) {
     let element = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = element.as_ref().map(Element::id).unwrap_or_default();
     let on_pad = id == PAD;
@@ -158,14 +158,14 @@ fn hear(groups: Groups, event: &Event) {
         _ => {}
     }
     if let Some(event) = event.dyn_ref::<KeyboardEvent>() {
-        hear_key(groups, event, on_pad);
+        on_key(groups, event, on_pad);
     } else if let Some(event) = event.dyn_ref::<PointerEvent>() {
         let pad = element.filter(|_| on_pad);
-        hear_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
+        on_pointer(groups, event, pad.and_then(|pad| pad.dyn_into().ok()));
     }
 }
 
-fn hear_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
+fn on_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
     let by = By::Pointer(event.pointer_id());
     match (event.type_().as_str(), pad) {
         ("pointerup" | "pointercancel" | "lostpointercapture", _) => groups.pad_let_go(by),
@@ -185,7 +185,7 @@ fn hear_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) 
     }
 }
 
-fn hear_key(groups: Groups, event: &KeyboardEvent, on_pad: bool) {
+fn on_key(groups: Groups, event: &KeyboardEvent, on_pad: bool) {
     let key = event.key();
     let modified = event.ctrl_key() || event.alt_key();
     // While Meta is down, macOS tells of no other key that comes up.

@@ -51,7 +51,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
     let article = NodeRef::<Div>::new();
     let loaded = RwSignal::new(Loaded::Not);
     let open = memo(move || matches!(page.dialog.get(), Some(Dialog::Help(_))));
-    on_window("click", move |event| hear_link(page, &event));
+    on_window("click", move |event| on_link_click(page, &event));
     focus_when(open, dialog);
     effect(move || {
         // Another place may be asked for while it is open.
@@ -110,7 +110,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
 }
 
 /// Whatever carries a topic leads to it: notices, the link doctor, the tour.
-fn hear_link(page: Page, event: &Event) {
+fn on_link_click(page: Page, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let link = target.and_then(|target| target.closest("[data-help]").ok().flatten());
     let topic = link.and_then(|link| HelpTopic::from_id(&link.get_attribute("data-help")?));

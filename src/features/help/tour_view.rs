@@ -101,7 +101,9 @@ fn markup() -> String {
 
 /// Has it show where a person is, and its controls work, from now on.
 fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_act: OnTourAct) {
-    on_window("click", move |event| hear(page, tour_state, on_act, &event));
+    on_window("click", move |event| {
+        on_event(page, tour_state, on_act, &event)
+    });
     let mut shown = None;
     effect(move || {
         let id = page.selected.get();
@@ -215,7 +217,7 @@ fn set_control(id: &str, shown: bool, disabled_reason: Option<&str>) {
     }
 }
 
-fn hear(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct, event: &Event) {
+fn on_event(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let Some(target) = target else { return };
     // At once: what is done counts from the moment of the press, which is known only while it is handled.

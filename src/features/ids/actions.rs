@@ -118,7 +118,7 @@ impl Ids {
 
     /// What the worker tells of scans and ID changes.
     pub(crate) fn notice(self, notice: &Notice) {
-        self.change_ids(|ids| ids.hear(notice));
+        self.change_ids(|ids| ids.on_notice(notice));
         if let Notice::IdChangeEnded {
             to,
             outcome: IdChangeOutcome::Changed,

@@ -118,7 +118,7 @@ impl IdManager {
     }
 
     /// Takes in what the worker tells.
-    pub(crate) fn hear(&mut self, notice: &Notice) {
+    pub(crate) fn on_notice(&mut self, notice: &Notice) {
         match notice {
             Notice::IdQueryEnded(outcome) => {
                 self.said = Some(scan_texts::of_id_query(*outcome));

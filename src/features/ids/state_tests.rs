@@ -21,7 +21,7 @@ fn proving(to: u8) -> IdManager {
 
 /// The bus has told this, and scans no more.
 fn ended(ids: &mut IdManager, report: ScanReport) {
-    ids.hear(&Notice::ScanEnded(report));
+    ids.on_notice(&Notice::ScanEnded(report));
     ids.look(None);
 }
 
@@ -62,7 +62,7 @@ fn one_motor_found_alone_is_asked_about_and_set_once() {
     assert!(ids.words().title.contains("to ID 0x05"));
 
     let outcome = IdChangeOutcome::Changed;
-    ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+    ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
     assert_eq!(ids.words().title, "Motor 0x01 now has ID 0x05");
     assert_eq!(ids.found(), [id(5)]);
 }
@@ -103,7 +103,7 @@ fn every_end_of_the_change_ends_the_wish_and_is_said() {
         IdChangeOutcome::Cancelled { frames_sent: 4 },
     ] {
         let mut ids = setting();
-        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         let words = scan_texts::of_id_change(from, to, outcome);
         assert_eq!(ids.words(), words, "{outcome:?}");
         ended(&mut ids, report(&[1], &[]));
@@ -132,7 +132,7 @@ fn a_report_of_a_scan_from_before_the_wish_proves_nothing() {
     ids.scan();
     ids.wish_for(new_id(5));
     // In one message: the old scan has ended, and the one that was asked for has begun.
-    ids.hear(&Notice::ScanEnded(report(&[1], &[])));
+    ids.on_notice(&Notice::ScanEnded(report(&[1], &[])));
     assert_eq!(ids.question(), None);
     assert!(ids.look(Some(&SCANNING)));
     ended(&mut ids, report(&[1, 2], &[]));
@@ -163,7 +163,7 @@ fn a_stop_ends_the_wish_and_the_stop_before_a_scan_does_not() {
         (StopReason::Job, true),
     ] {
         let mut ids = proving(5);
-        ids.hear(&Notice::StopBegan(reason));
+        ids.on_notice(&Notice::StopBegan(reason));
         ended(&mut ids, report(&[1], &[]));
         assert_eq!(ids.question().is_some(), goes_on, "{reason:?}");
     }
@@ -194,7 +194,7 @@ fn a_scan_that_vanishes_without_a_report_leaves_nothing_pending() {
 fn a_refused_command_ends_the_wish_and_says_why() {
     let mut ids = IdManager::default();
     ids.wish_for(new_id(5));
-    ids.hear(&refused(Command::FullScan, Refusal::JobRunning));
+    ids.on_notice(&refused(Command::FullScan, Refusal::JobRunning));
     assert!(ids.words().advice[0].contains("bus scan is running"));
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
@@ -205,13 +205,13 @@ fn a_refused_command_ends_the_wish_and_says_why() {
         Notice::TooLate(command),
     ] {
         let mut ids = setting();
-        ids.hear(&notice);
+        ids.on_notice(&notice);
         assert!(!ids.words().title.contains("Changing motor"), "{notice:?}");
     }
 
     // What another part of the page asked for is not ours.
     let mut ids = proving(5);
-    ids.hear(&refused(Command::StopRaw, Refusal::JobRunning));
+    ids.on_notice(&refused(Command::StopRaw, Refusal::JobRunning));
     ended(&mut ids, report(&[1], &[]));
     assert!(ids.question().is_some());
 }
@@ -219,7 +219,7 @@ fn a_refused_command_ends_the_wish_and_says_why() {
 #[test]
 fn garbled_answers_offer_the_full_scan_until_it_is_pressed() {
     let mut ids = IdManager::default();
-    ids.hear(&Notice::IdQueryEnded(IdQueryOutcome::Garbled));
+    ids.on_notice(&Notice::IdQueryEnded(IdQueryOutcome::Garbled));
     assert!(ids.offers_full_scan());
     ids.scan();
     assert!(!ids.offers_full_scan());
@@ -242,7 +242,7 @@ fn a_motor_that_kept_its_id_is_offered_more_frames_up_to_a_bound() {
         assert_eq!(ids.offers_more(), None, "while it is being set");
         let frames = frames_of(sent);
         let outcome = IdChangeOutcome::Kept { frames };
-        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         assert_eq!(ids.offers_more().map(SetIdFrames::count), more);
         let said = ids.words().advice.join(" ");
         assert!(said.contains(&format!("{sent} frames in a row")), "{said}");
@@ -272,7 +272,7 @@ fn more_frames_are_offered_after_a_verified_failure_only() {
         IdChangeOutcome::Cancelled { frames_sent: 4 },
     ] {
         let mut ids = setting();
-        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         assert_eq!(ids.offers_more(), None, "{outcome:?}");
     }
     let ends: [fn(&mut IdManager); 3] = [IdManager::scan, IdManager::disconnected, |ids| {
@@ -282,7 +282,7 @@ fn more_frames_are_offered_after_a_verified_failure_only() {
         let mut ids = setting();
         let frames = SetIdFrames::Five;
         let outcome = IdChangeOutcome::Kept { frames };
-        ids.hear(&Notice::IdChangeEnded { from, to, outcome });
+        ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         end(&mut ids);
         assert_eq!(ids.offers_more(), None);
     }

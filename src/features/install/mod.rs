@@ -72,7 +72,7 @@ pub(crate) fn watch(install: Install) {
         let detail = event
             .dyn_ref::<CustomEvent>()
             .and_then(|event| event.detail().as_string());
-        hear(install, detail.as_deref().unwrap_or_default());
+        on_event(install, detail.as_deref().unwrap_or_default());
     });
     // A page whose worker died needs its next version more than any other.
     let works = memo(move || install.page.worker.state.get() != WorkerState::Starting);
@@ -86,7 +86,7 @@ pub(crate) fn watch(install: Install) {
     install.reload_when_taken();
 }
 
-fn hear(install: Install, detail: &str) {
+fn on_event(install: Install, detail: &str) {
     match detail {
         "new-version" => install.new_version.set(true),
         "taken" => install.taken.set(true),

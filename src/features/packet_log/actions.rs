@@ -85,7 +85,7 @@ impl Log {
     /// The scroll bar was moved, or the list was given another size, which moves it too. Whether a
     /// person did it.
     pub(crate) fn scrolled(self, scroller: &HtmlElement) -> bool {
-        let hear = |feed: &mut LogFeed| {
+        let receive = |feed: &mut LogFeed| {
             let place_px = scroll_px(scroller);
             let by_person = if feed.view.resize(width_of(scroller), height_of(scroller)) {
                 feed.view.stands_at(place_px);
@@ -96,7 +96,7 @@ impl Log {
             feed.wake();
             by_person
         };
-        self.feed.try_update_value(hear).unwrap_or(false)
+        self.feed.try_update_value(receive).unwrap_or(false)
     }
 
     /// Says of the log what it is now.

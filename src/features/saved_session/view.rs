@@ -63,7 +63,7 @@ pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
 
 /// Has it show what there is, and its buttons work, from now on.
 fn keep_working(saved: SavedSession) {
-    on_window("click", move |event| hear(saved, &event));
+    on_window("click", move |event| on_event(saved, &event));
     effect(move || {
         let offer = saved.offer.get();
         if let Some(said) = document().get_element_by_id(SAID) {
@@ -79,7 +79,7 @@ fn keep_working(saved: SavedSession) {
     });
 }
 
-fn hear(saved: SavedSession, event: &Event) {
+fn on_event(saved: SavedSession, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = target.map(|target| target.id()).unwrap_or_default();
     let act: fn(SavedSession) = match id.as_str() {

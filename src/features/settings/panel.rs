@@ -137,7 +137,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
 fn keep_working(settings: Settings, install: &'static InstallButton) {
     let page = settings.page;
     for name in ["click", "change"] {
-        on_window(name, move |event| hear(settings, install, &event));
+        on_window(name, move |event| on_event(settings, install, &event));
     }
     let disabled_reason = page.of_motor(move |session, _| settings.import_blocked_by(session));
     effect(move || {
@@ -170,7 +170,7 @@ fn say(words: &str) {
     }
 }
 
-fn hear(settings: Settings, install: &InstallButton, event: &Event) {
+fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let id = target.map(|target| target.id()).unwrap_or_default();
     let asked = match (event.type_().as_str(), id.as_str()) {

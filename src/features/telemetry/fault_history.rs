@@ -21,7 +21,7 @@ pub(crate) enum End {
     Active,
     /// At this time a reply came without it.
     Gone(f64),
-    /// The motor was heard no more.
+    /// The motor fell silent.
     Unknown,
 }
 
@@ -60,10 +60,10 @@ impl FaultHistory {
     /// the same with every line.
     pub(crate) const KEPT_MAX: usize = 20;
 
-    /// Takes in what a motor reports. Whether anything came or went.
-    pub(crate) fn hear(&mut self, id: MotorId, faults: Faults, at_ms: f64) -> bool {
+    /// Records the faults that a motor reports. Returns whether any came or went.
+    pub(crate) fn on_report(&mut self, id: MotorId, faults: Faults, at_ms: f64) -> bool {
         if let Some(record) = self.motors.iter_mut().find(|record| record.id == id) {
-            return record.hear(faults, at_ms);
+            return record.update(faults, at_ms);
         }
         if faults.is_none() {
             return false;
@@ -73,14 +73,14 @@ impl FaultHistory {
             kept: Vec::new(),
             dropped: 0,
         };
-        record.hear(faults, at_ms);
+        record.update(faults, at_ms);
         self.motors.push(record);
         true
     }
 
-    /// This motor, or with `None` every motor, is heard no more: whether its faults are still there
-    /// is not known. Whether that changed anything.
-    pub(crate) fn unheard(&mut self, id: Option<MotorId>) -> bool {
+    /// Ends the active faults of a motor that has fallen silent, or with `None` of every motor: whether
+    /// they are still there is unknown. Returns whether anything changed.
+    pub(crate) fn end_of_silent(&mut self, id: Option<MotorId>) -> bool {
         let mut changed = false;
         for record in &mut self.motors {
             if id.is_none_or(|id| id == record.id) {
@@ -137,7 +137,7 @@ impl FaultHistory {
 }
 
 impl Record {
-    fn hear(&mut self, faults: Faults, at_ms: f64) -> bool {
+    fn update(&mut self, faults: Faults, at_ms: f64) -> bool {
         let byte = faults.byte();
         let mut changed = self.end(!byte, End::Gone(at_ms));
         for bit in (0..8).map(|place| 1 << place).filter(|bit| byte & bit != 0) {

@@ -29,11 +29,11 @@ fn stall(came_ms: f64, end: End) -> (String, f64, End) {
 #[test]
 fn a_fault_of_a_single_reply_is_kept_with_both_its_times() {
     let mut history = FaultHistory::default();
-    assert!(!history.hear(ID, Faults::NONE, 1.0));
-    assert!(history.hear(ID, with(&[Fault::Stall]), 2.0));
-    assert!(history.hear(ID, Faults::NONE, 4.0));
+    assert!(!history.on_report(ID, Faults::NONE, 1.0));
+    assert!(history.on_report(ID, with(&[Fault::Stall]), 2.0));
+    assert!(history.on_report(ID, Faults::NONE, 4.0));
     for at_ms in [6.0, 8.0] {
-        assert!(!history.hear(ID, Faults::NONE, at_ms), "no news");
+        assert!(!history.on_report(ID, Faults::NONE, at_ms), "no news");
     }
     assert_eq!(told(&history, ID), [stall(2.0, End::Gone(4.0))]);
     assert!(history.has_unseen(ID));
@@ -42,15 +42,15 @@ fn a_fault_of_a_single_reply_is_kept_with_both_its_times() {
 #[test]
 fn two_faults_that_overlap_come_and_go_each_by_itself() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::Stall]), 1.0);
-    history.hear(ID, with(&[Fault::Stall, Fault::OverTemperature]), 2.0);
-    history.hear(ID, with(&[Fault::OverTemperature]), 3.0);
+    history.on_report(ID, with(&[Fault::Stall]), 1.0);
+    history.on_report(ID, with(&[Fault::Stall, Fault::OverTemperature]), 2.0);
+    history.on_report(ID, with(&[Fault::OverTemperature]), 3.0);
     let heat = |end| ("over-temperature".to_owned(), 2.0, end);
     assert_eq!(
         told(&history, ID),
         [heat(End::Active), stall(1.0, End::Gone(3.0))]
     );
-    history.hear(ID, Faults::NONE, 4.0);
+    history.on_report(ID, Faults::NONE, 4.0);
     assert_eq!(
         told(&history, ID),
         [heat(End::Gone(4.0)), stall(1.0, End::Gone(3.0))]
@@ -60,33 +60,33 @@ fn two_faults_that_overlap_come_and_go_each_by_itself() {
 #[test]
 fn what_is_still_there_stands_before_what_came_later_and_went() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::Stall]), 1.0);
-    history.hear(ID, with(&[Fault::Stall, Fault::Sensor]), 2.0);
-    history.hear(ID, with(&[Fault::Stall]), 3.0);
+    history.on_report(ID, with(&[Fault::Stall]), 1.0);
+    history.on_report(ID, with(&[Fault::Stall, Fault::Sensor]), 2.0);
+    history.on_report(ID, with(&[Fault::Stall]), 3.0);
     assert_eq!(told(&history, ID)[0], stall(1.0, End::Active));
 }
 
 #[test]
 fn seen_while_it_is_there_a_fault_stays_until_it_goes() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::Stall]), 1.0);
+    history.on_report(ID, with(&[Fault::Stall]), 1.0);
     assert!(history.mark_seen(ID));
     assert!(!history.has_unseen(ID));
     assert!(!history.mark_seen(ID), "nothing more to be seen");
-    assert!(!history.hear(ID, with(&[Fault::Stall]), 2.0));
+    assert!(!history.on_report(ID, with(&[Fault::Stall]), 2.0));
     assert_eq!(told(&history, ID), [stall(1.0, End::Active)]);
-    assert!(history.hear(ID, Faults::NONE, 3.0));
+    assert!(history.on_report(ID, Faults::NONE, 3.0));
     assert_eq!(told(&history, ID), []);
     // The next is news again.
-    history.hear(ID, with(&[Fault::Stall]), 4.0);
+    history.on_report(ID, with(&[Fault::Stall]), 4.0);
     assert!(history.has_unseen(ID));
 }
 
 #[test]
 fn what_has_ended_is_forgotten_once_seen_and_not_before() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::Stall]), 1.0);
-    history.hear(ID, Faults::NONE, 2.0);
+    history.on_report(ID, with(&[Fault::Stall]), 1.0);
+    history.on_report(ID, Faults::NONE, 2.0);
     assert_eq!(told(&history, ID).len(), 1);
     assert!(history.mark_seen(ID));
     assert_eq!(told(&history, ID), []);
@@ -95,8 +95,8 @@ fn what_has_ended_is_forgotten_once_seen_and_not_before() {
 #[test]
 fn the_faults_of_another_motor_are_its_own() {
     let mut history = FaultHistory::default();
-    history.hear(other(), with(&[Fault::Stall]), 1.0);
-    history.hear(ID, Faults::NONE, 2.0);
+    history.on_report(other(), with(&[Fault::Stall]), 1.0);
+    history.on_report(ID, Faults::NONE, 2.0);
     assert_eq!(told(&history, ID), []);
     assert!(!history.has_unseen(ID));
     assert!(!history.mark_seen(ID));
@@ -106,12 +106,12 @@ fn the_faults_of_another_motor_are_its_own() {
 #[test]
 fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::Stall]), 1.0);
-    assert!(!history.unheard(Some(other())));
-    assert!(history.unheard(None));
-    assert!(!history.unheard(Some(ID)));
+    history.on_report(ID, with(&[Fault::Stall]), 1.0);
+    assert!(!history.end_of_silent(Some(other())));
+    assert!(history.end_of_silent(None));
+    assert!(!history.end_of_silent(Some(ID)));
     assert_eq!(told(&history, ID), [stall(1.0, End::Unknown)]);
-    history.hear(ID, with(&[Fault::Stall]), 9.0);
+    history.on_report(ID, with(&[Fault::Stall]), 9.0);
     assert_eq!(
         told(&history, ID),
         [stall(9.0, End::Active), stall(1.0, End::Unknown)]
@@ -121,22 +121,22 @@ fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
 #[test]
 fn a_bit_without_a_name_is_kept_by_its_number() {
     let mut history = FaultHistory::default();
-    history.hear(ID, Faults::from_byte(0x20), 1.0);
+    history.on_report(ID, Faults::from_byte(0x20), 1.0);
     assert_eq!(told(&history, ID)[0].0, "bit 0x20");
 }
 
 #[test]
 fn the_record_is_bounded_and_says_how_many_gave_way() {
     let mut history = FaultHistory::default();
-    history.hear(ID, with(&[Fault::OverTemperature]), 0.0);
+    history.on_report(ID, with(&[Fault::OverTemperature]), 0.0);
     for place in 0..30_u8 {
         let at_ms = f64::from(place);
-        history.hear(
+        history.on_report(
             ID,
             with(&[Fault::OverTemperature, Fault::Stall]),
             at_ms + 0.2,
         );
-        history.hear(ID, with(&[Fault::OverTemperature]), at_ms + 0.7);
+        history.on_report(ID, with(&[Fault::OverTemperature]), at_ms + 0.7);
     }
     let told = told(&history, ID);
     assert_eq!(told.len(), FaultHistory::KEPT_MAX);

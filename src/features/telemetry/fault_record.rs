@@ -106,12 +106,12 @@ mod tests {
     fn a_fault_is_told_with_when_it_came_and_went() {
         let mut history = FaultHistory::default();
         assert_eq!(told(&history), ["No faults recorded"]);
-        history.hear(ID, STALL, 11.0);
+        history.on_report(ID, STALL, 11.0);
         assert_eq!(told(&history), ["Last: stall, since 13:02:11"]);
-        history.hear(ID, Faults::NONE, 16.0);
+        history.on_report(ID, Faults::NONE, 16.0);
         assert_eq!(told(&history), ["Last: stall, 13:02:11 – 13:02:16"]);
-        history.hear(ID, HOT, 20.0);
-        history.unheard(None);
+        history.on_report(ID, HOT, 20.0);
+        history.end_of_silent(None);
         assert_eq!(
             told(&history),
             [
@@ -126,21 +126,21 @@ mod tests {
         let mut history = FaultHistory::default();
         for place in 1..=3_u8 {
             let at_ms = f64::from(place) * 2.0;
-            history.hear(ID, STALL, at_ms);
-            history.hear(ID, Faults::NONE, at_ms + 1.0);
+            history.on_report(ID, STALL, at_ms);
+            history.on_report(ID, Faults::NONE, at_ms + 1.0);
         }
         assert_eq!(told(&history).len(), 3);
         assert_eq!(told(&history)[2], "stall, 13:02:2 – 13:02:3");
         for at_ms in [10.0, 12.0, 14.0] {
-            history.hear(ID, STALL, at_ms);
-            history.hear(ID, Faults::NONE, at_ms + 1.0);
+            history.on_report(ID, STALL, at_ms);
+            history.on_report(ID, Faults::NONE, at_ms + 1.0);
         }
         assert_eq!(told(&history).len(), 3);
         assert_eq!(told(&history)[0], "Last: stall, 13:02:14 – 13:02:15");
         assert_eq!(told(&history)[2], "and 4 more");
         for place in 0..30_u8 {
-            history.hear(ID, HOT, 20.0 + f64::from(place));
-            history.hear(ID, Faults::NONE, 20.5 + f64::from(place));
+            history.on_report(ID, HOT, 20.0 + f64::from(place));
+            history.on_report(ID, Faults::NONE, 20.5 + f64::from(place));
         }
         assert_eq!(told(&history)[2], "and 34 more");
     }

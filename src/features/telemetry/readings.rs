@@ -63,7 +63,7 @@ impl Readings {
             let mut changed = false;
             for Sample { at, reply } in &update.samples {
                 let at_ms = origin_ms + clock.page_ms(*at);
-                changed |= history.hear(reply.id, reply.faults, at_ms);
+                changed |= history.on_report(reply.id, reply.faults, at_ms);
             }
             changed
         });
@@ -102,7 +102,8 @@ impl Readings {
         });
     }
 
-    pub(crate) fn faults_unheard(self, id: Option<MotorId>) {
-        self.faults.maybe_update(|history| history.unheard(id));
+    pub(crate) fn end_faults_of_silent(self, id: Option<MotorId>) {
+        self.faults
+            .maybe_update(|history| history.end_of_silent(id));
     }
 }
