@@ -85,7 +85,7 @@ fn LanguageChoice(features: Features) -> impl IntoView {
                         features.choose_language(language);
                         // By then the page is another, and the focus is to be where it was; but not while
                         // something turns: S and K would pick from the list instead of stopping it.
-                        let turns = page.latest.with_value(|session| session.in_hand().next().is_some());
+                        let turns = page.latest.with_value(|session| session.active_motors().next().is_some());
                         if !turns {
                             request_animation_frame(|| focus(LANGUAGE));
                         }

@@ -34,12 +34,12 @@ pub(crate) fn watch(features: Features) {
 }
 
 fn leave(features: Features) {
-    let in_hand = features
+    let any_active = features
         .page
         .latest
-        .with_value(|session| session.in_hand().next().is_some());
+        .with_value(|session| session.active_motors().next().is_some());
     features.stop_all(StopReason::PageGone);
-    if in_hand {
+    if any_active {
         let begun_ms = page_now_ms();
         while page_now_ms() - begun_ms < LAST_FRAMES_MS {
             std::hint::spin_loop();

@@ -212,7 +212,7 @@ impl Features {
             .history
             .update_value(|history| history.end(lost_at));
         self.page.latest.update_value(|session| {
-            driven = session.in_hand().next().is_some();
+            driven = session.active_motors().next().is_some();
             *session = Session {
                 now: session.now,
                 ..Session::default()

@@ -97,7 +97,7 @@ impl Member {
 }
 
 /// Motors that drive together, with their sides.
-pub(crate) type Crew = Vec<(MotorId, Side)>;
+pub(crate) type GroupMembers = Vec<(MotorId, Side)>;
 
 /// What is remembered of all motors, in the order of IDs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -136,13 +136,13 @@ impl Fleet {
         }
     }
 
-    /// Those that drive together.
-    pub(crate) fn crew(&self) -> Crew {
+    /// Motors that are selected to drive together, with their sides.
+    pub(crate) fn group_members(&self) -> GroupMembers {
         let driving = self.0.iter().filter(|(_, member)| member.drives);
         driving.map(|(id, member)| (*id, member.side)).collect()
     }
 
-    /// A line a motor: `7 yes left Front left`, with tabs between.
+    /// One line per motor: `7 yes left Front left`, with tabs between.
     fn to_text(&self) -> String {
         let mut text = String::new();
         for (id, member) in &self.0 {
@@ -153,7 +153,7 @@ impl Fleet {
         text
     }
 
-    /// Lines that are none are left out: a browser that keeps garbage is one with nothing remembered.
+    /// Malformed lines are skipped.
     fn from_text(text: &str) -> Self {
         let mut fleet = Self::default();
         for line in text.lines() {
@@ -173,28 +173,28 @@ impl Fleet {
         fleet
     }
 
-    /// What this browser remembers.
+    /// Loads what this browser has stored.
     pub(crate) fn load() -> Self {
         remembered(STORED_AS).map_or_else(Self::default, |text| Self::from_text(&text))
     }
 
-    /// Has this browser remember it.
+    /// Stores it in this browser.
     pub(crate) fn save(&self) {
         remember(STORED_AS, &self.to_text());
     }
 }
 
-/// What each motor is told so that the vehicle's wheels turn so.
-pub(crate) fn parts(
-    crew: &[(MotorId, Side)],
+/// The setpoints with which the vehicle's wheels turn at these speeds.
+pub(crate) fn group_setpoints(
+    members: &[(MotorId, Side)],
     wheels: Wheels,
 ) -> Result<GroupSetpoints, GroupError> {
     let part = |(id, side): &(MotorId, Side)| {
         let speed = SpeedTarget::clamped(side.rpm(wheels));
         (*id, Setpoint::velocity(speed))
     };
-    let parts: Vec<_> = crew.iter().map(part).collect();
-    GroupSetpoints::new(&parts)
+    let setpoints: Vec<_> = members.iter().map(part).collect();
+    GroupSetpoints::new(&setpoints)
 }
 
 /// The rows of the panel `Drive together` as HTML: those who have answered, and those who are to drive
@@ -241,7 +241,7 @@ pub(crate) fn rows_html(found: &[MotorId], fleet: &Fleet) -> String {
 /// Whose rows there are.
 pub(crate) fn listed(found: &[MotorId], fleet: &Fleet) -> Vec<MotorId> {
     let mut ids = found.to_vec();
-    ids.extend(fleet.crew().into_iter().map(|(id, _)| id));
+    ids.extend(fleet.group_members().into_iter().map(|(id, _)| id));
     ids.sort_unstable();
     ids.dedup();
     ids
@@ -270,25 +270,25 @@ mod tests {
         fleet
     }
 
-    fn speeds(crew: &[(MotorId, Side)], left: i32, right: i32) -> Vec<(u8, i16)> {
-        let parts = parts(crew, Wheels { left, right }).unwrap();
+    fn speeds(members: &[(MotorId, Side)], left: i32, right: i32) -> Vec<(u8, i16)> {
+        let setpoints = group_setpoints(members, Wheels { left, right }).unwrap();
         let speed = |(id, setpoint): (MotorId, Setpoint)| match setpoint {
             Setpoint::Velocity { speed, .. } => (id.get(), speed.rpm()),
             other => panic!("{other:?}"),
         };
-        parts.parts().map(speed).collect()
+        setpoints.parts().map(speed).collect()
     }
 
     #[test]
     fn the_right_wheel_is_mirrored() {
-        let crew = rover().crew();
-        assert_eq!(crew, [(id(1), Side::Left), (id(2), Side::Right)]);
-        assert_eq!(speeds(&crew, 100, 100), [(1, 100), (2, -100)], "forward");
-        assert_eq!(speeds(&crew, 50, -50), [(1, 50), (2, 50)], "on the spot");
+        let members = rover().group_members();
+        assert_eq!(members, [(id(1), Side::Left), (id(2), Side::Right)]);
+        assert_eq!(speeds(&members, 100, 100), [(1, 100), (2, -100)], "forward");
+        assert_eq!(speeds(&members, 50, -50), [(1, 50), (2, 50)], "on the spot");
         assert_eq!(speeds(&[(id(3), Side::None)], -20, -20), [(3, -20)]);
-        assert_eq!(speeds(&crew, 999, 999), [(1, 330), (2, -330)]);
+        assert_eq!(speeds(&members, 999, 999), [(1, 330), (2, -330)]);
         let wheels = Wheels { left: 1, right: 1 };
-        assert_eq!(parts(&[], wheels), Err(GroupError::Empty));
+        assert_eq!(group_setpoints(&[], wheels), Err(GroupError::Empty));
     }
 
     #[test]

@@ -6,8 +6,8 @@
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
     model::{
-        fleet::{Crew, Side},
-        snapshot::{Session, is_in_hand},
+        fleet::{GroupMembers, Side},
+        snapshot::{Session, is_active},
         terms,
     },
 };
@@ -87,7 +87,7 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
 }
 
 /// Why these motors cannot be driven together in the velocity loop now.
-pub(crate) fn group_drive_blocked_by(session: &Session, crew: &Crew) -> Option<String> {
+pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
     if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
     }
@@ -97,13 +97,13 @@ pub(crate) fn group_drive_blocked_by(session: &Session, crew: &Crew) -> Option<S
     if session.job.is_some() {
         return Some(terms::refusal(Refusal::JobRunning));
     }
-    if crew.is_empty() {
+    if members.is_empty() {
         return Some(tr!("Select the motors to drive.").to_owned());
     }
-    if crew.len() > GroupSetpoints::MAX {
+    if members.len() > GroupSetpoints::MAX {
         return Some(terms::not_together(GroupError::TooMany));
     }
-    crew.iter().find_map(|(id, _)| {
+    members.iter().find_map(|(id, _)| {
         let reason = drive_blocked_by(session, *id, Mode::Velocity)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
@@ -115,17 +115,17 @@ pub(crate) fn group_drive_blocked_by(session: &Session, crew: &Crew) -> Option<S
 }
 
 /// Why these motors cannot be steered as a vehicle now.
-pub(crate) fn steer_blocked_by(session: &Session, crew: &Crew) -> Option<String> {
-    group_drive_blocked_by(session, crew).or_else(|| {
-        let (id, _) = crew.iter().find(|(_, side)| *side == Side::None)?;
+pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Option<String> {
+    group_drive_blocked_by(session, members).or_else(|| {
+        let (id, _) = members.iter().find(|(_, side)| *side == Side::None)?;
         Some(tr!("To steer, set the side of motor {id}.", id))
     })
 }
 
 /// Why this motor's side cannot be changed now: a setpoint that stands would turn with it.
 pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<String> {
-    let in_hand = session.motor(id).is_some_and(is_in_hand);
-    in_hand.then(|| {
+    let active = session.motor(id).is_some_and(is_active);
+    active.then(|| {
         tr!(
             "Motor {id} is running or stopping. Stop it, then change its side.",
             id
@@ -189,7 +189,7 @@ pub(crate) fn import_blocked_by(session: &Session, pad_is_held: bool) -> Option<
     if pad_is_held {
         return Some(tr!("Let go of the drive pad first.").to_owned());
     }
-    let motor = session.in_hand().next()?;
+    let motor = session.active_motors().next()?;
     Some(tr!("Motor {id} is in use. Stop it first.", id = motor.id))
 }
 

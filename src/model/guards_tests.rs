@@ -93,12 +93,12 @@ fn a_setup_is_taken_in_while_no_motor_is_in_use() {
 #[test]
 fn motors_drive_together_where_each_of_them_may() {
     let good = session(1_000, status(1_000, Mode::Velocity, 0));
-    let crew = vec![(ID, Side::Left)];
-    assert_eq!(group_drive_blocked_by(&good, &crew), None);
-    assert_eq!(steer_blocked_by(&good, &crew), None);
+    let members = vec![(ID, Side::Left)];
+    assert_eq!(group_drive_blocked_by(&good, &members), None);
+    assert_eq!(steer_blocked_by(&good, &members), None);
     let missing = MotorId::new(9).unwrap();
-    let too_many: Crew = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
-    for (words, crew) in [
+    let too_many: GroupMembers = MotorId::all().take(17).map(|id| (id, Side::Left)).collect();
+    for (words, members) in [
         ("Select the motors", vec![]),
         ("at most 16 motors", too_many),
         (
@@ -106,9 +106,9 @@ fn motors_drive_together_where_each_of_them_may() {
             vec![(ID, Side::Left), (missing, Side::Right)],
         ),
     ] {
-        let reason = group_drive_blocked_by(&good, &crew).unwrap();
+        let reason = group_drive_blocked_by(&good, &members).unwrap();
         assert!(reason.contains(words), "{reason}");
-        assert_eq!(steer_blocked_by(&good, &crew), Some(reason));
+        assert_eq!(steer_blocked_by(&good, &members), Some(reason));
     }
     let mut cases = vec![];
     let mut case = |words: &'static str, change: &dyn Fn(&mut Session)| {
@@ -127,7 +127,7 @@ fn motors_drive_together_where_each_of_them_may() {
         s.motors = vec![status(1_000, Mode::Current, 0)];
     });
     for (words, session) in cases {
-        let reason = group_drive_blocked_by(&session, &crew).unwrap();
+        let reason = group_drive_blocked_by(&session, &members).unwrap();
         assert!(reason.contains(words), "{reason}");
     }
     let sideless = vec![(ID, Side::None)];

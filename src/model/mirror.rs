@@ -1,12 +1,12 @@
 //! A motor that is mounted mirrored, as one on the right side of a vehicle: what an operator asks of it
 //! and reads of it has the other sign on the wire.
 //!
-//! It is applied where the page reads what the worker has told, in [`Session::counted`] and where
+//! It is applied where the page reads what the worker has told, in [`Session::with_mirroring`] and where
 //! points of the history are drawn, and where a command leaves, in [`to_wire`]. The digital twin, the
 //! packet log, raw frames and recordings are as the motor counts: they are of the wire or of what is
 //! seen.
 //!
-//! [`Session::counted`]: crate::model::snapshot::Session::counted
+//! [`Session::with_mirroring`]: crate::model::snapshot::Session::with_mirroring
 
 use motorlink_messages::{
     bus::{Activity, Command},
@@ -74,7 +74,7 @@ impl Mirror {
 }
 
 /// What goes to the bus of a command of an operator. Motors that drive together are told as each of them
-/// counts already: see [`crate::model::fleet::parts`].
+/// counts already: see [`crate::model::fleet::group_setpoints`].
 pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
     match command {
         Command::Drive {

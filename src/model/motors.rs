@@ -23,7 +23,7 @@ impl Page {
         let together = self.motors.driven_together.get_value();
         let others: Vec<MotorId> = self.latest.with_value(|session| {
             // Those that drive together do so whichever of them is looked at.
-            let driven = session.in_hand().filter(|motor| {
+            let driven = session.active_motors().filter(|motor| {
                 !matches!(motor.activity, Activity::Stopping { .. })
                     && !together.contains(&motor.id)
             });

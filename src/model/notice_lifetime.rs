@@ -11,7 +11,7 @@ use crate::model::{
     affected::{silent, stopping},
     notice_board::{Fate, Until},
     notice_texts,
-    snapshot::{Session, is_in_hand},
+    snapshot::{Session, is_active},
 };
 
 /// So many replies in a row that report 0 rpm are a standstill, as for the bus: one may have been measured
@@ -58,7 +58,7 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
                 .any(|reply| (reply.id, reply.mode) == (*id, *mode))
         }
         Until::AtRest { motors, withdrawn } => {
-            let at_rest = !motors.iter().filter_map(motor).any(is_in_hand);
+            let at_rest = !motors.iter().filter_map(motor).any(is_active);
             if let (true, Some((id, reason))) = (at_rest, withdrawn) {
                 let words = notice_texts::of_ended_drive(*id, *reason, motors);
                 return Fate::Becomes(words, Until::Driven(std::mem::take(motors)));

@@ -240,7 +240,7 @@ impl Page {
             ..self.latest.get_value()
         };
         let fleet = self.motors.fleet;
-        fleet.with_untracked(|fleet| latest.counted(fleet))
+        fleet.with_untracked(|fleet| latest.with_mirroring(fleet))
     }
 
     /// Shows the newest state.

@@ -139,9 +139,9 @@ impl Session {
         }
     }
 
-    /// The same as a person counts it, of what the worker has told: speed, current and setpoint of mirrored
-    /// motors with the other sign.
-    pub(crate) fn counted(mut self, fleet: &Fleet) -> Self {
+    /// Reverses the sign of speed, current and setpoint of mirrored motors, which the worker reports as the
+    /// motors count them.
+    pub(crate) fn with_mirroring(mut self, fleet: &Fleet) -> Self {
         for motor in &mut self.motors {
             let mirror = fleet.mirror(motor.id);
             if !mirror.is_mirrored() {
@@ -157,7 +157,7 @@ impl Session {
         self
     }
 
-    /// How this motor's speed and current are counted here.
+    /// Whether the signs of this motor are reversed here.
     pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
         if self.mirrored.contains(&id) {
             Mirror::Mirrored
@@ -194,15 +194,15 @@ impl Session {
         self.motors.iter().find(|motor| motor.id == id)
     }
 
-    /// Those that have answered.
+    /// Motors that have answered.
     pub(crate) fn found(&self) -> Vec<MotorId> {
-        let heard = self.motors.iter().filter(|motor| motor.last.is_some());
-        heard.map(|motor| motor.id).collect()
+        let answered = self.motors.iter().filter(|motor| motor.last.is_some());
+        answered.map(|motor| motor.id).collect()
     }
 
-    /// Those that are driven, switched or being stopped: a page that goes must not let go of them.
-    pub(crate) fn in_hand(&self) -> impl Iterator<Item = &MotorStatus> {
-        self.motors.iter().filter(|motor| is_in_hand(motor))
+    /// Motors that are driven, switched or being stopped: a page that closes must not leave them so.
+    pub(crate) fn active_motors(&self) -> impl Iterator<Item = &MotorStatus> {
+        self.motors.iter().filter(|motor| is_active(motor))
     }
 
     /// Whether anything is driven, or moves by what was driven: a wheel that coasts, or whose last speed is
@@ -216,7 +216,7 @@ impl Session {
             || self
                 .motors
                 .iter()
-                .any(|motor| is_in_hand(motor) || turns(motor))
+                .any(|motor| is_active(motor) || turns(motor))
     }
 
     fn last_reply(&self, id: MotorId) -> Option<Reading<Reply>> {
@@ -269,7 +269,7 @@ impl Session {
     }
 }
 
-pub(crate) fn is_in_hand(motor: &MotorStatus) -> bool {
+pub(crate) fn is_active(motor: &MotorStatus) -> bool {
     !matches!(motor.activity, Activity::Idle)
 }
 

@@ -124,9 +124,9 @@ fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
     let told = session(1_016, motor);
     let mut fleet = Fleet::default();
     fleet.change(ID, |member| member.side = Side::Left);
-    assert_eq!(told.clone().counted(&fleet), told);
+    assert_eq!(told.clone().with_mirroring(&fleet), told);
     fleet.change(ID, |member| member.side = Side::Right);
-    let read = told.clone().counted(&fleet);
+    let read = told.clone().with_mirroring(&fleet);
     assert!(read.mirror(ID).is_mirrored() && !told.mirror(ID).is_mirrored());
     assert_eq!(read.speed(ID).unwrap().value, Rpm::new(98));
     assert_eq!(read.current(ID).unwrap().value, Current::from_raw(-100));

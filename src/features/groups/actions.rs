@@ -16,7 +16,7 @@ use crate::{
     },
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        fleet::{Crew, Fleet, Side, Wheels, parts},
+        fleet::{Fleet, GroupMembers, Side, Wheels, group_setpoints},
         guards::{group_drive_blocked_by, side_change_blocked_by, steer_blocked_by},
         notice_board::Topic,
         page::Page,
@@ -35,7 +35,7 @@ type Waker = Box<dyn Fn()>;
 /// person ticks meanwhile does not concern them.
 #[derive(Clone, Debug, Default)]
 struct Group {
-    crew: Crew,
+    members: GroupMembers,
     /// Whether all were seen driven since.
     seen_driven: bool,
 }
@@ -71,7 +71,7 @@ impl Groups {
     }
 
     fn set_group(self, group: Group) {
-        let ids = group.crew.iter().map(|(id, _)| *id).collect();
+        let ids = group.members.iter().map(|(id, _)| *id).collect();
         self.page.motors.driven_together.set_value(ids);
         self.group.set_value(group);
     }
@@ -92,14 +92,14 @@ impl Groups {
 
     /// Drives all members to the entered speed, each in its direction.
     pub(crate) fn start_together(self) {
-        let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
-        if let Some(reason) = group_drive_blocked_by(&self.page.present(), &crew) {
+        let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        if let Some(reason) = group_drive_blocked_by(&self.page.present(), &members) {
             self.page
                 .refuse(tr!("Group not started").to_owned(), reason);
             return;
         }
         let rpm = self.speed.get_untracked();
-        self.begin_group(crew, ahead(rpm));
+        self.begin_group(members, ahead(rpm));
     }
 
     /// Gives a group that is driven the entered speed; starts nothing.
@@ -111,8 +111,8 @@ impl Groups {
 
     /// Stops the group that drives, by one of its members, and those who are ticked.
     pub(crate) fn stop_together(self) {
-        let ticked = self.page.motors.fleet.with_untracked(Fleet::crew);
-        let group = self.group.get_value().crew;
+        let ticked = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        let group = self.group.get_value().members;
         self.stop_group();
         for (id, _) in ticked {
             if !group.iter().any(|(other, _)| *other == id) {
@@ -121,16 +121,16 @@ impl Groups {
         }
     }
 
-    fn begin_group(self, crew: Crew, wheels: Wheels) {
-        let Ok(parts) = parts(&crew, wheels) else {
+    fn begin_group(self, members: GroupMembers, wheels: Wheels) {
+        let Ok(setpoints) = group_setpoints(&members, wheels) else {
             return;
         };
         self.page.command(Command::DriveGroup {
-            setpoints: parts,
+            setpoints,
             consent: Consent::None,
         });
         self.set_group(Group {
-            crew,
+            members,
             seen_driven: false,
         });
         self.page.notices.update(|board| {
@@ -141,10 +141,10 @@ impl Groups {
     }
 
     fn adjust_group(self, wheels: Wheels) {
-        let crew = self.group.get_value().crew;
-        if let Ok(parts) = parts(&crew, wheels) {
+        let members = self.group.get_value().members;
+        if let Ok(setpoints) = group_setpoints(&members, wheels) {
             self.page.command(Command::AdjustGroup {
-                setpoints: parts,
+                setpoints,
                 consent: Consent::None,
             });
         }
@@ -153,7 +153,7 @@ impl Groups {
     /// A stop of one stops all that drive with it.
     fn stop_group(self) {
         let group = self.group.get_value();
-        if let Some((id, _)) = group.crew.first() {
+        if let Some((id, _)) = group.members.first() {
             self.page.command(Command::Stop(*id));
         }
         self.set_group(Group::default());
@@ -161,8 +161,8 @@ impl Groups {
 
     /// How fast the pad may drive now.
     fn pad_limit(self) -> Option<i32> {
-        let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
-        let allowed = steer_blocked_by(&self.page.present(), &crew).is_none();
+        let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        let allowed = steer_blocked_by(&self.page.present(), &members).is_none();
         allowed.then(|| self.speed.get_untracked())
     }
 
@@ -171,8 +171,8 @@ impl Groups {
         match order {
             Some(Order::Stop) => self.stop_group(),
             Some(Order::Start(wheels)) => {
-                let crew = self.page.motors.fleet.with_untracked(Fleet::crew);
-                self.begin_group(crew, wheels);
+                let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+                self.begin_group(members, wheels);
             }
             Some(Order::Adjust(wheels)) => self.adjust_group(wheels),
             None => {}
@@ -284,14 +284,14 @@ impl Groups {
     /// Takes in whether the group still drives, behind all notices of one message.
     pub(crate) fn look_at_group(self) {
         let group = self.group.get_value();
-        if group.crew.is_empty() {
+        if group.members.is_empty() {
             return;
         }
         let (gone, driven) = self.page.latest.with_value(|session| {
             let gone = !matches!(session.connection, Connection::Connected(_))
                 || session.halted
                 || session.job.is_some();
-            let driven = group.crew.iter().all(|(id, _)| {
+            let driven = group.members.iter().all(|(id, _)| {
                 let activity = session.motor(*id).map(|motor| motor.activity);
                 matches!(activity, Some(Activity::Driven { .. }))
             });

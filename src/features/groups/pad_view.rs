@@ -75,11 +75,11 @@ pub(crate) fn keep_working(groups: Groups) {
         on_window(name, move |event| on_event(groups, &event));
     }
     let disabled_reason = memo(move || {
-        let crew = groups.page.motors.fleet.with(Fleet::crew);
+        let members = groups.page.motors.fleet.with(Fleet::group_members);
         groups
             .page
             .shown
-            .with(|session| steer_blocked_by(session, &crew))
+            .with(|session| steer_blocked_by(session, &members))
     });
     effect(move || show(groups, disabled_reason.get()));
     effect(move || {

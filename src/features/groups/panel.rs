@@ -39,9 +39,9 @@ fn rows_markup() -> String {
 pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
     let page = groups.page;
     let blocked = memo(move || {
-        let crew = page.motors.fleet.with(Fleet::crew);
+        let members = page.motors.fleet.with(Fleet::group_members);
         page.shown
-            .with(|session| group_drive_blocked_by(session, &crew))
+            .with(|session| group_drive_blocked_by(session, &members))
     });
     let start_blocked_by = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
@@ -103,7 +103,7 @@ fn keep_rows(groups: Groups) {
     });
     // Who is driven stays on its side.
     let held = memo::<Vec<MotorId>>(move || {
-        let held = |session: &Session| session.in_hand().map(|motor| motor.id).collect();
+        let held = |session: &Session| session.active_motors().map(|motor| motor.id).collect();
         page.shown.with(held)
     });
     let mut made = None;

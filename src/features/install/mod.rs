@@ -132,7 +132,7 @@ impl Install {
         let drives = self
             .page
             .latest
-            .with_value(|session| session.in_hand().next().is_some());
+            .with_value(|session| session.active_motors().next().is_some());
         let hidden = document().visibility_state() == VisibilityState::Hidden;
         let long = self
             .driven

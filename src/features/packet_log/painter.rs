@@ -38,10 +38,10 @@ impl Painter {
         }
     }
 
-    /// Shows what the feed has. Whether the scroll bar has to follow yet: while a person has it in
-    /// hand it is left alone, and so is what it scrolls over, for a browser that is scrolling there by
+    /// Shows what the feed has. Whether the scroll bar has to follow yet: while a person drags
+    /// it, the scroll bar and the extent it scrolls over stay as they are: a browser that is scrolling there by
     /// itself stops where that changes.
-    pub(crate) fn paint(&mut self, feed: &mut LogFeed, in_hand: bool) -> bool {
+    pub(crate) fn paint(&mut self, feed: &mut LogFeed, is_dragged: bool) -> bool {
         let view = &mut feed.view;
         if self.two_lines != view.has_two_lines() {
             self.two_lines = !self.two_lines;
@@ -49,7 +49,7 @@ impl Painter {
             let rows = self.rows.class_list();
             let _ = rows.toggle_with_force("two-lines", self.two_lines);
         }
-        if !in_hand {
+        if !is_dragged {
             self.follow(view);
         }
         let first = view.first_row();
@@ -62,7 +62,7 @@ impl Painter {
             slot.show(feed.row(number));
         }
         self.set_hidden_part(hidden_px);
-        in_hand && behind
+        is_dragged && behind
     }
 
     /// Has the scroll bar and what it scrolls over follow the view.
