@@ -11,8 +11,8 @@ use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 
 use crate::features::graph::plot::{
-    ink::{Ink, Inks, css},
     layout::Layout,
+    palette::{Colour, Palette, css},
     scale::{self, Scale},
     ticks::Tick,
     trace::{Trace, Traces},
@@ -41,7 +41,7 @@ pub(crate) struct Axes {
 #[derive(Clone, Debug, PartialEq)]
 struct Picture {
     layout: Layout,
-    inks: Inks,
+    palette: Palette,
     traces: Traces,
     scales: [Scale; 2],
     temperature_end: u16,
@@ -92,7 +92,7 @@ impl Axes {
     pub(crate) fn draw(
         &mut self,
         layout: Layout,
-        inks: Inks,
+        palette: Palette,
         traces: Traces,
         scales: [Scale; 2],
         temperature_end: u16,
@@ -100,7 +100,7 @@ impl Axes {
     ) {
         let picture = Picture {
             layout,
-            inks,
+            palette,
             traces,
             scales,
             temperature_end,
@@ -122,13 +122,13 @@ impl Axes {
         let Some(area) = &self.area else {
             return;
         };
-        let (plot, inks) = (picture.layout.plot, picture.inks);
+        let (plot, palette) = (picture.layout.plot, picture.palette);
         let line = |from: (i32, i32), size: (i32, i32), style: RGBAColor| {
             let to = (from.0 + size.0, from.1 + size.1);
             // A canvas has no way to fail at a line.
             let _ = area.draw(&Rectangle::new([from, to], style.filled()));
         };
-        let thin = rgb(inks.line).to_rgba();
+        let thin = rgb(palette.line).to_rgba();
         let width = pixels(picture.layout.ratio).max(1);
         for mark in &picture.marks {
             let x = plot.left + at(mark.place, plot.width);
@@ -138,7 +138,7 @@ impl Axes {
         for row in 0..5 {
             // Zero stands out.
             let style = if row == 2 && !from_zero {
-                rgb(inks.text).mix(0.45)
+                rgb(palette.text).mix(0.45)
             } else {
                 thin
             };
@@ -150,7 +150,7 @@ impl Axes {
     fn labels(&self, picture: &Picture) {
         let Picture {
             layout,
-            inks,
+            palette,
             traces,
             ..
         } = *picture;
@@ -163,12 +163,18 @@ impl Axes {
         let air = AIR * layout.ratio;
         let rows = |row: usize| top + height * [0.0, 0.25, 0.5, 0.75, 1.0].get(row).unwrap_or(&0.0);
         let below = BELOW * layout.ratio;
-        for (trace, scale, x, align, ink) in [
-            (Trace::Speed, speed, left - air, "right", inks.speed),
-            (Trace::Current, current, right + air, "left", inks.current),
+        for (trace, scale, x, align, colour) in [
+            (Trace::Speed, speed, left - air, "right", palette.speed),
+            (
+                Trace::Current,
+                current,
+                right + air,
+                "left",
+                palette.current,
+            ),
         ] {
             if shows(trace) {
-                self.write_in(ink, align);
+                self.write_in(colour, align);
                 for (row, label) in scale.labels().iter().enumerate() {
                     if row % 2 == 0 || layout.has_quarters() {
                         self.write(label, x, rows(row));
@@ -178,7 +184,7 @@ impl Axes {
             }
         }
         if let Some(trace) = traces.compared {
-            self.write_in(inks.text, "right");
+            self.write_in(palette.text, "right");
             for (row, label) in compared_labels(trace, picture).iter().enumerate() {
                 if row % 2 == 0 || layout.has_quarters() {
                     self.write(label, left - air, rows(row));
@@ -187,16 +193,16 @@ impl Axes {
             self.write(trace.unit(), left - air, top + below);
         }
         let mut x = right - air;
-        for (trace, ink, end) in [
+        for (trace, colour, end) in [
             (
                 Trace::Temperature,
-                inks.temperature,
+                palette.temperature,
                 picture.temperature_end,
             ),
-            (Trace::Position, inks.position, 360),
+            (Trace::Position, palette.position, 360),
         ] {
             if shows(trace) {
-                self.write_in(ink, "right");
+                self.write_in(colour, "right");
                 let space = if trace == Trace::Temperature { " " } else { "" };
                 let upper = format!("{end}{space}{}", trace.unit());
                 self.write(&upper, x, top + below * 0.75);
@@ -205,15 +211,15 @@ impl Axes {
                 x -= INNER * layout.ratio;
             }
         }
-        self.write_in(inks.text, "center");
+        self.write_in(palette.text, "center");
         for mark in &picture.marks {
             let x = left + mark.place * f64::from(plot.width);
             self.write(&mark.label, x, rows(4) + below);
         }
     }
 
-    fn write_in(&self, ink: Ink, align: &str) {
-        self.context.set_fill_style_str(&css(ink));
+    fn write_in(&self, colour: Colour, align: &str) {
+        self.context.set_fill_style_str(&css(colour));
         self.context.set_text_align(align);
     }
 
@@ -234,7 +240,7 @@ fn compared_labels(trace: Trace, picture: &Picture) -> [String; 5] {
     }
 }
 
-fn rgb((red, green, blue): Ink) -> RGBColor {
+fn rgb((red, green, blue): Colour) -> RGBColor {
     RGBColor(red, green, blue)
 }
 

@@ -8,8 +8,8 @@ use crate::{
             columns::{Dot, Grid, extent},
             comparison::Comparison,
             end_labels::spread,
-            ink::{Ink, Inks, css},
             lines::trace_lines,
+            palette::{Colour, Palette, css},
         },
         traces::{BOLD, Ends, FINE, Pen, TraceCanvas},
     },
@@ -26,7 +26,7 @@ struct Line {
     /// Its ID.
     label: String,
     parts: Vec<Vec<Dot>>,
-    ink: Ink,
+    colour: Colour,
 }
 
 impl TraceCanvas {
@@ -38,7 +38,7 @@ impl TraceCanvas {
         history: &History,
         comparison: &Comparison,
         grid: Grid,
-        inks: Inks,
+        palette: Palette,
         font: &str,
     ) {
         let mut lines = Vec::new();
@@ -47,7 +47,7 @@ impl TraceCanvas {
                 lines.push(Line {
                     label: id.to_string(),
                     parts: trace_lines(history, track, comparison.trace, mirror, grid),
-                    ink: inks.motors.get(place).copied().unwrap_or(inks.text),
+                    colour: palette.motors.get(place).copied().unwrap_or(palette.text),
                 });
             }
         }
@@ -55,7 +55,7 @@ impl TraceCanvas {
         let ends = self.fit(comparison.trace, extent.fold(0.0, f64::max));
         for line in &lines {
             let pen = Pen {
-                ink: line.ink,
+                colour: line.colour,
                 width: BOLD,
             };
             self.draw_lines(&line.parts, ends, &pen);
@@ -89,7 +89,7 @@ impl TraceCanvas {
         context.set_text_baseline("middle");
         let places = spread(&heights, LABEL_GAP * pixel, top, bottom);
         for (line, y) in labelled.into_iter().zip(places) {
-            context.set_fill_style_str(&css(line.ink));
+            context.set_fill_style_str(&css(line.colour));
             let _ = context.fill_text(&line.label, x, y);
         }
         context.restore();

@@ -10,7 +10,7 @@ use web_sys::{Element, HtmlElement, HtmlInputElement};
 use crate::features::graph::{
     plot::{
         comparison::{COMPARABLE, Comparison, MOTORS_MAX},
-        ink::{Ink, ink},
+        palette::{Colour, parse_colour},
         trace::Trace,
     },
     text::Text,
@@ -92,15 +92,15 @@ impl Legend {
         })
     }
 
-    /// The colours of the places, as the style sheet has them now.
-    pub(crate) fn inks(&self) -> [Ink; MOTORS_MAX] {
-        let mut inks = [Ink::default(); MOTORS_MAX];
-        for (place, (item, _)) in inks.iter_mut().zip(&self.items) {
+    /// The colours of compared motors in the current theme.
+    pub(crate) fn motor_colours(&self) -> [Colour; MOTORS_MAX] {
+        let mut colours = [Colour::default(); MOTORS_MAX];
+        for (place, (item, _)) in colours.iter_mut().zip(&self.items) {
             let style = window().get_computed_style(item).ok().flatten();
             let colour = style.and_then(|style| style.get_property_value("color").ok());
-            *place = ink(&colour.unwrap_or_default());
+            *place = parse_colour(&colour.unwrap_or_default());
         }
-        inks
+        colours
     }
 
     /// Shows who is compared, or nothing.

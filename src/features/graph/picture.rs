@@ -9,8 +9,8 @@ use crate::{
     features::graph::{
         plot::{
             comparison::Subject,
-            ink::{Ink, Inks, css},
             layout::in_rows,
+            palette::{Colour, Palette, css},
             texts::{self, LocalTime},
             trace::Trace,
         },
@@ -38,7 +38,7 @@ pub(crate) fn save(chart: Chart, cell: StageCell) {
     let mut stage = cell.borrow_mut();
     let picture = stage.as_mut().and_then(|stage| {
         stage.draw_first(chart);
-        let (title, entries) = legend(chart, &subject, stage.inks);
+        let (title, entries) = legend(chart, &subject, stage.palette);
         paint(stage, &title, &entries, now)
     });
     let Some(picture) = picture else {
@@ -55,13 +55,13 @@ pub(crate) fn save(chart: Chart, cell: StageCell) {
 
 /// A line of the legend.
 struct Entry {
-    ink: Ink,
+    colour: Colour,
     dashed: bool,
     name: String,
 }
 
 /// What the picture is of, and what its lines are.
-fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
+fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Entry>) {
     let with_unit = |trace: Trace| match trace.unit() {
         "" => trace.name().to_owned(),
         unit => format!("{} ({unit})", trace.name()),
@@ -70,12 +70,12 @@ fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
         Subject::Motor { id, traces, .. } => {
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
             let entry = |trace| Entry {
-                ink: match trace {
-                    Trace::Speed => inks.speed,
-                    Trace::Current => inks.current,
-                    Trace::Goal => inks.text,
-                    Trace::Temperature => inks.temperature,
-                    Trace::Position => inks.position,
+                colour: match trace {
+                    Trace::Speed => palette.speed,
+                    Trace::Current => palette.current,
+                    Trace::Goal => palette.text,
+                    Trace::Temperature => palette.temperature,
+                    Trace::Position => palette.position,
                 },
                 dashed: trace == Trace::Goal,
                 name: with_unit(trace),
@@ -87,7 +87,7 @@ fn legend(chart: Chart, subject: &Subject, inks: Inks) -> (String, Vec<Entry>) {
         }
         Subject::Compared(comparison) => {
             let entry = |(place, id, _)| Entry {
-                ink: inks.motors.get(place).copied().unwrap_or(inks.text),
+                colour: palette.motors.get(place).copied().unwrap_or(palette.text),
                 dashed: false,
                 name: chart.motor_name(id),
             };
@@ -128,7 +128,7 @@ fn paint(
     let (width, height) = (f64::from(layout.width), f64::from(layout.height) + head);
     canvas.set_width(layout.width);
     canvas.set_height(layout.height + whole(head));
-    context.set_fill_style_str(&css(stage.inks.surface));
+    context.set_fill_style_str(&css(stage.palette.surface));
     context.fill_rect(0.0, 0.0, width, height);
     for layer in [&stage.axes.canvas, &stage.lines.canvas] {
         context
@@ -147,7 +147,7 @@ fn paint(
             (row + 0.5) * LEGEND * pixel,
         );
     }
-    context.set_fill_style_str(&css(stage.inks.text));
+    context.set_fill_style_str(&css(stage.palette.text));
     context.set_text_align("right");
     // It fails for places that are none.
     let _ = context.fill_text(&title, right, LEGEND * pixel / 2.0);
@@ -156,7 +156,7 @@ fn paint(
 
 /// A line and a name.
 fn write(context: &CanvasRenderingContext2d, entry: &Entry, pixel: f64, x: f64, y: f64) {
-    context.set_fill_style_str(&css(entry.ink));
+    context.set_fill_style_str(&css(entry.colour));
     let thickness = (2.0 * pixel).round();
     if entry.dashed {
         for dash in [0.0, 0.4, 0.8] {

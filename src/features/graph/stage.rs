@@ -15,8 +15,8 @@ use crate::{
         plot::{
             columns::Grid,
             comparison::{Comparison, Subject},
-            ink::{Inks, ink},
             layout::Layout,
+            palette::{Palette, parse_colour},
             scale::Scale,
             ticks,
             view::View,
@@ -65,7 +65,7 @@ pub(crate) struct Stage {
     pub(crate) overlay: Overlay,
     legend: Legend,
     spoken: Spoken,
-    pub(crate) inks: Inks,
+    pub(crate) palette: Palette,
     pub(crate) layout: Layout,
     scene: Option<Scene>,
     /// Who is in the legend.
@@ -140,7 +140,7 @@ impl Stage {
             overlay: Overlay::of(place)?,
             legend: Legend::of(&place.parent_element()?)?,
             spoken: Spoken::of(find("#graph-words")?),
-            inks: Inks::default(),
+            palette: Palette::default(),
             layout: Layout::default(),
             scene: None,
             named: None,
@@ -167,7 +167,7 @@ impl Stage {
             self.scene = None;
         }
         let looks_stale = chart.looks_stale.take();
-        if looks_stale && self.dip() {
+        if looks_stale && self.read_palette() {
             self.scene = None;
         }
         if self.layout.is_empty() {
@@ -223,14 +223,15 @@ impl Stage {
         true
     }
 
-    /// Takes the colours of the style sheet, which the graph's own element has as its colours. Whether
-    /// they have changed.
-    fn dip(&mut self) -> bool {
+    /// Reads the palette from the computed style of the graph, whose border colours are the theme colours.
+    /// Returns whether it has changed.
+    fn read_palette(&mut self) -> bool {
         let Some(style) = computed_style(&self.plot) else {
             return false;
         };
-        let of = |property: &str| ink(&style.get_property_value(property).unwrap_or_default());
-        let inks = Inks {
+        let of =
+            |property: &str| parse_colour(&style.get_property_value(property).unwrap_or_default());
+        let palette = Palette {
             surface: of("background-color"),
             line: of("border-top-color"),
             text: of("color"),
@@ -238,12 +239,12 @@ impl Stage {
             current: of("border-bottom-color"),
             temperature: of("border-left-color"),
             position: of("column-rule-color"),
-            motors: self.legend.inks(),
+            motors: self.legend.motor_colours(),
         };
         self.axes
             .set_font(&style.get_property_value("font-family").unwrap_or_default());
-        let changed = inks != self.inks;
-        self.inks = inks;
+        let changed = palette != self.palette;
+        self.palette = palette;
         changed
     }
 
@@ -276,14 +277,14 @@ impl Stage {
                         (*mirror, *traces),
                         grid,
                         now_us,
-                        self.inks,
+                        self.palette,
                     );
                 }
             }
             Subject::Compared(comparison) => {
                 let font = self.axes.font(self.layout.ratio);
                 self.lines
-                    .draw_compared(history, comparison, grid, self.inks, &font);
+                    .draw_compared(history, comparison, grid, self.palette, &font);
             }
         }
     }
@@ -300,7 +301,7 @@ impl Stage {
         let hot = self.lines.temperature_end();
         let traces = chart.traces.get_untracked();
         self.axes
-            .draw(self.layout, self.inks, traces, scales, hot, marks);
+            .draw(self.layout, self.palette, traces, scales, hot, marks);
     }
 }
 

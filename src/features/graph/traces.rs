@@ -14,9 +14,9 @@ use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 use crate::{
     features::graph::plot::{
         columns::{Dot, Grid, extent},
-        ink::{Ink, Inks, css},
         layout::{Layout, Rectangle},
         lines::{goal_lines, trace_lines},
+        palette::{Colour, Palette, css},
         scale::{self, Scale},
         strokes::{Pixel, Strokes, strokes},
         trace::{Trace, Traces},
@@ -56,7 +56,7 @@ pub(crate) struct TraceCanvas {
 
 /// How a line is drawn.
 pub(crate) struct Pen {
-    pub(crate) ink: Ink,
+    pub(crate) colour: Colour,
     /// In pixels of the style sheet.
     pub(crate) width: f64,
 }
@@ -138,7 +138,7 @@ impl TraceCanvas {
         (mirror, traces): (Mirror, Traces),
         grid: Grid,
         now_us: u64,
-        inks: Inks,
+        palette: Palette,
     ) {
         // The most important last, on top.
         for trace in [
@@ -157,17 +157,24 @@ impl TraceCanvas {
                 Vec::new()
             };
             let ends = self.fit(trace, extent(&lines).max(extent(&goals)));
-            let ink = match trace {
-                Trace::Current => inks.current,
-                Trace::Temperature => inks.temperature,
-                Trace::Position => inks.position,
-                Trace::Speed | Trace::Goal => inks.speed,
+            let colour = match trace {
+                Trace::Current => palette.current,
+                Trace::Temperature => palette.temperature,
+                Trace::Position => palette.position,
+                Trace::Speed | Trace::Goal => palette.speed,
             };
             self.set_dashed(true);
-            self.draw_goals(&goals, ends, &Pen { ink, width: THIN });
+            self.draw_goals(
+                &goals,
+                ends,
+                &Pen {
+                    colour,
+                    width: THIN,
+                },
+            );
             self.set_dashed(false);
             let width = if trace == Trace::Speed { BOLD } else { THIN };
-            self.draw_lines(&lines, ends, &Pen { ink, width });
+            self.draw_lines(&lines, ends, &Pen { colour, width });
         }
     }
 
@@ -212,7 +219,7 @@ impl TraceCanvas {
     pub(crate) fn draw_lines(&self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
         let coordinates = self.coordinates(ends);
         let thickness = (pen.width * self.layout.ratio).round().max(1.0) * f64::from(FINE);
-        self.context.set_fill_style_str(&css(pen.ink));
+        self.context.set_fill_style_str(&css(pen.colour));
         for line in lines {
             let points: Vec<Pixel> = line.iter().map(|dot| coordinates.translate(dot)).collect();
             let Strokes { bars, paths, .. } = strokes(&points, FINE);
@@ -238,7 +245,7 @@ impl TraceCanvas {
     }
 
     fn draw_path(&self, path: Vec<Pixel>, pen: &Pen) {
-        let (red, green, blue) = pen.ink;
+        let (red, green, blue) = pen.colour;
         let style = ShapeStyle {
             color: RGBColor(red, green, blue).to_rgba(),
             filled: false,

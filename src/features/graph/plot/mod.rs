@@ -15,7 +15,7 @@
 //! | `crosshair` | what was reported at one moment |
 //! | `keys` | what a key does to the focused graph |
 //! | `words` | the graph's name, and its values in words |
-//! | `ink` | colours of the style sheet as numbers |
+//! | `palette` | colours of the style sheet as numbers |
 //!
 //! All of it is pure and tested natively; the files beside this folder draw it.
 
@@ -23,10 +23,10 @@ pub mod columns;
 pub(crate) mod comparison;
 pub(crate) mod crosshair;
 pub(crate) mod end_labels;
-pub(crate) mod ink;
 pub(crate) mod keys;
 pub(crate) mod layout;
 pub(crate) mod lines;
+pub(crate) mod palette;
 pub(crate) mod scale;
 pub(crate) mod strokes;
 pub(crate) mod texts;

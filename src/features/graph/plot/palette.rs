@@ -1,27 +1,27 @@
-//! Colours of the style sheet as numbers: a canvas knows no custom properties.
+//! The colours of the style sheet as numbers: a canvas does not know custom properties.
 
 use crate::features::graph::plot::comparison::MOTORS_MAX;
 
 /// A colour: red, green, blue.
-pub(crate) type Ink = (u8, u8, u8);
+pub(crate) type Colour = (u8, u8, u8);
 
 /// The colours of one theme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) struct Inks {
-    pub(crate) surface: Ink,
-    pub(crate) line: Ink,
-    pub(crate) text: Ink,
-    pub(crate) speed: Ink,
-    pub(crate) current: Ink,
-    pub(crate) temperature: Ink,
-    pub(crate) position: Ink,
-    /// Of motors that are compared, by their place.
-    pub(crate) motors: [Ink; MOTORS_MAX],
+pub(crate) struct Palette {
+    pub(crate) surface: Colour,
+    pub(crate) line: Colour,
+    pub(crate) text: Colour,
+    pub(crate) speed: Colour,
+    pub(crate) current: Colour,
+    pub(crate) temperature: Colour,
+    pub(crate) position: Colour,
+    /// Colours of compared motors, by their place.
+    pub(crate) motors: [Colour; MOTORS_MAX],
 }
 
 /// Reads a computed colour, which browsers write as `rgb(11, 100, 189)`, or as `rgba(11, 100, 189, 0.5)`
 /// where it is transparent. Anything else is a grey that is seen on light and dark.
-pub(crate) fn ink(computed: &str) -> Ink {
+pub(crate) fn parse_colour(computed: &str) -> Colour {
     let numbers = computed
         .strip_prefix("rgb")
         .and_then(|rest| rest.trim_start_matches('a').strip_prefix('('));
@@ -38,7 +38,7 @@ fn byte(text: &str) -> Option<u8> {
 }
 
 /// As a canvas takes it: `rgb(11,100,189)`.
-pub(crate) fn css((red, green, blue): Ink) -> String {
+pub(crate) fn css((red, green, blue): Colour) -> String {
     format!("rgb({red},{green},{blue})")
 }
 
@@ -48,9 +48,9 @@ mod tests {
 
     #[test]
     fn a_computed_colour_is_read() {
-        assert_eq!(ink("rgb(11, 100, 189)"), (11, 100, 189));
-        assert_eq!(ink("rgba(11, 100, 189, 0.5)"), (11, 100, 189));
-        assert_eq!(ink(&css((1, 2, 255))), (1, 2, 255));
+        assert_eq!(parse_colour("rgb(11, 100, 189)"), (11, 100, 189));
+        assert_eq!(parse_colour("rgba(11, 100, 189, 0.5)"), (11, 100, 189));
+        assert_eq!(parse_colour(&css((1, 2, 255))), (1, 2, 255));
         for odd in [
             "",
             "red",
@@ -58,7 +58,7 @@ mod tests {
             "rgb(1, 2)",
             "rgb(1, 2, 999)",
         ] {
-            assert_eq!(ink(odd), (128, 128, 128), "{odd}");
+            assert_eq!(parse_colour(odd), (128, 128, 128), "{odd}");
         }
     }
 }
