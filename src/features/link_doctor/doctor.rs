@@ -38,7 +38,7 @@ const NOISY_PER_MILLE: u32 = 30;
 /// So many times more errors while it turns are no chance.
 const GROWTH: u32 = 3;
 
-/// Frames of others that one may hear by chance: a reply that came seconds late.
+/// Unrequested frames that may come by chance: a reply that is seconds late.
 const STRANGERS_MIN: u32 = 3;
 
 /// Round trips of a timer of 16 ms, which may have run for a while when the reply comes.
@@ -47,9 +47,9 @@ const LATENCY_TIMER_US: std::ops::Range<u32> = 12_000..25_000;
 /// What is likely to be wrong, most likely first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Diagnosis {
-    /// Nothing at all is heard.
+    /// Nothing is received.
     Nothing,
-    /// Nothing is heard but what was sent.
+    /// Only the echo of what was sent is received.
     EchoOnly,
     /// More than one motor seems to have this ID.
     SharedId(MotorId),
@@ -57,7 +57,7 @@ pub(crate) enum Diagnosis {
     NoiseGrowsWithSpeed,
     /// Replies are lost or damaged.
     Lossy,
-    /// Somebody speaks who was not asked.
+    /// A device replies that was not asked.
     Stranger,
     /// One motor does not answer, and others do.
     Silent(MotorId),
@@ -65,36 +65,36 @@ pub(crate) enum Diagnosis {
     LatencyTimer,
 }
 
-/// What the doctor says.
+/// The result of a diagnosis.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// There is no line.
+    /// No port is open.
     #[default]
     NotConnected,
-    /// Too little was heard to say anything.
+    /// Too few exchanges for a verdict.
     TooLittle,
-    /// Nothing is wrong.
-    Well,
-    /// More is lost than on a good line, and too little to name a cause.
-    Some,
-    /// What is likely to be wrong, never empty.
-    Ill(Vec<Diagnosis>),
+    /// The bus is healthy.
+    Healthy,
+    /// More is lost than on a healthy bus, but too little to name a cause.
+    SomeLoss,
+    /// The likely causes, never empty.
+    Faulty(Vec<Diagnosis>),
 }
 
 /// Ends of exchanges and oddities, in a time or of a kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
-    /// Requests that ask for an answer.
+    /// Requests that expect a reply.
     pub(crate) asked: u32,
     /// Good replies in time.
     pub(crate) answered: u32,
-    /// Windows in which nothing came but an echo.
+    /// Exchanges without a reply, apart from an echo.
     pub(crate) silent: u32,
     /// Windows in which bytes came and no good frame.
     pub(crate) garbled: u32,
     /// Requests that came back, whole or cut short.
     pub(crate) echoed: u32,
-    /// Good frames of one that was not asked.
+    /// Good frames of a motor that was not asked.
     pub(crate) foreign: u32,
 }
 
@@ -219,13 +219,13 @@ pub(crate) fn diagnose(findings: &Findings) -> Verdict {
         found.add(Diagnosis::LatencyTimer);
     }
     if !found.0.is_empty() {
-        Verdict::Ill(found.0)
+        Verdict::Faulty(found.0)
     } else if motors.is_empty() || motors.iter().any(is_unknown) {
         Verdict::TooLittle
     } else if motors.iter().all(is_well) {
-        Verdict::Well
+        Verdict::Healthy
     } else {
-        Verdict::Some
+        Verdict::SomeLoss
     }
 }
 

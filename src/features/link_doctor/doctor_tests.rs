@@ -177,7 +177,7 @@ fn what_happened_has_its_likely_cause() {
             vec![Diagnosis::Lossy, Diagnosis::LatencyTimer],
         ),
     ] {
-        assert_eq!(diagnose(&findings), Verdict::Ill(expected), "{name}");
+        assert_eq!(diagnose(&findings), Verdict::Faulty(expected), "{name}");
     }
 }
 
@@ -207,7 +207,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
                 loss_per_mille: Some(50),
                 ..standing(ID, good)
             }]),
-            Verdict::Some,
+            Verdict::SomeLoss,
         ),
         (
             "a motor that has just fallen silent",
@@ -218,27 +218,27 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
             }]),
             Verdict::TooLittle,
         ),
-        ("a good line", alone(good), Verdict::Well),
+        ("a good line", alone(good), Verdict::Healthy),
         (
             "one of a hundred lost",
             alone(tally(100, 1, 0)),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         (
             "three of a hundred lost",
             alone(tally(100, 1, 2)),
-            Verdict::Some,
+            Verdict::SomeLoss,
         ),
         (
             "one of a hundred, for long",
             alone(tally(600, 3, 3)),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         ("a bad start", alone(tally(20, 4, 0)), Verdict::TooLittle),
         (
             "one of a hundred damaged, all while it turned",
             line(&[moving(tally(100, 0, 0), tally(600, 0, 6))]),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         (
             "two late replies",
@@ -246,17 +246,17 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
                 foreign: 2,
                 ..alone(good)
             },
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         (
             "a common adapter",
             with_median(2_400, alone(good)),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         (
             "a busy machine",
             with_median(9_000, alone(good)),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
         (
             "an echo before every reply",
@@ -264,7 +264,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
                 echoed: 100,
                 ..good
             }),
-            Verdict::Well,
+            Verdict::Healthy,
         ),
     ] {
         assert_eq!(diagnose(&findings), expected, "{name}");
@@ -359,25 +359,28 @@ impl Clinic {
 #[test]
 fn every_case_of_the_virtual_line_is_diagnosed() {
     for (case, expected) in [
-        (LineCondition::Good, Verdict::Well),
-        (LineCondition::Dead, Verdict::Ill(vec![Diagnosis::Nothing])),
+        (LineCondition::Good, Verdict::Healthy),
+        (
+            LineCondition::Dead,
+            Verdict::Faulty(vec![Diagnosis::Nothing]),
+        ),
         (
             LineCondition::EchoOnly,
-            Verdict::Ill(vec![Diagnosis::EchoOnly]),
+            Verdict::Faulty(vec![Diagnosis::EchoOnly]),
         ),
         (
             LineCondition::SharedId,
-            Verdict::Ill(vec![Diagnosis::SharedId(ID)]),
+            Verdict::Faulty(vec![Diagnosis::SharedId(ID)]),
         ),
         // At rest there is nothing to see of it.
-        (LineCondition::NoiseGrowsWithSpeed, Verdict::Well),
+        (LineCondition::NoiseGrowsWithSpeed, Verdict::Healthy),
         (
             LineCondition::HoldsBytes,
-            Verdict::Ill(vec![Diagnosis::LatencyTimer]),
+            Verdict::Faulty(vec![Diagnosis::LatencyTimer]),
         ),
         (
             LineCondition::Stranger,
-            Verdict::Ill(vec![Diagnosis::Stranger]),
+            Verdict::Faulty(vec![Diagnosis::Stranger]),
         ),
     ] {
         let mut clinic = Clinic::new(case);
@@ -394,7 +397,7 @@ fn noise_that_grows_with_speed_is_told_from_noise() {
     let mut clinic = Clinic::new(LineCondition::NoiseGrowsWithSpeed);
     clinic.run(6);
     clinic.drive(100);
-    let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
+    let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
     assert_eq!(*clinic.run(6), grows);
     assert_eq!(*clinic.run(30), grows);
 }
@@ -405,14 +408,14 @@ fn a_driven_motor_on_a_good_line_is_well() {
     assert_eq!(*clinic.run(1), Verdict::TooLittle);
     clinic.run(5);
     clinic.drive(100);
-    assert_eq!(*clinic.run(20), Verdict::Well);
+    assert_eq!(*clinic.run(20), Verdict::Healthy);
 }
 
 #[test]
 fn another_connection_begins_anew_and_none_is_none() {
     let mut clinic = Clinic::new(LineCondition::Dead);
     assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
-    assert!(matches!(clinic.run(10), Verdict::Ill(_)));
+    assert!(matches!(clinic.run(10), Verdict::Faulty(_)));
     let other = Session {
         connection: Connection::Connected(Adapter::Serial(None)),
         ..clinic.session()
@@ -436,7 +439,7 @@ fn what_was_not_looked_at_is_not_counted() {
         .world
         .set_line_condition(clinic.now, LineCondition::Good);
     // The header remembers the last hundred exchanges.
-    assert_eq!(*clinic.run(12), Verdict::Well);
+    assert_eq!(*clinic.run(12), Verdict::Healthy);
 }
 
 /// What the doctor says once a second.
@@ -472,12 +475,12 @@ fn a_lossy_line_is_never_called_well() {
         for seed in 0..40 {
             let mut clinic = faulty(faults.clone(), seed);
             let verdicts = course(&mut clinic, 30);
-            let ill = Verdict::Ill(vec![Diagnosis::Lossy]);
+            let lossy = Verdict::Faulty(vec![Diagnosis::Lossy]);
             assert!(
-                !verdicts.contains(&Verdict::Well),
+                !verdicts.contains(&Verdict::Healthy),
                 "{name}, seed {seed}: {verdicts:?}"
             );
-            assert_eq!(verdicts[7..], vec![ill; 23], "{name}, seed {seed}");
+            assert_eq!(verdicts[7..], vec![lossy; 23], "{name}, seed {seed}");
         }
     }
 }
@@ -501,7 +504,7 @@ fn the_doctor_is_never_better_than_the_header() {
                 let verdict = clinic.run(1).clone();
                 let looked = loss_per_mille(&clinic);
                 assert!(
-                    verdict != Verdict::Well || looked.is_some_and(|loss| loss < 50),
+                    verdict != Verdict::Healthy || looked.is_some_and(|loss| loss < 50),
                     "{percent} %, seed {seed}, {second} s: {looked:?}"
                 );
             }
@@ -516,16 +519,16 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
         let mut clinic = Clinic::new(LineCondition::Good);
         clinic.run(6);
         clinic.drive(100);
-        assert_eq!(*clinic.run(12), Verdict::Well);
+        assert_eq!(*clinic.run(12), Verdict::Healthy);
         clinic.run_to(clinic.now + Duration::from_millis(ms));
         clinic
             .world
             .set_line_condition(clinic.now, LineCondition::Dead);
         let verdicts = course(&mut clinic, 15);
-        let nothing = Verdict::Ill(vec![Diagnosis::Nothing]);
+        let nothing = Verdict::Faulty(vec![Diagnosis::Nothing]);
         for (second, verdict) in verdicts.iter().enumerate() {
             let expected: &[&Verdict] = match second {
-                0 => &[&Verdict::Well, &Verdict::Some, &Verdict::TooLittle],
+                0 => &[&Verdict::Healthy, &Verdict::SomeLoss, &Verdict::TooLittle],
                 1 | 2 => &[&Verdict::TooLittle, &nothing],
                 _ => &[&nothing],
             };
@@ -538,12 +541,12 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
             .world
             .set_line_condition(clinic.now, LineCondition::Good);
         let verdicts = course(&mut clinic, 25);
-        let lossy = Verdict::Ill(vec![Diagnosis::Lossy]);
+        let lossy = Verdict::Faulty(vec![Diagnosis::Lossy]);
         assert!(
             !verdicts.contains(&lossy),
             "back after {ms} ms: {verdicts:?}"
         );
-        assert_eq!(verdicts.last(), Some(&Verdict::Well));
+        assert_eq!(verdicts.last(), Some(&Verdict::Healthy));
     }
 }
 
@@ -555,12 +558,12 @@ fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() 
             clinic.run(rest);
             clinic.drive(rpm);
             let verdicts = course(&mut clinic, 70);
-            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Well);
+            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Healthy);
             assert!(
                 verdicts[3..].iter().all(not_well),
                 "{rpm} rpm after {rest} s: {verdicts:?}"
             );
-            let grows = Verdict::Ill(vec![Diagnosis::NoiseGrowsWithSpeed]);
+            let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
             if rest > 2 && rpm > 40 {
                 assert!(
                     verdicts[6..50].iter().all(|verdict| *verdict == grows),

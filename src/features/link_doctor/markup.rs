@@ -84,15 +84,15 @@ pub(crate) fn panel() -> String {
     html
 }
 
-/// What the doctor says.
+/// The result of a diagnosis.
 pub(crate) fn verdict(verdict: &Verdict) -> String {
     let mut html = String::new();
     let (class, text) = match verdict {
         Verdict::NotConnected => ("", texts::not_connected()),
         Verdict::TooLittle => ("", texts::too_little()),
-        Verdict::Well => ("good", texts::well()),
-        Verdict::Some => ("", texts::some_lost()),
-        Verdict::Ill(found) => {
+        Verdict::Healthy => ("good", texts::well()),
+        Verdict::SomeLoss => ("", texts::some_lost()),
+        Verdict::Faulty(found) => {
             for diagnosis in found {
                 let cause = texts::cause(*diagnosis);
                 push(&mut html, &["<li class=\"ill\"><b>", &cause, "</b>"]);
@@ -139,7 +139,7 @@ mod tests {
             Diagnosis::Silent(id),
             Diagnosis::LatencyTimer,
         ] {
-            let html = verdict(&Verdict::Ill(vec![diagnosis]));
+            let html = verdict(&Verdict::Faulty(vec![diagnosis]));
             assert_eq!(html.matches("<li").count(), 1);
             assert!(html.contains("<p>"), "{html}");
             assert!(html.contains("Help: "), "{html}");
@@ -152,13 +152,13 @@ mod tests {
 
     #[test]
     fn what_is_most_likely_is_told_first() {
-        let html = verdict(&Verdict::Ill(vec![
+        let html = verdict(&Verdict::Faulty(vec![
             Diagnosis::Lossy,
             Diagnosis::LatencyTimer,
         ]));
         assert!(html.find("lost or corrupted") < html.find("16 ms"));
         assert_eq!(html.matches("<li").count(), 2);
-        assert!(verdict(&Verdict::Well).contains("Bus healthy"));
+        assert!(verdict(&Verdict::Healthy).contains("Bus healthy"));
     }
 
     #[test]

@@ -96,13 +96,13 @@ impl Record {
         let elapsed = self.looked_at.map(|at| session.now.since(at));
         if elapsed.is_some_and(|elapsed| elapsed < Self::EVERY) {
             // The header is not a second late, either.
-            let is_refuted = self.verdict == Verdict::Well
+            let is_refuted = self.verdict == Verdict::Healthy
                 && session
                     .motors
                     .iter()
                     .any(|motor| header_says_lossy(motor.link.loss_per_mille));
             if is_refuted {
-                self.verdict = Verdict::Some;
+                self.verdict = Verdict::SomeLoss;
             }
             return is_refuted;
         }

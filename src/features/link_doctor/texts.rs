@@ -18,7 +18,7 @@ pub(crate) fn too_little() -> &'static str {
     tr!("Not enough data for a diagnosis yet.")
 }
 
-/// Nothing is wrong.
+/// The bus is healthy.
 pub(crate) fn well() -> &'static str {
     tr!("Bus healthy: nearly every request gets a prompt reply.")
 }
@@ -28,7 +28,7 @@ pub(crate) fn some_lost() -> &'static str {
     tr!("Some replies are lost or corrupted: too few to find a cause.")
 }
 
-/// Why the virtual line cannot be made ill.
+/// Why the virtual line cannot be made faulty.
 pub(crate) fn no_virtual_wire() -> &'static str {
     tr!("Available only with the virtual motor.")
 }
