@@ -1,4 +1,4 @@
-//! The keyboard: keys that act wherever the focus is, and focus that does not get in their way.
+//! The keyboard: keys that work wherever the focus is, and focus that does not get in their way.
 
 use std::{cell::Cell, rc::Rc};
 
@@ -9,7 +9,7 @@ use web_sys::{Element, Event, HtmlElement, HtmlInputElement, KeyboardEvent, Mous
 
 use crate::{
     app::features::Features,
-    model::keys::{Focus, Reaction, Scene, StopKey, StopKeys, act},
+    model::keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
     ui::listener::on_window,
 };
 
@@ -65,12 +65,12 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
     // hex digits, most of which are keys that drive.
     if goes_down
         && !event.repeat()
-        && let Some(act) = act(&key, modified, focus())
+        && let Some(action) = key_action(&key, modified, focus())
         && features.page.dialog.with_untracked(Option::is_none)
-        && !(act.drives() && features.page.loops.tab.get_untracked().is_tool())
+        && !(action.drives() && features.page.loops.tab.get_untracked().is_tool())
     {
         event.prevent_default();
-        features.act(act);
+        features.run_key_action(action);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The start of the page.
 
-pub(crate) mod acts;
+pub(crate) mod actions;
 pub(crate) mod features;
 pub(crate) mod header;
 pub(crate) mod keyboard;

@@ -135,7 +135,7 @@ const PARTS: [Part; 20] = [
 fn notices(features: Features) -> impl IntoView {
     let wanted = move || features.tour.with(|tour| tour.wanted);
     let is_alone = move || is_hidden(features.saved_session) && wanted() != Wanted::Asked;
-    let on_act = Box::leak(Box::new(move |act| features.act_for_tour(act)));
+    let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
     let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
     view! {
         <Notices
@@ -143,7 +143,7 @@ fn notices(features: Features) -> impl IntoView {
             is_tour_shown=Signal::derive(move || wanted() != Wanted::No)
             on_remedy
             saved_session=view! { <SavedSessionNotice saved=features.saved_session /> }
-            tour=view! { <TourNotice page=features.page tour=features.tour on_act /> }
+            tour=view! { <TourNotice page=features.page tour=features.tour on_action /> }
         />
     }
 }

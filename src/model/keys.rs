@@ -130,7 +130,7 @@ impl StopKeys {
 
 /// What a key asks for that does not stop all motors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Act {
+pub(crate) enum KeyAction {
     /// Drive forward at the preset.
     Forward,
     /// Drive backward at the preset.
@@ -147,7 +147,7 @@ pub(crate) enum Act {
     Help,
 }
 
-impl Act {
+impl KeyAction {
     /// Whether a wheel may start by it, or a motor change its loop.
     pub(crate) const fn drives(self) -> bool {
         match self {
@@ -158,25 +158,25 @@ impl Act {
 }
 
 /// What a key asks for here, with `modified` where Ctrl, Alt or Meta is down.
-pub(crate) fn act(key: &str, modified: bool, focus: Focus) -> Option<Act> {
+pub(crate) fn key_action(key: &str, modified: bool, focus: Focus) -> Option<KeyAction> {
     // Ctrl+C copies, Ctrl+F finds.
     if modified || matches!(focus, Focus::List | Focus::Text) {
         return None;
     }
     Some(match key {
-        "f" | "F" => Act::Forward,
-        "b" | "B" => Act::Backward,
-        "s" | "S" => Act::Stop,
-        "k" | "K" => Act::Brake,
-        "1" => Act::Preset(50),
-        "2" => Act::Preset(100),
-        "3" => Act::Preset(150),
-        "4" => Act::Preset(200),
-        "5" => Act::Preset(250),
-        "v" | "V" => Act::Switch(Mode::Velocity),
-        "c" | "C" => Act::Switch(Mode::Current),
-        "p" | "P" => Act::Switch(Mode::Position),
-        "?" => Act::Help,
+        "f" | "F" => KeyAction::Forward,
+        "b" | "B" => KeyAction::Backward,
+        "s" | "S" => KeyAction::Stop,
+        "k" | "K" => KeyAction::Brake,
+        "1" => KeyAction::Preset(50),
+        "2" => KeyAction::Preset(100),
+        "3" => KeyAction::Preset(150),
+        "4" => KeyAction::Preset(200),
+        "5" => KeyAction::Preset(250),
+        "v" | "V" => KeyAction::Switch(Mode::Velocity),
+        "c" | "C" => KeyAction::Switch(Mode::Current),
+        "p" | "P" => KeyAction::Switch(Mode::Position),
+        "?" => KeyAction::Help,
         _ => return None,
     })
 }
@@ -287,11 +287,11 @@ mod tests {
     #[test]
     fn letters_and_digits_do_nothing_in_a_field_or_with_a_modifier() {
         for key in ["f", "B", "s", "k", "1", "5", "v", "c", "p", "?"] {
-            assert!(act(key, false, Focus::Free).is_some(), "{key}");
-            assert!(act(key, false, Focus::Button).is_some(), "{key}");
-            assert_eq!(act(key, false, Focus::Text), None, "{key}");
-            assert_eq!(act(key, false, Focus::List), None, "{key}");
-            assert_eq!(act(key, true, Focus::Free), None, "{key}");
+            assert!(key_action(key, false, Focus::Free).is_some(), "{key}");
+            assert!(key_action(key, false, Focus::Button).is_some(), "{key}");
+            assert_eq!(key_action(key, false, Focus::Text), None, "{key}");
+            assert_eq!(key_action(key, false, Focus::List), None, "{key}");
+            assert_eq!(key_action(key, true, Focus::Free), None, "{key}");
         }
     }
 
@@ -299,20 +299,20 @@ mod tests {
     #[test]
     fn every_key_that_is_a_hex_digit_drives() {
         for digit in "0123456789abcdefABCDEF".chars() {
-            let act = act(&digit.to_string(), false, Focus::Free);
-            assert!(act.is_none_or(Act::drives), "{digit}");
+            let action = key_action(&digit.to_string(), false, Focus::Free);
+            assert!(action.is_none_or(KeyAction::drives), "{digit}");
         }
         for key in ["s", "k", "?"] {
-            let act = act(key, false, Focus::Free).unwrap();
-            assert!(!act.drives(), "{key}");
+            let action = key_action(key, false, Focus::Free).unwrap();
+            assert!(!action.drives(), "{key}");
         }
     }
 
     #[test]
     fn digits_are_speeds() {
-        let speeds = ["1", "2", "3", "4", "5"].map(|key| act(key, false, Focus::Free));
-        let wanted = [50, 100, 150, 200, 250].map(|rpm| Some(Act::Preset(rpm)));
+        let speeds = ["1", "2", "3", "4", "5"].map(|key| key_action(key, false, Focus::Free));
+        let wanted = [50, 100, 150, 200, 250].map(|rpm| Some(KeyAction::Preset(rpm)));
         assert_eq!(speeds, wanted);
-        assert_eq!(act("6", false, Focus::Free), None);
+        assert_eq!(key_action("6", false, Focus::Free), None);
     }
 }

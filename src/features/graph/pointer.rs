@@ -131,8 +131,8 @@ fn percent(zoom: f64) -> u64 {
 pub(crate) fn key(chart: Chart, event: &KeyboardEvent) {
     let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
     let paused = chart.view.get_untracked().is_paused();
-    if let Some(act) = keys::act(&event.key(), modified, event.shift_key(), paused) {
+    if let Some(action) = keys::graph_action(&event.key(), modified, event.shift_key(), paused) {
         event.prevent_default();
-        chart.act(act);
+        chart.run(action);
     }
 }

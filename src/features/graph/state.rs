@@ -13,7 +13,7 @@ use crate::{
     features::graph::plot::{
         columns::Grid,
         comparison::{Subject, motor_name},
-        keys::Act,
+        keys::GraphAction,
         layout::Layout,
         trace::Traces,
         view::{Reach, View},
@@ -193,19 +193,19 @@ impl Chart {
         self.show(self.view.get_untracked().live());
     }
 
-    pub(crate) fn act(self, act: Act) {
+    pub(crate) fn run(self, action: GraphAction) {
         let view = self.view.get_untracked();
         let reach = self.reach();
-        match act {
-            Act::ZoomIn => self.zoom(80, self.zoom_place()),
-            Act::ZoomOut => self.zoom(125, self.zoom_place()),
-            Act::Pan(percent) => {
+        match action {
+            GraphAction::ZoomIn => self.zoom(80, self.zoom_place()),
+            GraphAction::ZoomOut => self.zoom(125, self.zoom_place()),
+            GraphAction::Pan(percent) => {
                 let by_us = view.part_us(f64::from(percent) / 100.0);
                 self.show(view.panned(by_us, reach));
             }
-            Act::Cross(columns) => self.move_crosshair(columns),
-            Act::Oldest => self.show(view.at_oldest(reach)),
-            Act::Newest => self.show(view.at_now(reach)),
+            GraphAction::Cross(columns) => self.move_crosshair(columns),
+            GraphAction::Oldest => self.show(view.at_oldest(reach)),
+            GraphAction::Newest => self.show(view.at_now(reach)),
         }
     }
 

@@ -40,7 +40,7 @@ pub(crate) fn remembered_tour() -> Tour {
 
 /// What the tour has done; other features do it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TourAct {
+pub(crate) enum TourAction {
     PickPort,
     ConnectVirtual,
     /// At this speed in rpm.
@@ -49,7 +49,7 @@ pub(crate) enum TourAct {
 }
 
 /// What does it.
-pub(crate) type OnTourAct = &'static dyn Fn(TourAct);
+pub(crate) type OnTourAction = &'static dyn Fn(TourAction);
 
 fn end_tour(tour: RwSignal<Tour>) {
     remember(NAME, "seen");
@@ -58,8 +58,12 @@ fn end_tour(tour: RwSignal<Tour>) {
 
 /// The tour, among the notices.
 #[component]
-pub(crate) fn TourNotice(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct) -> impl IntoView {
-    keep_working(page, tour, on_act);
+pub(crate) fn TourNotice(
+    page: Page,
+    tour: RwSignal<Tour>,
+    on_action: OnTourAction,
+) -> impl IntoView {
+    keep_working(page, tour, on_action);
     let wanted = move || tour.with(|tour| tour.wanted);
     view! {
         <div
@@ -100,9 +104,9 @@ fn markup() -> String {
 }
 
 /// Has it show where a person is, and its controls work, from now on.
-fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_act: OnTourAct) {
+fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction) {
     on_window("click", move |event| {
-        on_event(page, tour_state, on_act, &event)
+        on_event(page, tour_state, on_action, &event)
     });
     let mut shown = None;
     effect(move || {
@@ -217,14 +221,14 @@ fn set_control(id: &str, shown: bool, disabled_reason: Option<&str>) {
     }
 }
 
-fn on_event(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct, event: &Event) {
+fn on_event(page: Page, tour: RwSignal<Tour>, on_action: OnTourAction, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let Some(target) = target else { return };
     // At once: what is done counts from the moment of the press, which is known only while it is handled.
     match target.id().as_str() {
         SKIP => end_tour(tour),
-        PICK => on_act(TourAct::PickPort),
-        VIRTUAL => on_act(TourAct::ConnectVirtual),
+        PICK => on_action(TourAction::PickPort),
+        VIRTUAL => on_action(TourAction::ConnectVirtual),
         SPIN => {
             // The next press of Space is to stop the wheel, and not this button again.
             if let Some(button) = target.dyn_ref::<HtmlElement>() {
@@ -232,10 +236,10 @@ fn on_event(page: Page, tour: RwSignal<Tour>, on_act: OnTourAct, event: &Event) 
             }
             let id = page.selected.get_untracked();
             if tour.get_untracked().step(&page.present(), id) == Step::Spin {
-                on_act(TourAct::Spin(SPEED_RPM));
+                on_action(TourAction::Spin(SPEED_RPM));
             }
         }
-        STOP => on_act(TourAct::Stop),
+        STOP => on_action(TourAction::Stop),
         FREE => {
             let ticked = target.dyn_ref::<HtmlInputElement>();
             let free = ticked.is_some_and(HtmlInputElement::checked);

@@ -1,9 +1,9 @@
-//! What a key does to the graph while it has the focus. Space, Escape, letters and digits are not its
-//! to take: they stop and drive.
+//! The keys of the graph while it has the focus. It leaves Space, Escape, letters and digits alone: they
+//! stop and drive.
 
-/// What is asked of the graph.
+/// What a key does to the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Act {
+pub(crate) enum GraphAction {
     /// Show a shorter time.
     ZoomIn,
     /// Show a longer time.
@@ -25,24 +25,29 @@ const CROSS_FAR: i8 = 20;
 
 /// What a key asks for, with `modified` where Ctrl, Alt or Meta is down. While the view is paused the
 /// arrows move the crosshair in it.
-pub(crate) fn act(key: &str, modified: bool, shift: bool, paused: bool) -> Option<Act> {
+pub(crate) fn graph_action(
+    key: &str,
+    modified: bool,
+    shift: bool,
+    paused: bool,
+) -> Option<GraphAction> {
     // Ctrl and plus is the browser's own zoom.
     if modified {
         return None;
     }
     let arrow = |towards: i8| match (paused, shift) {
-        (true, false) => Act::Cross(towards),
-        (true, true) => Act::Cross(towards * CROSS_FAR),
-        (false, _) => Act::Pan(towards * PAN_PERCENT),
+        (true, false) => GraphAction::Cross(towards),
+        (true, true) => GraphAction::Cross(towards * CROSS_FAR),
+        (false, _) => GraphAction::Pan(towards * PAN_PERCENT),
     };
     Some(match key {
         // On many keyboards the plus is the equals sign with Shift.
-        "+" | "=" => Act::ZoomIn,
-        "-" | "\u{2212}" => Act::ZoomOut,
+        "+" | "=" => GraphAction::ZoomIn,
+        "-" | "\u{2212}" => GraphAction::ZoomOut,
         "ArrowLeft" => arrow(-1),
         "ArrowRight" => arrow(1),
-        "Home" => Act::Oldest,
-        "End" => Act::Newest,
+        "Home" => GraphAction::Oldest,
+        "End" => GraphAction::Newest,
         _ => return None,
     })
 }
@@ -54,18 +59,36 @@ mod tests {
 
     #[test]
     fn arrows_pan_and_while_paused_move_the_crosshair() {
-        assert_eq!(act("ArrowLeft", false, false, false), Some(Act::Pan(-10)));
-        assert_eq!(act("ArrowRight", false, true, false), Some(Act::Pan(10)));
-        assert_eq!(act("ArrowLeft", false, false, true), Some(Act::Cross(-1)));
-        assert_eq!(act("ArrowRight", false, true, true), Some(Act::Cross(20)));
+        assert_eq!(
+            graph_action("ArrowLeft", false, false, false),
+            Some(GraphAction::Pan(-10))
+        );
+        assert_eq!(
+            graph_action("ArrowRight", false, true, false),
+            Some(GraphAction::Pan(10))
+        );
+        assert_eq!(
+            graph_action("ArrowLeft", false, false, true),
+            Some(GraphAction::Cross(-1))
+        );
+        assert_eq!(
+            graph_action("ArrowRight", false, true, true),
+            Some(GraphAction::Cross(20))
+        );
     }
 
     #[test]
     fn plus_and_minus_zoom_and_the_browser_keeps_its_own_zoom() {
-        assert_eq!(act("+", false, true, false), Some(Act::ZoomIn));
-        assert_eq!(act("-", false, false, true), Some(Act::ZoomOut));
-        assert_eq!(act("+", true, false, false), None);
-        assert_eq!(act("ArrowLeft", true, false, false), None);
+        assert_eq!(
+            graph_action("+", false, true, false),
+            Some(GraphAction::ZoomIn)
+        );
+        assert_eq!(
+            graph_action("-", false, false, true),
+            Some(GraphAction::ZoomOut)
+        );
+        assert_eq!(graph_action("+", true, false, false), None);
+        assert_eq!(graph_action("ArrowLeft", true, false, false), None);
     }
 
     /// No key that drives or stops is taken.
@@ -74,11 +97,11 @@ mod tests {
         let keys = " |Escape|f|F|b|B|s|S|k|K|1|2|3|4|5|v|V|c|C|p|P|?|Tab|Enter";
         for key in keys.split('|') {
             for paused in [false, true] {
-                assert_eq!(act(key, false, false, paused), None, "{key}");
+                assert_eq!(graph_action(key, false, false, paused), None, "{key}");
             }
         }
         for key in ["+", "=", "-", "ArrowLeft", "ArrowRight", "Home", "End"] {
-            assert!(keys::act(key, false, Focus::Free).is_none(), "{key}");
+            assert!(keys::key_action(key, false, Focus::Free).is_none(), "{key}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a person does that reaches several features.
+//! Actions of the operator that concern several features.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -10,10 +10,10 @@ use motorlink_messages::{
 
 use crate::{
     app::features::Features,
-    features::{help::tour_view::TourAct, saved_session::offer::Offer},
+    features::{help::tour_view::TourAction, saved_session::offer::Offer},
     model::{
         fleet::Fleet,
-        keys::Act,
+        keys::KeyAction,
         notice_board::Remedy,
         page::Dialog,
         preferences::{Model, Preferences, forget_all},
@@ -36,14 +36,14 @@ impl Features {
         self.groups.forget();
     }
 
-    /// A stop that was asked for before the worker was there stands before anything can be driven.
+    /// Sends a stop that was pressed before the worker ran, before anything can be driven.
     pub(crate) fn stop_if_asked_early(self) {
         if self.page.worker.stopped_early.get_value() {
             self.page.command(Command::StopAll(StopReason::Operator));
         }
     }
 
-    /// The operator agrees to what the open dialog asks. Once: the dialog is closed by it.
+    /// The operator accepts the question of the open dialog, which closes: consent counts once.
     pub(crate) fn agree(self) {
         let asked = self.page.dialog.get_untracked();
         self.page.dialog.set(None);
@@ -63,16 +63,16 @@ impl Features {
         }
     }
 
-    /// Does what a key asks for.
-    pub(crate) fn act(self, act: Act) {
-        match act {
-            Act::Forward => self.drive.drive_at(self.drive.targets.preset_rpm()),
-            Act::Backward => self.drive.drive_at(-self.drive.targets.preset_rpm()),
-            Act::Preset(rpm) => self.drive.drive_at(rpm),
-            Act::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
-            Act::Brake => self.drive.drive(Setpoint::Brake),
-            Act::Switch(mode) => self.drive.switch(mode),
-            Act::Help => self.page.dialog.set(Some(Dialog::Help(None))),
+    /// Runs the action of a key.
+    pub(crate) fn run_key_action(self, action: KeyAction) {
+        match action {
+            KeyAction::Forward => self.drive.drive_at(self.drive.targets.preset_rpm()),
+            KeyAction::Backward => self.drive.drive_at(-self.drive.targets.preset_rpm()),
+            KeyAction::Preset(rpm) => self.drive.drive_at(rpm),
+            KeyAction::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+            KeyAction::Brake => self.drive.drive(Setpoint::Brake),
+            KeyAction::Switch(mode) => self.drive.switch(mode),
+            KeyAction::Help => self.page.dialog.set(Some(Dialog::Help(None))),
         }
     }
 
@@ -87,14 +87,14 @@ impl Features {
             Remedy::Install => self.install.install(),
             Remedy::Reload => {
                 if let Some(window) = web_sys::window() {
-                    // A page that cannot be reloaded stays as it is; there is nobody else to tell.
+                    // A page that cannot be reloaded stays as it is; no further report is possible.
                     let _ = window.location().reload();
                 }
             }
         }
     }
 
-    /// Erases what is kept, and goes on as a page that is visited for the first time.
+    /// Erases what is kept, and continues like a first visit.
     pub(crate) fn erase_kept(self) {
         // Driving or recording may have begun while the question was open.
         let in_use = untrack(|| self.settings.import_blocked_by(&self.page.present()));
@@ -119,20 +119,20 @@ impl Features {
         self.page.preferences.set(first);
         self.log
             .refilter(|filter| filter.collapse = first.collapse_polls);
-        // Last of all: what was done before has been remembered.
+        // Last, because the changes above were stored.
         forget_all();
         self.log.renumbered();
         self.page.recorder.post(&ToRecorder::Erase);
         self.log.look();
     }
 
-    /// Does what the tour asks for.
-    pub(crate) fn act_for_tour(self, act: TourAct) {
-        match act {
-            TourAct::PickPort => self.connect.choose_port(true),
-            TourAct::ConnectVirtual => self.connect.connect_virtual(),
-            TourAct::Spin(rpm) => self.drive.drive_at(rpm),
-            TourAct::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
+    /// Runs an action of the tour.
+    pub(crate) fn run_tour_action(self, action: TourAction) {
+        match action {
+            TourAction::PickPort => self.connect.choose_port(true),
+            TourAction::ConnectVirtual => self.connect.connect_virtual(),
+            TourAction::Spin(rpm) => self.drive.drive_at(rpm),
+            TourAction::Stop => self.drive.stop_motor(self.page.loops.tab.get_untracked()),
         }
     }
 }
