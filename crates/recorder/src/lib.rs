@@ -10,7 +10,7 @@
 //! | `recorder` | the whole: messages in, messages and files out |
 //! | `log` | the packet log: the newest million entries in the order of their times |
 //! | `view` | which entries are rows, and which row is which entry |
-//! | `sieve` | whether an entry is asked for |
+//! | `row_filter` | whether an entry is asked for |
 //! | `routine` | which exchanges are routine |
 //! | `words` | an entry in words |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
@@ -31,7 +31,7 @@ mod recorder;
 mod recording;
 mod restoring;
 mod routine;
-mod sieve;
+mod row_filter;
 mod texts;
 mod view;
 mod wall_clock;

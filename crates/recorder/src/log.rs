@@ -9,7 +9,7 @@ use crate::{
     entry::{Entry, Verdict, What},
     routine::Routine,
     texts::Texts,
-    view::{LOOK_BACK, View, Words},
+    view::{LOOK_BACK, RowContext, View},
     wall_clock::WallClock,
 };
 
@@ -106,11 +106,11 @@ impl Log {
                 *slot = entry;
             }
         }
-        let words = Words {
+        let context = RowContext {
             texts: &self.texts,
             clock: self.clock,
         };
-        self.view.took(&mut self.entries, place, words);
+        self.view.took(&mut self.entries, place, context);
     }
 
     /// Lets the oldest entry go. There may be none.
@@ -166,20 +166,20 @@ impl Log {
 
     /// Shows other entries. The newest are rows at once, the others by [`Log::advance`].
     pub fn filter(&mut self, filter: &Filter) {
-        let words = Words {
+        let context = RowContext {
             texts: &self.texts,
             clock: self.clock,
         };
-        self.view.filter(filter, &mut self.entries, words);
+        self.view.filter(filter, &mut self.entries, context);
     }
 
     /// Lets the filter look at so many entries more. Says whether it is through.
     pub fn advance(&mut self, entries: u64) -> bool {
-        let words = Words {
+        let context = RowContext {
             texts: &self.texts,
             clock: self.clock,
         };
-        self.view.advance(&mut self.entries, words, entries)
+        self.view.advance(&mut self.entries, context, entries)
     }
 
     /// Whether the filter has looked at every entry.
@@ -191,13 +191,13 @@ impl Log {
     /// Rows in words, and every count.
     #[must_use]
     pub fn page(&self, window: Window) -> LogPage {
-        let words = Words {
+        let context = RowContext {
             texts: &self.texts,
             clock: self.clock,
         };
         LogPage {
             gone: self.gone,
-            ..self.view.page(&self.entries, words, window)
+            ..self.view.page(&self.entries, context, window)
         }
     }
 

@@ -12,7 +12,7 @@ use motorlink_messages::recorder::{Filter, LogPage, Row, Window};
 use crate::{
     chunks::{CHUNK, Chunks},
     entry::{Entry, Verdict},
-    sieve::Sieve,
+    row_filter::RowFilter,
     texts::Texts,
     wall_clock::WallClock,
     words,
@@ -27,14 +27,14 @@ const PIECE: u64 = CHUNK as u64;
 
 /// What the view reads from the log it belongs to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Words<'a> {
+pub(crate) struct RowContext<'a> {
     pub(crate) texts: &'a Texts,
     pub(crate) clock: WallClock,
 }
 
 #[derive(Debug)]
 pub(crate) struct View {
-    sieve: Sieve,
+    row_filter: RowFilter,
     /// Of each piece of the log, by the number of the piece, which is used again when the piece is gone.
     tallies: Vec<Tally>,
     /// Entries from this one on have a verdict of this filter.
@@ -68,7 +68,7 @@ impl View {
         // The oldest and the newest piece may both be begun only.
         let pieces = capacity.div_ceil(PIECE) + 2;
         Self {
-            sieve: Sieve::default(),
+            row_filter: RowFilter::default(),
             tallies: vec![Tally::default(); usize::try_from(pieces).unwrap_or(usize::MAX)],
             looked_from: 0,
             oldest_row: 0,
@@ -84,11 +84,11 @@ impl View {
         &mut self,
         filter: &Filter,
         entries: &mut Chunks<Entry>,
-        words: Words<'_>,
+        context: RowContext<'_>,
     ) {
-        self.sieve = Sieve::new(filter);
+        self.row_filter = RowFilter::new(filter);
         self.begin(entries);
-        self.advance(entries, words, LOOK_BACK);
+        self.advance(entries, context, LOOK_BACK);
     }
 
     /// Begins anew with the filter there is, for entries of which none was looked at.
@@ -111,13 +111,13 @@ impl View {
     pub(crate) fn advance(
         &mut self,
         entries: &mut Chunks<Entry>,
-        words: Words<'_>,
+        context: RowContext<'_>,
         budget: u64,
     ) -> bool {
         let until = self.looked_from.saturating_sub(budget);
         while self.looked_from > until.max(entries.first()) {
             self.looked_from -= 1;
-            if self.judge(entries, self.looked_from, words) == Verdict::Shown {
+            if self.judge(entries, self.looked_from, context) == Verdict::Shown {
                 self.oldest_row = self.oldest_row.saturating_sub(1);
             }
         }
@@ -129,7 +129,12 @@ impl View {
     }
 
     /// An entry has come, which stands here. Those behind it have each moved by one.
-    pub(crate) fn took(&mut self, entries: &mut Chunks<Entry>, number: u64, words: Words<'_>) {
+    pub(crate) fn took(
+        &mut self,
+        entries: &mut Chunks<Entry>,
+        number: u64,
+        context: RowContext<'_>,
+    ) {
         // Fewer moved than a piece holds, so at most one went into the next piece.
         let newest = entries.end().saturating_sub(1);
         let border = newest - newest % PIECE;
@@ -139,7 +144,7 @@ impl View {
             self.tally(border - 1, moved.verdict, false);
             self.tally(border, moved.verdict, true);
         }
-        if self.judge(entries, number, words) == Verdict::Shown {
+        if self.judge(entries, number, context) == Verdict::Shown {
             self.end_row += 1;
         }
     }
@@ -158,11 +163,16 @@ impl View {
         }
     }
 
-    fn judge(&mut self, entries: &mut Chunks<Entry>, number: u64, words: Words<'_>) -> Verdict {
+    fn judge(
+        &mut self,
+        entries: &mut Chunks<Entry>,
+        number: u64,
+        context: RowContext<'_>,
+    ) -> Verdict {
         let Some(entry) = entries.get_mut(number) else {
             return Verdict::Hidden;
         };
-        let verdict = self.sieve.judge(entry, words.texts, words.clock);
+        let verdict = self.row_filter.judge(entry, context.texts, context.clock);
         entry.verdict = verdict;
         self.tally(number, verdict, true);
         if verdict == Verdict::Collapsed {
@@ -193,7 +203,7 @@ impl View {
     pub(crate) fn page(
         &self,
         entries: &Chunks<Entry>,
-        words: Words<'_>,
+        context: RowContext<'_>,
         window: Window,
     ) -> LogPage {
         let looked_at = entries.end() - self.looked_from;
@@ -209,11 +219,11 @@ impl View {
             collapsed: self.collapsed,
             looked_at_per_mille,
             generation: self.generation,
-            rows: self.rows(entries, words, window),
+            rows: self.rows(entries, context, window),
         }
     }
 
-    fn rows(&self, entries: &Chunks<Entry>, words: Words<'_>, window: Window) -> Vec<Row> {
+    fn rows(&self, entries: &Chunks<Entry>, context: RowContext<'_>, window: Window) -> Vec<Row> {
         let most = u64::from(window.rows.min(Window::ROWS_MAX));
         let newest = self.end_row.saturating_sub(most);
         let wanted = window.first.unwrap_or(newest);
@@ -244,7 +254,13 @@ impl View {
                 Verdict::Collapsed => collapsed += 1,
                 Verdict::Shown => {
                     let before = std::mem::take(&mut collapsed);
-                    rows.push(words::row(&entry, words.texts, words.clock, number, before));
+                    rows.push(words::row(
+                        &entry,
+                        context.texts,
+                        context.clock,
+                        number,
+                        before,
+                    ));
                     number += 1;
                 }
             }

@@ -14,9 +14,9 @@ use crate::{
 /// The page's field takes no longer text.
 const TEXT_MAX: usize = 200;
 
-/// A filter, made ready to look at many entries.
+/// A filter in the form that checks many entries quickly.
 #[derive(Debug, Default)]
-pub(crate) struct Sieve {
+pub(crate) struct RowFilter {
     /// In small letters. There are two where the text has a hyphen: the log writes numbers with a real
     /// minus, which no keyboard has.
     needles: Vec<Vec<u8>>,
@@ -27,7 +27,7 @@ pub(crate) struct Sieve {
     row: String,
 }
 
-impl Sieve {
+impl RowFilter {
     pub(crate) fn new(filter: &Filter) -> Self {
         let letters = filter.text.trim().chars().take(TEXT_MAX);
         let text: String = letters.map(|letter| letter.to_ascii_lowercase()).collect();
@@ -119,7 +119,7 @@ mod tests {
             ..Filter::default()
         };
         let texts = Texts::default();
-        Sieve::new(&filter).judge(&heard(true), &texts, CLOCK) == Verdict::Shown
+        RowFilter::new(&filter).judge(&heard(true), &texts, CLOCK) == Verdict::Shown
     }
 
     #[test]
@@ -152,7 +152,7 @@ mod tests {
     fn motor_and_kind_leave_the_others_out() {
         let texts = Texts::default();
         let shown = |filter: &Filter| {
-            Sieve::new(filter).judge(&heard(false), &texts, CLOCK) == Verdict::Shown
+            RowFilter::new(filter).judge(&heard(false), &texts, CLOCK) == Verdict::Shown
         };
         let of = |id| Filter {
             id: MotorId::new(id).ok(),
@@ -175,7 +175,7 @@ mod tests {
                 collapse: true,
                 ..Filter::default()
             };
-            Sieve::new(&filter).judge(&heard(routine), &texts, CLOCK)
+            RowFilter::new(&filter).judge(&heard(routine), &texts, CLOCK)
         };
         assert_eq!(verdict("rpm", true), Verdict::Collapsed);
         assert_eq!(verdict("rpm", false), Verdict::Shown);
@@ -192,7 +192,7 @@ mod tests {
             text: "no valid".into(),
             ..Filter::default()
         };
-        let verdict = Sieve::new(&filter).judge(&junk, &Texts::default(), CLOCK);
+        let verdict = RowFilter::new(&filter).judge(&junk, &Texts::default(), CLOCK);
         assert_eq!(verdict, Verdict::Shown);
     }
 
