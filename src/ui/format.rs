@@ -78,12 +78,12 @@ pub(crate) fn goal(setpoint: Setpoint) -> String {
 
 /// `0.1 s`, `2.5 s`, `12 s`, `3 min`: how old a reading is, rounded up so that it never looks newer.
 pub(crate) fn age(age: Duration) -> String {
-    let tenths = age.as_secs() * 10 + u64::from(age.subsec_millis()).div_ceil(100);
+    let tenths = age.as_secs() * 10 + u64::from(age.subsec_nanos().div_ceil(100_000_000));
     let tenths = tenths.max(1);
     match tenths {
         0..100 => in_language(format!("{}.{} s", tenths / 10, tenths % 10)),
-        100..1200 => format!("{} s", tenths / 10),
-        _ => format!("{} min", tenths / 600),
+        100..1200 => format!("{} s", tenths.div_ceil(10)),
+        _ => format!("{} min", tenths.div_ceil(600)),
     }
 }
 
@@ -156,11 +156,16 @@ mod tests {
             (101, "0.2 s"),
             (2_450, "2.5 s"),
             (9_999, "10 s"),
+            (10_000, "10 s"),
+            (10_001, "11 s"),
             (59_000, "59 s"),
-            (185_000, "3 min"),
+            (120_000, "2 min"),
+            (120_001, "3 min"),
+            (185_000, "4 min"),
         ] {
             assert_eq!(age(Duration::from_millis(millis)), text);
         }
+        assert_eq!(age(Duration::from_micros(100_001)), "0.2 s");
     }
 
     #[test]
