@@ -106,7 +106,7 @@ fn markup() -> String {
 /// Has it show where a person is, and its controls work, from now on.
 fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction) {
     on_window("click", move |event| {
-        on_event(page, tour_state, on_action, &event)
+        on_event(page, tour_state, on_action, &event);
     });
     let mut shown = None;
     effect(move || {
