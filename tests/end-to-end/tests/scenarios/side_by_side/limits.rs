@@ -28,7 +28,7 @@ fn a_wheel_beyond_its_speed_limit_is_stopped_and_faster_ones_are_not_started() -
     scenario.page.fill("spinbutton", "Speed limit", "60")?;
     is_stopped_and_said(&scenario, lowered, "above your limit of 60 rpm")?;
     scenario.page.click("button", "+100")?;
-    let refused = |text: &str| text.contains("above your speed limit of 60 rpm");
+    let refused = |text: &str| text.contains("Above your speed limit of 60 rpm");
     scenario.page.wait_for_text("region", "Notices", refused)?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     scenario.page.click("button", "+50")?;
@@ -60,7 +60,7 @@ fn limits_are_kept_for_the_next_port_and_the_next_visit() -> Result<()> {
     assert_eq!(page.find("spinbutton", "Speed limit")?.value, "60");
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
     page.click("button", "+100")?;
-    let refused = |text: &str| text.contains("above your speed limit of 60 rpm");
+    let refused = |text: &str| text.contains("Above your speed limit of 60 rpm");
     page.wait_for_text("region", "Notices", refused)?;
     scenario.stays_undriven(Duration::from_secs(1))
 }

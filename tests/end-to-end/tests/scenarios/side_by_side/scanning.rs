@@ -255,7 +255,7 @@ fn an_id_change_survives_reconnecting() -> Result<()> {
         0,
         "a stop is no consent"
     );
-    set_id(page, 5, "0x01 is motor 0x05 now")?;
+    set_id(page, 5, "Motor 0x01 now has ID 0x05")?;
     // Five in a row, with nothing between them, and each as the maker sends it.
     let wire = scenario.since(pressed)?;
     let host = wire.from_host();
@@ -312,7 +312,7 @@ fn a_motor_that_needs_more_frames_is_offered_them_and_takes_them() -> Result<()>
     let scenario = in_the_id_manager(line)?;
     let page = &scenario.page;
     assert!(page.find_all("button", "Send 10 frames")?.is_empty());
-    set_id(page, 5, "0x01 kept its ID")?;
+    set_id(page, 5, "Motor 0x01 did not change its ID")?;
     let pressed = now_us();
     page.click("button", "Send 10 frames")?;
     page.wait_for_text_within(SCAN_MAX, "alertdialog", "Change the ID?", |text| {
@@ -325,7 +325,7 @@ fn a_motor_that_needs_more_frames_is_offered_them_and_takes_them() -> Result<()>
     );
     page.click("button", "Set ID 0x05")?;
     page.wait_for_text("status", "Scan result", |text| {
-        text.contains("0x01 is motor 0x05 now")
+        text.contains("Motor 0x01 now has ID 0x05")
     })?;
     assert_eq!(set_ids(&scenario.since(pressed)?), 10);
     assert!(page.find_all("button", "Send 10 frames")?.is_empty());
