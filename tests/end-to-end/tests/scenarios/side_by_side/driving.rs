@@ -3,7 +3,8 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, number, spin, wait_for_speed, wait_for_wire,
+    Scenario, assert_ends_braked, assert_quiet_console, number, spin, spin_by, wait_for_speed,
+    wait_for_wire,
 };
 use anyhow::Result;
 use end_to_end::{Bench, Line, Usb, now_us, wait_until};
@@ -175,8 +176,7 @@ fn the_position_loop_is_not_offered_to_a_turning_wheel() -> Result<()> {
 fn letters_drive_and_stop() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
-    page.press("1")?;
-    wait_for_speed(page, 47..=53)?;
+    spin_by("press 1", page, 47..=53, || page.press("1"))?;
     page.press("b")?;
     wait_for_speed(page, -103..=-20)?;
     page.press("k")?;
