@@ -105,10 +105,12 @@ impl Bus {
         self.line_use.add(now, what, now.since(exchange.sent));
         self.freed_at = now;
         if exchange.expects == Expects::Nothing {
-            // Its echo may still arrive in pieces. The bytes are processed before the next frame.
             if exchange.purpose == Purpose::Raw {
                 self.raw_answered(RawAnswer::NoneExpected);
             }
+            // Late replies that came meanwhile may withdraw a setpoint. Of its echo, the rest may
+            // still arrive; those bytes are processed before the next frame.
+            self.look_for_reply(now);
             return;
         }
         let rest = self.receiver.clear(&exchange.frame);

@@ -5,7 +5,7 @@ mod fixture;
 
 use fixture::{Fixture, ID, Sent, degrees, id, longest_gap, ms, rpm};
 use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
-use motorlink_protocol::{Instant, Mode, MotorId, Setpoint};
+use motorlink_protocol::{Frame, Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
 /// Nothing passes the adapter. What the bus sends meanwhile is what will come out of it.
@@ -156,5 +156,38 @@ fn of_two_motors_that_lose_power_at_once_neither_is_driven_when_it_is_back() {
         fixture.run(ms(1_000));
         let moves = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0);
         assert!(!fixture.sent.iter().any(moves), "{last} answered last");
+    }
+}
+
+/// Seed 19696 of the fault simulation: the adapter delivers what it held, and the last reply says
+/// that the motor lost its power for a moment. Its angle would now be a speed.
+#[test]
+fn every_reply_of_a_chunk_is_read_before_the_next_drive_frame() {
+    let in_position: Frame = "01 03 00 0A 00 00 56 5F 00 6B".parse().unwrap();
+    let in_velocity: Frame = "01 02 00 09 00 00 1E AC 00 A9".parse().unwrap();
+    for stalled_for in [40, 80, 120] {
+        let mut fixture = Fixture::one_motor();
+        // Round trips of 6 ms: 2 ms after a query, its reply may still be on the wire.
+        fixture.world.set_faults(WireFaults {
+            hold: ms(4),
+            ..WireFaults::default()
+        });
+        fixture.switch(Mode::Position);
+        fixture.drive(degrees(120.0)).unwrap();
+        fixture.run(ms(1_000));
+        fixture.world.set_faults(stalled());
+        fixture.run(ms(stalled_for));
+        fixture.forget_the_past();
+        fixture.run_until(ms(100), |fixture| {
+            fixture.sent.last().is_some_and(Sent::is_query)
+        });
+        fixture.run(ms(2));
+        let delivered = fixture.now;
+        let chunk = [*in_position.bytes(), *in_velocity.bytes()].concat();
+        fixture.bus.receive(delivered, &chunk);
+        fixture.run(ms(100));
+        assert!(fixture.happened(|event| matches!(event, Event::Withdrawn { .. })));
+        let sent = moving(&fixture, ID, delivered);
+        assert!(sent.is_empty(), "stalled for {stalled_for} ms: {sent:?}");
     }
 }
