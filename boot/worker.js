@@ -1,62 +1,17 @@
-// Starts the worker. `cargo xtask build` fills in the names in double braces.
-
-// The page is compiled already, and its module is the first that it posts.
-let started;
-const module = new Promise((give) => { started = give; });
+// Starts a worker. `cargo xtask build` fills in the names in double braces.
 
 // A module worker gets its messages from its first await on, and one that nobody listens to is
 // lost. Keep what the page says before the Rust code listens.
 const early = [];
-const keep = (event) => {
-  if (event.data instanceof WebAssembly.Module) started(event.data);
-  else early.push(event);
-};
+const keep = (event) => early.push(event);
 self.addEventListener("message", keep);
-// What could not be read may have been the module.
-self.addEventListener("messageerror", () => self.reportError(new Error("a message of the page cannot be read")));
-
-// Which adapter is this tab's: see claim.rs of the worker.
-const none = { release() {} };
-let standing = Promise.resolve(none);
-
-const makeOf = (port) => Object.values(port.getInfo()).join(":");
-
-const lock = (name) => new Promise((give, fail) => {
-  const kept = (lock) => (lock ? new Promise(give) : give(null));
-  navigator.locks.request(name, { ifAvailable: true }, kept).catch(fail);
-});
-
-// Other tabs have some of these adapters, and nobody knows which: they are counted, while no other tab counts.
-async function take(make, adapters) {
-  const prefix = `adapter ${make} `;
-  const { held } = await navigator.locks.query();
-  const names = held.map(({ name }) => name).filter((name) => name.startsWith(prefix));
-  if (names.length >= adapters) return null;
-  let at = 0;
-  while (names.includes(prefix + at)) at += 1;
-  return lock(prefix + at);
-}
-
-async function claim(held, place) {
-  const ports = place === undefined ? [] : await navigator.serial.getPorts();
-  const make = place in ports && makeOf(ports[place]);
-  if (make && make === held.make) return held;
-  held.release();
-  if (!make || !navigator.locks) return none;
-  const adapters = ports.filter((port) => makeOf(port) === make).length;
-  const release = await navigator.locks.request("adapters", () => take(make, adapters));
-  return release && { make, release };
-}
-
-self.claimAdapter = async (place) => {
-  const claimed = standing.then((held) => claim(held, place)).catch(() => none);
-  standing = claimed.then((held) => held ?? none);
-  return (await claimed) !== null;
-};
 
 async function start() {
+  const program = fetch(new URL("./{{wasm}}", import.meta.url));
+  // Where it fails before it is awaited, it is reported once: below.
+  program.catch(() => {});
   const glue = await import("./{{glue}}");
-  await glue.default({ module_or_path: await module });
+  await glue.default({ module_or_path: program });
   self.removeEventListener("message", keep);
   for (const { data, ports } of early) {
     self.dispatchEvent(new MessageEvent("message", { data, ports: [...ports] }));

@@ -1,14 +1,10 @@
-//! The program of the page and of its workers: which it is, the scope tells in which it runs.
+//! The program of the page. Its workers are programs of their own, in `crates/worker`.
 
 #[cfg(target_arch = "wasm32")]
 fn main() {
-    if web_sys::window().is_some() {
-        motorlink::start();
-    } else {
-        motorlink_worker::start();
-    }
+    motorlink::start();
 }
 
-/// The page's pure parts are built and tested natively, and this with them.
+/// The parts of the page that need no browser are built and tested natively, and this with them.
 #[cfg(not(target_arch = "wasm32"))]
 fn main() {}

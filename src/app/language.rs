@@ -1,10 +1,17 @@
 //! Which language the page speaks: the one that the address names, or the one chosen here, or the browser's
 //! own.
 
-use leptos::prelude::*;
-use motorlink_i18n::{Language, speak};
+use leptos::{prelude::*, task::spawn_local};
+use motorlink_i18n::{Language, give, has, speak};
 
-use crate::{app::features::Features, model::preferences::remember};
+use crate::{
+    app::features::Features,
+    link::{address::parameter, files},
+    model::{
+        notice_texts::of_missing_language,
+        preferences::{remember, remembered},
+    },
+};
 
 /// The name by which the choice is remembered.
 pub(crate) const STORED_AS: &str = "language";
@@ -13,6 +20,17 @@ pub(crate) const STORED_AS: &str = "language";
 pub(crate) fn first_known<'a>(tags: impl IntoIterator<Item = &'a str>) -> Language {
     let mut known = tags.into_iter().filter_map(Language::from_tag);
     known.next().unwrap_or_default()
+}
+
+/// The language that the address, the memory or the browser asks for, in this order.
+pub(crate) fn wanted() -> Language {
+    let mut tags: Vec<String> = parameter("lang").into_iter().collect();
+    tags.extend(remembered(STORED_AS));
+    if let Some(window) = web_sys::window() {
+        let browsers = window.navigator().languages();
+        tags.extend(browsers.iter().filter_map(|tag| tag.as_string()));
+    }
+    first_known(tags.iter().map(String::as_str))
 }
 
 /// Has the page speak this language from now on. What is said already stays as it was said: notices, and
@@ -24,10 +42,40 @@ pub(crate) fn speak_from_now_on(language: Language) {
     }
 }
 
+/// Fetches the texts of a language unless they are there. `false` where they cannot be had.
+pub(crate) async fn fetch(language: Language) -> bool {
+    if has(language) {
+        return true;
+    }
+    let address = files::address(&format!("motorlink-text-{}", language.key()));
+    match address {
+        Some(address) => files::text_of(&address)
+            .await
+            .is_some_and(|file| give(language, file)),
+        None => false,
+    }
+}
+
 impl Features {
-    /// Speaks another language, and draws the page anew in it. What is driven is driven on: the worker knows
-    /// nothing of it.
+    /// Draws the page in another language, once its texts are there. Driving goes on: the worker knows nothing
+    /// of it.
     pub(crate) fn choose_language(self, language: Language) {
+        if has(language) {
+            self.change_language(language);
+            return;
+        }
+        spawn_local(async move {
+            if fetch(language).await {
+                self.change_language(language);
+            } else {
+                self.page.say(of_missing_language(language));
+                // The list shows the language of the page again.
+                self.page.language.notify();
+            }
+        });
+    }
+
+    fn change_language(self, language: Language) {
         remember(STORED_AS, language.key());
         speak_from_now_on(language);
         self.log.speak(language);

@@ -2,32 +2,40 @@
 
 pub(crate) mod actions;
 pub(crate) mod features;
+pub(crate) mod frame;
 pub(crate) mod header;
 pub(crate) mod keyboard;
 pub(crate) mod language;
 pub(crate) mod lifecycle;
+pub(crate) mod mount;
 pub(crate) mod mounting;
+pub(crate) mod parts;
 pub(crate) mod question_dialog;
 pub(crate) mod questions;
 pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
 pub(crate) mod routing;
+pub(crate) mod sections;
 
 use std::time::Duration;
 
 use leptos::{mount::mount_to_body, prelude::*};
+use motorlink_i18n::has;
 
 use crate::{
     app::{
         features::Features,
-        language::{first_known, speak_from_now_on},
+        language::speak_from_now_on,
         mounting::{assembled, in_the_next_turn},
     },
     features::install,
-    link::worker_link::{WorkerLink, WorkerState},
+    link::{
+        address::parameter,
+        worker_link::{WorkerLink, WorkerState},
+    },
     model::{
         notice_texts::of_dead_worker,
-        preferences::{Preferences, Theme, remembered},
+        preferences::{Preferences, Theme},
     },
     ui::reactive::effect,
 };
@@ -35,16 +43,30 @@ use crate::{
 /// How often the page checks that the worker lives; a hidden page's timers may come less often.
 const CHECK_WORKER_EVERY: Duration = Duration::from_secs(1);
 
-/// Shows the page.
+/// Shows the page, in the language that the person wants.
 pub fn start() {
-    in_the_next_turn(|| mount_to_body(App));
+    let wanted = language::wanted();
+    if has(wanted) {
+        in_the_next_turn(|| mount_to_body(App));
+    } else {
+        // Leptos itself starts with the page.
+        wasm_bindgen_futures::spawn_local(async move {
+            // Where its file is missing the page is in English.
+            let _ = language::fetch(wanted).await;
+            mount_to_body(App);
+        });
+    }
 }
 
 /// The page: starts the worker and shows the desk.
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
-    speak_from_now_on(first_known(wanted_languages().iter().map(String::as_str)));
+    speak_from_now_on(
+        Some(language::wanted())
+            .filter(|it| has(*it))
+            .unwrap_or_default(),
+    );
     let features = Features::new(Preferences::load());
     let page = features.page;
     provide_context(page);
@@ -67,17 +89,6 @@ pub fn App() -> impl IntoView {
     install::watch(features.install);
 
     assembled(features, complete)
-}
-
-/// What the address, the memory and the browser name, in this order.
-fn wanted_languages() -> Vec<String> {
-    let mut wanted: Vec<String> = parameter("lang").into_iter().collect();
-    wanted.extend(remembered(language::STORED_AS));
-    if let Some(window) = web_sys::window() {
-        let browsers = window.navigator().languages();
-        wanted.extend(browsers.iter().filter_map(|tag| tag.as_string()));
-    }
-    wanted
 }
 
 fn start_worker(features: Features) {
@@ -109,13 +120,6 @@ fn start_worker(features: Features) {
 /// `?port=virtual` in the address.
 fn wants_virtual_motor() -> bool {
     parameter("port").as_deref() == Some("virtual")
-}
-
-fn parameter(name: &str) -> Option<String> {
-    let query = web_sys::window()?.location().search().ok()?;
-    web_sys::UrlSearchParams::new_with_str(&query)
-        .ok()?
-        .get(name)
 }
 
 fn show_theme(theme: Theme) {

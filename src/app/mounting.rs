@@ -1,183 +1,37 @@
-//! The page put together, part by part.
+//! The page put together, section by section.
 //!
-//! A browser compiles the code of a part when it first runs, and on a phone all of them at once would hold
-//! it up for a second in which nothing is heard and nothing painted. So each part is mounted by itself, and
-//! the browser gets its turn in between. The header comes first and can be used at once. The frame in index.html
-//! lies over the rest until all of it is there: what comes into view comes once, and nothing shifts.
+//! A browser compiles the code of a section when it first runs. On a phone all sections at once would block the page
+//! for a second. So each section is mounted in a turn of its own. The header comes first and can be used at once. The
+//! frame in index.html covers the rest until all of it is there, so nothing shifts. Behind the first paint come the
+//! sections of the other parts, each in the place that its frame keeps free.
 
-use std::{any::Any, time::Duration};
+use std::{
+    pin::Pin,
+    task::{Context, Waker},
+    time::Duration,
+};
 
+use gloo_timers::future::sleep;
 use leptos::{
     html::{Div, Main},
     prelude::*,
-    tachys::view::Mountable,
+    task::spawn_local,
 };
 use wasm_bindgen::JsCast;
 use web_sys::HtmlElement;
 
 use crate::{
-    app::{features::Features, header::Header, question_dialog::QuestionDialog},
-    features::{
-        drive::{ControlPanel, current::CurrentTab, position::PositionTab, velocity::VelocityTab},
-        graph::Graph,
-        groups::panel::TogetherPanel,
-        help::{HelpDialog, tour::Wanted, tour_view::TourNotice},
-        ids::view::IdManagerTab,
-        install::texts,
-        link_doctor::panel::LinkPanel,
-        motors::strip::MotorStrip,
-        notices::Notices,
-        packet_log::PacketLog,
-        raw::view::RawHexTab,
-        recording::Recording,
-        saved_session::view::{SavedSessionNotice, is_hidden},
-        settings::panel::{InstallButton, SettingsPanel},
-        stop::dialog::StoppedDialog,
-        telemetry::{Telemetry, twin::panel::WheelPanel},
+    app::{
+        features::Features,
+        frame::{Absent, frame},
+        mount::{Hosts, Mounted, mount},
+        parts::Part,
+        sections::{Frame, Place, SECTIONS, Section, is_behind_dialog},
     },
-    model::page::Page,
     ui::reactive::{dynamic, effect},
 };
 
-/// Where parts are mounted, in the order in which they stand on the page.
-#[derive(Clone, Copy)]
-enum Place {
-    Top,
-    AboveDesk,
-    Desk,
-    TabPanels,
-    Dialogs,
-}
-
-/// A part, and where it is mounted: behind those that are there already.
-type Part = (Place, fn(HtmlElement, Features) -> Mounted);
-
-/// Keeps a part alive.
-type Mounted = (Owner, Box<dyn Any>);
-
-/// In the order in which they come: what is looked at first comes first.
-const PARTS: [Part; 20] = [
-    (Place::Top, |place, features| {
-        mount(place, move || {
-            let behind_dialog = Signal::derive(move || is_behind_dialog(features.page));
-            view! { <Header features behind_dialog /> }
-        })
-    }),
-    (Place::Desk, |place, _| mount(place, ControlPanel)),
-    (Place::TabPanels, |place, features| {
-        mount(
-            place,
-            move || view! { <VelocityTab drive=features.drive /> },
-        )
-    }),
-    (Place::TabPanels, |place, features| {
-        mount(place, move || view! { <CurrentTab drive=features.drive /> })
-    }),
-    (Place::TabPanels, |place, features| {
-        mount(
-            place,
-            move || view! { <PositionTab drive=features.drive /> },
-        )
-    }),
-    (Place::TabPanels, |place, features| {
-        mount(place, move || view! { <IdManagerTab ids=features.ids /> })
-    }),
-    (Place::TabPanels, |place, features| {
-        mount(place, move || view! { <RawHexTab raw=features.raw /> })
-    }),
-    (Place::Desk, |place, features| {
-        mount(
-            place,
-            move || view! { <WheelPanel readings=features.readings /> },
-        )
-    }),
-    (Place::Desk, |place, features| {
-        mount(
-            place,
-            move || view! { <Telemetry readings=features.readings /> },
-        )
-    }),
-    (Place::Desk, |place, features| {
-        mount(place, move || notices(features))
-    }),
-    (Place::Desk, |place, features| {
-        mount(place, move || view! { <PacketLog log=features.log /> })
-    }),
-    (Place::Desk, |place, features| {
-        mount(place, move || view! { <Graph chart=features.chart /> })
-    }),
-    (Place::Desk, |place, _| mount(place, Recording)),
-    (Place::Desk, |place, _| mount(place, StoppedDialog)),
-    (Place::AboveDesk, |place, _| mount(place, MotorStrip)),
-    (Place::AboveDesk, |place, features| {
-        mount(place, move || {
-            view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
-        })
-    }),
-    (Place::AboveDesk, |place, features| {
-        mount(
-            place,
-            move || view! { <TogetherPanel groups=features.groups /> },
-        )
-    }),
-    (Place::AboveDesk, |place, features| {
-        mount(place, move || settings_panel(features))
-    }),
-    (Place::Dialogs, |place, features| {
-        mount(place, move || view! { <HelpDialog tour=features.tour /> })
-    }),
-    (Place::Dialogs, |place, features| {
-        mount(place, move || view! { <QuestionDialog features /> })
-    }),
-];
-
-/// The notices, with the saved session and the tour among them.
-fn notices(features: Features) -> impl IntoView {
-    let wanted = move || features.tour.with(|tour| tour.wanted);
-    let is_alone = move || is_hidden(features.saved_session) && wanted() != Wanted::Asked;
-    let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
-    let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
-    view! {
-        <Notices
-            is_alone=Signal::derive(is_alone)
-            is_tour_shown=Signal::derive(move || wanted() != Wanted::No)
-            on_remedy
-            saved_session=view! { <SavedSessionNotice saved=features.saved_session /> }
-            tour=view! { <TourNotice page=features.page tour=features.tour on_action /> }
-        />
-    }
-}
-
-fn settings_panel(features: Features) -> impl IntoView {
-    let install = Box::leak(Box::new(InstallButton {
-        disabled_reason: Box::new(move || features.install.install_blocked_by()),
-        hint: texts::hint(),
-        on_press: Box::new(move || features.install.install()),
-    }));
-    view! { <SettingsPanel settings=features.settings install /> }
-}
-
-fn mount<V: IntoView + 'static>(place: HtmlElement, part: impl FnOnce() -> V + 'static) -> Mounted {
-    let build = move || -> Box<dyn Any> {
-        let mut view = part().into_view().build();
-        view.mount(&place, None);
-        Box::new(view)
-    };
-    mount_boxed(Box::new(build))
-}
-
-/// All parts share the code of this.
-fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
-    let owner = Owner::new();
-    let view = owner.with(build);
-    (owner, view)
-}
-
-fn is_behind_dialog(page: Page) -> bool {
-    page.dialog.with(Option::is_some)
-}
-
-/// Where the parts are mounted.
+/// Where the sections are mounted.
 #[derive(Clone, Copy, Default)]
 struct Places {
     top: NodeRef<Div>,
@@ -195,7 +49,7 @@ impl Places {
         }
     }
 
-    /// `None` once the page is gone, or before the part that has the place.
+    /// `None` once the page is gone, or before the section that has the place.
     fn element(self, place: Place) -> Option<HtmlElement> {
         Some(match place {
             Place::Top => self.top.get_untracked()?.into(),
@@ -210,26 +64,72 @@ impl Places {
     }
 }
 
+/// A section whose part is not there yet.
+struct Waiting {
+    part: Part,
+    host: HtmlElement,
+    state: RwSignal<Absent>,
+    _frame: Mounted,
+}
+
 /// What the page is put together with.
 #[derive(Clone, Copy)]
 struct Assembly {
     features: Features,
     places: Places,
-    parts: StoredValue<Vec<Mounted>, LocalStorage>,
-    /// Which language this is, counted: what was begun in another is not gone on with.
+    /// Of the page; weak, because it owns this value.
+    owner: StoredValue<WeakOwner>,
+    /// Sections and frames that were added, counted in the order of `SECTIONS`.
+    added: StoredValue<usize>,
+    sections: StoredValue<Vec<Mounted>, LocalStorage>,
+    waiting: StoredValue<Vec<Waiting>, LocalStorage>,
+    /// Counts the languages: an older round ends when the language changes.
     round: StoredValue<u32>,
     complete: RwSignal<bool>,
+    /// Whether sections wait for their parts.
+    partial: RwSignal<bool>,
 }
 
 impl Assembly {
-    /// Adds the part that is next. `None` when the page is gone or in another language, and when all are there.
+    fn is_over(self, round: u32) -> bool {
+        self.round.try_get_value() != Some(round)
+    }
+
+    /// Adds the next section, or its frame. `None` when the page is gone or in another language, and when all are
+    /// there.
     fn add_next(self, round: u32) -> Option<()> {
-        if self.round.try_get_value() != Some(round) {
+        if self.is_over(round) {
             return None;
         }
-        let (place, mount) = PARTS.get(self.parts.with_value(Vec::len))?;
-        let part = mount(self.places.element(*place)?, self.features);
-        self.parts.update_value(|parts| parts.push(part));
+        let (place, section) = SECTIONS.get(self.added.get_value())?;
+        let place = self.places.element(*place)?;
+        match section {
+            Section::Now(mount) => {
+                let section = mount(place, self.features);
+                self.sections.update_value(|all| all.push(section));
+            }
+            Section::Later(part, frame) => self.add_frame(&place, *part, *frame, round)?,
+        }
+        self.added.update_value(|added| *added += 1);
+        Some(())
+    }
+
+    fn add_frame(self, place: &HtmlElement, part: Part, shape: Frame, round: u32) -> Option<()> {
+        let host: HtmlElement = document().create_element("div").ok()?.dyn_into().ok()?;
+        host.set_class_name("late");
+        place.append_child(&host).ok()?;
+        let state = RwSignal::new(Absent::Loading);
+        let retry = move || self.retry(part, round);
+        let features = self.features;
+        let frame = mount(&host, move || frame(shape, features, state, retry));
+        self.waiting.update_value(|all| {
+            all.push(Waiting {
+                part,
+                host,
+                state,
+                _frame: frame,
+            });
+        });
         Some(())
     }
 
@@ -237,39 +137,144 @@ impl Assembly {
     fn add_others(self, round: u32) {
         if self.add_next(round).is_some() {
             in_the_next_turn(move || self.add_others(round));
-        } else if self.parts.try_with_value(Vec::len) == Some(PARTS.len()) {
+        } else if self.added.try_get_value() == Some(SECTIONS.len()) {
             if let Some(frame) = document().get_element_by_id("starting") {
                 frame.remove();
             }
             self.complete.set(true);
+            self.fetch_parts(round);
         }
+    }
+
+    /// Mounts the sections of the parts that are there at once, and fetches the others.
+    fn mount_parts(self, round: u32) {
+        for part in Part::ALL {
+            let mut fetch: Pin<Box<dyn Future<Output = ()>>> = Box::pin(self.fetch(part, round));
+            let mut context = Context::from_waker(Waker::noop());
+            if fetch.as_mut().poll(&mut context).is_pending() {
+                spawn_local(fetch);
+            }
+        }
+    }
+
+    /// Fetches the parts one after the other, each when the page has nothing else to do.
+    fn fetch_parts(self, round: u32) {
+        spawn_local(async move {
+            for part in Part::ALL {
+                // A hidden page has nothing else to do, and its timers come once a second.
+                if !document().hidden() {
+                    sleep(Duration::ZERO).await;
+                }
+                if self.is_over(round) {
+                    return;
+                }
+                self.fetch(part, round).await;
+            }
+        });
+    }
+
+    fn retry(self, part: Part, round: u32) {
+        spawn_local(async move { self.fetch(part, round).await });
+    }
+
+    /// Fetches a part, and mounts its sections in the places of their frames.
+    async fn fetch(self, part: Part, round: u32) {
+        let states = self.of_part(part, |waiting| waiting.state);
+        for state in &states {
+            state.set(Absent::Loading);
+        }
+        let hosts = self.of_part(part, |waiting| waiting.host.clone());
+        let focused = hosts.iter().find(|host| has_focus(host)).cloned();
+        let Some(owner) = self.owner.try_get_value().and_then(|weak| weak.upgrade()) else {
+            return;
+        };
+        let mounted = part
+            .mount(
+                Hosts {
+                    owner,
+                    elements: hosts,
+                },
+                self.features,
+            )
+            .await;
+        if self.is_over(round) {
+            return;
+        }
+        match mounted {
+            Ok(sections) => {
+                self.sections
+                    .update_value(|all| all.extend(sections.into_iter().flatten()));
+                self.waiting
+                    .update_value(|all| all.retain(|waiting| waiting.part != part));
+                self.partial
+                    .set(self.waiting.with_value(|all| !all.is_empty()));
+                if let Some(host) = focused {
+                    focus_first(&host);
+                }
+            }
+            Err(_) => {
+                for state in states {
+                    state.set(Absent::Missing);
+                }
+            }
+        }
+    }
+
+    fn of_part<T>(self, part: Part, read: impl Fn(&Waiting) -> T) -> Vec<T> {
+        self.waiting.with_value(|all| {
+            let of_part = all.iter().filter(|waiting| waiting.part == part);
+            of_part.map(read).collect()
+        })
     }
 }
 
-/// The page without its parts, which come one by one until it is `complete`, and anew in another language. As
-/// a view that changes they would bring along, for every element, the code that changes it: a fifth of the
-/// whole program.
+fn has_focus(host: &HtmlElement) -> bool {
+    let focused = document().active_element();
+    focused.is_some_and(|element| host.contains(Some(&element)))
+}
+
+/// The frame that had the focus is gone.
+fn focus_first(host: &HtmlElement) {
+    let first = host.query_selector("button, input, select, [tabindex]");
+    if let Some(first) = first.ok().flatten()
+        && let Ok(first) = first.dyn_into::<HtmlElement>()
+    {
+        // An element that refuses leaves the focus where the browser puts it.
+        let _ = first.focus();
+    }
+}
+
+/// The page without its sections, which come one by one until it is `complete`, and again in another language. As
+/// a view that changes they would need, for every element, the code that changes it: a fifth of the whole program.
 pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl IntoView {
     let places = Places::default();
     let assembly = Assembly {
         features,
         places,
-        parts: StoredValue::new_local(Vec::new()),
+        owner: StoredValue::new(Owner::current().unwrap_or_default().downgrade()),
+        added: StoredValue::new(0),
+        sections: StoredValue::new_local(Vec::new()),
+        waiting: StoredValue::new_local(Vec::new()),
         round: StoredValue::new(0),
         complete,
+        partial: RwSignal::new(true),
     };
     let begin = move || {
         let round = assembly.round.get_value() + 1;
         assembly.round.set_value(round);
         // First the old ones, with all that listens for them.
-        assembly.parts.set_value(Vec::new());
+        assembly.sections.set_value(Vec::new());
+        assembly.waiting.set_value(Vec::new());
+        assembly.added.set_value(0);
+        assembly.partial.set(true);
         places.clear();
         if assembly.complete.get_untracked() {
-            // STOP is out of reach until it stands again.
+            // STOP is out of reach until it is back.
             while assembly.add_next(round).is_some() {}
+            assembly.mount_parts(round);
         } else {
             if round > 1 {
-                // The header, which the language was chosen in, is back before anybody misses its STOP.
+                // The language was chosen in the header. Its STOP is back at once.
                 let _ = assembly.add_next(round);
             }
             in_the_next_turn(move || assembly.add_others(round));
@@ -281,7 +286,11 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
     });
     let behind_dialog = move || is_behind_dialog(features.page);
     view! {
-        <div class="page" class:incomplete=dynamic(move || !assembly.complete.get())>
+        <div
+            class="page"
+            class:incomplete=dynamic(move || !assembly.complete.get())
+            class:partial=dynamic(move || assembly.partial.get())
+        >
             <div class="top" node_ref=places.top></div>
             <div class="above-desk" inert=behind_dialog node_ref=places.above_desk></div>
             <main class="desk" inert=behind_dialog node_ref=places.desk></main>

@@ -1,6 +1,8 @@
 //! The lines to the workers, and the browser's serial ports.
 
+pub(crate) mod address;
 pub(crate) mod clock;
+pub(crate) mod files;
 pub(crate) mod recorder_link;
 pub(crate) mod serial_ports;
 pub(crate) mod started_worker;

@@ -10,12 +10,9 @@ use wasm_bindgen::{JsCast, JsValue};
 use web_sys::{Blob, MessageChannel};
 
 use crate::link::{
-    started_worker::{NoWorker, StartedWorker},
+    started_worker::{NoWorker, Program, StartedWorker},
     worker_link::WorkerLink,
 };
-
-/// By which the script knows that it is the recorder.
-const NAME: &str = "recorder";
 
 /// The page's end of the line to the recorder.
 pub(crate) struct RecorderLink(StartedWorker);
@@ -28,7 +25,7 @@ impl RecorderLink {
         lost: impl FnMut() + 'static,
     ) -> Result<Self, NoWorker> {
         let started = StartedWorker::start(
-            NAME,
+            Program::Recorder,
             Box::new(move |_, data| {
                 let (bytes, file) = with_file(data);
                 match decode::<FromRecorder>(&Uint8Array::new(&bytes).to_vec()) {

@@ -5,6 +5,8 @@ use leptos::logging;
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{ErrorEvent, Event, MessageEvent, MessagePort, Worker, WorkerOptions, WorkerType};
 
+use crate::link::files;
+
 /// Why no worker runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoWorker {
@@ -14,7 +16,29 @@ pub(crate) enum NoWorker {
     NotStarted,
 }
 
-/// A worker and its handlers. All workers run one script, and the name of a worker says which one it is.
+/// Which program a worker runs. Its name is in a `meta` element, which the build fills with its address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Program {
+    /// Owns the port.
+    Worker,
+    /// Keeps the packet log and the recording.
+    Recorder,
+}
+
+impl Program {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Worker => "worker",
+            Self::Recorder => "recorder",
+        }
+    }
+
+    fn address(self) -> Option<String> {
+        files::address(&format!("motorlink-{}", self.name()))
+    }
+}
+
+/// A worker and its handlers.
 pub(crate) struct StartedWorker {
     worker: Worker,
     _on_message: Closure<dyn FnMut(MessageEvent)>,
@@ -25,16 +49,16 @@ pub(crate) struct StartedWorker {
 pub(crate) type OnMessage = Box<dyn FnMut(&Worker, &JsValue)>;
 
 impl StartedWorker {
-    /// Starts the worker that the page names, under this name. `lost` is called when it has failed.
+    /// Starts the worker that the page names. `lost` is called when it has failed.
     pub(crate) fn start(
-        name: &str,
+        program: Program,
         mut on_message: OnMessage,
         mut lost: Box<dyn FnMut()>,
     ) -> Result<Self, NoWorker> {
-        let url = named_in_page().ok_or(NoWorker::NotNamed)?;
+        let url = program.address().ok_or(NoWorker::NotNamed)?;
         let options = WorkerOptions::new();
         options.set_type(WorkerType::Module);
-        options.set_name(name);
+        options.set_name(program.name());
         let worker = Worker::new_with_options(&url, &options).map_err(|_| NoWorker::NotStarted)?;
 
         let receiver = worker.clone();
@@ -50,13 +74,6 @@ impl StartedWorker {
             lost();
         });
         worker.set_onerror(Some(on_error.as_ref().unchecked_ref()));
-
-        // Page and workers are one program, compiled once. What cannot be posted is told as a worker that
-        // does not start.
-        worker.post_message(&wasm_bindgen::module()).map_err(|_| {
-            worker.terminate();
-            NoWorker::NotStarted
-        })?;
         Ok(Self {
             worker,
             _on_message: on_message,
@@ -93,13 +110,4 @@ fn post_with(worker: &Worker, message: &JsValue, transferred: &JsValue) {
     if let Err(error) = posted {
         logging::error!("a message to a worker was not taken: {error:?}");
     }
-}
-
-/// The address of the workers' script, which the build writes into the page.
-fn named_in_page() -> Option<String> {
-    let meta = web_sys::window()?
-        .document()?
-        .query_selector("meta[name=motorlink-worker]")
-        .ok()??;
-    meta.get_attribute("content")
 }

@@ -8,7 +8,7 @@ use motorlink_messages::{ToPage, ToWorker, decode, encode};
 use web_sys::{MessagePort, Worker};
 
 use crate::{
-    link::started_worker::{NoWorker, StartedWorker, post},
+    link::started_worker::{NoWorker, Program, StartedWorker, post},
     ui::clock::page_now_ms,
 };
 
@@ -45,7 +45,7 @@ impl WorkerLink {
         let silent_looks = Rc::new(Cell::new(None));
         let looks = Rc::clone(&silent_looks);
         let worker = StartedWorker::start(
-            "",
+            Program::Worker,
             Box::new(move |worker, data| {
                 match decode::<ToPage>(&Uint8Array::new(data).to_vec()) {
                     // At once and before anything else: a hidden page answers too, and one whose

@@ -1,6 +1,6 @@
 //! What the page says when something happened: what it was, and what to do.
 
-use motorlink_i18n::tr;
+use motorlink_i18n::{Language, tr};
 use motorlink_messages::{
     Notice,
     bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
@@ -314,6 +314,18 @@ pub(crate) fn of_dead_worker(driven: bool) -> NoticeText {
     }
     words.remedy = Some(Remedy::Reload);
     words.explained_at(HelpTopic::StoppedByItself)
+}
+
+/// The texts of a language could not be fetched.
+pub(crate) fn of_missing_language(language: Language) -> NoticeText {
+    NoticeText::new(
+        Topic::Export,
+        Tone::Warning,
+        tr!("{language} could not be loaded", language = language.name()),
+        &[tr!(
+            "Check the network connection, then choose the language again."
+        )],
+    )
 }
 
 /// Another motor was chosen while one was driven.

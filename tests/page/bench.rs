@@ -23,9 +23,8 @@ use web_sys::{
 /// Passes on what it is told, and says what it is bidden: as the worker that owns the port, or as the
 /// recorder.
 const WORKER: &str = r"
-    const bench = new BroadcastChannel('CHANNEL' + (self.name ? '-' + self.name : ''));
+    const bench = new BroadcastChannel('CHANNEL' + (self.name === 'recorder' ? '-recorder' : ''));
     self.onmessage = (event) => {
-        if (event.data instanceof WebAssembly.Module) return;
         bench.postMessage(event.data instanceof MessagePort ? 'line' : event.data);
     };
     bench.onmessage = (event) => {
@@ -41,7 +40,7 @@ pub struct Bench {
     told: Rc<RefCell<Vec<ToWorker>>>,
     up: Rc<RefCell<bool>>,
     root: HtmlElement,
-    meta: Element,
+    programs: [Element; 2],
     _on_message: Closure<dyn FnMut(MessageEvent)>,
     _page: Box<dyn std::any::Any>,
 }
@@ -72,16 +71,20 @@ impl Bench {
         let parts = Array::of1(&JsValue::from_str(&script));
         let blob = Blob::new_with_str_sequence_and_options(&parts, &kind).unwrap();
         // A test that failed has left its own, and must not take this one with it.
-        let left = document().query_selector_all("meta[name=motorlink-worker], .bench");
+        let left = document().query_selector_all("meta[name^=motorlink-], .bench");
         let left = left.unwrap();
         for left in (0..left.length()).filter_map(|place| left.get(place)) {
             left.unchecked_into::<Element>().remove();
         }
-        let meta = document().create_element("meta").unwrap();
-        meta.set_attribute("name", "motorlink-worker").unwrap();
         let url = Url::create_object_url_with_blob(&blob).unwrap();
-        meta.set_attribute("content", &url).unwrap();
-        document().head().unwrap().append_child(&meta).unwrap();
+        let programs = ["worker", "recorder"].map(|program| {
+            let meta = document().create_element("meta").unwrap();
+            let name = format!("motorlink-{program}");
+            meta.set_attribute("name", &name).unwrap();
+            meta.set_attribute("content", &url).unwrap();
+            document().head().unwrap().append_child(&meta).unwrap();
+            meta
+        });
 
         let root: HtmlElement = document().create_element("div").unwrap().unchecked_into();
         root.set_class_name("bench");
@@ -93,14 +96,17 @@ impl Bench {
             told,
             up,
             root,
-            meta,
+            programs,
             _on_message: on_message,
             _page: Box::new(page),
         };
         bench
             .until("the worker to start", || *bench.up.borrow())
             .await;
-        let complete = || bench.root.query_selector(".page:not(.incomplete)").unwrap();
+        let complete = || {
+            let whole = ".page:not(.incomplete):not(.partial)";
+            bench.root.query_selector(whole).unwrap()
+        };
         bench
             .until("all parts of the page", || complete().is_some())
             .await;
@@ -236,7 +242,9 @@ impl Bench {
 impl Drop for Bench {
     fn drop(&mut self) {
         self.channel.close();
-        self.meta.remove();
+        for meta in &self.programs {
+            meta.remove();
+        }
     }
 }
 

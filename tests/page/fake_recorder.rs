@@ -116,7 +116,7 @@ impl State {
     fn hear(&mut self, message: ToRecorder) {
         match &message {
             ToRecorder::Look(window) => self.window = Some(*window),
-            ToRecorder::Filter(_) | ToRecorder::Speak(_) => self.generation += 1,
+            ToRecorder::Filter(_) | ToRecorder::Speak { .. } => self.generation += 1,
             ToRecorder::Clear => {
                 self.generation += 1;
                 self.rows.clear();

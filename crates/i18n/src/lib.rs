@@ -3,7 +3,7 @@
 //! The English stands where it is said, in [`tr!`]; the translations stand in `locales/*.po`, which any
 //! editor of gettext's files opens. That a message is among them, and that what is to be filled in is
 //! there and is used, is checked when the code is compiled; that all are translated, when it is built for
-//! release. `cargo xtask translations` brings the files up to date with the code.
+//! release. The English is in the program. The page fetches the file of another language when it is chosen. `cargo xtask translations` brings the files up to date with the code.
 //!
 //! ```
 //! use motorlink_i18n::{Language, speak, tr};
@@ -21,8 +21,11 @@ pub mod terms;
 use std::fmt::{Display, Write};
 
 pub use language::{Language, speak, spoken};
+#[cfg(feature = "embedded")]
+pub use table::file;
 #[doc(hidden)]
 pub use table::{check_places, number_of, said, text};
+pub use table::{give, given, has};
 
 /// Words in the language that is [`spoken`] now.
 ///

@@ -1,34 +1,97 @@
 //! The messages by number. The numbers exist while the code is compiled; at run time there are the texts.
 
-use std::cell::OnceCell;
+use std::cell::RefCell;
 
 use crate::language::{Language, spoken};
 
 include!(concat!(env!("OUT_DIR"), "/keys.rs"));
 
-static ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en.txt"));
-static CHINESE: &str = include_str!(concat!(env!("OUT_DIR"), "/zh.txt"));
-static GERMAN: &str = include_str!(concat!(env!("OUT_DIR"), "/de.txt"));
+/// The messages in the order of their numbers, with a NUL between two.
+const ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en.txt"));
 
 thread_local! {
-    /// One for each language: only what is spoken is ever split.
-    static TEXTS: [OnceCell<Box<[&'static str]>>; 3] = const { [const { OnceCell::new() }; 3] };
+    /// The messages of each language, by its place in `Language::ALL`.
+    static TEXTS: RefCell<[Option<Box<[&'static str]>>; 3]> = const { RefCell::new([const { None }; 3]) };
 }
 
-/// The message of a number, in the language that is spoken.
+/// The file of a language: its messages in the order of their numbers, with a NUL between two. For the build,
+/// which writes the files, and for tests.
+#[cfg(feature = "embedded")]
+#[must_use]
+pub const fn file(language: Language) -> &'static str {
+    match language {
+        Language::English => ENGLISH,
+        Language::Chinese => include_str!(concat!(env!("OUT_DIR"), "/zh.txt")),
+        Language::German => include_str!(concat!(env!("OUT_DIR"), "/de.txt")),
+    }
+}
+
+/// The file of a language, where it is in the program.
+const fn embedded(language: Language) -> Option<&'static str> {
+    #[cfg(feature = "embedded")]
+    let text = Some(file(language));
+    #[cfg(not(feature = "embedded"))]
+    let text = match language {
+        Language::English => Some(ENGLISH),
+        Language::Chinese | Language::German => None,
+    };
+    text
+}
+
+/// Whether the messages of a language are in the program, or were [`give`]n.
+#[must_use]
+pub fn has(language: Language) -> bool {
+    embedded(language).is_some()
+        || TEXTS.with_borrow(|texts| texts.get(language as usize).is_some_and(Option::is_some))
+}
+
+/// Takes in the file of a language. It stays for the life of the thread. `false` where the file has another number of messages than this program: it is of another version, or not
+/// ours. Nothing changes then.
+#[must_use]
+pub fn give(language: Language, file: String) -> bool {
+    if file.split('\0').count() != KEYS.len() {
+        return false;
+    }
+    keep(language, file.leak());
+    true
+}
+
+/// The file of a language that was [`give`]n, to give it to a worker; `None` where it is in the program.
+#[must_use]
+pub fn given(language: Language) -> Option<String> {
+    if embedded(language).is_some() {
+        return None;
+    }
+    TEXTS.with_borrow(|texts| Some(texts.get(language as usize)?.as_ref()?.join("\0")))
+}
+
+fn keep(language: Language, file: &'static str) {
+    TEXTS.with_borrow_mut(|texts| {
+        if let Some(messages) = texts.get_mut(language as usize) {
+            *messages = Some(file.split('\0').collect());
+        }
+    });
+}
+
+/// The message of a number in the language that is spoken, or in English where that language is not there.
 #[must_use]
 pub fn text(number: usize) -> &'static str {
-    let (place, all) = match spoken() {
-        Language::English => (0, ENGLISH),
-        Language::Chinese => (1, CHINESE),
-        Language::German => (2, GERMAN),
+    let language = if has(spoken()) {
+        spoken()
+    } else {
+        Language::English
     };
-    TEXTS
-        .with(|texts| {
-            let texts = texts.get(place)?.get_or_init(|| all.split('\0').collect());
-            texts.get(number).copied()
+    let find = || {
+        TEXTS.with_borrow(|texts| {
+            let messages = texts.get(language as usize)?.as_ref()?;
+            messages.get(number).copied()
         })
-        .unwrap_or_default()
+    };
+    if let Some(message) = find() {
+        return message;
+    }
+    keep(language, embedded(language).unwrap_or_default());
+    find().unwrap_or_default()
 }
 
 /// What a message of the code reads in the language that is spoken, in whatever context; a text that is none

@@ -33,7 +33,12 @@ pub enum ToRecorder {
     /// Put entries into words in this language from now on, `en`, `zh` or `de`: those that are seen, and
     /// those in which is searched. Files say frames in English, and what the page said as it was said. The
     /// rows are numbered anew.
-    Speak(String),
+    Speak {
+        /// The two letters of the language.
+        language: String,
+        /// The file of its texts, unless they are in the recorder's program.
+        texts: Option<String>,
+    },
     /// Which entries the log shows. The rows are numbered anew.
     Filter(Filter),
     /// Forget every entry of the log. The recording stays.

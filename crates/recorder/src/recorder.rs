@@ -238,8 +238,13 @@ impl Recorder {
                 }
             }
             ToRecorder::Look(window) => self.window = Some(window),
-            ToRecorder::Speak(language) => {
-                motorlink_i18n::speak(Language::from_tag(&language).unwrap_or_default());
+            ToRecorder::Speak { language, texts } => {
+                let language = Language::from_tag(&language).unwrap_or_default();
+                if let Some(texts) = texts {
+                    // Texts of another version are refused: the rows are in English then.
+                    let _ = motorlink_i18n::give(language, texts);
+                }
+                motorlink_i18n::speak(language);
                 // What is searched for may be in other entries now.
                 self.log.filter(&self.filter);
             }

@@ -5,7 +5,7 @@
 //! adapters of it that are plugged in; which of these is free is found by opening them. Claims are carried out one after the other, so that
 //! the last is what stands; what the browser refuses is as without locks.
 //!
-//! The script that starts the worker (`boot/worker.js`) takes and keeps the lock: a promise
+//! The script that starts the worker (`boot/adapters.js`) takes and keeps the lock: a promise
 //! that calls back to make a promise is five lines there, and two kilobytes here.
 
 use js_sys::{Function, Promise, Reflect};

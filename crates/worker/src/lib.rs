@@ -2,9 +2,9 @@
 //!
 //! Everything that touches the motors happens in the first, away from the page: a hidden page's timers
 //! crawl and a busy page is late, but a worker's loop goes on. The recorder keeps the packet log and the
-//! recording, away from both: what takes long there delays no frame and no screen. Both are one program
-//! with the page, so that a visit loads it once; the name that the page gives a worker says which it is. What crosses
-//! to the page and back is in `motorlink-messages`.
+//! recording, away from both: what takes long there delays no frame and no screen. Each is a program of
+//! its own (`src/bin/`), so that a visit loads the page first. What crosses to the page and back is in
+//! `motorlink-messages`.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -37,19 +37,17 @@ mod traffic;
 
 use motorlink_messages::ToPage;
 
-/// The name by which the page starts the recorder.
-const RECORDER: &str = "recorder";
+/// Starts the worker that owns the port. Called in the scope of a dedicated worker.
+pub fn start_worker() {
+    // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
+    on_panic(|| scope::post(&ToPage::Died));
+    start::start();
+}
 
-/// Starts as the worker that its name says. Called in the scope of a dedicated worker.
-pub fn start() {
-    if scope::global().name() == RECORDER {
-        on_panic(recorder::died);
-        recorder::start();
-    } else {
-        // The loop ends here and frames cease: the wheel coasts. The page must not think otherwise.
-        on_panic(|| scope::post(&ToPage::Died));
-        start::start();
-    }
+/// Starts the recorder. Called in the scope of a dedicated worker.
+pub fn start_recorder() {
+    on_panic(recorder::died);
+    recorder::start();
 }
 
 fn on_panic(tell: impl Fn() + Send + Sync + 'static) {

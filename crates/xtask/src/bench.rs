@@ -103,9 +103,9 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
     }
     rows.write_into(&workspace.root().join(TABLE), "bench")?;
     let files = site::files_of(&dist)?;
-    let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
-    let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
-    println!("first visit, gzip: {bytes} bytes (at most {max})");
+    for (name, bytes, max) in size::Report::new(&files)?.sums() {
+        println!("{name}, gzip: {bytes} bytes (at most {max})");
+    }
     println!("foreign hosts in the files: {}", list(&files));
     failed.map_err(refusal_of_flags)
 }
@@ -165,14 +165,7 @@ pub fn screenshots(workspace: &Workspace, args: &[String]) -> Result<()> {
 /// Fails if the site is larger than allowed or names another host.
 pub fn check_first_visit(dist: &Path) -> Result<()> {
     let files = site::files_of(dist)?;
-    let bytes = size::Report::new(&files)?.first_visit_gzip_bytes();
-    let max = size::FIRST_VISIT_GZIP_BYTES_MAX;
-    if bytes > max {
-        bail!(
-            "a first visit costs {bytes} bytes, {} more than it may",
-            bytes - max
-        );
-    }
+    size::Report::new(&files)?.check()?;
     if !other_hosts::named_in(&files).is_empty() {
         bail!("the site names other hosts: {}", list(&files));
     }

@@ -1,4 +1,4 @@
-//! Builds what a browser loads: cargo builds the wasm file, wasm-bindgen generates the module and its
+//! Builds what a browser loads: cargo builds the wasm files, wasm-bindgen generates the modules and their
 //! JavaScript glue.
 
 use std::fs;
@@ -7,14 +7,43 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
+use crate::cargo;
+use crate::parts;
 use crate::process;
 use crate::short_names;
 use crate::site_file::Profile;
 use crate::tools::{self, WASM_TARGET};
 use crate::workspace::Workspace;
 
-/// The package, the binary and the stem of its files: the page and its workers are one program.
-pub const PROGRAM: &str = "motorlink";
+/// A program that a browser loads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Program {
+    /// What a person sees.
+    Page,
+    /// The worker that owns the port.
+    Worker,
+    /// The worker that keeps the packet log and the recording.
+    Recorder,
+}
+
+impl Program {
+    /// The binary and the stem of its files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Page => "motorlink",
+            Self::Worker => "worker",
+            Self::Recorder => "recorder",
+        }
+    }
+}
+
+/// The programs of the site.
+#[derive(Debug, Clone, Default)]
+pub struct Programs {
+    pub page: Module,
+    pub worker: Module,
+    pub recorder: Module,
+}
 
 /// The output of wasm-bindgen.
 #[derive(Debug, Clone, Default)]
@@ -23,44 +52,62 @@ pub struct Module {
     pub glue: String,
     /// The wasm file.
     pub wasm: Vec<u8>,
+    /// The parts that are fetched later: the name in the glue, and the wasm file.
+    pub parts: Vec<(String, Vec<u8>)>,
     /// Scripts of libraries that the glue imports from `./snippets/`: path below it and text.
     pub snippets: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Builds the module.
-pub fn build(workspace: &Workspace, profile: Profile) -> Result<Module> {
-    tools::ensure_wasm_target()?;
-    let programs = tools::ensure_wasm_bindgen(workspace)?;
-
-    let mut cargo = process::cargo();
-    cargo.current_dir(workspace.root());
-    cargo.args([
-        "build",
-        "--target",
-        WASM_TARGET,
-        "--profile",
-        profile.cargo_name(),
-    ]);
-    process::run(cargo.args(["--package", PROGRAM, "--bin", PROGRAM]))?;
-    bind(workspace, profile, &programs.bindgen)
+/// Builds the programs.
+pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
+    let tools = tools::ensure_wasm_bindgen(workspace)?;
+    let mut cargo = cargo::wasm(workspace, "build", &["--bins"])?;
+    if profile == Profile::Release {
+        // In parts, and with one language: the others are files of their own.
+        cargo.args(["--no-default-features", "--features", "motorlink/parts"]);
+    }
+    process::run(cargo.args(["--profile", profile.cargo_name()]))?;
+    let bind = |program| bind(workspace, profile, program, &tools.bindgen);
+    Ok(Programs {
+        page: bind(Program::Page)?,
+        worker: bind(Program::Worker)?,
+        recorder: bind(Program::Recorder)?,
+    })
 }
 
-fn bind(workspace: &Workspace, profile: Profile, bindgen: &Path) -> Result<Module> {
+fn bind(
+    workspace: &Workspace,
+    profile: Profile,
+    program: Program,
+    bindgen: &Path,
+) -> Result<Module> {
+    let name = program.name();
     let built = workspace
         .target()
         .join(WASM_TARGET)
         .join(profile.target_dir())
-        .join(format!("{PROGRAM}.wasm"));
+        .join(format!("{name}.wasm"));
     let out = workspace
         .target()
         .join("bindgen")
-        .join(profile.target_dir());
+        .join(profile.target_dir())
+        .join(name);
     // Otherwise snippets of an earlier build would be included.
     if out.exists() {
         fs::remove_dir_all(&out).with_context(|| format!("emptying {}", out.display()))?;
     }
 
+    let in_parts = program == Program::Page && profile == Profile::Release;
+    let split = in_parts
+        .then(|| parts::split(&built, &out.join("split")))
+        .transpose()?;
+    let built = split.as_ref().map_or(built, |split| split.main.clone());
+
     let mut command = Command::new(bindgen);
+    if in_parts {
+        // The parts use what the main file exports.
+        command.arg("--keep-lld-exports");
+    }
     command.args([
         "--target",
         "web",
@@ -71,22 +118,28 @@ fn bind(workspace: &Workspace, profile: Profile, bindgen: &Path) -> Result<Modul
         // The names of functions are a third of the file, and say nothing without the source.
         command.args(["--remove-name-section", "--remove-producers-section"]);
     }
-    command.args(["--out-name", PROGRAM, "--out-dir"]);
+    command.args(["--out-name", name, "--out-dir"]);
     process::run(command.arg(&out).arg(&built))?;
 
     let file = |name: String| {
         let path = out.join(name);
         fs::read(&path).with_context(|| format!("reading {}", path.display()))
     };
-    let glue = file(format!("{PROGRAM}.js"))?;
+    let glue = file(format!("{name}.js"))?;
     let mut glue = String::from_utf8(glue).context("the glue is not text")?;
-    let mut wasm = file(format!("{PROGRAM}_bg.wasm"))?;
+    let mut wasm = file(format!("{name}_bg.wasm"))?;
+    let mut later = Vec::new();
+    if let Some(split) = split {
+        glue = split.join(&glue)?;
+        later = split.parts;
+    }
     if matches!(profile, Profile::Release) {
-        (wasm, glue) = short_names::shorten(&wasm, &glue)?;
+        (wasm, glue) = short_names::shorten(&parts::without_names(&wasm)?, &glue)?;
     }
     Ok(Module {
         glue,
         wasm,
+        parts: later,
         snippets: files_below(&out.join("snippets"))?,
     })
 }

@@ -19,6 +19,7 @@ mod mutants;
 mod npm;
 mod other_hosts;
 mod page_tests;
+mod parts;
 mod process;
 mod reliability;
 mod sabotage;

@@ -7,11 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use motorlink_i18n::Language;
 
-use crate::bindgen::{self, Module, PROGRAM, files_below};
+use crate::bindgen::{self, Module, Program, Programs, files_below};
 use crate::content_hash::{hashed_name, short_hash};
 use crate::minify;
-use crate::service_worker;
+use crate::service_worker::{self, is_for_installing};
 use crate::site_file::{Profile, SiteFile};
 use crate::size;
 use crate::template::fill;
@@ -20,9 +21,10 @@ use crate::workspace::Workspace;
 /// The input of the site.
 #[derive(Debug, Clone, Default)]
 struct Parts {
-    program: Module,
+    programs: Programs,
     page_boot: String,
     worker_boot: String,
+    adapters: String,
     installed: String,
     style: String,
     index: String,
@@ -31,12 +33,13 @@ struct Parts {
 
 /// Builds the site, prints its size, and returns its directory.
 pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
-    let program = bindgen::build(workspace, profile)?;
+    let programs = bindgen::build(workspace, profile)?;
     let boot = workspace.root().join("boot");
     let parts = Parts {
-        program,
+        programs,
         page_boot: read(&boot.join("page.js"))?,
         worker_boot: read(&boot.join("worker.js"))?,
+        adapters: read(&boot.join("adapters.js"))?,
         installed: service_worker::page_part(profile)?,
         style: style(&workspace.root().join("style"))?,
         index: read(&workspace.root().join("index.html"))?,
@@ -48,6 +51,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
     let dir = profile.site_dir(workspace);
     write(&dir, &files)?;
     if profile == Profile::Release {
+        write_compressed(&dir, &files)?;
         print!("{}", size::Report::new(&files)?);
     }
     Ok(dir)
@@ -58,6 +62,10 @@ pub fn files_of(dir: &Path) -> Result<Vec<SiteFile>> {
     let files = files_below(dir)?;
     Ok(files
         .into_iter()
+        .filter(|(path, _)| {
+            let ending = path.extension().unwrap_or_default();
+            !COMPRESSED.iter().any(|known| ending == *known)
+        })
         .map(|(path, content)| SiteFile { path, content })
         .collect())
 }
@@ -84,19 +92,37 @@ fn style(dir: &Path) -> Result<String> {
 
 fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let mut files = Files::default();
-    let names = files.add_program(&parts.program);
     let page_boot = files.add_boot(
         "page",
         &parts.page_boot,
-        &[("wasm", &names.wasm), ("glue", &names.glue)],
+        Program::Page,
+        &parts.programs.page,
     )?;
-    let worker_boot = files.add_boot("worker", &parts.worker_boot, &[("glue", &names.glue)])?;
+    let worker_boot = files.add_boot(
+        "worker",
+        &[parts.adapters.as_str(), &parts.worker_boot].concat(),
+        Program::Worker,
+        &parts.programs.worker,
+    )?;
+    let recorder_boot = files.add_boot(
+        "recorder",
+        &parts.worker_boot,
+        Program::Recorder,
+        &parts.programs.recorder,
+    )?;
+    let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
+        let stem = format!("texts-{}", language.key());
+        files.add_hashed(&stem, "txt", motorlink_i18n::file(language).as_bytes())
+    });
     let style = files.add_hashed("style", "css", minify::css(&parts.style).as_bytes());
     let installed = files.add_hashed("installed", "js", parts.installed.as_bytes());
     let index = fill(
         &parts.index,
         &[
             ("worker", &worker_boot),
+            ("recorder", &recorder_boot),
+            ("german", &german),
+            ("chinese", &chinese),
             ("style", &style),
             ("boot", &page_boot),
             ("installed", &installed),
@@ -130,30 +156,63 @@ impl Files {
         name
     }
 
-    fn add_program(&mut self, module: &Module) -> Names {
+    fn add_program(&mut self, program: Program, module: &Module) -> Names {
+        let name = program.name();
         let mut glue = module.glue.clone();
         if !module.snippets.is_empty() {
             let texts = module.snippets.iter().map(|(_, text)| text.as_slice());
-            let dir = format!("{PROGRAM}-snippets-{}", short_hash(texts));
+            let dir = format!("{name}-snippets-{}", short_hash(texts));
             glue = glue.replace("./snippets/", &format!("./{dir}/"));
             for (path, text) in &module.snippets {
                 self.add(Path::new(&dir).join(path), text);
             }
         }
+        for (part, wasm) in &module.parts {
+            let stem = part.trim_end_matches(".wasm").trim_start_matches("split_");
+            let hashed = self.add_hashed(stem, "wasm", wasm);
+            glue = glue.replace(&format!("\"./{part}\""), &format!("\"./{hashed}\""));
+        }
         Names {
-            wasm: self.add_hashed(PROGRAM, "wasm", &module.wasm),
+            wasm: self.add_hashed(name, "wasm", &module.wasm),
             glue: self.add_hashed(
-                &format!("{PROGRAM}-glue"),
+                &format!("{name}-glue"),
                 "js",
                 minify::glue(&glue).as_bytes(),
             ),
         }
     }
 
-    fn add_boot(&mut self, stem: &str, boot: &str, names: &[(&str, &str)]) -> Result<String> {
-        let boot = fill(boot, names)?;
-        Ok(self.add_hashed(&format!("{stem}-boot"), "js", boot.as_bytes()))
+    /// Adds a program and the script that starts it.
+    fn add_boot(
+        &mut self,
+        stem: &str,
+        boot: &str,
+        program: Program,
+        module: &Module,
+    ) -> Result<String> {
+        let Names { wasm, glue } = self.add_program(program, module);
+        let boot = fill(boot, &[("wasm", &wasm), ("glue", &glue)])?;
+        Ok(self.add_hashed(
+            &format!("{stem}-boot"),
+            "js",
+            minify::script(&boot).as_bytes(),
+        ))
     }
+}
+
+/// Endings of the files that are compressed already.
+const COMPRESSED: [&str; 2] = ["gz", "br"];
+
+/// Writes each file once more, compressed, for hosts that serve such files.
+fn write_compressed(dir: &Path, files: &[SiteFile]) -> Result<()> {
+    for file in files.iter().filter(|file| !is_for_installing(&file.path)) {
+        let compressed = [size::gzip(&file.content)?, size::brotli(&file.content)?];
+        for (ending, content) in COMPRESSED.iter().zip(compressed) {
+            let path = dir.join(format!("{}.{ending}", file.path.display()));
+            fs::write(&path, content).with_context(|| format!("writing {}", path.display()))?;
+        }
+    }
+    Ok(())
 }
 
 /// Writes the files where those of an earlier build were.
@@ -177,13 +236,19 @@ mod tests {
 
     fn parts() -> Parts {
         Parts {
-            program: Module {
-                glue: "import './snippets/lib-1/inline0.js';".to_owned(),
-                wasm: b"program".to_vec(),
-                snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
+            programs: Programs {
+                page: Module {
+                    glue: "import './snippets/lib-1/inline0.js'; fetch(\"./split_graph.wasm\");"
+                        .to_owned(),
+                    wasm: b"page".to_vec(),
+                    parts: vec![("split_graph.wasm".to_owned(), b"graph".to_vec())],
+                    snippets: vec![(PathBuf::from("lib-1/inline0.js"), b"export {}".to_vec())],
+                },
+                ..Programs::default()
             },
             page_boot: "{{wasm}} {{glue}}".to_owned(),
-            worker_boot: "{{glue}}".to_owned(),
+            worker_boot: "{{wasm}} {{glue}}".to_owned(),
+            adapters: "adapters".to_owned(),
             installed: "installed".to_owned(),
             style: "p {}".to_owned(),
             index: include_str!("../../../index.html").to_owned(),
@@ -205,7 +270,13 @@ mod tests {
     fn each_file_names_those_it_loads() {
         let files = assemble(&parts()).unwrap();
         let (_, index) = starting(&files, "index.html");
-        for stem in ["page-boot-", "worker-boot-", "installed-", "style-"] {
+        for stem in [
+            "page-boot-",
+            "worker-boot-",
+            "recorder-boot-",
+            "installed-",
+            "style-",
+        ] {
             let (name, _) = starting(&files, stem);
             assert!(
                 index.contains(&format!("\"./{name}\"")),
@@ -213,10 +284,17 @@ mod tests {
             );
         }
         let (glue, glue_text) = starting(&files, "motorlink-glue-");
-        for boot in ["page-boot-", "worker-boot-"] {
-            assert!(starting(&files, boot).1.contains(&glue));
+        assert!(starting(&files, "page-boot-").1.contains(&glue));
+        for (boot, stem) in [
+            ("page-boot-", "motorlink-"),
+            ("worker-boot-", "worker-"),
+            ("recorder-boot-", "recorder-"),
+        ] {
+            let text = starting(&files, boot).1;
+            assert!(text.contains(".wasm") && text.contains(&format!("{stem}glue-")));
         }
-        assert!(starting(&files, "page-boot-").1.contains(".wasm"));
+        let (part, _) = starting(&files, "graph-");
+        assert!(glue_text.contains(&format!("\"./{part}\"")), "{glue_text}");
         let (snippet, _) = starting(&files, "motorlink-snippets-");
         assert!(glue_text.contains(&format!("'./{snippet}'")), "{glue_text}");
         starting(&files, "icon.svg");

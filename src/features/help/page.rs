@@ -3,9 +3,9 @@
 use leptos::task::spawn_local;
 use wasm_bindgen::JsCast;
 use wasm_bindgen_futures::JsFuture;
-use web_sys::{Element, HtmlElement, Response};
+use web_sys::{Element, HtmlElement};
 
-use crate::{features::help::line_card, model::help_topic::HelpTopic};
+use crate::{features::help::line_card, link::files::text_of, model::help_topic::HelpTopic};
 
 /// Where a file has the drawing that is the same in every language.
 const DRAWING: &str = "<!-- wiring.svg -->";
@@ -23,18 +23,6 @@ pub(crate) async fn load(language: &str) -> Option<String> {
     }
     let drawing = text_of("help/wiring.svg").await?;
     Some(page.replace(DRAWING, &drawing))
-}
-
-async fn text_of(address: &str) -> Option<String> {
-    let response = web_sys::window()?.fetch_with_str(address);
-    let response: Response = JsFuture::from(response).await.ok()?.dyn_into().ok()?;
-    if !response.ok() {
-        return None;
-    }
-    JsFuture::from(response.text().ok()?)
-        .await
-        .ok()?
-        .as_string()
 }
 
 /// Shows this place and moves the focus there, so that reading goes on from it.

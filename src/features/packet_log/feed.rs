@@ -96,7 +96,10 @@ impl LogFeed {
     /// others now.
     pub(crate) fn speak(&mut self, language: Language) -> ToRecorder {
         self.begin_anew();
-        ToRecorder::Speak(language.key().to_owned())
+        ToRecorder::Speak {
+            language: language.key().to_owned(),
+            texts: motorlink_i18n::given(language),
+        }
     }
 
     /// Which entries are shown.

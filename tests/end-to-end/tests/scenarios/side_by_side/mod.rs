@@ -12,6 +12,7 @@ mod keys;
 mod limits;
 mod offline;
 mod pages_gone;
+mod parts;
 mod raw_frames;
 mod scanning;
 mod security;

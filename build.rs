@@ -1,0 +1,8 @@
+//! Has the linker keep what `cargo xtask build` needs to split the page into parts.
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    if std::env::var_os("CARGO_FEATURE_PARTS").is_some() {
+        println!("cargo::rustc-link-arg-bins=--emit-relocs");
+    }
+}

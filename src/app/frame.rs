@@ -1,0 +1,94 @@
+//! What stands in the place of a section until its part is there, and when it does not arrive.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+
+use crate::{
+    app::{features::Features, sections::Frame},
+    model::page::Dialog,
+    ui::{
+        drawer::{Drawer, panel_of_drawer},
+        reactive::{dynamic, handler},
+        tab_panel::tab_panel,
+    },
+};
+
+/// The state of a part that is not there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Absent {
+    /// On its way.
+    Loading,
+    /// It did not arrive.
+    Missing,
+}
+
+/// The frame of a section. `retry` fetches its part again.
+pub(crate) fn frame(
+    frame: Frame,
+    features: Features,
+    state: RwSignal<Absent>,
+    retry: impl Fn() + Copy + 'static,
+) -> AnyView {
+    let page = features.page;
+    let notice = notice(state, retry);
+    match frame {
+        Frame::Panel(class) => view! { <section class=class>{notice}</section> }.into_any(),
+        Frame::Tab(tab) => {
+            tab_panel(tab.key(), move || page.loops.tab.get() != tab, notice).into_any()
+        }
+        Frame::Drawer(which) => {
+            panel_of_drawer(page.drawer, which, title(which), notice).into_any()
+        }
+        Frame::Nothing => ().into_any(),
+        Frame::Help => {
+            let is_open = move || matches!(page.dialog.get(), Some(Dialog::Help(_)));
+            view! {
+                <div class="scrim" hidden=dynamic(move || !is_open())>
+                    <div class="dialog help" role="dialog" aria-modal="true" aria-label=tr!("Help")>
+                        {notice}
+                        <button
+                            type="button"
+                            class="button"
+                            on:click=handler(move |_| page.dialog.set(None))
+                        >
+                            {tr!("Close")}
+                        </button>
+                    </div>
+                </div>
+            }
+            .into_any()
+        }
+    }
+}
+
+fn title(drawer: Drawer) -> &'static str {
+    match drawer {
+        Drawer::Link => tr!("Link"),
+        Drawer::Together => tr!("Drive together"),
+        Drawer::Settings => tr!("Settings"),
+    }
+}
+
+fn notice(state: RwSignal<Absent>, retry: impl Fn() + 'static) -> impl IntoView {
+    let is_missing = move || state.get() == Absent::Missing;
+    let text = move || {
+        if is_missing() {
+            tr!("This part of the page could not be loaded. Check the network connection.")
+        } else {
+            ""
+        }
+    };
+    view! {
+        <div class="part-missing">
+            <p role="status">{dynamic(text)}</p>
+            <button
+                type="button"
+                class="button"
+                hidden=dynamic(move || !is_missing())
+                on:click=handler(move |_| retry())
+            >
+                {tr!("Retry")}
+            </button>
+        </div>
+    }
+}

@@ -1,0 +1,142 @@
+//! The parts of the program that come behind the first paint. Each is a file of its own (`cargo xtask build`).
+#![cfg_attr(
+    feature = "parts",
+    allow(unsafe_code, reason = "the call into a part, made by wasm_split")
+)]
+
+use leptos::{prelude::*, wasm_split::SplitLoaderError};
+
+use crate::{
+    app::{
+        features::Features,
+        mount::{Hosts, Mounted},
+    },
+    features::{
+        drive::{current::CurrentTab, position::PositionTab},
+        graph::Graph,
+        groups::panel::TogetherPanel,
+        help::{HelpDialog, tour::Wanted, tour_view::TourNotice},
+        ids::view::IdManagerTab,
+        install::texts,
+        link_doctor::panel::LinkPanel,
+        motors::strip::MotorStrip,
+        notices::Notices,
+        packet_log::PacketLog,
+        raw::view::RawHexTab,
+        recording::Recording,
+        saved_session::view::{SavedSessionNotice, is_hidden},
+        settings::panel::{InstallButton, SettingsPanel},
+    },
+};
+
+/// A part. More and smaller parts weigh more together: what several parts use is a file for each set of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// The rest of the desk: notices, motor strip, current and position tabs, packet log, graph, recording.
+    Desk,
+    /// ID manager, raw frames and the panels of the drawer.
+    Tools,
+    /// The help.
+    Help,
+}
+
+/// The sections of a part, mounted.
+type Sections = Vec<Option<Mounted>>;
+
+impl Part {
+    /// All, in the order in which they are fetched.
+    pub(crate) const ALL: [Self; 3] = [Self::Desk, Self::Tools, Self::Help];
+
+    /// Fetches the part unless it is there, and mounts its sections.
+    ///
+    /// # Errors
+    ///
+    /// When its file does not arrive. It is fetched again the next time.
+    pub(crate) async fn mount(
+        self,
+        hosts: Hosts,
+        features: Features,
+    ) -> Result<Sections, SplitLoaderError> {
+        match self {
+            Self::Desk => mount_desk(hosts, features).await,
+            Self::Tools => mount_tools(hosts, features).await,
+            Self::Help => mount_help(hosts, features).await,
+        }
+    }
+}
+
+/// Puts the code of a function, and all that only this code uses, into a part. Without the feature `parts`, as in
+/// tests, all code is in one program.
+macro_rules! in_part {
+    ($part:ident: fn $name:ident($hosts:ident, $features:ident) $sections:expr) => {
+        #[cfg(feature = "parts")]
+        #[::leptos::wasm_split::wasm_split(
+                                                            $part,
+                                                            wasm_split_path = ::leptos::wasm_split,
+                                                            fallible
+                                                        )]
+        fn $name(hosts: Hosts, $features: Features) -> Result<Sections, SplitLoaderError> {
+            let mut $hosts = hosts;
+            Ok($sections.into())
+        }
+
+        #[cfg(not(feature = "parts"))]
+        async fn $name(
+            mut $hosts: Hosts,
+            $features: Features,
+        ) -> Result<Sections, SplitLoaderError> {
+            Ok($sections.into())
+        }
+    };
+}
+
+// The order is that of `SECTIONS`.
+in_part!(desk: fn mount_desk(hosts, features) [
+    hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
+    hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
+    hosts.mount(move || notices(features)),
+    hosts.mount(move || view! { <PacketLog log=features.log /> }),
+    hosts.mount(move || view! { <Graph chart=features.chart /> }),
+    hosts.mount(Recording),
+    hosts.mount(MotorStrip),
+]);
+
+in_part!(tools: fn mount_tools(hosts, features) [
+    hosts.mount(move || view! { <IdManagerTab ids=features.ids /> }),
+    hosts.mount(move || view! { <RawHexTab raw=features.raw /> }),
+    hosts.mount(move || {
+        view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
+    }),
+    hosts.mount(move || view! { <TogetherPanel groups=features.groups /> }),
+    hosts.mount(move || settings_panel(features)),
+]);
+
+in_part!(help: fn mount_help(hosts, features) [
+    hosts.mount(move || view! { <HelpDialog tour=features.tour /> }),
+]);
+
+fn settings_panel(features: Features) -> impl IntoView {
+    let install = Box::leak(Box::new(InstallButton {
+        disabled_reason: Box::new(move || features.install.install_blocked_by()),
+        hint: texts::hint(),
+        on_press: Box::new(move || features.install.install()),
+    }));
+    view! { <SettingsPanel settings=features.settings install /> }
+}
+
+/// The notices, with the saved session and the tour among them.
+fn notices(features: Features) -> impl IntoView {
+    let wanted = move || features.tour.with(|tour| tour.wanted);
+    let is_alone = move || is_hidden(features.saved_session) && wanted() != Wanted::Asked;
+    let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
+    let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
+    view! {
+        <Notices
+            is_alone=Signal::derive(is_alone)
+            is_tour_shown=Signal::derive(move || wanted() != Wanted::No)
+            on_remedy
+            saved_session=view! { <SavedSessionNotice saved=features.saved_session /> }
+            tour=view! { <TourNotice page=features.page tour=features.tour on_action /> }
+        />
+    }
+}

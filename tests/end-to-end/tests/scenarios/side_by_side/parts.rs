@@ -1,0 +1,48 @@
+//! Parts of the page that do not arrive.
+
+use std::fs;
+
+use crate::fixture::{spin, wait_for_speed};
+use anyhow::{Context, Result};
+use end_to_end::{Bench, WAIT_MAX, artefacts, wait_until};
+use serde_json::Value;
+
+/// What stands in the place of the packet log.
+const IN_PLACE: &str = "document.querySelector('.packet-log .part-missing p')?.textContent ?? ''";
+
+#[test]
+fn a_part_that_is_missing_says_so_in_its_place_and_comes_when_it_is_tried_again() -> Result<()> {
+    let site = tempfile::tempdir()?;
+    artefacts::copy_site(&artefacts::dist()?, site.path())?;
+    let part = fs::read_dir(site.path())?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .find(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.starts_with("desk-") && name.ends_with(".wasm")
+        })
+        .context("the part with the packet log")?;
+    let away = site.path().join("away");
+    fs::rename(&part, &away)?;
+
+    let bench = Bench::serving(site.path())?;
+    let page = bench.open("/?port=virtual")?;
+    wait_until("the missing part to be named", WAIT_MAX, || {
+        let text = page.evaluate(IN_PLACE)?;
+        let says = text
+            .as_str()
+            .is_some_and(|text| text.contains("could not be loaded"));
+        Ok(if says { Ok(()) } else { Err(text.to_string()) })
+    })?;
+    // Driving and STOP need no part.
+    page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;
+    spin(&page, "+100", 97..=103)?;
+    page.press("Escape")?;
+    wait_for_speed(&page, 0..=0)?;
+    page.click("button", "Release")?;
+
+    fs::rename(&away, &part)?;
+    page.evaluate("document.querySelector('.packet-log .part-missing button').click()")?;
+    page.wait_for_text("log", "Packets", |text| text.contains("ID query"))?;
+    assert_eq!(page.evaluate(IN_PLACE)?, Value::from(""));
+    Ok(())
+}
