@@ -25,7 +25,12 @@ const CRATES: [&[&str]; 9] = [
     &["motorlink-fault-simulation", "virtual-motor"],
     &["motorlink-recorder"],
     &["motorlink-messages"],
-    &["motorlink-bus", "motorlink-simulator", "motorlink-i18n"],
+    &[
+        "motorlink-bus",
+        "motorlink-experiments",
+        "motorlink-simulator",
+        "motorlink-i18n",
+    ],
     &["motorlink-protocol"],
     // What needs nothing of ours.
     &["motorlink-web-server", "udev-shim"],

@@ -1,0 +1,132 @@
+//! The setpoints of a plan as lines to draw.
+
+use super::{Op, Plan, PlanMotor, PlannedMove};
+use crate::sequence::{Demand, End, Shape};
+
+/// Most points of all curves together. A screen is 4,000 columns wide at the most; beyond five points a
+/// column nothing more is seen.
+pub const POINTS_MAX: usize = 20_000;
+/// Points of one period of a sine.
+const POINTS_A_PERIOD: f64 = 24.0;
+/// Most points of one step.
+const POINTS_A_STEP_MAX: f64 = 2_000.0;
+
+/// The setpoints of one motor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// The motor, with its unit and range.
+    pub motor: PlanMotor,
+    /// In order of time.
+    pub points: Vec<CurvePoint>,
+    /// Whether the plan goes on behind the last point, where there was no room for more.
+    pub cut: bool,
+}
+
+/// A point of a curve. Lines between them are straight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint {
+    /// Seconds from the beginning. A step that waits is drawn as long as it may last.
+    pub t_s: f64,
+    /// The setpoint. A brake is 0.
+    pub value: f64,
+    /// Whether the step waits for a condition, so that this time is an upper bound.
+    pub waits: bool,
+}
+
+impl Plan {
+    /// A curve for each motor.
+    #[must_use]
+    pub fn curves(&self) -> Vec<Curve> {
+        let mut drawing = Drawing {
+            curves: self.motors.iter().copied().map(begin).collect(),
+            room: POINTS_MAX,
+            t_s: 0.0,
+        };
+        let mut passes: Vec<u32> = Vec::new();
+        let mut at = 0;
+        while let Some(op) = self.program.get(at) {
+            at += 1;
+            match op {
+                Op::Move(step) => drawing.draw(step),
+                Op::Loop { passes: all } => passes.push(*all),
+                Op::Again { first, .. } => {
+                    let left = passes.pop().unwrap_or(1).saturating_sub(1);
+                    if left > 0 {
+                        passes.push(left);
+                        at = first + 1;
+                    }
+                }
+            }
+            if drawing.room == 0 {
+                break;
+            }
+        }
+        let cut = drawing.room == 0;
+        for curve in &mut drawing.curves {
+            curve.cut = cut;
+            let value = curve.points.last().map_or(0.0, |point| point.value);
+            curve.points.push(CurvePoint {
+                t_s: drawing.t_s,
+                value,
+                waits: false,
+            });
+        }
+        drawing.curves
+    }
+}
+
+fn begin(motor: PlanMotor) -> Curve {
+    Curve {
+        motor,
+        points: Vec::new(),
+        cut: false,
+    }
+}
+
+struct Drawing {
+    curves: Vec<Curve>,
+    room: usize,
+    t_s: f64,
+}
+
+impl Drawing {
+    fn draw(&mut self, step: &PlannedMove) {
+        let seconds = step.seconds();
+        let waits = matches!(step.end, End::Until { .. });
+        for motor in &step.motors {
+            let Some(curve) = self.curves.get_mut(*motor) else {
+                continue;
+            };
+            let from = curve.points.last().map_or(0.0, |point| point.value);
+            // The setpoint before is kept until here.
+            let mut points = vec![(0.0, from)];
+            match step.demand {
+                Demand::Brake => points.extend([(0.0, 0.0), (seconds, 0.0)]),
+                Demand::Follow { shape, .. } => {
+                    let count = points_of(shape, seconds);
+                    let fraction = |point: u32| seconds * f64::from(point) / f64::from(count);
+                    let value = |t_s: f64| (t_s, shape.value(from, t_s, seconds));
+                    points.extend((0..=count).map(|point| value(fraction(point))));
+                }
+            }
+            let points = points.into_iter().take(self.room);
+            self.room = self.room.saturating_sub(points.len());
+            curve.points.extend(points.map(|(t_s, value)| CurvePoint {
+                t_s: self.t_s + t_s,
+                value,
+                waits,
+            }));
+        }
+        self.t_s += seconds;
+    }
+}
+
+/// Straight lines that show this shape.
+fn points_of(shape: Shape, seconds: f64) -> u32 {
+    let periods = match shape {
+        Shape::Step { .. } | Shape::Ramp { .. } => return 1,
+        Shape::Sine(wave) | Shape::Triangle(wave) => wave.hz * seconds,
+        Shape::Chirp { wave, to_hz } => wave.hz.max(to_hz) * seconds,
+    };
+    crate::number::whole((periods * POINTS_A_PERIOD).clamp(1.0, POINTS_A_STEP_MAX))
+}

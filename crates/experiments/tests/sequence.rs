@@ -1,0 +1,292 @@
+//! Sequences as files and as plans: what is read, what is refused, and where.
+#![cfg(test)]
+
+use motorlink_experiments::{
+    plan::{Fleet, Plan},
+    sequence::{Problem, Quantity, Sequence, Step, Template, Who, from_csv, schema},
+};
+use motorlink_protocol::MotorId;
+
+fn id(address: u8) -> MotorId {
+    MotorId::new(address).unwrap()
+}
+
+fn fleet() -> Fleet {
+    Fleet {
+        groups: vec![("left".to_owned(), vec![id(1), id(9)])],
+        ..Fleet::of([id(1), id(2)])
+    }
+}
+
+fn with_steps(steps: &str) -> String {
+    format!(r#"{{ "motorlink_sequence": 1, "steps": [{steps}] }}"#)
+}
+
+/// Reads and checks; gives the refusal.
+fn refused(text: &str) -> String {
+    let read = Sequence::from_json(text).and_then(|sequence| Plan::new(&sequence, &fleet()));
+    read.expect_err("refused").to_string()
+}
+
+#[test]
+fn what_does_not_fit_is_refused_at_its_place() {
+    let table = [
+        (
+            r#"{ "rpm": 400, "for_s": 1 }"#,
+            "steps[3].rpm: 400 is above 330",
+        ),
+        (
+            r#"{ "rpm": -331, "for_s": 1 }"#,
+            "steps[3].rpm: -331 is below -330",
+        ),
+        (
+            r#"{ "amps": 7, "motor": 2, "for_s": 1 }"#,
+            "steps[3].amps: 7 is above 6.1",
+        ),
+        (
+            r#"{ "rpm": 1, "for_s": -2 }"#,
+            "steps[3].for_s: -2 is below 0",
+        ),
+        (
+            r#"{ "rpm": 1, "motor": 7, "for_s": 1 }"#,
+            "steps[3].motor: no motor 7 here; scan for it, or use another",
+        ),
+        (
+            r#"{ "rpm": 1, "motor": 0, "for_s": 1 }"#,
+            "steps[3].motor: expected an ID from 1 to 254",
+        ),
+        (
+            r#"{ "rpm": 1, "group": "right", "for_s": 1 }"#,
+            "steps[3].group: no group of this name; use \"motor\" or a group",
+        ),
+        (
+            r#"{ "repeat": null, "steps": [{ "rpm": 1, "for_s": 1 }] }"#,
+            "steps[3].repeat: a loop without end; give the number of passes, 1 or more",
+        ),
+        (
+            r#"{ "steps": [{ "rpm": 1, "for_s": 1 }] }"#,
+            "steps[3].repeat: a loop without end; give the number of passes, 1 or more",
+        ),
+        (
+            r#"{ "repeat": 0, "steps": [{ "rpm": 1, "for_s": 1 }] }"#,
+            "steps[3].repeat: a loop without end; give the number of passes, 1 or more",
+        ),
+        (
+            r#"{ "repeat": 10001, "steps": [{ "rpm": 1, "for_s": 1 }] }"#,
+            "steps[3].repeat: 10001 is above 10000",
+        ),
+        (
+            r#"{ "repeat": 2, "steps": [{ "rpm": 1, "for_s": 0 }] }"#,
+            "steps[3].steps: a loop whose steps take no time",
+        ),
+        (
+            r#"{ "repeat": 2, "steps": [{ "rpm": 900, "for_s": 1 }] }"#,
+            "steps[3].steps[0].rpm: 900 is above 330",
+        ),
+        (r#"{ "rpm": 1 }"#, "steps[3].for_s: is missing"),
+        (
+            r#"{ "rpm": 1, "for_s": 1, "rmp": 2 }"#,
+            "steps[3].rmp: unknown field; check its spelling",
+        ),
+        (
+            r#"{ "rpm": 1, "for_s": 1, "rpm": 2 }"#,
+            "steps[3].rpm: appears twice; keep one",
+        ),
+        (
+            r#"{ "rpm": "fast", "for_s": 1 }"#,
+            "steps[3].rpm: expected a number",
+        ),
+        (
+            r#"{ "rpm": 1e999, "for_s": 1 }"#,
+            "steps[3].rpm: expected a number",
+        ),
+        (
+            r#"{ "for_s": 1 }"#,
+            "steps[3]: expected one of rpm, amps, degrees, brake",
+        ),
+    ];
+    refuses_each(&table);
+}
+
+/// Each step behind three good ones.
+fn refuses_each(table: &[(&str, &str)]) {
+    let good = r#"{ "rpm": 50, "for_s": 1 }"#;
+    for (step, expected) in table {
+        let text = with_steps(&format!("{good}, {good}, {good}, {step}"));
+        assert_eq!(refused(&text), *expected, "{step}");
+    }
+}
+
+#[test]
+fn shapes_conditions_and_loops_that_do_not_fit_are_refused_at_their_place() {
+    let table = [
+        (
+            r#"{ "rpm": 300, "shape": "sine", "amplitude": 50, "hz": 1, "for_s": 1 }"#,
+            "steps[3].amplitude: 350 is above 330",
+        ),
+        (
+            r#"{ "rpm": 0, "shape": "sine", "amplitude": 50, "hz": 400, "for_s": 1 }"#,
+            "steps[3].hz: 400 is above 50",
+        ),
+        (
+            r#"{ "rpm": 0, "shape": "ramp", "until": { "rpm_below": 1 }, "within_s": 1 }"#,
+            "steps[3].until: cannot be used with a ramp or chirp, which ends after its time",
+        ),
+        (
+            r#"{ "rpm": 0, "until": { "celsius_above": 400 }, "within_s": 1 }"#,
+            "steps[3].until.celsius_above: 400 is above 80",
+        ),
+        (
+            r#"{ "amps": 1, "for_s": 1 }"#,
+            "steps[3]: motor 1 is driven in the velocity loop before; one run keeps each motor in one loop",
+        ),
+        (
+            r#"{ "rpm": 1, "for_s": 86401 }"#,
+            "steps[3].for_s: 86401 is above 86400",
+        ),
+        (
+            r#"{ "repeat": 9000, "steps": [{ "rpm": 1, "for_s": 60 }] }"#,
+            "steps: the run could take longer than 24 hours",
+        ),
+    ];
+    refuses_each(&table);
+}
+
+#[test]
+fn a_file_of_nothing_but_brackets_is_refused() {
+    assert!(refused(&"[".repeat(1_000_000)).starts_with("not JSON"));
+}
+
+#[test]
+fn another_version_and_what_is_no_sequence_are_refused() {
+    assert_eq!(
+        refused(r#"{ "motorlink_sequence": 2, "what_is_new": 1 }"#),
+        "motorlink_sequence: written by a newer version; update this page to read it"
+    );
+    let no_sequence = "motorlink_sequence: not a sequence: \"motorlink_sequence\" must be 1";
+    assert_eq!(refused(r#"{ "steps": [] }"#), no_sequence);
+    assert_eq!(refused(r#"{ "motorlink_sequence": 0.5 }"#), no_sequence);
+    assert_eq!(
+        refused(r#"{ "motorlink_sequence": 1 }"#),
+        "steps: is missing"
+    );
+    assert_eq!(refused(&with_steps("")), "steps: no steps; add one");
+    assert_eq!(refused("{\n  rpm"), "not JSON at line 2, column 3");
+}
+
+#[test]
+fn a_hundred_thousand_steps_are_refused() {
+    let step = r#"{ "rpm": 1, "for_s": 0.01 },"#;
+    let text = with_steps(step.repeat(100_000).trim_end_matches(','));
+    assert_eq!(refused(&text), "steps: more than 10000 steps");
+    // As a table that a page has built, without a file.
+    let sequence = Sequence {
+        steps: vec![Step::hold(Who::All, Quantity::Rpm, 1.0, 0.01); 100_000],
+        ..Sequence::default()
+    };
+    let error = Plan::new(&sequence, &fleet()).unwrap_err();
+    assert_eq!(error.problem, Problem::TooManySteps { max: 10_000 });
+}
+
+#[test]
+fn loops_in_loops_have_a_depth() {
+    let mut inner = r#"{ "rpm": 1, "for_s": 1 }"#.to_owned();
+    for _ in 0..5 {
+        inner = format!(r#"{{ "repeat": 2, "steps": [{inner}] }}"#);
+    }
+    assert_eq!(
+        refused(&with_steps(&inner)),
+        "steps[0].steps[0].steps[0].steps[0].steps[0].steps: repeats are nested deeper than 4"
+    );
+}
+
+#[test]
+fn every_template_is_a_plan_and_comes_back_from_its_file() {
+    for template in Template::ALL {
+        let sequence = template.sequence();
+        let plan = Plan::new(&sequence, &fleet()).unwrap_or_else(|error| {
+            panic!("{}: {error}", template.name());
+        });
+        assert_eq!(plan.motors().len(), 2);
+        let back = Sequence::from_json(&sequence.to_json()).unwrap();
+        assert_eq!(back, sequence, "{}", template.name());
+    }
+}
+
+#[test]
+fn the_published_schema_is_that_of_the_program() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../docs/sequence.schema.json"
+    );
+    let file = std::fs::read_to_string(path).unwrap_or_default();
+    if std::env::var_os("UPDATE_SCHEMA").is_some() {
+        std::fs::write(path, schema()).unwrap();
+        return;
+    }
+    assert_eq!(file, schema(), "run this test with UPDATE_SCHEMA=1");
+    nojson::RawJson::parse(&file).expect("JSON");
+}
+
+#[test]
+fn a_group_is_its_motors_that_are_here() {
+    let text = with_steps(r#"{ "rpm": 1, "group": "left", "for_s": 1 }"#);
+    let plan = Plan::new(&Sequence::from_json(&text).unwrap(), &fleet()).unwrap();
+    let motors: Vec<MotorId> = plan.motors().iter().map(|motor| motor.id).collect();
+    assert_eq!(motors, [id(1)]);
+}
+
+#[test]
+fn a_csv_becomes_steps_that_last_until_the_next_row() {
+    let text = "time_s,1 rpm,2 rpm\r\n0,0,0\r\n0.5,100,-100\r\n\r\n2.5,,0\r\n";
+    let sequence = from_csv(text).unwrap();
+    let hold = |motor, rpm, for_s| Step::hold(Who::Motor(id(motor)), Quantity::Rpm, rpm, for_s);
+    assert_eq!(
+        sequence.steps,
+        [
+            hold(1, 0.0, 0.0),
+            hold(2, 0.0, 0.5),
+            hold(1, 100.0, 0.0),
+            hold(2, -100.0, 2.0),
+            hold(2, 0.0, 0.0),
+        ]
+    );
+    assert!(Plan::new(&sequence, &fleet()).is_ok());
+}
+
+#[test]
+fn a_csv_of_a_german_spreadsheet_is_read() {
+    let sequence = from_csv("\u{FEFF}time_s;amps\n0;\"0,5\"\n1,5;0\n").unwrap();
+    let hold = |amps, for_s| Step::hold(Who::All, Quantity::Amps, amps, for_s);
+    assert_eq!(sequence.steps, [hold(0.5, 1.5), hold(0.0, 0.0)]);
+}
+
+#[test]
+fn a_csv_that_does_not_fit_is_refused_at_line_and_column() {
+    let table = [
+        ("time_s,rpm\n-1,0\n", "line 2, column 1: -1 is below 0"),
+        (
+            "time_s,rpm\n0,0\n0,1\n",
+            "line 3, column 1: times must rise from row to row",
+        ),
+        (
+            "time_s,rpm\n0,fast\n",
+            "line 2, column 2: expected a number",
+        ),
+        (
+            "time_s,rpm\n0,1,2\n",
+            "line 2, column 3: unknown field; check its spelling",
+        ),
+        (
+            "time_s,speed\n0,1\n",
+            "line 1, column 2: expected time_s first, then columns such as rpm or \"1 rpm\"",
+        ),
+        (
+            "",
+            "line 1, column 1: expected time_s first, then columns such as rpm or \"1 rpm\"",
+        ),
+    ];
+    for (text, expected) in table {
+        assert_eq!(from_csv(text).unwrap_err().to_string(), expected);
+    }
+}
