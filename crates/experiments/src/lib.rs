@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`sequence`] | steps and limits as types; JSON, CSV and templates |
 //! | [`plan`] | a sequence that has been checked, ready to run or to draw |
+//! | [`runner`] | armed, running, paused, ended: what to send at each tick, and what ends a run |
 //!
 //! # Example
 //!
@@ -24,4 +25,5 @@
 
 mod number;
 pub mod plan;
+pub mod runner;
 pub mod sequence;

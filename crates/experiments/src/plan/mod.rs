@@ -125,6 +125,15 @@ impl Plan {
         self.has_conditions
     }
 
+    /// The step of the file that an instruction is of, as in `steps[3]`; empty for none.
+    #[must_use]
+    pub fn place(&self, step: usize) -> &str {
+        match self.program.get(step) {
+            Some(Op::Move(step)) => &step.place,
+            _ => "",
+        }
+    }
+
     /// What ends the run.
     #[must_use]
     pub const fn limits(&self) -> RunLimits {

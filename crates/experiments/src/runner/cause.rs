@@ -1,0 +1,188 @@
+//! How a run ends, and why it does not start.
+
+use std::fmt;
+
+use motorlink_protocol::{Faults, Instant, Mode, MotorId};
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// Its last step is over.
+    Finished {
+        /// When.
+        at: Instant,
+    },
+    /// Something ended it before.
+    Aborted {
+        /// What.
+        cause: Cause,
+        /// When.
+        at: Instant,
+    },
+}
+
+/// What ends a run before its last step. The bus reports some of them, the worker others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Cause {
+    /// A person pressed stop.
+    Stopped,
+    /// A person drove a motor of the run by hand.
+    Driven(MotorId),
+    /// A motor reports a fault.
+    Fault(MotorId, Faults),
+    /// A motor has not replied for half a second, or the bus has withdrawn its setpoint for silence.
+    Silent(MotorId),
+    /// A limit was crossed.
+    Limit(MotorId, Crossed),
+    /// A motor reports another loop: it lost power, or another host switched it.
+    OtherLoop(MotorId, Mode),
+    /// The bus refused a setpoint of the run.
+    Refused(MotorId),
+    /// The adapter is gone.
+    Unplugged,
+    /// The page is closed, reloaded or frozen.
+    TabClosed,
+    /// The page does not answer.
+    PageSilent,
+    /// The page has lost the focus, and is set to stop then.
+    FocusLost,
+    /// The computer slept.
+    Slept,
+    /// The worker did not run for over half a second.
+    Late,
+    /// A condition did not come to hold in its time.
+    WaitedInVain {
+        /// The instruction that waited: see [`Plan::place`](crate::plan::Plan::place).
+        step: usize,
+    },
+    /// It was paused for longer than allowed.
+    PausedTooLong,
+}
+
+/// A crossed limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Crossed {
+    /// Speed in rpm.
+    Rpm {
+        /// Reported.
+        reached: f64,
+        /// Allowed.
+        limit: f64,
+    },
+    /// Current in A, for half a second.
+    Amps {
+        /// Reported.
+        reached: f64,
+        /// Allowed.
+        limit: f64,
+    },
+    /// Temperature in deg C.
+    Celsius {
+        /// Reported.
+        reached: f64,
+        /// Allowed.
+        limit: f64,
+    },
+    /// A limit of the bus, which says more of it.
+    OfBus,
+}
+
+/// Why a run does not start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StartRefusal {
+    /// It is running or over.
+    NotArmed,
+    /// Armed over a minute ago.
+    ArmedTooLongAgo,
+    /// No reply of the last half second.
+    NotAnswering(MotorId),
+    /// The motor is in another loop than the run needs.
+    OtherLoop {
+        /// Which motor.
+        id: MotorId,
+        /// What the run needs.
+        needed: Mode,
+        /// What it reports.
+        reported: Mode,
+    },
+    /// The motor reports a fault.
+    Fault(MotorId, Faults),
+    /// The motor has not reported its angle, which the run begins at.
+    NoAngle(MotorId),
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stopped => f.write_str("stopped by you"),
+            Self::Driven(id) => write!(f, "motor {} was driven by hand", id.get()),
+            Self::Fault(id, faults) => write!(f, "motor {} reports a fault: {faults}", id.get()),
+            Self::Silent(id) => write!(f, "motor {} does not reply", id.get()),
+            Self::Limit(id, crossed) => write!(f, "motor {}: {crossed}", id.get()),
+            Self::OtherLoop(id, mode) => write!(f, "motor {} is in the {mode}", id.get()),
+            Self::Refused(id) => write!(f, "a setpoint of motor {} was refused", id.get()),
+            Self::Unplugged => f.write_str("the adapter was unplugged"),
+            Self::TabClosed => f.write_str("the page was closed"),
+            Self::PageSilent => f.write_str("the page did not respond"),
+            Self::FocusLost => f.write_str("the page lost the focus"),
+            Self::Slept => f.write_str("the computer slept"),
+            Self::Late => f.write_str("the computer was too busy for half a second"),
+            Self::WaitedInVain { .. } => {
+                f.write_str("a condition did not come to hold in its time")
+            }
+            Self::PausedTooLong => f.write_str("paused for over ten minutes"),
+        }
+    }
+}
+
+impl fmt::Display for Crossed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rpm { reached, limit } => {
+                write!(f, "{reached:.0} rpm, above the limit of {limit} rpm")
+            }
+            Self::Amps { reached, limit } => {
+                write!(f, "{reached:.2} A, above the limit of {limit} A")
+            }
+            Self::Celsius { reached, limit } => {
+                write!(f, "{reached:.0} °C, above the limit of {limit} °C")
+            }
+            Self::OfBus => f.write_str("above your limit"),
+        }
+    }
+}
+
+impl fmt::Display for StartRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotArmed => f.write_str("Not armed. Arm the run first."),
+            Self::ArmedTooLongAgo => f.write_str("Armed over a minute ago. Arm the run again."),
+            Self::NotAnswering(id) => write!(
+                f,
+                "Motor {} has not replied for half a second. Check the link.",
+                id.get()
+            ),
+            Self::OtherLoop {
+                id,
+                needed,
+                reported,
+            } => write!(
+                f,
+                "Motor {} is in the {reported}. Switch it to the {needed} first.",
+                id.get()
+            ),
+            Self::Fault(id, faults) => write!(
+                f,
+                "Motor {} reports a fault ({faults}). Start when it has cleared.",
+                id.get()
+            ),
+            Self::NoAngle(id) => write!(
+                f,
+                "Motor {} has not reported its angle. Wait for telemetry.",
+                id.get()
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StartRefusal {}

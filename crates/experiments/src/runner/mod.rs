@@ -1,0 +1,321 @@
+//! A run: armed, running, paused, ended.
+//!
+//! The owner of the bus calls it: [`Runner::telemetry`] for each reply, [`Runner::tick`] when the last tick
+//! said, [`Runner::abort`] for whatever ends a run, and a tick at once after that. What it gives are setpoints and nothing else: the bus
+//! decides the frames, checks its own limits, and stops the motors when [`Tick::Stop`] says so.
+//!
+//! An ended run never goes on. There is no command for it; another run needs another [`Runner::arm`].
+
+mod cause;
+mod cursor;
+mod record;
+mod watch;
+
+use std::time::Duration;
+
+use motorlink_protocol::{Instant, MotorId, Setpoint};
+
+pub use cause::{Cause, Crossed, End, StartRefusal};
+pub use record::{Mark, Record, Sample, SentSetpoint};
+pub use watch::Telemetry;
+
+use crate::plan::{Plan, PlanMotor};
+use cursor::{Cursor, Progress};
+use watch::Watch;
+
+/// An armed run must be started within this: what was read about it was read just now.
+pub const ARMED_FOR: Duration = Duration::from_secs(60);
+/// Longest gap between two ticks, as for the bus: after it a setpoint is from another time.
+pub const GAP_MAX: Duration = Duration::from_millis(500);
+/// Telemetry older than this says nothing of the motor (rule 5 of the bus).
+pub const FRESH_FOR: Duration = Duration::from_millis(500);
+/// Longest pause. A wheel that is held for longer has been forgotten.
+pub const PAUSE_MAX: Duration = Duration::from_secs(600);
+/// Shortest period between setpoints: 500 a second, the most that a motor takes.
+pub const PERIOD_MIN: Duration = Duration::from_millis(2);
+
+/// What a user has set for a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Time between two setpoints of a motor.
+    pub period: Duration,
+    /// Whether the run ends when the page loses the focus or is hidden.
+    pub stop_on_lost_focus: bool,
+}
+
+impl Default for Options {
+    /// 200 setpoints a second; a lost focus does not end the run.
+    fn default() -> Self {
+        Self {
+            period: Duration::from_millis(5),
+            stop_on_lost_focus: false,
+        }
+    }
+}
+
+/// Where a run is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// A person has read what will move, and may start it until then.
+    Armed {
+        /// The end of that time.
+        until: Instant,
+    },
+    /// Setpoints are sent.
+    Running,
+    /// Speeds and currents are zero, angles are held.
+    Paused,
+    /// Nothing is sent any more.
+    Ended(End),
+}
+
+/// What to do now.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tick {
+    /// Nothing: the run has not begun, or its stop was given before.
+    Idle,
+    /// Drive these motors, all as one group, and tick again at `next`.
+    Drive {
+        /// Every motor of the run.
+        setpoints: Vec<(MotorId, Setpoint)>,
+        /// The next tick.
+        next: Instant,
+    },
+    /// Stop every motor of the run. Given once.
+    Stop(End),
+}
+
+/// One run of a plan.
+#[derive(Clone, Debug)]
+pub struct Runner {
+    plan: Plan,
+    options: Options,
+    state: State,
+    watch: Watch,
+    record: Record,
+}
+
+#[derive(Clone, Debug)]
+enum State {
+    Armed { since: Instant },
+    Running(Run),
+    Paused { run: Run, since: Instant },
+    Ended { end: End, told: bool },
+}
+
+#[derive(Clone, Debug)]
+struct Run {
+    /// When the plan's time was zero; pauses move it.
+    base: Instant,
+    last_tick: Instant,
+    cursor: Cursor,
+}
+
+impl Runner {
+    /// Arms a run. Nothing moves.
+    #[must_use]
+    pub fn arm(plan: Plan, options: Options, now: Instant) -> Self {
+        let period = options.period.max(PERIOD_MIN);
+        let ids = plan.motors().iter().map(|motor| motor.id);
+        Self {
+            watch: Watch::of(ids),
+            record: Record::default(),
+            state: State::Armed { since: now },
+            options: Options { period, ..options },
+            plan,
+        }
+    }
+
+    /// What will move, how far, and for how long: what a person reads before the start.
+    #[must_use]
+    pub const fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Where the run is.
+    #[must_use]
+    pub fn phase(&self) -> Phase {
+        match &self.state {
+            State::Armed { since } => Phase::Armed {
+                until: *since + ARMED_FOR,
+            },
+            State::Running(_) => Phase::Running,
+            State::Paused { .. } => Phase::Paused,
+            State::Ended { end, .. } => Phase::Ended(*end),
+        }
+    }
+
+    /// What was sent and reported. It is kept however the run ended.
+    #[must_use]
+    pub const fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// Starts an armed run, by an act of a person.
+    ///
+    /// # Errors
+    /// [`StartRefusal`] says what is missing; nothing has changed then.
+    pub fn start(&mut self, now: Instant) -> Result<(), StartRefusal> {
+        let State::Armed { since } = self.state else {
+            return Err(StartRefusal::NotArmed);
+        };
+        if now.since(since) > ARMED_FOR {
+            return Err(StartRefusal::ArmedTooLongAgo);
+        }
+        let mut held = Vec::new();
+        for motor in &self.plan.motors {
+            held.push(self.watch.ready(motor, now)?);
+        }
+        self.record.began(now);
+        self.state = State::Running(Run {
+            base: now,
+            last_tick: now,
+            cursor: Cursor::new(held),
+        });
+        Ok(())
+    }
+
+    /// Pauses a running run.
+    pub fn pause(&mut self, now: Instant) {
+        if let State::Running(run) = &self.state {
+            let run = run.clone();
+            self.state = State::Paused { run, since: now };
+        }
+    }
+
+    /// Goes on with a paused run, by an act of a person, at the setpoint where it was paused.
+    pub fn resume(&mut self, now: Instant) {
+        if let State::Paused { run, since } = &self.state {
+            let mut run = run.clone();
+            run.base = run.base + now.since(*since);
+            self.state = State::Running(run);
+        }
+    }
+
+    /// Ends the run for this cause, unless it has ended. The data stays.
+    pub fn abort(&mut self, now: Instant, cause: Cause) {
+        self.end(End::Aborted { cause, at: now });
+    }
+
+    /// The page has lost the focus or is hidden.
+    pub fn focus_lost(&mut self, now: Instant) {
+        if self.options.stop_on_lost_focus {
+            self.abort(now, Cause::FocusLost);
+        }
+    }
+
+    /// A motor has replied. A fault, another loop or a crossed limit ends the run.
+    pub fn telemetry(&mut self, told: Telemetry) {
+        let Some(place) = self
+            .plan
+            .motors
+            .iter()
+            .position(|motor| motor.id == told.id)
+        else {
+            return;
+        };
+        let cause = self
+            .plan
+            .motors
+            .get(place)
+            .and_then(|motor| self.watch.hear(place, told, motor, self.plan.limits));
+        if matches!(self.state, State::Running(_) | State::Paused { .. }) {
+            self.record.sample(told);
+            if let Some(cause) = cause {
+                self.abort(told.at, cause);
+            }
+        }
+    }
+
+    /// What to do now. A call that is early or late changes no time of the plan.
+    pub fn tick(&mut self, now: Instant) -> Tick {
+        if let Some(cause) = self.overdue(now) {
+            self.abort(now, cause);
+        }
+        let period = self.options.period;
+        match &mut self.state {
+            State::Armed { .. } | State::Ended { told: true, .. } => Tick::Idle,
+            State::Ended { end, told } => {
+                *told = true;
+                Tick::Stop(*end)
+            }
+            State::Paused { run, since } => {
+                run.last_tick = now;
+                let at_rest = run.cursor.paused(&self.plan, since.since(run.base));
+                let setpoints = pairs(&self.plan.motors, &at_rest);
+                self.record.sent(now, &setpoints);
+                let next = now + period;
+                Tick::Drive { setpoints, next }
+            }
+            State::Running(run) => {
+                run.last_tick = now;
+                let passed = now.since(run.base);
+                let watch = &self.watch;
+                let began = |mark| self.record.mark(mark);
+                match run
+                    .cursor
+                    .advance(&self.plan, run.base, passed, watch, began)
+                {
+                    Progress::Finished => {
+                        self.end(End::Finished { at: now });
+                        self.tick(now)
+                    }
+                    Progress::TimedOut { step } => {
+                        self.abort(now, Cause::WaitedInVain { step });
+                        self.tick(now)
+                    }
+                    Progress::In { ends } => {
+                        let values = run.cursor.setpoints(&self.plan, passed);
+                        let setpoints = pairs(&self.plan.motors, &values);
+                        self.record.sent(now, &setpoints);
+                        let grid = next_on_grid(run.base, passed, period);
+                        let step_ends = run.base + ends;
+                        let next = if step_ends > now {
+                            grid.min(step_ends)
+                        } else {
+                            grid
+                        };
+                        Tick::Drive { setpoints, next }
+                    }
+                }
+            }
+        }
+    }
+
+    /// What ends a run by time alone.
+    fn overdue(&self, now: Instant) -> Option<Cause> {
+        let run = match &self.state {
+            State::Armed { .. } | State::Ended { .. } => return None,
+            State::Paused { since, .. } if now.since(*since) > PAUSE_MAX => {
+                return Some(Cause::PausedTooLong);
+            }
+            State::Running(run) | State::Paused { run, .. } => run,
+        };
+        if now.since(run.last_tick) > GAP_MAX {
+            return Some(Cause::Late);
+        }
+        self.watch.silent(now).map(Cause::Silent)
+    }
+
+    fn end(&mut self, end: End) {
+        if !matches!(self.state, State::Ended { .. }) {
+            // An armed run drives nothing, so there is nothing to stop.
+            let told = matches!(self.state, State::Armed { .. });
+            self.record.ended(end);
+            self.state = State::Ended { end, told };
+        }
+    }
+}
+
+fn pairs(motors: &[PlanMotor], setpoints: &[Setpoint]) -> Vec<(MotorId, Setpoint)> {
+    let ids = motors.iter().map(|motor| motor.id);
+    ids.zip(setpoints.iter().copied()).collect()
+}
+
+/// The next of the moments `base + n * period`. A late tick makes none of the later ones late.
+fn next_on_grid(base: Instant, passed: Duration, period: Duration) -> Instant {
+    let micros = |time: Duration| u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
+    let period = micros(period).max(1);
+    let number = micros(passed) / period + 1;
+    base + Duration::from_micros(number.saturating_mul(period))
+}

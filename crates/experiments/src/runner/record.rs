@@ -1,0 +1,164 @@
+//! What a run has sent and heard.
+
+use motorlink_protocol::{Current, Instant, MotorId, Setpoint};
+
+use super::{End, Telemetry};
+
+/// Most samples that are kept: 33 minutes at 200 Hz, 16 MB. Beyond it every second one is dropped, so that
+/// a day is kept whole, at a lower rate.
+const SAMPLES_MAX: usize = 400_000;
+/// Most changes of setpoints that are kept.
+const SENT_MAX: usize = 400_000;
+/// Most beginnings of steps that are kept.
+const MARKS_MAX: usize = 100_000;
+
+/// One reply of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Which motor.
+    pub id: MotorId,
+    /// When its last byte was received.
+    pub at: Instant,
+    /// Speed in rpm.
+    pub rpm: i16,
+    /// Torque current.
+    pub current: Current,
+    /// Angle in degrees.
+    pub degrees: Option<f32>,
+    /// Temperature in deg C.
+    pub celsius: Option<u8>,
+}
+
+/// A setpoint that differs from the one before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SentSetpoint {
+    /// Which motor.
+    pub id: MotorId,
+    /// The tick that gave it.
+    pub at: Instant,
+    /// What was sent.
+    pub setpoint: Setpoint,
+}
+
+/// The beginning of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mark {
+    /// When the plan began it.
+    pub at: Instant,
+    /// The instruction of the plan: see [`Plan::place`](crate::plan::Plan::place).
+    pub step: usize,
+}
+
+/// What a run has sent and heard, with bounds.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    began: Option<Instant>,
+    end: Option<End>,
+    samples: Vec<Sample>,
+    sent: Vec<SentSetpoint>,
+    /// The last setpoint of each motor.
+    last: Vec<(MotorId, Setpoint)>,
+    marks: Vec<Mark>,
+    /// One of so many samples is kept, as a power of two.
+    halved: u32,
+    heard: u64,
+    left_out: bool,
+}
+
+impl Record {
+    /// When the run was started.
+    #[must_use]
+    pub const fn began_at(&self) -> Option<Instant> {
+        self.began
+    }
+
+    /// How it ended.
+    #[must_use]
+    pub const fn end(&self) -> Option<End> {
+        self.end
+    }
+
+    /// The replies, in order of time.
+    #[must_use]
+    pub fn samples(&self) -> &[Sample] {
+        &self.samples
+    }
+
+    /// The changes of setpoints, in order of time.
+    #[must_use]
+    pub fn sent_setpoints(&self) -> &[SentSetpoint] {
+        &self.sent
+    }
+
+    /// The beginnings of steps, in order of time.
+    #[must_use]
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+
+    /// Whether something was left out for want of room.
+    #[must_use]
+    pub const fn is_thinned(&self) -> bool {
+        self.halved > 0 || self.left_out
+    }
+
+    pub(super) const fn began(&mut self, now: Instant) {
+        self.began = Some(now);
+    }
+
+    pub(super) const fn ended(&mut self, end: End) {
+        self.end = Some(end);
+    }
+
+    pub(super) fn mark(&mut self, mark: Mark) {
+        if self.marks.len() < MARKS_MAX {
+            self.marks.push(mark);
+        } else {
+            self.left_out = true;
+        }
+    }
+
+    pub(super) fn sent(&mut self, at: Instant, setpoints: &[(MotorId, Setpoint)]) {
+        for (id, setpoint) in setpoints {
+            let place = self.last.iter().position(|(known, _)| known == id);
+            match place.and_then(|place| self.last.get_mut(place)) {
+                Some((_, last)) if last == setpoint => continue,
+                Some((_, last)) => *last = *setpoint,
+                None => self.last.push((*id, *setpoint)),
+            }
+            if self.sent.len() < SENT_MAX {
+                self.sent.push(SentSetpoint {
+                    id: *id,
+                    at,
+                    setpoint: *setpoint,
+                });
+            } else {
+                self.left_out = true;
+            }
+        }
+    }
+
+    pub(super) fn sample(&mut self, told: Telemetry) {
+        let number = self.heard;
+        self.heard += 1;
+        if !number.is_multiple_of(1 << self.halved) {
+            return;
+        }
+        if self.samples.len() >= SAMPLES_MAX {
+            let mut keep = false;
+            self.samples.retain(|_| {
+                keep = !keep;
+                keep
+            });
+            self.halved = (self.halved + 1).min(32);
+        }
+        self.samples.push(Sample {
+            id: told.id,
+            at: told.at,
+            rpm: told.rpm,
+            current: told.current,
+            degrees: told.degrees,
+            celsius: told.celsius,
+        });
+    }
+}
