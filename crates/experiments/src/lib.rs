@@ -8,6 +8,7 @@
 //! | [`sequence`] | steps and limits as types; JSON, CSV and templates |
 //! | [`plan`] | a sequence that has been checked, ready to run or to draw |
 //! | [`runner`] | armed, running, paused, ended: what to send at each tick, and what ends a run |
+//! | [`analysis`] | figures of samples: step response, frequency response, friction, inertia, heating |
 //!
 //! # Example
 //!
@@ -23,6 +24,7 @@
 //! # Ok::<(), motorlink_experiments::sequence::SequenceError>(())
 //! ```
 
+pub mod analysis;
 mod number;
 pub mod plan;
 pub mod runner;

@@ -9,10 +9,10 @@ use crate::sequence::{
     Shape, Step, Wave, Who,
 };
 
-/// Shortest time of one pass of a loop: two setpoints at 200 Hz.
-const PASS_MIN_S: f64 = 0.01;
-/// A step that waits takes at least one tick.
+/// A step that waits takes at least one tick, at 500 Hz.
 const WAIT_MIN_S: f64 = 0.002;
+/// Shortest time of one pass of a loop: as many passes fit into a run as there are ticks in it.
+const PASS_MIN_S: f64 = WAIT_MIN_S;
 /// Least limits, as those of the bus.
 const LIMITS_MIN: [f64; 3] = [1.0, 0.1, 30.0];
 

@@ -1,7 +1,8 @@
 //! A run: armed, running, paused, ended.
 //!
-//! The owner of the bus calls it: [`Runner::telemetry`] for each reply, [`Runner::tick`] when the last tick
-//! said, [`Runner::abort`] for whatever ends a run, and a tick at once after that. What it gives are setpoints and nothing else: the bus
+//! The owner of the bus calls it: [`Runner::telemetry`] for each reply, [`Runner::sent`] for each frame
+//! that was sent, [`Runner::tick`] when the last tick said, [`Runner::abort`] for whatever ends a run, and a
+//! tick at once after that. What it gives are setpoints and nothing else: the bus
 //! decides the frames, checks its own limits, and stops the motors when [`Tick::Stop`] says so.
 //!
 //! An ended run never goes on. There is no command for it; another run needs another [`Runner::arm`].
@@ -227,6 +228,13 @@ impl Runner {
         }
     }
 
+    /// The port has taken the drive frame of a setpoint of the last tick, at this time.
+    pub fn sent(&mut self, at: Instant, id: MotorId, setpoint: Setpoint) {
+        if matches!(self.state, State::Running(_) | State::Paused { .. }) {
+            self.record.sent(at, id, setpoint);
+        }
+    }
+
     /// What to do now. A call that is early or late changes no time of the plan.
     pub fn tick(&mut self, now: Instant) -> Tick {
         if let Some(cause) = self.overdue(now) {
@@ -243,7 +251,6 @@ impl Runner {
                 run.last_tick = now;
                 let at_rest = run.cursor.paused(&self.plan, since.since(run.base));
                 let setpoints = pairs(&self.plan.motors, &at_rest);
-                self.record.sent(now, &setpoints);
                 let next = now + period;
                 Tick::Drive { setpoints, next }
             }
@@ -267,7 +274,6 @@ impl Runner {
                     Progress::In { ends } => {
                         let values = run.cursor.setpoints(&self.plan, passed);
                         let setpoints = pairs(&self.plan.motors, &values);
-                        self.record.sent(now, &setpoints);
                         let grid = next_on_grid(run.base, passed, period);
                         let step_ends = run.base + ends;
                         let next = if step_ends > now {

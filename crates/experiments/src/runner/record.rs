@@ -34,7 +34,7 @@ pub struct Sample {
 pub struct SentSetpoint {
     /// Which motor.
     pub id: MotorId,
-    /// The tick that gave it.
+    /// When its frame was sent.
     pub at: Instant,
     /// What was sent.
     pub setpoint: Setpoint,
@@ -118,23 +118,17 @@ impl Record {
         }
     }
 
-    pub(super) fn sent(&mut self, at: Instant, setpoints: &[(MotorId, Setpoint)]) {
-        for (id, setpoint) in setpoints {
-            let place = self.last.iter().position(|(known, _)| known == id);
-            match place.and_then(|place| self.last.get_mut(place)) {
-                Some((_, last)) if last == setpoint => continue,
-                Some((_, last)) => *last = *setpoint,
-                None => self.last.push((*id, *setpoint)),
-            }
-            if self.sent.len() < SENT_MAX {
-                self.sent.push(SentSetpoint {
-                    id: *id,
-                    at,
-                    setpoint: *setpoint,
-                });
-            } else {
-                self.left_out = true;
-            }
+    pub(super) fn sent(&mut self, at: Instant, id: MotorId, setpoint: Setpoint) {
+        let place = self.last.iter().position(|(known, _)| *known == id);
+        match place.and_then(|place| self.last.get_mut(place)) {
+            Some((_, last)) if *last == setpoint => return,
+            Some((_, last)) => *last = setpoint,
+            None => self.last.push((id, setpoint)),
+        }
+        if self.sent.len() < SENT_MAX {
+            self.sent.push(SentSetpoint { id, at, setpoint });
+        } else {
+            self.left_out = true;
         }
     }
 

@@ -1,0 +1,58 @@
+//! When a reported signal crosses a level.
+
+use super::Point;
+
+/// The points at which a rounded signal is known best.
+///
+/// A motor reports whole rpm. Where the report changes from one number to the next, the true value is halfway
+/// between them, to within the time between two replies; in between it is only known to half a unit. So the
+/// middle of every change is kept, and the first and last point.
+pub(super) fn changes(points: &[Point]) -> Vec<Point> {
+    let pairs = points.iter().zip(points.iter().skip(1));
+    let middles = pairs.filter(|(one, next)| {
+        // Equal reports are equal bits.
+        one.value.to_bits() != next.value.to_bits()
+    });
+    let middles = middles.map(|(one, next)| Point {
+        t_s: f64::midpoint(one.t_s, next.t_s),
+        value: f64::midpoint(one.value, next.value),
+    });
+    let first = points.first().copied();
+    let last = points.last().copied();
+    first.into_iter().chain(middles).chain(last).collect()
+}
+
+/// The first time at or after `from_s` at which lines between the points reach `level`, from below.
+pub(super) fn first_reaching(points: &[Point], level: f64, from_s: f64) -> Option<f64> {
+    let later = |point: &&Point| point.t_s >= from_s;
+    let pairs = points.iter().zip(points.iter().skip(1));
+    let crossing = pairs
+        .filter(|(_, next)| later(next))
+        .find(|(one, next)| one.value < level && next.value >= level);
+    match crossing {
+        Some((one, next)) => Some(between(*one, *next, level).max(from_s)),
+        // It is there already.
+        None => points
+            .iter()
+            .find(later)
+            .filter(|point| point.value >= level)
+            .map(|point| point.t_s),
+    }
+}
+
+/// The last time at which lines between the points are further than `off` from `level`.
+pub(super) fn last_outside(points: &[Point], level: f64, off: f64) -> Option<f64> {
+    let outside = |point: &Point| (point.value - level).abs() > off;
+    let place = points.iter().rposition(outside)?;
+    let out = points.get(place)?;
+    let Some(next) = points.get(place + 1) else {
+        return Some(out.t_s);
+    };
+    let edge = level + off * (out.value - level).signum();
+    Some(between(*out, *next, edge))
+}
+
+fn between(one: Point, next: Point, level: f64) -> f64 {
+    let part = (level - one.value) / (next.value - one.value);
+    one.t_s + (next.t_s - one.t_s) * part
+}

@@ -1,0 +1,48 @@
+//! Figures of samples. Every function is pure: samples in, figures out, nothing kept.
+//!
+//! `docs/experiments.md` says what each figure means and where its formula is from.
+
+mod coast_down;
+mod crossing;
+mod frequency;
+mod friction;
+mod heating;
+mod inertia;
+mod least_squares;
+mod statistics;
+mod step_response;
+mod torque_speed;
+mod trace;
+
+pub use coast_down::{CoastDown, coast_down};
+pub use frequency::{BodePoint, Invalid, SineRun, frequency_point, unwrap_phases};
+pub use friction::{Friction, even_replies, friction};
+pub use heating::{Heating, heating};
+pub use inertia::{Inertia, Push, inertia};
+pub use statistics::{CONFIDENCE, Estimate, Spread, spread};
+pub use step_response::{StepFigures, StepRun, StepSummary, step_figures, step_summary};
+pub use torque_speed::{TorqueSpeed, torque_speed};
+pub use trace::Trace;
+
+/// Torque of one ampere, in N.m (the maker's figure for M0601 and DDSM115).
+pub const TORQUE_NM_PER_A: f64 = 0.75;
+
+/// rad/s of one rpm.
+const RAD_S_PER_RPM: f64 = std::f64::consts::TAU / 60.0;
+
+/// A value at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Seconds since the beginning of the run.
+    pub t_s: f64,
+    /// The value, in the unit of its quantity.
+    pub value: f64,
+}
+
+impl Point {
+    /// A value at a time.
+    #[must_use]
+    pub const fn new(t_s: f64, value: f64) -> Self {
+        Self { t_s, value }
+    }
+}

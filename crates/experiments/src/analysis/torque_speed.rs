@@ -1,0 +1,34 @@
+//! Speed against torque, at a load that grows.
+
+use super::{TORQUE_NM_PER_A, least_squares::LeastSquares, statistics::Estimate};
+
+/// The straight line of speed over torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueSpeed {
+    /// Speed without torque, in rpm.
+    pub no_load_rpm: Estimate,
+    /// Speed that each N.m costs, in rpm per N.m.
+    pub droop_rpm_per_nm: Estimate,
+    /// The largest torque that was measured, in N.m. The line is not known beyond it.
+    pub torque_max_nm: f64,
+}
+
+/// Fits `speed = no_load - droop * torque` to replies `(rpm, amps)` in one direction.
+///
+/// Nothing where the torque hardly changed.
+#[must_use]
+pub fn torque_speed(replies: impl IntoIterator<Item = (f64, f64)>) -> Option<TorqueSpeed> {
+    let mut rows = LeastSquares::<2>::new();
+    let mut torque_max_nm = 0.0_f64;
+    for (rpm, amps) in replies {
+        let torque_nm = amps.abs() * TORQUE_NM_PER_A;
+        torque_max_nm = torque_max_nm.max(torque_nm);
+        rows.add([1.0, -torque_nm], rpm.abs());
+    }
+    let [no_load_rpm, droop_rpm_per_nm] = Estimate::of(&rows.solve()?);
+    Some(TorqueSpeed {
+        no_load_rpm,
+        droop_rpm_per_nm,
+        torque_max_nm,
+    })
+}

@@ -1,0 +1,71 @@
+//! The samples of one motor as signals over time.
+
+use motorlink_protocol::{FRAME_AIRTIME, Instant, MotorId, Setpoint};
+
+use super::Point;
+use crate::runner::Record;
+
+/// Signals of one motor of a run, in seconds since its start.
+///
+/// Times are those at the motor. It has heard a setpoint when the last byte of its frame has passed, and has
+/// measured what it reports when the first byte of its reply leaves: the airtime of a frame after the one and
+/// before the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Setpoints that differ from the one before, in rpm, A or degrees. A brake is 0.
+    pub command: Vec<Point>,
+    /// Speed in rpm.
+    pub rpm: Vec<Point>,
+    /// Current in A.
+    pub amps: Vec<Point>,
+    /// Temperature in deg C.
+    pub celsius: Vec<Point>,
+}
+
+impl Trace {
+    /// The signals of this motor; empty if the run was not started.
+    #[must_use]
+    pub fn of(record: &Record, id: MotorId) -> Self {
+        let Some(began) = record.began_at() else {
+            return Self::default();
+        };
+        let since = |at: Instant| at.since(began).as_secs_f64();
+        let heard = |at: Instant| since(at + FRAME_AIRTIME);
+        let measured = |at: Instant| since(at) - FRAME_AIRTIME.as_secs_f64();
+        let sent = record.sent_setpoints().iter();
+        let samples = || record.samples().iter().filter(|sample| sample.id == id);
+        let point = Point::new;
+        Self {
+            command: sent
+                .filter(|sent| sent.id == id)
+                .map(|sent| point(heard(sent.at), value(sent.setpoint)))
+                .collect(),
+            rpm: samples()
+                .map(|sample| point(measured(sample.at), sample.rpm.into()))
+                .collect(),
+            amps: samples()
+                .map(|sample| point(measured(sample.at), sample.current.amps().into()))
+                .collect(),
+            celsius: samples()
+                .filter_map(|sample| Some(point(measured(sample.at), sample.celsius?.into())))
+                .collect(),
+        }
+    }
+
+    /// The points of a signal from one time up to another.
+    #[must_use]
+    pub fn between(signal: &[Point], from_s: f64, to_s: f64) -> &[Point] {
+        let first = signal.partition_point(|point| point.t_s < from_s);
+        let end = signal.partition_point(|point| point.t_s < to_s);
+        signal.get(first..end).unwrap_or_default()
+    }
+}
+
+fn value(setpoint: Setpoint) -> f64 {
+    match setpoint {
+        Setpoint::Velocity { speed, .. } => speed.rpm().into(),
+        Setpoint::Brake => 0.0,
+        Setpoint::Current(current) => current.amps().into(),
+        Setpoint::Position(position) => position.degrees().into(),
+    }
+}

@@ -1,0 +1,197 @@
+//! Frequency responses of a known system, and of the virtual motor.
+#![cfg(test)]
+
+mod analytic_systems;
+mod bench;
+mod measured;
+
+use std::f64::consts::TAU;
+
+use analytic_systems::SecondOrder;
+use bench::Bench;
+use motorlink_experiments::{
+    analysis::{BodePoint, Invalid, Point, SineRun, frequency_point, unwrap_phases},
+    sequence::{End, Quantity, Sequence, Shape, Step, Template, Wave, Who},
+};
+use motorlink_simulator::MotorConfig;
+
+/// A sine of whole rpm at 200 Hz through the system, and its replies in whole rpm.
+struct Signals {
+    command: Vec<Point>,
+    response: Vec<Point>,
+}
+
+fn through(system: SecondOrder, wave: Wave, for_s: f64, lost: f64, seed: u64) -> Signals {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let (mut command, mut response) = (Vec::new(), Vec::new());
+    let omega = TAU * system.hz;
+    let (mut y, mut dy, mut t_s) = (wave.centre, 0.0, 0.0);
+    while t_s < for_s {
+        let held = (wave.centre + wave.amplitude * (TAU * wave.hz * t_s).sin()).round();
+        command.push(Point::new(t_s, held));
+        // Up to a millisecond late, as the next tick of a busy worker.
+        let next_s = (t_s / 5e-3 + 1.0).floor() * 5e-3 + 1e-3 * random.f64();
+        let reply_s = t_s + 6e-4;
+        let mut told = false;
+        while t_s < next_s {
+            if !told && t_s >= reply_s {
+                told = true;
+                if random.f64() >= lost {
+                    response.push(Point::new(t_s, (y + 0.3 * (random.f64() - 0.5)).round()));
+                }
+            }
+            let step_s = 5e-5;
+            // Semi-implicit, in steps of a four-hundredth of a radian.
+            dy += step_s * (omega * omega * (held - y) - 2.0 * system.damping * omega * dy);
+            y += step_s * dy;
+            t_s += step_s;
+        }
+    }
+    Signals { command, response }
+}
+
+fn measure(signals: &Signals, hz: f64, for_s: f64, amps: &[Point]) -> BodePoint {
+    frequency_point(&SineRun {
+        hz,
+        from_s: 0.5,
+        to_s: for_s,
+        command: &signals.command,
+        response: &signals.response,
+        amps,
+        amps_max: Some(2.7),
+        request_hz: 200.0,
+        resolution: 1.0,
+    })
+}
+
+#[test]
+fn a_second_order_system_has_its_bode_plot() {
+    let system = SecondOrder {
+        hz: 6.0,
+        damping: 0.6,
+    };
+    let mut points = Vec::new();
+    for step in Template::SineSweep.sequence().steps {
+        let Step::Move(step) = step else { continue };
+        let motorlink_experiments::sequence::Demand::Follow {
+            shape: Shape::Sine(wave),
+            ..
+        } = step.demand
+        else {
+            continue;
+        };
+        let End::After(for_s) = step.end else {
+            panic!("a sine without end")
+        };
+        let for_s = for_s + 0.5;
+        let signals = through(system, wave, for_s, 0.05, 3);
+        points.push(measure(&signals, wave.hz, for_s, &[]));
+    }
+    unwrap_phases(&mut points);
+    let mut judged = 0;
+    for point in points.iter().filter(|point| point.hz < 10.1) {
+        let (gain_db, phase_deg) = system.response(point.hz);
+        assert_eq!(point.invalid, None, "{point:?}");
+        assert!((point.gain_db - gain_db).abs() < 0.5, "{point:?} {gain_db}");
+        assert!(
+            (point.phase_deg - phase_deg).abs() < 5.0,
+            "{point:?} {phase_deg}"
+        );
+        judged += 1;
+    }
+    assert_eq!(judged, 18);
+}
+
+#[test]
+fn points_that_do_not_count_are_marked() {
+    let system = SecondOrder {
+        hz: 6.0,
+        damping: 0.6,
+    };
+    let wave = Wave {
+        centre: 80.0,
+        amplitude: 20.0,
+        hz: 1.0,
+    };
+    let good = through(system, wave, 4.5, 0.0, 1);
+    assert_eq!(measure(&good, 1.0, 4.5, &[]).invalid, None);
+    let of = |signals: &Signals, amps: &[Point]| measure(signals, 1.0, 4.5, amps).invalid;
+    let lossy = through(system, wave, 4.5, 0.5, 1);
+    assert_eq!(of(&lossy, &[]), Some(Invalid::RepliesLost));
+    assert_eq!(
+        of(&good, &[Point::new(2.0, -2.69)]),
+        Some(Invalid::Saturated)
+    );
+    let mut clipped = through(system, wave, 4.5, 0.0, 1);
+    for point in &mut clipped.command {
+        point.value = point.value.clamp(65.0, 95.0);
+    }
+    assert_eq!(of(&clipped, &[]), Some(Invalid::Clipped));
+    let mut noisy = through(system, wave, 4.5, 0.0, 1);
+    let mut random = fastrand::Rng::with_seed(5);
+    for point in &mut noisy.response {
+        point.value += 80.0 * (random.f64() - 0.5);
+    }
+    assert_eq!(of(&noisy, &[]), Some(Invalid::NotCoherent));
+    let mut still = through(system, wave, 4.5, 0.0, 1);
+    for point in &mut still.response {
+        point.value = 80.0;
+    }
+    assert_eq!(of(&still, &[]), Some(Invalid::TooSmall));
+    assert_eq!(
+        measure(&good, 1.0, 1.8, &[]).invalid,
+        Some(Invalid::TooShort)
+    );
+    assert!(
+        measure(&good, 1.0, 1.8, &[]).gain_db.is_nan(),
+        "nothing is put in its place"
+    );
+}
+
+/// Torque current to speed: `Kt / (J s + b)`, which the virtual motor has without a controller.
+#[test]
+fn the_virtual_motor_has_the_bode_plot_of_its_wheel() {
+    let mut steps = vec![];
+    for hz in [1.0, 2.0, 4.0, 7.0, 10.0] {
+        // 40 rpm to either side, at any frequency.
+        let amplitude = 40.0 * TAU / 60.0 * TAU * hz * 1e-3 / 0.75;
+        let wave = Wave {
+            centre: 0.0,
+            amplitude,
+            hz,
+        };
+        let shape = Shape::Sine(wave);
+        steps.push(Step::follow(
+            Who::All,
+            Quantity::Amps,
+            shape,
+            End::After((3.0 * hz).ceil() / hz + 1.0),
+        ));
+    }
+    let sequence = Sequence {
+        steps,
+        ..Sequence::default()
+    };
+    let mut bench = Bench::new(3, MotorConfig::default());
+    let points = measured::sweep(&mut bench, &sequence, 1.0);
+    assert_eq!(points.len(), 5);
+    for point in points {
+        let omega = TAU * point.hz;
+        let (re, im) = (1e-4, omega * 1e-3);
+        let gain_db = 20.0 * (0.75 * 60.0 / TAU / im.hypot(re)).log10();
+        let phase_deg = -im.atan2(re).to_degrees();
+        assert_eq!(point.invalid, None);
+        assert!((point.gain_db - gain_db).abs() < 0.5, "{point:?} {gain_db}");
+        assert!(
+            (point.phase_deg - phase_deg).abs() < 5.0,
+            "{point:?} {phase_deg}"
+        );
+    }
+}
+
+#[test]
+fn the_sweep_template_measures_the_virtual_motors_velocity_loop() {
+    let mut bench = Bench::new(4, MotorConfig::default());
+    let points = measured::sweep(&mut bench, &Template::SineSweep.sequence(), 0.5);
+    assert_eq!(points.len(), 21);
+}
