@@ -39,12 +39,12 @@ fn step_response() {
     }
     let [latency, rise, settling] = worst;
     println!(
-        "| step response of the virtual motor, off the analytic answer | latency {latency:.1} % (2 ms), rise {rise:.1} %, settling {settling:.1} % |"
+        "| step response of the virtual motor, off the analytic answer | latency {latency:.1} %, rise {rise:.1} %, settling {settling:.1} % |"
     );
 }
 
 fn bode() {
-    let frequencies = [0.5, 1.0, 2.0, 4.0, 7.0, 10.0];
+    let frequencies = [1.0, 2.0, 4.0, 6.0, 8.0, 10.0];
     let step = |hz: f64| {
         let amplitude = 40.0 * TAU / 60.0 * TAU * hz * INERTIA / 0.75;
         let wave = Wave {

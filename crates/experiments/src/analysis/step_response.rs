@@ -108,10 +108,16 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
     let rise_s = reaches(RISE.0 * steady)
         .zip(reaches(RISE.1 * steady))
         .map(|(low_s, high_s)| high_s - low_s);
+    // A ramp behind a lag begins with the square of the time: its root is a straight line between two changes.
+    let roots: Vec<Point> = parts
+        .iter()
+        .map(|point| Point::new(point.t_s, point.value.abs().sqrt() * point.value.signum()))
+        .collect();
+    let begins = first_reaching(&roots, BEGINS.sqrt(), run.at_s);
     let highest = parts.iter().map(|point| point.value).reduce(f64::max);
     let settles = last_outside(&parts, steady, SETTLED);
     StepFigures {
-        latency_s: reaches(BEGINS).map(|at_s| at_s - run.at_s),
+        latency_s: begins.map(|at_s| at_s - run.at_s),
         rise_s,
         overshoot: highest.map(|highest| (highest - steady).max(0.0)),
         // What leaves the band near the end has not settled.
