@@ -9,6 +9,7 @@
 //! | [`plan`] | a sequence that has been checked, ready to run or to draw |
 //! | [`runner`] | armed, running, paused, ended: what to send at each tick, and what ends a run |
 //! | [`analysis`] | figures of samples: step response, frequency response, friction, inertia, heating |
+//! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example
 //!
@@ -25,6 +26,7 @@
 //! ```
 
 pub mod analysis;
+pub mod generate;
 mod number;
 pub mod plan;
 pub mod runner;

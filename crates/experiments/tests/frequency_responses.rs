@@ -199,6 +199,9 @@ fn the_sweep_template_measures_the_virtual_motors_velocity_loop() {
     for point in points {
         assert_eq!(point.invalid.is_none(), point.hz < 10.1, "{point:?}");
         let is_slow = point.hz < 2.6;
-        assert!(!is_slow || (point.gain_db - lag(point.hz)).abs() < 0.8, "{point:?}");
+        assert!(
+            !is_slow || (point.gain_db - lag(point.hz)).abs() < 0.8,
+            "{point:?}"
+        );
     }
 }

@@ -86,6 +86,8 @@ pub enum Command {
         #[arg(long, default_value_t = 100_000)]
         worlds: u64,
     },
+    /// Measure the figures of crates/experiments on virtual motors, and run the generated programs
+    Experiments,
     /// Run mutation tests on the safety code of the bus; fail if a mutant survives without a reason
     Mutants {
         /// Number of mutants tested at the same time

@@ -10,6 +10,7 @@ mod cargo;
 mod check;
 mod command_line;
 mod content_hash;
+mod experiments;
 mod failure;
 mod invariants;
 mod layers;
@@ -93,6 +94,7 @@ fn run(command: Command) -> Result<()> {
             seconds,
             worlds,
         } => reliability::show(&workspace, part.as_deref(), seconds, worlds),
+        Command::Experiments => experiments::show(&workspace),
         Command::Mutants { jobs } => mutants::show(&workspace, jobs),
         Command::Translations { check } => translations::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),

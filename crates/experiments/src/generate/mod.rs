@@ -1,0 +1,161 @@
+//! A sequence as a program that runs without this one, and a setup for ROS 2.
+//!
+//! Each program asks before it moves anything, sends setpoints as the runner does, checks the limits of the run,
+//! faults and silence, and stops every motor at its end, on an error and on Ctrl-C: it switches to the velocity
+//! loop and brakes until each motor reports a standstill.
+
+mod ros2;
+mod rows;
+
+use std::fmt::Write;
+
+use motorlink_protocol::Mode;
+
+pub use ros2::{Ros2, Ros2Files, ros2};
+
+use crate::plan::Plan;
+
+const PYTHON: &str = include_str!("program.py");
+const ARDUINO: &str = include_str!("program.ino");
+const RUST: &str = include_str!("program.rs.txt");
+const RUST_MANIFEST: &str = include_str!("Cargo.toml.txt");
+
+/// Time for one exchange with a motor, which takes 2.4 ms, and for an adapter that is a little slow.
+const EXCHANGE_MS: usize = 4;
+/// Shortest period between two rounds: 100 setpoints a second, which every adapter can do.
+const PERIOD_MIN_MS: usize = 10;
+
+/// What a program is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Program<'a> {
+    /// What runs.
+    pub plan: &'a Plan,
+    /// The name of the sequence.
+    pub name: &'a str,
+    /// The serial port, such as `/dev/ttyUSB0`.
+    pub port: &'a str,
+}
+
+/// A Rust program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RustFiles {
+    /// `Cargo.toml`
+    pub manifest: String,
+    /// `src/main.rs`
+    pub main: String,
+}
+
+/// A Python program for `pyserial`.
+#[must_use]
+pub fn python(program: &Program<'_>) -> String {
+    let motors = program.plan.motors.iter();
+    let motors = motors.map(|motor| format!("({}, {})", motor.id.get(), motor.mode().byte()));
+    fill(
+        PYTHON,
+        program,
+        &lines(motors),
+        &rows::python(program.plan),
+        "None",
+    )
+}
+
+/// An Arduino sketch for an ESP32 with an RS485 transceiver.
+#[must_use]
+pub fn arduino(program: &Program<'_>) -> String {
+    let motors = program.plan.motors.iter();
+    let motors = motors.map(|motor| format!("{{{}, {}}}", motor.id.get(), motor.mode().byte()));
+    fill(
+        ARDUINO,
+        program,
+        &lines(motors),
+        &rows::arduino(program.plan),
+        "-1",
+    )
+}
+
+/// A Rust program on `motorlink-protocol` and `serialport`.
+#[must_use]
+pub fn rust(program: &Program<'_>) -> RustFiles {
+    let motors = program.plan.motors.iter().map(|motor| {
+        let mode = match motor.mode() {
+            Mode::Current => "Current",
+            Mode::Velocity => "Velocity",
+            Mode::Position => "Position",
+        };
+        format!("({}, Mode::{mode})", motor.id.get())
+    });
+    RustFiles {
+        manifest: RUST_MANIFEST.to_owned(),
+        main: fill(
+            RUST,
+            program,
+            &lines(motors),
+            &rows::rust(program.plan),
+            "f64::INFINITY",
+        ),
+    }
+}
+
+/// One item a line.
+fn lines(items: impl Iterator<Item = String>) -> String {
+    let mut text = String::new();
+    for item in items {
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "    {item},");
+    }
+    text
+}
+
+/// Puts the parts of a program into its text. `none` is a limit that is not set.
+fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str) -> String {
+    let plan = program.plan;
+    let limit = |limit: Option<f64>| limit.map_or(none.to_owned(), |limit| format!("{limit:?}"));
+    let period_ms = (plan.motors.len() * EXCHANGE_MS).max(PERIOD_MIN_MS);
+    let parts = [
+        ("@NAME@", plain(program.name)),
+        ("@PORT@", plain(program.port)),
+        ("@WHAT@", what_moves(plan)),
+        ("@MOTOR_COUNT@", plan.motors.len().to_string()),
+        ("@ROW_COUNT@", plan.program.len().to_string()),
+        ("@PERIOD_MS@", period_ms.to_string()),
+        ("@LIMIT_RPM@", limit(plan.limits.rpm)),
+        ("@LIMIT_AMPS@", limit(plan.limits.amps)),
+        ("@LIMIT_CELSIUS@", limit(plan.limits.celsius)),
+    ];
+    let put = |text: String, (name, part): &(&str, String)| text.replace(name, part);
+    let text = parts.iter().fold(text.to_owned(), put);
+    // Lists stand on lines of their own, behind a comment of each language.
+    let list = |text: String, name: &str, list: &str| {
+        let mut filled = String::new();
+        for line in text.lines() {
+            if line.trim_start_matches(['/', '#', ' ']) == name {
+                filled.push_str(list);
+            } else {
+                filled.push_str(line);
+                filled.push('\n');
+            }
+        }
+        filled
+    };
+    list(list(text, "@MOTORS@", motors), "@ROWS@", rows)
+}
+
+/// What a person reads before the start.
+fn what_moves(plan: &Plan) -> String {
+    let mut text = String::new();
+    for motor in &plan.motors {
+        let (id, unit) = (motor.id.get(), motor.quantity.field());
+        let (least, greatest) = (motor.least, motor.greatest);
+        let _ = write!(text, "motor {id} from {least} to {greatest} {unit}, ");
+    }
+    let _ = write!(text, "for at most {:.1} s", plan.longest_s);
+    text
+}
+
+/// A text that is the same in every language that it is put into.
+pub(crate) fn plain(text: &str) -> String {
+    let allowed =
+        |character: char| character.is_ascii_alphanumeric() || " /._:+-".contains(character);
+    let keep = |character| if allowed(character) { character } else { '_' };
+    text.chars().map(keep).collect()
+}

@@ -1,0 +1,332 @@
+// @NAME@
+//
+// Drives M0601/DDSM115 hub motors over RS485, for an ESP32 with a transceiver.
+// Moves: @WHAT@.
+// THE WHEELS TURN. Fasten the motors first. The power switch is the emergency stop.
+// Nothing moves after a reset: send y on the USB serial port to start. Any other character, such as Ctrl-C, stops.
+
+#include <Arduino.h>
+#include <math.h>
+#include <string.h>
+
+const int RX_PIN = 16, TX_PIN = 17;
+// The pin that switches the transceiver to sending; -1 for one that does so by itself.
+const int DE_PIN = 4;
+
+const uint32_t PERIOD_MS = @PERIOD_MS@;
+// A limit of -1 is none.
+const double LIMIT_RPM = @LIMIT_RPM@, LIMIT_AMPS = @LIMIT_AMPS@, LIMIT_CELSIUS = @LIMIT_CELSIUS@;
+const uint32_t REPLY_MS = 20, OVER_CURRENT_MS = 500, STOP_MS = 3000;
+const int MISSED_MAX = 10, DEPTH_MAX = 8;
+
+enum { CURRENT = 1, VELOCITY = 2, POSITION = 3 };
+
+struct Named { uint8_t id, mode; };
+// Motor ID, and its loop.
+const Named MOTORS[@MOTOR_COUNT@] = {
+    // @MOTORS@
+};
+const int COUNT = @MOTOR_COUNT@;
+
+struct Row {
+  // 0 move, 1 loop, 2 end of a loop; the motors as bits; 0 step, 1 ramp, 2 sine, 3 triangle, 4 chirp, 5 brake.
+  uint8_t kind;
+  uint32_t motors;
+  uint8_t shape;
+  double value, amplitude, hz, to_hz;
+  uint8_t acceleration;
+  double seconds;
+  // 0 none, 1 rpm above, 2 rpm below, 3 degrees near, 4 celsius above, 5 celsius below.
+  uint8_t condition;
+  double bound, tolerance;
+  // Passes of a loop, or the row of its beginning.
+  uint32_t number;
+};
+const Row ROWS[@ROW_COUNT@] = {
+    // @ROWS@
+};
+const int ROW_COUNT = @ROW_COUNT@;
+
+struct Motor {
+  int missed = 0, mode = 0, rpm = 0, faults = 0;
+  bool heard = false;
+  double heard_s = 0, amps = 0, degrees = 0, celsius = -1, over_since_s = 0, query_s = 0;
+  // The setpoint that is kept, or the row that is followed since when and from where.
+  double kept = 0, since_s = 0, start = 0;
+  const Row *row = nullptr;
+  uint8_t acceleration = 0;
+  bool brakes = false;
+};
+Motor motors[COUNT];
+const char *ended = nullptr;
+uint32_t start_us = 0, last_us = 0;
+double passed_s = 0;
+
+// Seconds since the start; micros() begins anew every 71 minutes.
+double seconds_now() {
+  uint32_t now = micros();
+  passed_s += (uint32_t)(now - last_us) * 1e-6;
+  last_us = now;
+  return passed_s;
+}
+
+uint8_t crc8(const uint8_t *data, int count) {
+  uint8_t crc = 0;
+  for (int i = 0; i < count; i++) {
+    crc ^= data[i];
+    for (int bit = 0; bit < 8; bit++) crc = crc & 1 ? (crc >> 1) ^ 0x8C : crc >> 1;
+  }
+  return crc;
+}
+
+void send(const uint8_t *frame) {
+  if (DE_PIN >= 0) digitalWrite(DE_PIN, HIGH);
+  Serial2.write(frame, 10);
+  Serial2.flush();
+  if (DE_PIN >= 0) digitalWrite(DE_PIN, LOW);
+}
+
+// Sends nine bytes with their CRC; reads the reply.
+bool exchange(int m, uint8_t *frame) {
+  Motor &motor = motors[m];
+  while (Serial2.available()) Serial2.read();
+  frame[9] = crc8(frame, 9);
+  send(frame);
+  uint8_t reply[10];
+  int got = 0;
+  for (uint32_t began = millis(); got < 10 && millis() - began < REPLY_MS;) {
+    if (Serial2.available()) reply[got++] = Serial2.read();
+  }
+  if (got != 10 || reply[0] != MOTORS[m].id || crc8(reply, 9) != reply[9]) {
+    motor.missed++;
+    return false;
+  }
+  motor.missed = 0;
+  motor.heard = true;
+  motor.heard_s = seconds_now();
+  motor.mode = reply[1];
+  motor.amps = (int16_t)(reply[2] << 8 | reply[3]) * 8.0 / 32767;
+  motor.rpm = (int16_t)(reply[4] << 8 | reply[5]);
+  motor.faults = reply[8] & 0x1F;
+  if (frame[1] == 0x74) motor.celsius = reply[6];
+  else motor.degrees = (reply[6] << 8 | reply[7]) * 360.0 / 32767;
+  return true;
+}
+
+bool query(int m) {
+  uint8_t frame[10] = {MOTORS[m].id, 0x74};
+  return exchange(m, frame);
+}
+
+bool drive(int m, long raw, uint8_t acceleration, uint8_t brake) {
+  uint8_t frame[10] = {MOTORS[m].id, 0x64, (uint8_t)(raw >> 8), (uint8_t)raw, 0, 0, acceleration, brake};
+  return exchange(m, frame);
+}
+
+// Five frames, 20 ms apart, without a reply.
+void switch_mode(int m, uint8_t mode) {
+  uint8_t frame[10] = {MOTORS[m].id, 0xA0, 0, 0, 0, 0, 0, 0, 0, mode};
+  for (int i = 0; i < 5; i++) {
+    send(frame);
+    delay(20);
+  }
+}
+
+// The setpoint at this second of the run.
+double value_at(const Motor &motor, double at_s) {
+  if (!motor.row) return motor.kept;
+  const Row &row = *motor.row;
+  double t = at_s - motor.since_s;
+  t = t < 0 ? 0 : t > row.seconds ? row.seconds : t;
+  const double turn = 6.283185307179586;
+  switch (row.shape) {
+    case 1:
+      return row.seconds > 0 ? motor.start + (row.value - motor.start) * t / row.seconds : row.value;
+    case 2:
+      return row.value + row.amplitude * sin(turn * row.hz * t);
+    case 3: {
+      double part = row.hz * t + 0.25;
+      part -= floor(part);
+      return row.value + row.amplitude * (1 - 4 * fabs(part - 0.5));
+    }
+    case 4: {
+      double octaves = log(row.to_hz / row.hz), turns = row.hz * t;
+      if (row.seconds > 0 && fabs(octaves) > 1e-9)
+        turns = row.hz * row.seconds / octaves * expm1(octaves * t / row.seconds);
+      return row.value + row.amplitude * sin(turn * turns);
+    }
+    case 5:
+      return 0;
+    default:
+      return row.value;
+  }
+}
+
+void set(int m, double value) {
+  Motor &motor = motors[m];
+  if (motor.brakes) drive(m, 0, 0, 0xFF);
+  else if (MOTORS[m].mode == VELOCITY) drive(m, lround(value), motor.acceleration, 0);
+  else if (MOTORS[m].mode == CURRENT) drive(m, lround(value * 32767 / 8), 0, 0);
+  else drive(m, lround(value * 32767 / 360), 0, 0);
+}
+
+// What ends the run.
+void check(int m, double now_s) {
+  Motor &motor = motors[m];
+  if (motor.missed >= MISSED_MAX) ended = "a motor does not reply";
+  else if (motor.faults) ended = "a motor reports a fault";
+  else if (motor.heard && motor.mode != MOTORS[m].mode) ended = "a motor is in another loop";
+  else if (LIMIT_RPM >= 0 && abs(motor.rpm) > LIMIT_RPM) ended = "too fast";
+  else if (LIMIT_CELSIUS >= 0 && motor.celsius > LIMIT_CELSIUS) ended = "too hot";
+  else if (LIMIT_AMPS < 0 || fabs(motor.amps) <= LIMIT_AMPS) motor.over_since_s = now_s;
+  else if (now_s - motor.over_since_s > OVER_CURRENT_MS / 1000.0) ended = "too much current";
+}
+
+bool holds(int m, const Row &row, double since_s) {
+  const Motor &motor = motors[m];
+  if (row.condition == 4) return motor.celsius >= row.bound;
+  if (row.condition == 5) return motor.celsius >= 0 && motor.celsius <= row.bound;
+  if (!motor.heard || motor.heard_s < since_s) return false;
+  if (row.condition == 1) return abs(motor.rpm) >= row.bound;
+  if (row.condition == 2) return abs(motor.rpm) <= row.bound;
+  double off = fmod(motor.degrees - row.bound + 540, 360) - 180;
+  return fabs(off) <= row.tolerance;
+}
+
+// Velocity loop, zero, brake, until each motor reports a standstill.
+void stop() {
+  for (int m = 0; m < COUNT; m++)
+    if (motors[m].mode != VELOCITY) switch_mode(m, VELOCITY);
+  bool stands[COUNT] = {};
+  bool all = false;
+  for (uint32_t began = millis(); !all && millis() - began < STOP_MS;) {
+    all = true;
+    for (int m = 0; m < COUNT; m++) {
+      stands[m] = drive(m, 0, 0, 0xFF) && motors[m].mode == VELOCITY && motors[m].rpm == 0;
+      all = all && stands[m];
+    }
+    delay(5);
+  }
+  for (int m = 0; m < COUNT; m++) {
+    Serial.print("motor ");
+    Serial.print((int)MOTORS[m].id);
+    Serial.println(stands[m] ? " stands" : " DID NOT CONFIRM ITS STOP");
+  }
+}
+
+// Sends the setpoints of every row at its time.
+void run() {
+  int at = 0, depth = 0;
+  double began_s = 0;
+  bool entered = false;
+  uint32_t passes[DEPTH_MAX];
+  uint32_t number = 0;
+  last_us = micros();
+  passed_s = 0;
+  for (int m = 0; m < COUNT; m++) motors[m].heard = false;
+  while (at < ROW_COUNT && !ended) {
+    const Row &row = ROWS[at];
+    double now_s = seconds_now();
+    if (row.kind == 1) {
+      passes[depth++] = row.number;
+      at++;
+      continue;
+    }
+    if (row.kind == 2) {
+      bool over = false;
+      for (int m = 0; row.condition && m < COUNT; m++) over = over || holds(m, row, began_s);
+      uint32_t left = --passes[depth - 1];
+      if (left > 0 && !over) at = row.number;
+      else depth--;
+      at++;
+      continue;
+    }
+    if (!entered) {
+      entered = true;
+      for (int m = 0; m < COUNT; m++) {
+        if (!(row.motors >> m & 1)) continue;
+        motors[m].start = value_at(motors[m], began_s);
+        motors[m].row = &row;
+        motors[m].since_s = began_s;
+        motors[m].acceleration = row.acceleration;
+        motors[m].brakes = row.shape == 5;
+      }
+    }
+    double over_s = -1;
+    bool held = row.condition && now_s > began_s;
+    for (int m = 0; m < COUNT; m++)
+      if (row.motors >> m & 1) held = held && holds(m, row, began_s);
+    if (held) over_s = now_s;
+    else if (now_s >= began_s + row.seconds) {
+      if (row.condition) {
+        ended = "waited in vain";
+        break;
+      }
+      over_s = began_s + row.seconds;
+    }
+    if (over_s >= 0) {
+      for (int m = 0; m < COUNT; m++) {
+        if (!(row.motors >> m & 1)) continue;
+        motors[m].kept = value_at(motors[m], over_s);
+        motors[m].row = nullptr;
+      }
+      at++;
+      began_s = over_s;
+      entered = false;
+      continue;
+    }
+    for (int m = 0; m < COUNT && !ended; m++) {
+      if (now_s >= motors[m].query_s) {
+        motors[m].query_s = now_s + 1;
+        query(m);
+      } else {
+        set(m, value_at(motors[m], now_s));
+      }
+      check(m, now_s);
+    }
+    // The next of the moments n * period: a late round makes no later one late.
+    uint32_t next = (uint32_t)ceil(seconds_now() * 1000 / PERIOD_MS);
+    number = next > number ? next : number + 1;
+    while (seconds_now() * 1000 < (double)number * PERIOD_MS && !ended) {
+      if (Serial.available()) {
+        Serial.read();
+        ended = "stopped by you";
+      }
+    }
+  }
+}
+
+void setup() {
+  Serial.begin(115200);
+  Serial2.begin(115200, SERIAL_8N1, RX_PIN, TX_PIN);
+  if (DE_PIN >= 0) pinMode(DE_PIN, OUTPUT);
+  Serial.println("Moves: @WHAT@. Send y to start.");
+}
+
+void loop() {
+  if (!Serial.available()) return;
+  if (Serial.read() != 'y') return;
+  ended = nullptr;
+  for (int m = 0; m < COUNT; m++) motors[m] = Motor();
+  for (int m = 0; m < COUNT && !ended; m++) {
+    switch_mode(m, MOTORS[m].mode);
+    bool replied = false;
+    for (int i = 0; i < MISSED_MAX && !replied; i++) replied = query(m);
+    check(m, 0);
+    if (!replied) ended = "a motor does not reply";
+    if (!ended && MOTORS[m].mode == POSITION) {
+      // An angle begins where the wheel is: the drive reply to zero speed tells it.
+      switch_mode(m, VELOCITY);
+      drive(m, 0, 0, 0);
+      motors[m].kept = motors[m].degrees;
+      switch_mode(m, POSITION);
+    }
+  }
+  if (!ended) {
+    Serial.println("running");
+    run();
+  }
+  stop();
+  Serial.print(ended ? "aborted: " : "finished");
+  Serial.println(ended ? ended : "");
+}

@@ -1,0 +1,279 @@
+#!/usr/bin/env python3
+"""@NAME@
+
+Drives M0601/DDSM115 hub motors over RS485. Needs pyserial: pip install pyserial
+Moves: @WHAT@.
+THE WHEELS TURN. Fasten the motors first. Ctrl-C stops them; the power switch is the emergency stop.
+"""
+
+import math
+import signal
+import sys
+import time
+
+import serial
+
+PORT = "@PORT@"
+PERIOD_S = @PERIOD_MS@ / 1000
+LIMIT_RPM, LIMIT_AMPS, LIMIT_CELSIUS = @LIMIT_RPM@, @LIMIT_AMPS@, @LIMIT_CELSIUS@
+
+# Motor ID, and its loop: 1 current, 2 velocity, 3 position.
+MOTORS = [
+    # @MOTORS@
+]
+
+# kind (0 move, 1 loop, 2 end of a loop), motors (a bit each), shape (0 step, 1 ramp, 2 sine, 3 triangle,
+# 4 chirp, 5 brake), value, amplitude, hz, to_hz, acceleration, seconds, condition (0 none, 1 rpm above,
+# 2 rpm below, 3 degrees near, 4 celsius above, 5 celsius below), its bound, its tolerance, passes or first row
+ROWS = [
+    # @ROWS@
+]
+
+CURRENT, VELOCITY, POSITION = 1, 2, 3
+REPLY_S = 0.02
+MISSED_MAX = 10
+OVER_CURRENT_S = 0.5
+STOP_S = 3.0
+
+
+class Ended(Exception):
+    """What ends the run before its last step."""
+
+
+def crc8(data):
+    """CRC-8/MAXIM."""
+    crc = 0
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc >> 1) ^ 0x8C if crc & 1 else crc >> 1
+    return crc
+
+
+class Motor:
+    """A motor and what it last reported."""
+
+    def __init__(self, port, address, mode):
+        self.port, self.address, self.mode = port, address, mode
+        self.missed, self.heard_s, self.over_since_s = 0, None, None
+        self.rpm = self.amps = self.degrees = self.celsius = self.reported_mode = None
+        self.faults = 0
+        self.query_s = 0.0
+        # The setpoint that is kept, or the row that is followed since when and from where.
+        self.kept, self.row, self.since_s, self.start = 0.0, None, 0.0, 0.0
+        self.acceleration, self.brakes = 0, False
+
+    def exchange(self, body):
+        """Sends nine bytes with their CRC; reads the reply."""
+        self.port.reset_input_buffer()
+        self.port.write(bytes(body) + bytes([crc8(body)]))
+        reply = self.port.read(10)
+        if len(reply) != 10 or reply[0] != self.address or crc8(reply[:9]) != reply[9]:
+            self.missed += 1
+            return False
+        self.missed, self.heard_s = 0, time.monotonic()
+        self.reported_mode = reply[1]
+        self.amps = int.from_bytes(reply[2:4], "big", signed=True) * 8 / 32767
+        self.rpm = int.from_bytes(reply[4:6], "big", signed=True)
+        self.faults = reply[8] & 0x1F
+        if body[1] == 0x74:
+            self.celsius = reply[6]
+        else:
+            self.degrees = int.from_bytes(reply[6:8], "big") * 360 / 32767
+        return True
+
+    def query(self):
+        return self.exchange([self.address, 0x74, 0, 0, 0, 0, 0, 0, 0])
+
+    def drive(self, raw, acceleration=0, brake=0):
+        high, low = (raw & 0xFFFF).to_bytes(2, "big")
+        return self.exchange([self.address, 0x64, high, low, 0, 0, acceleration, brake, 0])
+
+    def switch(self, mode):
+        """Five frames, 20 ms apart, without a reply."""
+        for _ in range(5):
+            self.port.write(bytes([self.address, 0xA0, 0, 0, 0, 0, 0, 0, 0, mode]))
+            time.sleep(0.02)
+
+    def set(self, value, acceleration, brakes):
+        if brakes:
+            return self.drive(0, 0, 0xFF)
+        if self.mode == VELOCITY:
+            return self.drive(round(value), acceleration)
+        if self.mode == CURRENT:
+            return self.drive(round(value * 32767 / 8))
+        return self.drive(round(value * 32767 / 360))
+
+    def check(self, now_s):
+        if self.missed >= MISSED_MAX:
+            raise Ended(f"motor {self.address} does not reply")
+        if self.faults:
+            raise Ended(f"motor {self.address} reports fault 0x{self.faults:02X}")
+        if self.reported_mode != self.mode:
+            raise Ended(f"motor {self.address} is in loop {self.reported_mode}, not {self.mode}")
+        if LIMIT_RPM is not None and abs(self.rpm) > LIMIT_RPM:
+            raise Ended(f"motor {self.address} turns at {self.rpm} rpm, above {LIMIT_RPM}")
+        if LIMIT_CELSIUS is not None and (self.celsius or 0) > LIMIT_CELSIUS:
+            raise Ended(f"motor {self.address} has {self.celsius} deg C, above {LIMIT_CELSIUS}")
+        if LIMIT_AMPS is None or abs(self.amps) <= LIMIT_AMPS:
+            self.over_since_s = now_s
+        elif now_s - self.over_since_s > OVER_CURRENT_S:
+            raise Ended(f"motor {self.address} draws {self.amps:.2f} A, above {LIMIT_AMPS}")
+
+    def holds(self, kind, bound, tolerance, since_s):
+        if kind == 4:
+            return self.celsius is not None and self.celsius >= bound
+        if kind == 5:
+            return self.celsius is not None and self.celsius <= bound
+        if self.heard_s is None or self.heard_s < since_s:
+            return False
+        if kind == 1:
+            return abs(self.rpm) >= bound
+        if kind == 2:
+            return abs(self.rpm) <= bound
+        return abs((self.degrees - bound + 180) % 360 - 180) <= tolerance
+
+    def value(self, at_s):
+        """The setpoint at this second of the run."""
+        if self.row is None:
+            return self.kept
+        _, _, shape, to, amplitude, hz, to_hz, _, seconds, *_ = self.row
+        t = min(max(at_s - self.since_s, 0.0), seconds)
+        if shape == 1:
+            return self.start + (to - self.start) * t / seconds if seconds > 0 else to
+        if shape == 2:
+            return to + amplitude * math.sin(math.tau * hz * t)
+        if shape == 3:
+            return to + amplitude * (1 - 4 * abs((hz * t + 0.25) % 1.0 - 0.5))
+        if shape == 4:
+            octaves = math.log(to_hz / hz)
+            if seconds > 0 and abs(octaves) > 1e-9:
+                turns = hz * seconds / octaves * math.expm1(octaves * t / seconds)
+            else:
+                turns = hz * t
+            return to + amplitude * math.sin(math.tau * turns)
+        return 0.0 if shape == 5 else to
+
+
+def run(motors):
+    """Sends the setpoints of every row at its time."""
+    start_s = time.monotonic()
+    at, began_s, entered, passes = 0, 0.0, False, []
+    number = 0
+    while at < len(ROWS):
+        row = ROWS[at]
+        kind, mask, shape, *_ = row
+        acceleration, seconds, condition, bound, tolerance, count = row[7:]
+        now_s = time.monotonic() - start_s
+        since_s = start_s + began_s
+        if kind == 1:
+            passes.append(count)
+            at += 1
+            continue
+        if kind == 2:
+            over = condition and any(m.holds(condition, bound, tolerance, since_s) for m in motors)
+            left = passes.pop() - 1
+            if left > 0 and not over:
+                passes.append(left)
+                at = count
+            at += 1
+            continue
+        mine = [motor for place, motor in enumerate(motors) if mask >> place & 1]
+        if not entered:
+            entered = True
+            for motor in mine:
+                motor.start, motor.row, motor.since_s = motor.value(began_s), row, began_s
+                motor.acceleration, motor.brakes = acceleration, shape == 5
+        over_s = None
+        if not condition:
+            if now_s >= began_s + seconds:
+                over_s = began_s + seconds
+        elif now_s > began_s and all(m.holds(condition, bound, tolerance, since_s) for m in mine):
+            over_s = now_s
+        elif now_s >= began_s + seconds:
+            raise Ended(f"row {at} waited {seconds} s in vain")
+        if over_s is not None:
+            for motor in mine:
+                motor.kept, motor.row = motor.value(over_s), None
+            at, began_s, entered = at + 1, over_s, False
+            continue
+        for motor in motors:
+            if now_s >= motor.query_s:
+                motor.query_s = now_s + 1.0
+                motor.query()
+            else:
+                motor.set(motor.value(now_s), motor.acceleration, motor.brakes)
+            motor.check(now_s)
+        # The next of the moments start + n * period: a late round makes no later one late.
+        number = max(number + 1, math.ceil((time.monotonic() - start_s) / PERIOD_S))
+        time.sleep(max(0.0, start_s + number * PERIOD_S - time.monotonic()))
+
+
+def stop(motors):
+    """Velocity loop, zero, brake, until each motor reports a standstill."""
+    for motor in motors:
+        if motor.reported_mode != VELOCITY:
+            motor.switch(VELOCITY)
+    until_s = time.monotonic() + STOP_S
+    standing = set()
+    while time.monotonic() < until_s and len(standing) < len(motors):
+        for motor in motors:
+            if motor.drive(0, 0, 0xFF) and motor.reported_mode == VELOCITY and abs(motor.rpm) < 1:
+                standing.add(motor.address)
+            else:
+                standing.discard(motor.address)
+        time.sleep(0.005)
+    for motor in motors:
+        said = "stands" if motor.address in standing else "DID NOT CONFIRM ITS STOP"
+        print(f"motor {motor.address} {said}", flush=True)
+    return len(standing) == len(motors)
+
+
+def main():
+    arguments = [word for word in sys.argv[1:] if word != "--yes"]
+    print("Moves: @WHAT@.", flush=True)
+    if "--yes" not in sys.argv and input("Type yes to start: ") != "yes":
+        return 1
+    # A program that is ended by a signal stops its motors as well.
+    def end(*_):
+        raise KeyboardInterrupt
+    for name in ("SIGTERM", "SIGHUP", "SIGINT"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), end)
+    with serial.Serial(arguments[0] if arguments else PORT, 115200, timeout=REPLY_S) as port:
+        motors = [Motor(port, address, mode) for address, mode in MOTORS]
+        failed = None
+        try:
+            for motor in motors:
+                motor.switch(motor.mode)
+                if not any(motor.query() for _ in range(MISSED_MAX)):
+                    raise Ended(f"motor {motor.address} does not reply")
+                motor.over_since_s = 0.0
+                motor.check(0.0)
+                if motor.mode == POSITION:
+                    # An angle begins where the wheel is: the drive reply to zero speed tells it.
+                    motor.switch(VELOCITY)
+                    motor.drive(0)
+                    motor.kept = motor.degrees or 0.0
+                    motor.switch(POSITION)
+            print("running", flush=True)
+            run(motors)
+        except KeyboardInterrupt:
+            failed = "stopped by you"
+        except (Ended, serial.SerialException, OSError) as error:
+            failed = str(error)
+        finally:
+            # A second Ctrl-C must not end the stop.
+            for name in ("SIGTERM", "SIGHUP", "SIGINT"):
+                if hasattr(signal, name):
+                    signal.signal(getattr(signal, name), signal.SIG_IGN)
+            try:
+                stands = stop(motors)
+            except (serial.SerialException, OSError) as error:
+                stands, failed = False, f"{error}; the wheels coast"
+    print(f"aborted: {failed}" if failed else "finished", flush=True)
+    return 0 if stands and not failed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

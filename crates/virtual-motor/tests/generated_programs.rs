@@ -1,0 +1,333 @@
+//! The programs that `motorlink-experiments` generates, run against virtual motors.
+//!
+//! Each one drives them, and stops them at its end, on Ctrl-C and on an error. A missing tool fails the test with
+//! a line that names it.
+#![cfg(test)]
+
+mod program;
+mod tools;
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, Write},
+    path::{Path, PathBuf},
+    process::{Child, ChildStdin, Command, Stdio},
+    sync::mpsc::{Receiver, channel},
+    thread,
+    time::{Duration, Instant},
+};
+
+use motorlink_experiments::{
+    generate::{Program as Generated, Ros2, arduino, python, ros2, rust},
+    plan::{Fleet, Plan},
+    sequence::{Sequence, Template},
+};
+use motorlink_protocol::MotorId;
+use program::Program;
+use rustix::process::{Pid, Signal, kill_process};
+
+/// A busy machine is slow, and a program has its run to do.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Two seconds with every kind of instruction.
+const SHORT: &str = r#"{ "motorlink_sequence": 1, "name": "Test", "limits": { "rpm": 200, "celsius": 70 },
+  "steps": [
+    { "rpm": 60, "shape": "ramp", "for_s": 0.4 },
+    { "rpm": 60, "until": { "rpm_above": 50 }, "within_s": 5 },
+    { "repeat": 2, "steps": [
+      { "rpm": 60, "motor": 1, "shape": "sine", "amplitude": 20, "hz": 4, "for_s": 0.25 },
+      { "rpm": 60, "motor": 2, "shape": "triangle", "amplitude": 20, "hz": 4, "for_s": 0.25 }] },
+    { "rpm": 40, "shape": "chirp", "amplitude": 10, "hz": 1, "to_hz": 5, "for_s": 0.4 },
+    { "brake": true, "for_s": 0.1 }] }"#;
+const LONG: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "rpm": 60, "for_s": 50 }] }"#;
+const PUSH: &str = r#"{ "motorlink_sequence": 1, "steps": [{ "amps": 0.2, "for_s": 0.5 }] }"#;
+
+fn id(address: u8) -> MotorId {
+    MotorId::new(address).unwrap()
+}
+
+/// A language: makes the command that runs the program of a plan.
+trait Language {
+    fn command(&self, dir: &Path, generated: &Generated<'_>, port: &Path) -> Command;
+    /// What a person types to start it.
+    fn consent(&self) -> &'static str {
+        ""
+    }
+}
+
+/// A program that runs, its output line by line.
+struct Running {
+    child: Child,
+    stdin: ChildStdin,
+    lines: Receiver<String>,
+    said: Vec<String>,
+}
+
+impl Running {
+    fn start(mut command: Command, consent: &str) -> Self {
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let (sender, lines) = channel();
+        let out = BufReader::new(child.stdout.take().unwrap());
+        thread::spawn(move || {
+            out.lines().map_while(Result::ok).for_each(|line| {
+                let _ = sender.send(line);
+            });
+        });
+        let mut stdin = child.stdin.take().unwrap();
+        stdin.write_all(consent.as_bytes()).unwrap();
+        Self {
+            child,
+            stdin,
+            lines,
+            said: Vec::new(),
+        }
+    }
+
+    fn until(&mut self, start: &str) {
+        let began = Instant::now();
+        while !self.said.iter().any(|line| line.starts_with(start)) {
+            let left = PATIENCE.saturating_sub(began.elapsed());
+            let line = self.lines.recv_timeout(left);
+            self.said
+                .push(line.unwrap_or_else(|_| panic!("no \"{start}\": {:?}", self.said)));
+        }
+    }
+
+    fn interrupt(&self) {
+        kill_process(Pid::from_child(&self.child), Signal::INT).unwrap();
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.stdin.flush();
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn rpm(motors: &mut Program, id: u8) -> f32 {
+    let state = motors.tell(&format!("state {id}"));
+    let mut words = state.split_whitespace();
+    let rpm = words.find_map(|word| word.strip_prefix("rpm="));
+    rpm.expect(&state).parse().unwrap()
+}
+
+/// A full run, one that is interrupted, one whose motor falls silent, and one in the current loop.
+fn drives_and_stops(language: &dyn Language) {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |name: &str, text: &str, ids: &str, act: &dyn Fn(&mut Program, &mut Running)| {
+        let mut motors = Program::start(&["--ids", ids]);
+        let fleet = Fleet::of(ids.split(',').map(|id| id.parse().unwrap()));
+        let sequence = Sequence::from_json(text).unwrap();
+        let plan = Plan::new(&sequence, &fleet).unwrap();
+        let dir = dir.path().join(name);
+        fs::create_dir_all(&dir).unwrap();
+        let port = motors.slave.clone();
+        let port_name = port.to_string_lossy().into_owned();
+        let generated = Generated {
+            plan: &plan,
+            name: "Test",
+            port: &port_name,
+        };
+        let command = language.command(&dir, &generated, &port);
+        let mut running = Running::start(command, language.consent());
+        running.until("running");
+        act(&mut motors, &mut running);
+        for id in ids.split(',') {
+            let rpm = rpm(&mut motors, id.parse().unwrap());
+            assert!(
+                rpm.abs() < 1.0,
+                "{name}: motor {id} at {rpm} rpm, {:?}",
+                running.said
+            );
+        }
+    };
+    run("whole", SHORT, "1,2", &|motors, running| {
+        let mut fastest = 0.0_f32;
+        while !running.said.iter().any(|line| line.starts_with("finished")) {
+            fastest = fastest.max(rpm(motors, 1)).max(rpm(motors, 2));
+            if let Ok(line) = running.lines.recv_timeout(Duration::from_millis(20)) {
+                assert!(!line.starts_with("aborted"), "{line}");
+                running.said.push(line);
+            }
+        }
+        assert!((60.0..110.0).contains(&fastest), "{fastest}");
+        assert!(
+            running.said.contains(&"motor 2 stands".to_owned()),
+            "{:?}",
+            running.said
+        );
+    });
+    run("interrupted", LONG, "1,2", &|motors, running| {
+        while rpm(motors, 1) < 50.0 {
+            thread::sleep(Duration::from_millis(20));
+        }
+        running.interrupt();
+        running.until("aborted: stopped by you");
+        assert!(
+            running.said.contains(&"motor 1 stands".to_owned()),
+            "{:?}",
+            running.said
+        );
+    });
+    run("silent", LONG, "1,2", &|motors, running| {
+        while rpm(motors, 1) < 50.0 {
+            thread::sleep(Duration::from_millis(20));
+        }
+        motors.tell("mute 2 on");
+        running.until("aborted: ");
+        let said = running.said.join("\n");
+        // The other is stopped for it, and what could not be confirmed is said.
+        assert!(said.contains("motor 1 stands"), "{said}");
+        assert!(said.contains("motor 2 DID NOT CONFIRM ITS STOP"), "{said}");
+    });
+    run("current", PUSH, "1", &|_, running| {
+        running.until("finished");
+    });
+}
+
+struct Python(PathBuf);
+
+impl Language for Python {
+    fn command(&self, dir: &Path, generated: &Generated<'_>, _: &Path) -> Command {
+        let file = dir.join("sequence.py");
+        fs::write(&file, python(generated)).unwrap();
+        let mut command = Command::new(&self.0);
+        command.arg(file).arg("--yes");
+        command
+    }
+}
+
+struct Arduino;
+
+impl Language for Arduino {
+    fn command(&self, dir: &Path, generated: &Generated<'_>, port: &Path) -> Command {
+        let file = dir.join("sequence.cpp");
+        fs::write(&file, arduino(generated)).unwrap();
+        let stub = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/generated");
+        let program = dir.join("sequence");
+        let flags = [
+            "-std=c++17",
+            "-O1",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-I",
+            stub,
+            "-o",
+        ];
+        let mut compiler = Command::new("g++");
+        compiler.args(flags).arg(&program).arg(&file);
+        tools::run(
+            &mut compiler,
+            "g++ is missing: install it (Debian: apt-get install g++)",
+        );
+        let mut command = Command::new(program);
+        command.env("PORT", port);
+        command
+    }
+
+    fn consent(&self) -> &'static str {
+        "y"
+    }
+}
+
+struct Rust;
+
+impl Language for Rust {
+    fn command(&self, dir: &Path, generated: &Generated<'_>, _: &Path) -> Command {
+        let files = rust(generated);
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let protocol = crates.join("protocol");
+        // The library is not published yet; the generated manifest is used as it is otherwise.
+        let patch = format!(
+            "\n[patch.crates-io]\nmotorlink-protocol = {{ path = \"{}\" }}\n\n[workspace]\n",
+            protocol.display()
+        );
+        fs::create_dir_all(dir.join("src")).unwrap();
+        fs::write(dir.join("Cargo.toml"), files.manifest + &patch).unwrap();
+        fs::write(dir.join("src/main.rs"), files.main).unwrap();
+        // The same versions as everything here, which are on this machine.
+        fs::copy(crates.join("../Cargo.lock"), dir.join("Cargo.lock")).unwrap();
+        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("generated");
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo
+            .args(["build", "--quiet", "--offline"])
+            .current_dir(dir);
+        cargo
+            .env("CARGO_TARGET_DIR", &target)
+            .env_remove("RUSTFLAGS");
+        tools::run(&mut cargo, "cargo cannot be started");
+        let program = dir.join("program");
+        fs::copy(target.join("debug/sequence"), &program).unwrap();
+        let mut command = Command::new(program);
+        command.arg("--yes");
+        command
+    }
+}
+
+#[test]
+fn the_python_program_drives_and_stops() {
+    drives_and_stops(&Python(tools::python()));
+}
+
+#[test]
+fn the_arduino_sketch_drives_and_stops() {
+    drives_and_stops(&Arduino);
+}
+
+#[test]
+fn the_rust_program_drives_and_stops() {
+    drives_and_stops(&Rust);
+}
+
+#[test]
+fn the_setup_for_ros_2_is_well_formed_and_names_what_the_driver_reads() {
+    let dir = tempfile::tempdir().unwrap();
+    let files = ros2(&Ros2 {
+        port: "/dev/ttyUSB0",
+        left: id(1),
+        right: id(2),
+        wheel_separation_m: 0.3,
+        wheel_radius_m: 0.0503,
+        rpm_max: 200.0,
+    });
+    fs::write(dir.path().join("controllers.yaml"), files.controllers_yaml).unwrap();
+    fs::write(dir.path().join("robot.urdf"), files.urdf).unwrap();
+    let check = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/generated/check_ros2.py");
+    let mut command = Command::new(tools::python());
+    command.arg(check).arg(dir.path());
+    tools::run(&mut command, "python cannot be started");
+}
+
+#[test]
+fn the_published_schema_accepts_every_template_and_refuses_what_the_program_refuses() {
+    let dir = tempfile::tempdir().unwrap();
+    for (place, template) in Template::ALL.into_iter().enumerate() {
+        let file = dir.path().join(format!("good-{place}.json"));
+        fs::write(file, template.sequence().to_json()).unwrap();
+    }
+    fs::write(dir.path().join("good-short.json"), SHORT).unwrap();
+    let bad = [
+        SHORT.replace("\"rpm\": 40", "\"rpm\": 400"),
+        SHORT.replace("\"repeat\": 2", "\"repeat\": 0"),
+        SHORT.replace("\"for_s\": 0.1", "\"for_s\": -1"),
+        SHORT.replace("\"brake\": true", "\"rmp\": 1"),
+        SHORT.replace("\"motorlink_sequence\": 1", "\"motorlink_sequence\": 2"),
+    ];
+    for (place, text) in bad.iter().enumerate() {
+        let refused = Sequence::from_json(text)
+            .and_then(|sequence| Plan::new(&sequence, &Fleet::of([id(1), id(2)])));
+        assert!(refused.is_err(), "{text}");
+        fs::write(dir.path().join(format!("bad-{place}.json")), text).unwrap();
+    }
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(tools::python());
+    command.arg(manifest.join("tests/generated/check_schema.py"));
+    command
+        .arg(manifest.join("../../docs/sequence.schema.json"))
+        .arg(dir.path());
+    tools::run(&mut command, "python cannot be started");
+}
