@@ -67,6 +67,11 @@ pub enum Action {
         /// Whether the port reports it.
         reported: bool,
     },
+    /// Arms and starts a random sequence, unless one is running.
+    RunSequence {
+        /// The sequence follows from it.
+        seed: u64,
+    },
 }
 
 /// Why the worker does not run.
@@ -238,6 +243,7 @@ impl Action {
             Self::Line(LineFault::None)
             | Self::Command(_)
             | Self::Pause(_)
+            | Self::RunSequence { .. }
             | Self::PageHangs(false) => None,
             Self::Line(LineFault::CutsEchoes(_)) => Some(Fault::Line(LineFault::CutsEchoes(0))),
             Self::Line(LineFault::Gathers(_)) => Some(Fault::Line(LineFault::Gathers(0))),

@@ -6,6 +6,7 @@
 //! | `action` | what can happen |
 //! | `scenario` | generates a list of actions from a seed |
 //! | `player` | plays a scenario over virtual time and checks the rules |
+//! | `sequence_run` | runs random sequences over the bus, as a worker does |
 //! | `rule`, `rules` | the rules by name, and their checks |
 //! | `shrink` | the shortest scenario that still breaks the rule |
 //!
@@ -16,10 +17,12 @@ mod player;
 mod rule;
 mod rules;
 mod scenario;
+mod sequence_run;
 mod shrink;
 
 pub use action::{Absence, Action, Fault, LineFault, PendingInput};
 pub use player::{Coverage, Failure, play, trace_lines};
 pub use rule::{Rule, Violation};
 pub use scenario::Scenario;
+pub use sequence_run::Runs;
 pub use shrink::shrink;

@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{Bus, Command, Event, Limits, Output, StopReason};
+use motorlink_bus::{Activity, Bus, Command, Event, Limits, MotorStatus, Output, StopReason};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::{MotorConfig, Sender, World, WorldConfig};
 
@@ -15,6 +15,7 @@ use crate::{
     rule::{Rule, Violation},
     rules::Rules,
     scenario::Scenario,
+    sequence_run::{Runs, SequenceRun},
 };
 
 /// Most steps of the bus at one moment: far above the usual number, and far below a busy loop.
@@ -42,10 +43,13 @@ pub struct Coverage {
     pub faults: BTreeMap<Fault, u64>,
     /// How often each rule was applied.
     pub judged: BTreeMap<Rule, u64>,
+    /// How the runs of sequences ended.
+    pub runs: Runs,
 }
 
 impl AddAssign for Coverage {
     fn add_assign(&mut self, other: Self) {
+        self.runs += other.runs;
         for (fault, times) in other.faults {
             *self.faults.entry(fault).or_default() += times;
         }
@@ -86,6 +90,7 @@ pub fn play(scenario: &Scenario, coverage: &mut Coverage) -> Result<(), Failure>
         outcome.map_err(|violation| Failure { step, violation })?;
     }
     let ended = player.end();
+    coverage.runs += player.runs;
     player.rules.judge(Rule::ComesToRest);
     for (rule, times) in &player.rules.judged {
         *coverage.judged.entry(*rule).or_default() += times;
@@ -136,6 +141,9 @@ struct Player {
     cuts: Option<(u8, usize, bool)>,
     /// The trace, if it is recorded; at most its initial capacity.
     passed: Option<VecDeque<String>>,
+    /// The last sequence that was run.
+    sequence: Option<SequenceRun>,
+    runs: Runs,
 }
 
 impl Player {
@@ -167,6 +175,8 @@ impl Player {
             refuses: 0,
             cuts: None,
             passed: None,
+            sequence: None,
+            runs: Runs::default(),
         };
         player.rules.line(now, true);
         player.plug();
@@ -226,6 +236,9 @@ impl Player {
             Action::PageClosed => self.command(self.now, Command::StopAll(StopReason::PageGone))?,
             Action::Unplug => {
                 if let Some(mut bus) = self.bus.take() {
+                    if let Some(run) = &mut self.sequence {
+                        run.unplugged(self.now);
+                    }
                     self.halted = bus.is_halted();
                     for event in bus.close(self.now) {
                         self.rules.on_event(self.now, &event, &self.world)?;
@@ -248,8 +261,60 @@ impl Player {
                 bytes,
                 reported,
             } => self.cuts = Some((*frames, usize::from(*bytes), *reported)),
+            Action::RunSequence { seed } => {
+                let is_over = |run: &SequenceRun| run.wake().is_none();
+                if self.sequence.as_ref().is_none_or(is_over) {
+                    self.sequence = SequenceRun::random(*seed, &self.motors, self.now);
+                    self.runs.started += u64::from(self.sequence.is_some());
+                }
+            }
         }
         self.run(Duration::ZERO)
+    }
+
+    /// What the run asks of the bus now. Returns when it is due again.
+    fn turn_sequence(&mut self) -> Result<Option<Instant>, Violation> {
+        let Some(mut run) = self.sequence.take() else {
+            return Ok(None);
+        };
+        if run.wake().is_some_and(|wake| wake <= self.now) {
+            for command in run.turn(self.now) {
+                if let Some(bus) = &mut self.bus {
+                    let answer = bus.command(self.now, command);
+                    run.answered(self.now, command, answer);
+                    self.rules
+                        .on_command(self.now, self.now, command, answer, bus, &self.world)?;
+                }
+            }
+            if let (None, Some(end)) = (run.wake(), run.end()) {
+                self.runs.count(end);
+                // A run that was never started stops nothing: a person may drive.
+                if run.has_driven() {
+                    self.ended_run_drives_nothing(&run)?;
+                }
+            }
+        }
+        let wake = run.wake();
+        self.sequence = Some(run);
+        Ok(wake)
+    }
+
+    /// An ended run has stopped all of its motors.
+    fn ended_run_drives_nothing(&self, run: &SequenceRun) -> Result<(), Violation> {
+        let Some(bus) = &self.bus else {
+            return Ok(());
+        };
+        let is_driven = |status: &MotorStatus| {
+            run.moves(status.id) && matches!(status.activity, Activity::Driven { .. })
+        };
+        match bus.motors(self.now).find(is_driven) {
+            None => Ok(()),
+            Some(status) => Err(Violation {
+                rule: Rule::DrivenByCommandOnly,
+                at: self.now,
+                what: format!("{} is driven after its run has ended", status.id),
+            }),
+        }
     }
 
     /// No call reaches the bus for a while; then it gets the pending inputs in this order.
@@ -340,6 +405,9 @@ impl Player {
             self.rules.judge(Rule::NoOldActs);
         } else if let Some(bus) = &mut self.bus {
             let answer = bus.command(self.now, command);
+            if let (Some(run), Ok(())) = (&mut self.sequence, answer) {
+                run.commanded(self.now, command);
+            }
             self.rules
                 .on_command(self.now, given, command, answer, bus, &self.world)?;
         }
@@ -390,9 +458,12 @@ impl Player {
     fn run(&mut self, duration: Duration) -> Result<(), Violation> {
         let end = self.now + duration;
         loop {
+            self.turn_sequence()?;
             let wake = self.settle()?;
             self.rules.passed(self.now, &self.world)?;
-            let next = [Some(end), wake, self.world.next_event()];
+            // An event may have ended the run.
+            let run_wake = self.sequence.as_ref().and_then(SequenceRun::wake);
+            let next = [Some(end), wake, self.world.next_event(), run_wake];
             let next = next.into_iter().flatten().min().unwrap_or(end);
             self.count_wake(wake.is_some_and(|wake| wake <= next))?;
             self.now = next.max(self.now);
@@ -450,6 +521,9 @@ impl Player {
                 Output::Transmit(frame) => self.transmit(frame)?,
                 Output::Event(Event::PingPage) if self.page_answers => bus.page_answered(self.now),
                 Output::Event(event) => {
+                    if let Some(run) = &mut self.sequence {
+                        run.on_event(self.now, &event);
+                    }
                     self.note(|| format!("{event:?}"));
                     self.rules.on_event(self.now, &event, &self.world)?;
                 }

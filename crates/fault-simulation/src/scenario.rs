@@ -18,6 +18,10 @@ use crate::action::{Absence, Action, LineFault, PendingInput};
 const DRAWS: usize = 30;
 /// One draw in this many is a sequence.
 const SEQUENCE_EVERY: u8 = 6;
+/// One action in this many is preceded by a sequence that is run.
+const RUN_EVERY: usize = 12;
+/// Sequences have random numbers of their own, so that the other actions of a seed stay as they are.
+const SEQUENCES: u64 = 0x5E90_E4CE;
 /// The address of the ID query, for all motors.
 const ALL: u8 = 0xC8;
 /// Pauses after an action in milliseconds: from within an exchange to the end of any stop.
@@ -76,6 +80,38 @@ impl Scenario {
             need_five_switches,
             obey_all,
             actions,
+        }
+    }
+
+    /// The scenario of this seed, in which random sequences are run as well. The motors are there and
+    /// the line is good when one is armed; what happens then is as random as before.
+    #[must_use]
+    pub fn with_sequences(seed: u64) -> Self {
+        let scenario = Self::from_seed(seed);
+        let mut rng = Rng::with_seed(seed ^ SEQUENCES);
+        let mut actions = Vec::new();
+        for (place, action) in scenario.actions.into_iter().enumerate() {
+            if place % RUN_EVERY == 0 {
+                actions.extend([
+                    Action::Replug,
+                    Action::PageHangs(false),
+                    Action::Line(LineFault::None),
+                    Action::Command(Command::CancelJob),
+                    Action::Command(Command::StopRaw),
+                ]);
+                let on = |id: &MotorId| Action::Power { id: *id, on: true };
+                actions.extend(scenario.motors.iter().map(on));
+                actions.push(Action::Command(Command::StopAll(StopReason::Operator)));
+                actions.push(pause_ms(900));
+                actions.push(Action::Command(Command::Release));
+                actions.push(Action::RunSequence { seed: rng.u64(..) });
+                actions.push(pause_ms(rng.u64(200..6_000)));
+            }
+            actions.push(action);
+        }
+        Self {
+            actions,
+            ..scenario
         }
     }
 }

@@ -6,12 +6,19 @@ use crate::cargo;
 use crate::process;
 use crate::workspace::Workspace;
 
+/// Worlds with random sequences. A thousand take a minute and a half on two cores.
+const SEQUENCE_SEEDS: &str = "10000";
+
 /// Prints a row for each figure, and runs the generated programs.
 pub fn show(workspace: &Workspace) -> Result<()> {
     let figures = ["--test", "figures", "--", "--ignored", "--nocapture"];
     let package = ["test", "--quiet", "--package", "motorlink-experiments"];
     let figures = [&package[..], &figures[..]].concat();
     process::run(&mut cargo::command(workspace, &figures))?;
+    let package = ["test", "--quiet", "--package", "motorlink-fault-simulation"];
+    let sequences = [&package[..], &["--test", "sequences", "--", "--nocapture"]].concat();
+    let mut sequences = cargo::command(workspace, &sequences);
+    process::run(sequences.env("SEQUENCE_SEEDS", SEQUENCE_SEEDS))?;
     let package = ["test", "--package", "virtual-motor"];
     let programs = [&package[..], &["--test", "generated_programs"]].concat();
     process::run(&mut cargo::command(workspace, &programs))
