@@ -10,12 +10,12 @@ const fn digit(value: u8) -> char {
 }
 
 /// A whole number.
-pub(crate) fn push_decimal(out: &mut String, value: u64) {
+pub fn push_decimal(out: &mut String, value: u64) {
     push_padded(out, value, 1);
 }
 
 /// A whole number with at least so many digits, 20 at most.
-pub(crate) fn push_padded(out: &mut String, value: u64, width: usize) {
+pub fn push_padded(out: &mut String, value: u64, width: usize) {
     let mut digits = [0_u8; 20];
     let mut rest = value;
     let mut length = 0;
@@ -33,7 +33,7 @@ pub(crate) fn push_padded(out: &mut String, value: u64, width: usize) {
 }
 
 /// Bytes as two hex digits each, with spaces between: `01 74 00`.
-pub(crate) fn push_hex(out: &mut String, bytes: &[u8]) {
+pub fn push_hex(out: &mut String, bytes: &[u8]) {
     let mut first = true;
     for byte in bytes {
         if !first {
@@ -44,8 +44,15 @@ pub(crate) fn push_hex(out: &mut String, bytes: &[u8]) {
     }
 }
 
+/// Bytes as two hex digits each: `017400`.
+pub fn push_hex_digits(out: &mut String, bytes: &[u8]) {
+    for byte in bytes {
+        push_hex_byte(out, *byte);
+    }
+}
+
 /// `0x1F`
-pub(crate) fn push_0x(out: &mut String, byte: u8) {
+pub fn push_0x(out: &mut String, byte: u8) {
     out.push_str("0x");
     push_hex_byte(out, byte);
 }

@@ -22,7 +22,7 @@
 
 mod chunks;
 mod csv_file;
-mod digits;
+pub mod digits;
 mod entry;
 pub mod kept;
 mod local_time;
@@ -37,9 +37,9 @@ mod view;
 mod wall_clock;
 mod words;
 
-pub use csv_file::CsvFile;
+pub use csv_file::{CsvFile, CsvLines};
 pub use local_time::LocalTime;
 pub use log::{ENTRIES_MAX, Log};
 pub use recorder::{Output, Recorder};
 pub use recording::{RECORDED_MAX, ROLLING, ROLLING_MAX, Recording};
-pub use wall_clock::WallClock;
+pub use wall_clock::{WallClock, push_iso};

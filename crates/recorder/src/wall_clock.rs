@@ -41,7 +41,8 @@ impl WallClock {
     }
 
     /// A clock that showed so many microseconds since 1970, UTC, at [`Instant::ZERO`].
-    pub(crate) const fn from_us(zero_us: i64, local_time: LocalTime) -> Self {
+    #[must_use]
+    pub const fn from_us(zero_us: i64, local_time: LocalTime) -> Self {
         Self {
             zero_us,
             local_time,
@@ -119,6 +120,11 @@ impl IsoWriter {
         at.push_millis(out);
         out.push('Z');
     }
+}
+
+/// Adds a moment in microseconds since 1970 in ISO 8601, UTC, to the millisecond.
+pub fn push_iso(out: &mut String, unix_us: i64) {
+    IsoWriter::default().push(out, UnixMs(unix_us.div_euclid(1000)));
 }
 
 fn push_date(out: &mut String, [year, month, day]: [i64; 3], separator: &str) {

@@ -9,6 +9,7 @@
 //! the same moment from it. (The article's script writes the time of day only.)
 
 mod cells;
+mod lines;
 mod log_lines;
 mod telemetry_lines;
 
@@ -16,6 +17,7 @@ use std::ops::Range;
 
 use motorlink_messages::recorder::Export;
 
+pub use self::lines::CsvLines;
 use self::{cells::Cells, log_lines::LogLines, telemetry_lines::TelemetryLines};
 use crate::{
     log::Log,
