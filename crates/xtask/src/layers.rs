@@ -18,11 +18,12 @@ use crate::workspace::Workspace;
 const PAGE: [&str; 5] = ["app", "features", "model", "link", "ui"];
 
 /// The crates, from the top down. Those of one row do not use each other.
-const CRATES: [&[&str]; 9] = [
+const CRATES: [&[&str]; 10] = [
     &["motorlink-fuzz-checks", "end-to-end", "xtask"],
     &["motorlink"],
     &["motorlink-worker"],
-    &["motorlink-fault-simulation", "virtual-motor"],
+    &["motorlink-fault-simulation", "virtual-motor", "session"],
+    &["motorlink-session"],
     &["motorlink-recorder"],
     &["motorlink-messages"],
     &[

@@ -1,0 +1,55 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Prints, checks and converts session files (.mcap), and the CSV files that MotorLink exports.
+#[derive(Debug, Parser)]
+#[command(name = "session")]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: Action,
+}
+
+/// What to do with a file.
+#[derive(Debug, Subcommand)]
+pub enum Action {
+    /// Prints what is in a file, by its index.
+    Info {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Reads every record, and says what is missing or damaged. Exit code 1 if anything is.
+    Check {
+        /// The file.
+        file: PathBuf,
+    },
+    /// Converts a file.
+    Export {
+        /// The file.
+        file: PathBuf,
+        /// What to make of it.
+        #[arg(long, value_enum, default_value_t = Format::Plot)]
+        format: Format,
+        /// Where to write it; without it, to the standard output.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+}
+
+/// What to make of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// CSV for PlotJuggler: seconds, and a column for each motor and quantity.
+    Plot,
+    /// CSV of telemetry, with the columns of the article's monitor script.
+    Telemetry,
+    /// CSV of the packet log.
+    Log,
+    /// What happened, as one HTML file.
+    Report,
+    /// A session file, such as of a CSV file.
+    Mcap,
+}

@@ -1,0 +1,133 @@
+//! A session as another file.
+
+use std::{
+    fs::File,
+    io::{self, BufWriter, Write},
+    path::Path,
+    process::ExitCode,
+};
+
+use motorlink_session::{
+    About, PlotTable, Record, Source, Table, Writer, for_each_record, overview, report,
+};
+
+use crate::{
+    command_line::Format,
+    file::{Failure, Opened},
+};
+
+/// Bytes that are written in one go.
+const PIECE: usize = 64 << 10;
+
+/// Writes a session in this format, to a file or the standard output.
+pub fn export(
+    opened: &mut Opened,
+    format: Format,
+    out: Option<&Path>,
+) -> Result<ExitCode, Failure> {
+    let name = out.map_or_else(
+        || "standard output".to_owned(),
+        |out| out.display().to_string(),
+    );
+    write(opened, format, out).map_err(|error| Failure::Io(name, error))?;
+    let problems = opened.session.problems().and(&opened.imported);
+    eprint!("{problems}");
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<()> {
+    let mut out: Box<dyn Write> = match out {
+        Some(path) => Box::new(BufWriter::new(File::create(path)?)),
+        None => Box::new(io::stdout().lock()),
+    };
+    match format {
+        Format::Telemetry => table(opened, &mut out, Table::of_telemetry())?,
+        Format::Log => table(opened, &mut out, Table::of_log())?,
+        Format::Plot => plot(opened, &mut out)?,
+        Format::Report => {
+            let overview = overview(&mut opened.bytes, &opened.session)?;
+            let problems = opened.session.problems().and(&opened.imported);
+            let about = About {
+                name: &opened.name,
+                problems: &problems,
+            };
+            out.write_all(report(&overview, about).as_bytes())?;
+        }
+        Format::Mcap => mcap(opened, &mut out)?,
+    }
+    out.flush()
+}
+
+fn table(opened: &mut Opened, out: &mut impl Write, mut table: Table) -> io::Result<()> {
+    let mut lines = Vec::new();
+    table.head(&mut lines);
+    each(opened, |record| {
+        table.record(&mut lines, record);
+        pass_on(&mut lines, out)
+    })?;
+    out.write_all(&lines)
+}
+
+fn plot(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
+    let mut table = PlotTable::new(&overview(&mut opened.bytes, &opened.session)?);
+    let mut lines = String::new();
+    table.head(&mut lines);
+    each(opened, |record| {
+        table.record(&mut lines, record);
+        if lines.len() >= PIECE {
+            out.write_all(lines.as_bytes())?;
+            lines.clear();
+        }
+        Ok(())
+    })?;
+    out.write_all(lines.as_bytes())
+}
+
+/// A session written anew: of a CSV file, or of what is readable of a damaged one. The setup and experiment runs
+/// go along.
+fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
+    let about = opened.session.about().clone();
+    let about = about.iter().filter(|(name, _)| *name != "version");
+    let about: Vec<(&str, &str)> = about.map(|(n, v)| (n.as_str(), v.as_str())).collect();
+    let mut writer = Writer::new(0, &about);
+    each(opened, |record| {
+        writer.record(record);
+        if writer.written() >= PIECE {
+            out.write_all(&writer.take())?;
+        }
+        Ok(())
+    })?;
+    let attachments: Vec<_> = opened.session.attachments().collect();
+    for attachment in attachments {
+        let name = &attachment.name;
+        let range = opened.session.attachment_range(name);
+        let is_made_anew = opened.session.overview_range() == range;
+        let Some(range) = range.filter(|_| !is_made_anew) else {
+            continue;
+        };
+        let bytes = opened.bytes.read(range)?;
+        if let Ok(data) = motorlink_session::Session::attachment(&bytes) {
+            writer.attach(name, &attachment.media_type, data);
+        }
+    }
+    out.write_all(&writer.finish())
+}
+
+/// Gives every record, up to the first that cannot be written.
+fn each(opened: &mut Opened, mut write: impl FnMut(&Record) -> io::Result<()>) -> io::Result<()> {
+    let mut written = Ok(());
+    for_each_record(&mut opened.bytes, &opened.session, |record| {
+        if written.is_ok() {
+            written = write(&record);
+        }
+    })?;
+    written
+}
+
+fn pass_on(lines: &mut Vec<u8>, out: &mut impl Write) -> io::Result<()> {
+    if lines.len() >= PIECE {
+        out.write_all(lines)?;
+        lines.clear();
+    }
+    Ok(())
+}

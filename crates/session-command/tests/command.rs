@@ -1,0 +1,174 @@
+//! The command, as a person runs it.
+#![cfg(test)]
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_protocol::{Instant, Layout, Mode};
+use motorlink_session::{Event, EventKind, Writer};
+
+struct Fixture(tempfile::TempDir);
+
+impl Fixture {
+    fn new() -> Self {
+        let fixture = Self(tempfile::tempdir().unwrap());
+        let mut writer = Writer::new(1_795_266_936_962_000, &[("page", "0.1.0")]);
+        writer.event(
+            Instant::ZERO,
+            &Event::new(EventKind::Connected, "Connected"),
+        );
+        for n in 0..20 {
+            let at = Instant::from_millis(n * 20);
+            let frame = "01 64 00 64 00 00 00 00 00 4F".parse().unwrap();
+            let mode = Some(Mode::Velocity);
+            writer.line(&LineEvent {
+                at,
+                kind: LineEventKind::Sent { frame, mode },
+            });
+            let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+            let asked = Some(Layout::Drive);
+            writer.line(&LineEvent {
+                at: Instant::from_millis(n * 20 + 2),
+                kind: LineEventKind::Received { frame, asked },
+            });
+        }
+        writer.attach("setup.json", "application/json", b"{}");
+        fs::write(fixture.path("run.mcap"), writer.finish()).unwrap();
+        fixture
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_session"));
+        command.current_dir(self.0.path()).args(arguments);
+        command.output().unwrap()
+    }
+
+    /// What it prints, where it succeeds.
+    fn prints(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{arguments:?}: {error}");
+        String::from_utf8(output.stdout).unwrap()
+    }
+}
+
+#[test]
+fn info_says_what_is_in_a_file() {
+    let text = Fixture::new().prints(&["info", "run.mcap"]);
+    for part in [
+        "page        0.1.0",
+        "from        2026-11-21T13:15:36.962Z",
+        "duration    0.382 s",
+        "frames      20 sent, 20 received",
+        "motor 1     20 replies, 0 lost, +100 rpm to +100 rpm, +0.175 A to +0.175 A, faults: OK",
+        "attachment  setup.json",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+}
+
+#[test]
+fn check_passes_a_good_file_and_fails_a_damaged_one() {
+    let fixture = Fixture::new();
+    let text = fixture.prints(&["check", "run.mcap"]);
+    assert_eq!(
+        text,
+        "40 entries of the line and 1 events read\nno damage found\n"
+    );
+    let mut bytes = fs::read(fixture.path("run.mcap")).unwrap();
+    bytes.truncate(bytes.len() - 100);
+    fs::write(fixture.path("cut.mcap"), bytes).unwrap();
+    let output = fixture.run(&["check", "cut.mcap"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        text.contains("40 entries") && text.contains("end of the file is missing"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_csv_file_that_was_exported_is_the_same_session_again() {
+    let fixture = Fixture::new();
+    let log = fixture.prints(&["export", "run.mcap", "--format", "log"]);
+    assert_eq!(log.lines().count(), 42);
+    fs::write(fixture.path("log.csv"), &log).unwrap();
+    let out = fixture.path("again.mcap");
+    let arguments = [
+        "export",
+        "log.csv",
+        "--format",
+        "mcap",
+        "--out",
+        "again.mcap",
+    ];
+    assert_eq!(fixture.prints(&arguments), "");
+    assert!(Path::new(&out).is_file());
+    assert_eq!(
+        fixture.prints(&["export", "again.mcap", "--format", "log"]),
+        log
+    );
+    assert_eq!(
+        fixture.prints(&["export", "log.csv", "--format", "log"]),
+        log
+    );
+}
+
+#[test]
+fn every_format_is_written() {
+    let fixture = Fixture::new();
+    let plot = fixture.prints(&["export", "run.mcap"]);
+    assert!(
+        plot.starts_with("time,motor_1_speed_rpm,motor_1_current_a,"),
+        "{plot}"
+    );
+    assert_eq!(plot.lines().count(), 41);
+    let telemetry = fixture.prints(&["export", "run.mcap", "--format", "telemetry"]);
+    assert!(
+        telemetry.starts_with("timestamp,motor_id,mode,"),
+        "{telemetry}"
+    );
+    assert_eq!(telemetry.lines().count(), 21);
+    let report = fixture.prints(&["export", "run.mcap", "--format", "report"]);
+    assert!(report.starts_with("<!DOCTYPE html>") && report.contains("run.mcap"));
+    let copy = [
+        "export",
+        "run.mcap",
+        "--format",
+        "mcap",
+        "--out",
+        "copy.mcap",
+    ];
+    fixture.prints(&copy);
+    assert!(
+        fixture
+            .prints(&["info", "copy.mcap"])
+            .contains("setup.json")
+    );
+}
+
+#[test]
+fn what_is_no_session_is_refused_in_words() {
+    let fixture = Fixture::new();
+    for (name, bytes, words) in [
+        ("empty", &b""[..], "The file is empty."),
+        ("notes.txt", b"a,b\n1,2\n", "no columns of a known export"),
+        ("run.zip", b"PK\x03\x04....", "ZIP archive"),
+        ("picture.png", b"\x89PNG\r\n\x1A\n", "This is no session."),
+    ] {
+        fs::write(fixture.path(name), bytes).unwrap();
+        let output = fixture.run(&["info", name]);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(error.contains(words), "{name}: {error}");
+    }
+    assert_eq!(fixture.run(&["info", "missing"]).status.code(), Some(2));
+}

@@ -1,0 +1,246 @@
+//! `/wire`: what passed on the line, several events in a message.
+//!
+//! A message of its own for each frame would cost 31 bytes in the chunk and 16 in its index, more than the frame
+//! itself. Times are differences, because these repeat and compress: one hour takes 34 MB instead of 44 MB.
+
+use std::time::Duration;
+
+use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
+use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId};
+use motorlink_recorder::digits::{push_decimal, push_hex_digits};
+use nojson::{RawJson, RawJsonValue};
+
+use super::integer;
+
+/// Events in a message at most.
+const EVENTS_MAX: usize = 256;
+/// Time in a message at most: a reader that jumps to a moment reads no more than this before it.
+const SPAN: Duration = Duration::from_millis(100);
+
+/// The message that is being filled.
+#[derive(Debug, Default)]
+pub(crate) struct Batch {
+    json: String,
+    events: usize,
+    first: Instant,
+    last: Instant,
+}
+
+impl Batch {
+    /// Whether this event would have to go into another message.
+    pub(crate) fn is_full_for(&self, at: Instant) -> bool {
+        let fits = self.events < EVENTS_MAX && at >= self.last && at.since(self.first) < SPAN;
+        self.events > 0 && !fits
+    }
+
+    pub(crate) fn push(&mut self, event: &LineEvent) {
+        let out = &mut self.json;
+        if self.events == 0 {
+            (self.first, self.last) = (event.at, event.at);
+            out.clear();
+            out.push_str("{\"mono_us\":");
+            push_decimal(out, event.at.as_micros());
+            out.push_str(",\"frames\":[");
+        } else {
+            out.push(',');
+        }
+        let after = event.at.as_micros() - self.last.as_micros();
+        out.push_str("{\"after_us\":");
+        push_decimal(out, after);
+        push_kind(out, &event.kind);
+        self.last = event.at;
+        self.events += 1;
+    }
+
+    /// The moment and the text of the message, where there is one. The next one begins.
+    pub(crate) fn end(&mut self) -> Option<(Instant, &str)> {
+        if self.events == 0 {
+            return None;
+        }
+        self.events = 0;
+        self.json.push_str("]}");
+        Some((self.first, &self.json))
+    }
+}
+
+fn push_kind(out: &mut String, kind: &LineEventKind) {
+    let mut hex: &[u8] = &[];
+    match kind {
+        LineEventKind::Sent { frame, mode } => {
+            out.push_str(",\"direction\":\"tx\",\"sent\":true");
+            push_id(out, frame);
+            if let Some(mode) = mode {
+                out.push_str(",\"mode\":\"");
+                out.push_str(mode_name(*mode));
+                out.push('"');
+            }
+            hex = frame.bytes();
+        }
+        LineEventKind::NotSent { frame } => {
+            out.push_str(",\"direction\":\"tx\",\"sent\":false");
+            push_id(out, frame);
+            hex = frame.bytes();
+        }
+        LineEventKind::Received { frame, asked } => {
+            out.push_str(",\"direction\":\"rx\"");
+            push_id(out, frame);
+            out.push_str(match asked {
+                Some(Layout::Drive) => ",\"layout\":\"drive\"",
+                Some(Layout::Query) => ",\"layout\":\"query\"",
+                None => "",
+            });
+            hex = frame.bytes();
+        }
+        LineEventKind::Junk(junk) => {
+            out.push_str(",\"direction\":\"rx\",\"junk\":true");
+            out.push_str(",\"hex\":\"");
+            push_hex_digits(out, junk.bytes());
+            out.push_str("\"}");
+            return;
+        }
+        LineEventKind::Silence { id, waited_us } => {
+            out.push_str(",\"direction\":\"rx\",\"id\":");
+            push_decimal(out, id.get().into());
+            out.push_str(",\"silent_us\":");
+            push_decimal(out, (*waited_us).into());
+        }
+    }
+    out.push_str(",\"hex\":\"");
+    push_hex_digits(out, hex);
+    out.push_str("\"}");
+}
+
+/// The first byte, which is the motor's address in most frames.
+fn push_id(out: &mut String, frame: &Frame) {
+    let [first, ..] = *frame.bytes();
+    out.push_str(",\"id\":");
+    push_decimal(out, first.into());
+}
+
+pub(crate) const fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Current => "current",
+        Mode::Velocity => "velocity",
+        Mode::Position => "position",
+    }
+}
+
+fn mode_of(name: &str) -> Option<Mode> {
+    let modes = [Mode::Current, Mode::Velocity, Mode::Position];
+    modes.into_iter().find(|mode| mode_name(*mode) == name)
+}
+
+/// The events in a message, and whether each of its frames could be read.
+pub(crate) fn read(data: &[u8]) -> Option<(Vec<LineEvent>, bool)> {
+    let json = RawJson::parse(std::str::from_utf8(data).ok()?).ok()?;
+    let message = json.value();
+    let mut at = Instant::from_micros(integer(message, "mono_us")?);
+    let frames = message.to_member("frames").ok()?.optional()?;
+    let mut events = Vec::new();
+    let mut complete = true;
+    for frame in frames.to_array().ok()? {
+        match read_event(frame) {
+            Some((after, kind)) => {
+                at = at + after;
+                events.push(LineEvent { at, kind });
+            }
+            None => complete = false,
+        }
+    }
+    Some((events, complete))
+}
+
+/// The members of one frame. They are read in one pass: an hour has millions of them.
+#[derive(Default)]
+struct Members<'a> {
+    after_us: u64,
+    tx: Option<bool>,
+    not_sent: bool,
+    junk: bool,
+    id: Option<u8>,
+    silent_us: Option<u32>,
+    mode: Option<Mode>,
+    layout: Option<Layout>,
+    hex: &'a str,
+}
+
+fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> {
+    let mut members = Members::default();
+    for (name, value) in frame.to_object().ok()? {
+        let raw = value.as_raw_str();
+        let text = raw.trim_matches('"');
+        match name.as_raw_str() {
+            "\"after_us\"" => members.after_us = raw.parse().ok()?,
+            "\"direction\"" => {
+                members.tx = match text {
+                    "tx" => Some(true),
+                    "rx" => Some(false),
+                    _ => None,
+                }
+            }
+            "\"sent\"" => members.not_sent = raw == "false",
+            "\"junk\"" => members.junk = raw == "true",
+            "\"id\"" => members.id = raw.parse().ok(),
+            "\"silent_us\"" => members.silent_us = raw.parse().ok(),
+            "\"mode\"" => members.mode = mode_of(text),
+            "\"layout\"" => {
+                members.layout = match text {
+                    "drive" => Some(Layout::Drive),
+                    "query" => Some(Layout::Query),
+                    _ => None,
+                }
+            }
+            "\"hex\"" => members.hex = text,
+            _ => {}
+        }
+    }
+    let kind = members.kind()?;
+    Some((Duration::from_micros(members.after_us), kind))
+}
+
+impl Members<'_> {
+    fn kind(&self) -> Option<LineEventKind> {
+        if let (Some(waited_us), Some(id)) = (self.silent_us, self.id) {
+            let id = MotorId::new(id).ok()?;
+            return Some(LineEventKind::Silence { id, waited_us });
+        }
+        let (bytes, length) = bytes_of(self.hex)?;
+        if self.junk {
+            return Some(LineEventKind::Junk(JunkBytes::new(bytes.get(..length)?)));
+        }
+        let frame = Frame::new((length == bytes.len()).then_some(bytes)?);
+        Some(match (self.tx?, self.not_sent) {
+            (true, true) => LineEventKind::NotSent { frame },
+            (true, false) => LineEventKind::Sent {
+                frame,
+                mode: self.mode,
+            },
+            (false, _) => LineEventKind::Received {
+                frame,
+                asked: self.layout,
+            },
+        })
+    }
+}
+
+/// At most ten bytes in hex, without spaces.
+fn bytes_of(hex: &str) -> Option<([u8; 10], usize)> {
+    let digits = hex.as_bytes();
+    let mut bytes = [0; 10];
+    if !digits.len().is_multiple_of(2) || digits.len() > 2 * bytes.len() {
+        return None;
+    }
+    for (slot, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
+        let [high, low] = *pair else { return None };
+        let (high, low) = (
+            char::from(high).to_digit(16)?,
+            char::from(low).to_digit(16)?,
+        );
+        *slot = u8::try_from(high * 16 + low).ok()?;
+    }
+    Some((bytes, digits.len() / 2))
+}
+
+#[cfg(test)]
+#[path = "wire_tests.rs"]
+mod tests;

@@ -1,0 +1,47 @@
+//! The CSV files that the page exports too, by the same writer.
+
+use motorlink_recorder::{CsvLines, LocalTime, WallClock};
+
+use crate::{
+    clock::zero_unix_us,
+    record::{Record, What},
+};
+
+/// A CSV file of records: the packet log, or telemetry in the columns of the article's monitor script.
+#[derive(Debug)]
+pub struct Table(CsvLines);
+
+impl Table {
+    /// Every entry of the packet log.
+    #[must_use]
+    pub fn of_log() -> Self {
+        Self(CsvLines::of_log())
+    }
+
+    /// Every good reply.
+    #[must_use]
+    pub fn of_telemetry() -> Self {
+        Self(CsvLines::of_telemetry())
+    }
+
+    /// Adds the names of the columns.
+    pub fn head(&mut self, out: &mut Vec<u8>) {
+        self.0.head(out);
+    }
+
+    /// Adds the line of a record, where it has one.
+    pub fn record(&mut self, out: &mut Vec<u8>, record: &Record) {
+        let zero_us = zero_unix_us(record.at, record.utc_ns);
+        let clock = WallClock::from_us(zero_us, LocalTime::default());
+        match &record.what {
+            What::Event(event) => {
+                self.0.said(out, record.at, event.error, &event.text, clock);
+            }
+            What::Line(_) => {
+                if let Some(event) = record.line() {
+                    self.0.event(out, &event, clock);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! HTML and SVG, built as elements. Every text and attribute is escaped.
+
+/// An element with its content.
+#[derive(Debug)]
+pub(super) struct Element {
+    name: &'static str,
+    attributes: Vec<(&'static str, String)>,
+    content: Vec<Content>,
+}
+
+#[derive(Debug)]
+enum Content {
+    Element(Element),
+    Text(String),
+}
+
+/// Elements without content and end tag.
+const EMPTY: [&str; 5] = ["meta", "line", "path", "rect", "circle"];
+
+impl Element {
+    pub(super) const fn new(name: &'static str) -> Self {
+        Self {
+            name,
+            attributes: Vec::new(),
+            content: Vec::new(),
+        }
+    }
+
+    pub(super) fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
+        self.attributes.push((name, value.into()));
+        self
+    }
+
+    pub(super) fn text(mut self, text: impl Into<String>) -> Self {
+        self.content.push(Content::Text(text.into()));
+        self
+    }
+
+    pub(super) fn child(mut self, element: Self) -> Self {
+        self.content.push(Content::Element(element));
+        self
+    }
+
+    pub(super) fn children(mut self, elements: impl IntoIterator<Item = Self>) -> Self {
+        self.content
+            .extend(elements.into_iter().map(Content::Element));
+        self
+    }
+
+    pub(super) fn write(&self, out: &mut String) {
+        out.push('<');
+        out.push_str(self.name);
+        for (name, value) in &self.attributes {
+            out.push(' ');
+            out.push_str(name);
+            out.push_str("=\"");
+            push_escaped(out, value);
+            out.push('"');
+        }
+        out.push('>');
+        if EMPTY.contains(&self.name) {
+            // SVG within HTML may leave out the end tag of a shape only where it is closed at once.
+            if self.name != "meta" {
+                out.insert(out.len() - 1, '/');
+            }
+            return;
+        }
+        for content in &self.content {
+            match content {
+                Content::Element(element) => element.write(out),
+                // A style sheet is ours, and has no entities.
+                Content::Text(text) if self.name == "style" => out.push_str(text),
+                Content::Text(text) => push_escaped(out, text),
+            }
+        }
+        out.push_str("</");
+        out.push_str(self.name);
+        out.push('>');
+    }
+}
+
+fn push_escaped(out: &mut String, text: &str) {
+    for letter in text.chars() {
+        match letter {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            _ => out.push(letter),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_and_attributes_are_escaped() {
+        let mut out = String::new();
+        let link = Element::new("p")
+            .with("title", "\"a\" & 'b'")
+            .text("<script>");
+        let shape = Element::new("line").with("x1", "7");
+        link.child(shape).write(&mut out);
+        assert_eq!(
+            out,
+            "<p title=\"&quot;a&quot; &amp; &#39;b&#39;\">&lt;script&gt;<line x1=\"7\"/></p>"
+        );
+    }
+}

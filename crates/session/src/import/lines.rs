@@ -1,0 +1,130 @@
+//! Lines of a CSV file, by `csv-core`, in memory that has a bound.
+
+use csv_core::{ReadRecordResult, Reader};
+
+/// Bytes of a line at most. What the page says has a thousand.
+const LINE_BYTES_MAX: usize = 8 << 10;
+
+/// Cells of a line at most. The widest file has ten.
+const CELLS_MAX: usize = 32;
+
+/// Puts lines together.
+#[derive(Debug)]
+pub(super) struct Lines {
+    reader: Reader,
+    text: Vec<u8>,
+    ends: Vec<usize>,
+    text_len: usize,
+    cells: usize,
+    /// The line is longer than any that is known.
+    is_too_long: bool,
+}
+
+impl Default for Lines {
+    fn default() -> Self {
+        Self {
+            reader: Reader::new(),
+            text: vec![0; LINE_BYTES_MAX],
+            ends: vec![0; CELLS_MAX],
+            text_len: 0,
+            cells: 0,
+            is_too_long: false,
+        }
+    }
+}
+
+impl Lines {
+    /// Takes bytes, and gives every line that they complete; `None` for one that is too long, or is no UTF-8.
+    pub(super) fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(Option<&[&str]>)) {
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            let (_, read) = self.step(rest, &mut line);
+            rest = rest.get(read..).unwrap_or_default();
+        }
+    }
+
+    /// Gives the last line, where it has no end.
+    pub(super) fn end(&mut self, mut line: impl FnMut(Option<&[&str]>)) {
+        while !self.step(&[], &mut line).0 {}
+    }
+
+    /// Says whether the file has ended, and how many bytes were read.
+    fn step(&mut self, bytes: &[u8], line: &mut impl FnMut(Option<&[&str]>)) -> (bool, usize) {
+        let text = self.text.get_mut(self.text_len..).unwrap_or_default();
+        let ends = self.ends.get_mut(self.cells..).unwrap_or_default();
+        let (result, read, written, cells) = self.reader.read_record(bytes, text, ends);
+        self.text_len += written;
+        self.cells += cells;
+        match result {
+            ReadRecordResult::InputEmpty => {}
+            ReadRecordResult::OutputFull | ReadRecordResult::OutputEndsFull => {
+                self.is_too_long = true;
+                (self.text_len, self.cells) = (0, 0);
+            }
+            ReadRecordResult::Record => {
+                let cells = self.cells();
+                line(cells.as_deref().filter(|_| !self.is_too_long));
+                self.is_too_long = false;
+                (self.text_len, self.cells) = (0, 0);
+            }
+            ReadRecordResult::End => return (true, read),
+        }
+        (false, read)
+    }
+
+    fn cells(&self) -> Option<Vec<&str>> {
+        let mut start = 0;
+        let ends = self.ends.get(..self.cells)?;
+        ends.iter()
+            .map(|end| {
+                let cell = self.text.get(start..*end)?;
+                start = *end;
+                std::str::from_utf8(cell).ok()
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &[u8], piece: usize) -> Vec<Option<Vec<String>>> {
+        let mut lines = Lines::default();
+        let mut read = Vec::new();
+        let mut keep = |cells: Option<&[&str]>| {
+            read.push(cells.map(|cells| cells.iter().map(|cell| (*cell).to_owned()).collect()));
+        };
+        for piece in text.chunks(piece) {
+            lines.feed(piece, &mut keep);
+        }
+        lines.end(&mut keep);
+        read
+    }
+
+    #[test]
+    fn lines_are_read_in_pieces_of_any_size() {
+        let text = "a,\"b\"\"\nc\",\r\n1,2,°";
+        for piece in 1..text.len() {
+            let expected = [["a", "b\"\nc", ""], ["1", "2", "°"]];
+            let expected = expected.map(|line| Some(line.map(str::to_owned).to_vec()));
+            assert_eq!(read(text.as_bytes(), piece), expected);
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_too_long_is_skipped() {
+        let long = "x".repeat(3 * LINE_BYTES_MAX);
+        let many = ",".repeat(3 * CELLS_MAX);
+        let text = format!("a\n{long}\nb\n{many}\nc\n\"{long}");
+        let lines = read(text.as_bytes(), 1_000);
+        let known: Vec<_> = lines
+            .iter()
+            .map(|line| line.as_ref().map(|line| line[0].clone()))
+            .collect();
+        let some = |text: &str| Some(text.to_owned());
+        assert_eq!(known, [some("a"), None, some("b"), None, some("c"), None]);
+        assert_eq!(read(b"\xFF\n", 1), [None]);
+        assert!(read(b"", 1).is_empty());
+    }
+}

@@ -1,0 +1,222 @@
+//! What the lines of each file say.
+
+use std::collections::BTreeMap;
+
+use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
+use motorlink_protocol::{
+    FRAME_LEN, Frame, Instant, Layout, Mode, MotorId, Reply, Request, explain_received,
+    explain_sent,
+};
+
+use super::times::Time;
+use crate::{
+    record::{Event, EventKind},
+    writer::Writer,
+};
+
+/// The columns of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    Log,
+    Telemetry,
+    /// Of the original page.
+    Original,
+}
+
+impl Columns {
+    /// The columns that the first line names. A byte order mark is passed over: programs that save a file anew
+    /// add one.
+    pub(super) fn of_head(head: &[&str]) -> Option<Self> {
+        let (first, rest) = head.split_first()?;
+        let first = first.trim_start_matches('\u{FEFF}');
+        Some(match (first, rest) {
+            ("time", ["elapsed_s", "direction", "id", "hex", "meaning"]) => Self::Log,
+            ("timestamp", ["motor_id", .., "raw_hex"]) if rest.len() == 9 => Self::Telemetry,
+            ("Timestamp", ["Type", "Content"]) => Self::Original,
+            _ => return None,
+        })
+    }
+}
+
+/// One line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Line<'a> {
+    pub(super) time: Time,
+    said: Said<'a>,
+}
+
+/// What a line says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Said<'a> {
+    /// A frame, and what it means in words, where the line says it.
+    Sent(Frame, &'a str),
+    Received(Frame, &'a str),
+    /// With its layout.
+    Telemetry(Frame, Option<Layout>),
+    Line(LineEventKind),
+    Text {
+        error: bool,
+        text: &'a str,
+    },
+}
+
+/// Reads lines, and knows what came before: it says what a reply answers.
+#[derive(Debug)]
+pub(super) struct Rows {
+    columns: Columns,
+    asked: Option<(MotorId, Layout)>,
+    modes: BTreeMap<MotorId, Mode>,
+}
+
+impl Rows {
+    pub(super) const fn new(columns: Columns) -> Self {
+        Self {
+            columns,
+            asked: None,
+            modes: BTreeMap::new(),
+        }
+    }
+
+    /// What the cells of a line say; `None` where they cannot be read.
+    pub(super) fn read<'a>(&self, cells: &[&'a str]) -> Option<Line<'a>> {
+        let time = Time::read(cells.first()?)?;
+        let said = match (self.columns, cells) {
+            (Columns::Log, [_, _, direction, id, hex, meaning]) => {
+                log_line(direction, id, hex, meaning)?
+            }
+            (Columns::Telemetry, [_, _, _, _, _, temperature, position, _, _, hex]) => {
+                // Both layouts have a position, only one has a temperature. The article's script only queries.
+                let layout = match (temperature.is_empty(), position.is_empty()) {
+                    (false, _) => Some(Layout::Query),
+                    (true, false) => Some(Layout::Drive),
+                    (true, true) => None,
+                };
+                let frame: Frame = hex.parse().ok()?;
+                Reply::decode(&frame, layout).ok()?;
+                Said::Telemetry(frame, layout)
+            }
+            (Columns::Original, [_, kind, content]) => original_line(kind, content)?,
+            _ => return None,
+        };
+        Some(Line { time, said })
+    }
+
+    /// Writes a line.
+    pub(super) fn write(&mut self, at: Instant, line: &Line<'_>, writer: &mut Writer) {
+        let kind = match line.said {
+            Said::Sent(frame, meaning) => self.sent(frame, meaning),
+            Said::Received(frame, meaning) => self.received(frame, meaning),
+            Said::Telemetry(frame, asked) => LineEventKind::Received { frame, asked },
+            Said::Line(kind) => kind,
+            Said::Text { error, text } => {
+                let event = Event::new(EventKind::Notice, text);
+                return writer.event(at, &Event { error, ..event });
+            }
+        };
+        writer.line(&LineEvent { at, kind });
+    }
+
+    /// The words say the loop in which the motor reads the frame. Without words it is the one that the motor
+    /// reported last.
+    fn sent(&mut self, frame: Frame, meaning: &str) -> LineEventKind {
+        let request = Request::parse(&frame).ok();
+        let id = request.and_then(|request| request.addressee());
+        let layout = request.and_then(|request| request.reply_layout());
+        self.asked = id.zip(layout);
+        let modes = [
+            None,
+            Some(Mode::Velocity),
+            Some(Mode::Current),
+            Some(Mode::Position),
+        ];
+        let said = |mode: &Option<Mode>| explain_sent(&frame, *mode).to_string() == meaning;
+        let reported = id.and_then(|id| self.modes.get(&id).copied());
+        let mode = modes.into_iter().find(said).unwrap_or(reported);
+        LineEventKind::Sent { frame, mode }
+    }
+
+    /// The words say the layout. Without words it follows from the request before.
+    fn received(&mut self, frame: Frame, meaning: &str) -> LineEventKind {
+        let Ok(reply) = Reply::decode(&frame, None) else {
+            return LineEventKind::Junk(JunkBytes::new(frame.bytes()));
+        };
+        self.modes.insert(reply.id, reply.mode);
+        let asked = self.asked.take().filter(|(id, _)| *id == reply.id);
+        let layouts = [None, Some(Layout::Drive), Some(Layout::Query)];
+        let meaning = without_apostrophe(meaning);
+        let said =
+            |layout: &Option<Layout>| explain_received(&frame, *layout).to_string() == meaning;
+        let followed = asked.map(|(_, layout)| layout);
+        let asked = layouts.into_iter().find(said).unwrap_or(followed);
+        LineEventKind::Received { frame, asked }
+    }
+}
+
+/// An apostrophe in front keeps spreadsheets from running a text.
+fn without_apostrophe(text: &str) -> &str {
+    let bare = text.strip_prefix('\'');
+    let is_formula = |text: &&str| text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
+    bare.filter(is_formula).unwrap_or(text)
+}
+
+fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Option<Said<'a>> {
+    let error = direction == "ERR";
+    Some(match direction {
+        "TX" => Said::Sent(hex.parse().ok()?, meaning),
+        "RX" => Said::Received(hex.parse().ok()?, meaning),
+        "ERR" if !hex.is_empty() && meaning.starts_with("not sent") => {
+            let frame = hex.parse().ok()?;
+            Said::Line(LineEventKind::NotSent { frame })
+        }
+        "ERR" if !hex.is_empty() => Said::Line(LineEventKind::Junk(junk(hex)?)),
+        "ERR" if !id.is_empty() => {
+            let id = u8::from_str_radix(id.strip_prefix("0x")?, 16).ok()?;
+            let waited = meaning
+                .strip_prefix("no reply within ")?
+                .strip_suffix(" ms")?;
+            Said::Line(LineEventKind::Silence {
+                id: MotorId::new(id).ok()?,
+                waited_us: tenths(waited)?.checked_mul(100)?,
+            })
+        }
+        "SYS" | "ERR" => Said::Text {
+            error,
+            text: without_apostrophe(meaning),
+        },
+        _ => return None,
+    })
+}
+
+/// `→ TX [ID 0x01]: 01 64 00 64 00 00 00 00 00 4F`, and texts.
+fn original_line<'a>(kind: &str, content: &'a str) -> Option<Said<'a>> {
+    let frame = || content.split_once("]: ")?.1.trim().parse().ok();
+    Some(match kind {
+        "TX" => Said::Sent(frame()?, ""),
+        "RX" => Said::Received(frame()?, ""),
+        _ => Said::Text {
+            error: kind == "Error",
+            text: content,
+        },
+    })
+}
+
+/// One to ten bytes.
+fn junk(hex: &str) -> Option<JunkBytes> {
+    let bytes = hex.split(' ').map(|byte| {
+        let is_hex = byte.len() == 2 && byte.bytes().all(|digit| digit.is_ascii_hexdigit());
+        u8::from_str_radix(byte, 16).ok().filter(|_| is_hex)
+    });
+    let bytes: Vec<u8> = bytes.take(FRAME_LEN + 1).collect::<Option<_>>()?;
+    (bytes.len() <= FRAME_LEN).then(|| JunkBytes::new(&bytes))
+}
+
+/// `8.0` as tenths.
+fn tenths(text: &str) -> Option<u32> {
+    let (whole, tenth) = text.split_once('.')?;
+    let tenth: u32 = tenth.parse().ok().filter(|tenth| *tenth < 10)?;
+    whole
+        .parse::<u32>()
+        .ok()?
+        .checked_mul(10)?
+        .checked_add(tenth)
+}

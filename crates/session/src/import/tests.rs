@@ -1,0 +1,160 @@
+use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
+use motorlink_protocol::{Instant, Layout, Mode, MotorId};
+use motorlink_recorder::{CsvLines, WallClock};
+
+use super::*;
+use crate::{
+    reader::{for_each_record, open},
+    record::{EventKind, Record, What},
+};
+
+/// 2026-11-21 13:15:36.962 UTC.
+const ZERO_US: i64 = 1_795_266_936_962_000;
+
+fn import(csv: &[u8], piece: usize) -> Result<(Vec<Record>, Problems), NotASession> {
+    let mut import = Import::default();
+    let mut file = Vec::new();
+    for piece in csv.chunks(piece) {
+        import.feed(piece);
+        file.extend(import.take());
+    }
+    let (last, problems) = import.finish()?;
+    file.extend(last);
+    let mut source = &file[..];
+    let session = open(&mut source).unwrap().unwrap();
+    let mut records = Vec::new();
+    let read = for_each_record(&mut source, &session, |record| records.push(record)).unwrap();
+    assert!(read.is_empty(), "{read}");
+    Ok((records, problems))
+}
+
+fn lines(records: &[Record]) -> Vec<LineEvent> {
+    records.iter().filter_map(Record::line).collect()
+}
+
+fn sample() -> Vec<LineEvent> {
+    let drive = "01 64 00 64 00 00 00 00 00 4F".parse().unwrap();
+    let reply = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+    let query = "01 74 00 00 00 00 00 00 00 04".parse().unwrap();
+    let sent = |frame, mode| LineEventKind::Sent { frame, mode };
+    let received = |asked| LineEventKind::Received {
+        frame: reply,
+        asked: Some(asked),
+    };
+    let kinds = [
+        sent(query, None),
+        received(Layout::Query),
+        sent(drive, Some(Mode::Velocity)),
+        received(Layout::Drive),
+        LineEventKind::NotSent { frame: drive },
+        LineEventKind::Junk(JunkBytes::new(&[1, 2, 3])),
+        LineEventKind::Silence {
+            id: MotorId::FIRST,
+            waited_us: 8_100,
+        },
+    ];
+    let at = (0..).map(|n| Instant::from_millis(3 * n));
+    let events = at.zip(kinds).map(|(at, kind)| LineEvent { at, kind });
+    events.collect()
+}
+
+fn exported(mut lines: CsvLines) -> Vec<u8> {
+    let clock = WallClock::from_us(ZERO_US, motorlink_recorder::LocalTime::default());
+    let mut csv = Vec::new();
+    lines.head(&mut csv);
+    for event in sample() {
+        lines.event(&mut csv, &event, clock);
+    }
+    lines.said(&mut csv, Instant::from_millis(30), true, "=1+1", clock);
+    csv
+}
+
+#[test]
+fn our_log_is_read_as_it_was_written() {
+    let csv = exported(CsvLines::of_log());
+    for piece in [1, 7, csv.len()] {
+        let (records, problems) = import(&csv, piece).unwrap();
+        assert!(problems.is_empty());
+        assert_eq!(lines(&records), sample());
+        assert_eq!(records[0].utc_ns, 1_795_266_936_962_000_000);
+        let What::Event(said) = &records[7].what else {
+            panic!("the last line is a text")
+        };
+        assert_eq!((said.text.as_str(), said.error), ("=1+1", true));
+    }
+}
+
+#[test]
+fn our_telemetry_is_read_as_replies() {
+    let (records, problems) = import(&exported(CsvLines::of_telemetry()), 100).unwrap();
+    assert!(problems.is_empty());
+    let replies = sample()
+        .into_iter()
+        .filter(|event| matches!(event.kind, LineEventKind::Received { .. }));
+    let first = Instant::from_millis(3);
+    let replies: Vec<_> = replies
+        .map(|event| LineEvent {
+            at: Instant::from_micros(event.at.as_micros() - first.as_micros()),
+            ..event
+        })
+        .collect();
+    assert_eq!(lines(&records), replies);
+}
+
+#[test]
+fn the_log_of_the_articles_script_is_read() {
+    // The sample of the article.
+    let csv = b"timestamp,motor_id,mode,speed_rpm,current_a,temp_c,position_deg,error_code,error_str,raw_hex
+13:15:36.962,1,Velocity,100,0.07,33,71.6,0x00,OK,01 02 00 0A 00 64 21 59 00 F5
+";
+    let (records, problems) = import(csv, 11).unwrap();
+    let problems: Vec<_> = problems.iter().collect();
+    // Its CRC does not hold: the article made it up.
+    assert_eq!(problems, [(Problem::LineDamaged, 1)]);
+    assert!(records.is_empty());
+}
+
+#[test]
+fn the_log_of_the_original_page_is_read() {
+    let csv = "Timestamp,Type,Content
+\"23:59:59.990\",\"system\",\"[System] Connected\"
+\"23:59:59.995\",\"TX\",\"→ TX [ID 0x01]: 01 64 00 64 00 00 00 00 00 4F\"
+\"00:00:00.000\",\"RX\",\"← RX [ID 0x01]: 01 02 02 CD 00 64 17 CF 00 8F\"
+\"00:00:01.000\",\"Error\",\"[Write Error] gone\"
+\"00:00:01.000\",\"RX\",\"← RX [ID 0x01]: 01 02\"
+";
+    let (records, problems) = import(csv.as_bytes(), 5).unwrap();
+    assert_eq!(
+        (
+            problems.times(Problem::NoDate),
+            problems.times(Problem::LineDamaged)
+        ),
+        (1, 1)
+    );
+    let at: Vec<_> = records.iter().map(|record| record.at.as_micros()).collect();
+    assert_eq!(at, [0, 5_000, 10_000, 1_010_000]);
+    let [sent, received] = lines(&records)[..] else {
+        panic!("two lines have frames")
+    };
+    assert!(matches!(sent.kind, LineEventKind::Sent { mode: None, .. }));
+    assert!(matches!(
+        received.kind,
+        LineEventKind::Received {
+            asked: Some(Layout::Drive),
+            ..
+        }
+    ));
+    let What::Event(error) = &records[3].what else {
+        panic!("the last line is a text")
+    };
+    assert_eq!((error.kind, error.error), (EventKind::Notice, true));
+}
+
+#[test]
+fn another_text_is_no_session() {
+    for other in ["", "\n", "a,b\n1,2\n", "{}", "time,elapsed_s\n"] {
+        assert_eq!(import(other.as_bytes(), 3).unwrap_err(), NotASession::Text);
+    }
+    let (records, _) = import(b"Timestamp,Type,Content\n", 3).unwrap();
+    assert!(records.is_empty());
+}

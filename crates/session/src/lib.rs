@@ -1,0 +1,60 @@
+//! The session file: everything that passed on a line, in a file that other programs open too.
+//!
+//! It is an MCAP file (<https://mcap.dev>) with JSON messages; `docs/sessions.md` describes its channels. Here is
+//! no I/O: [`Writer`] takes records and gives bytes, [`Opening`] and [`Cursor`] say which bytes they need and give
+//! records. Neither keeps more than a chunk, the index and the [`Overview`].
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `record` | what a session holds, one by one |
+//! | `writer` | records in, bytes of a file out |
+//! | `reader` | bytes of a file in, records out |
+//! | `export` | CSV tables and a report |
+//! | `import` | CSV files as sessions |
+//! | `overview` | the whole session in one line |
+//! | `channels` | the messages of each channel, as JSON |
+//! | `mcap` | the container |
+//!
+//! # Example
+//!
+//! ```
+//! use motorlink_bus::{LineEvent, LineEventKind};
+//! use motorlink_protocol::Instant;
+//! use motorlink_session::{Writer, for_each_record, open};
+//!
+//! let frame = "01 64 00 64 00 00 00 00 00 4F".parse()?;
+//! let sent = LineEventKind::Sent { frame, mode: None };
+//! let mut writer = Writer::new(1_795_266_936_962_000, &[("page", "0.1.0")]);
+//! writer.line(&LineEvent { at: Instant::from_millis(20), kind: sent });
+//! let file = writer.finish();
+//!
+//! let mut source = &file[..];
+//! let session = open(&mut source)??;
+//! let mut records = Vec::new();
+//! let problems = for_each_record(&mut source, &session, |record| records.push(record))?;
+//! assert!(problems.is_empty());
+//! assert_eq!(records[0].line().map(|line| line.kind), Some(sent));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod channels;
+mod clock;
+mod export;
+mod format;
+mod import;
+mod mcap;
+mod overview;
+mod reader;
+mod record;
+mod writer;
+
+pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
+pub use export::{About, PlotTable, Table, report};
+pub use import::Import;
+pub use overview::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
+pub use reader::{
+    Attachment, Cursor, Next, NotASession, Opening, Problem, Problems, Session, Source, Step,
+    for_each_record, open, overview,
+};
+pub use record::{Event, EventKind, Record, What};
+pub use writer::Writer;

@@ -1,0 +1,205 @@
+//! The records of the summary, which say where everything lies.
+
+use super::{
+    fields::Fields,
+    op,
+    put::{self, record},
+};
+
+/// Where a chunk lies, and what it holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ChunkIndex {
+    pub(crate) from_ns: u64,
+    pub(crate) to_ns: u64,
+    /// Of the chunk's record, with its opcode.
+    pub(crate) offset: u64,
+    pub(crate) length: u64,
+    /// By channel, where the index of its messages lies.
+    pub(crate) message_indexes: Vec<(u16, u64)>,
+    pub(crate) index_length: u64,
+    pub(crate) compression: String,
+    pub(crate) compressed_size: u64,
+    pub(crate) size: u64,
+}
+
+impl ChunkIndex {
+    pub(crate) fn put(&self, out: &mut Vec<u8>) {
+        record(out, op::CHUNK_INDEX, |out| {
+            put::u64(out, self.from_ns);
+            put::u64(out, self.to_ns);
+            put::u64(out, self.offset);
+            put::u64(out, self.length);
+            put::sized(out, |out| {
+                for (channel, offset) in &self.message_indexes {
+                    put::u16(out, *channel);
+                    put::u64(out, *offset);
+                }
+            });
+            put::u64(out, self.index_length);
+            put::text(out, &self.compression);
+            put::u64(out, self.compressed_size);
+            put::u64(out, self.size);
+        });
+    }
+
+    /// A reader of sessions reads whole chunks, and needs no index of messages.
+    pub(crate) fn read(content: &[u8]) -> Option<Self> {
+        let mut fields = Fields(content);
+        let (from_ns, to_ns) = (fields.u64()?, fields.u64()?);
+        let (offset, length) = (fields.u64()?, fields.u64()?);
+        fields.bytes()?;
+        Some(Self {
+            from_ns,
+            to_ns,
+            offset,
+            length,
+            message_indexes: Vec::new(),
+            index_length: fields.u64()?,
+            compression: fields.text()?.to_owned(),
+            compressed_size: fields.u64()?,
+            size: fields.u64()?,
+        })
+    }
+
+    /// The same out of the head of a chunk that lies here, in a file without a summary.
+    pub(crate) fn of_chunk(offset: u64, content_length: u64, head: &[u8]) -> Option<Self> {
+        let head = ChunkHead::read(&mut Fields(head))?;
+        Some(Self {
+            from_ns: head.from_ns,
+            to_ns: head.to_ns,
+            offset,
+            length: content_length.checked_add(super::RECORD_HEAD_LEN)?,
+            message_indexes: Vec::new(),
+            index_length: 0,
+            compression: head.compression.to_owned(),
+            compressed_size: head.compressed_size,
+            size: head.size,
+        })
+    }
+}
+
+/// What lies before the compressed bytes of a chunk.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChunkHead<'a> {
+    pub(crate) from_ns: u64,
+    pub(crate) to_ns: u64,
+    pub(crate) size: u64,
+    /// Zero where the writer computed none.
+    pub(crate) crc: u32,
+    pub(crate) compression: &'a str,
+    pub(crate) compressed_size: u64,
+}
+
+impl<'a> ChunkHead<'a> {
+    /// Bytes in which every head lies: the names of compressions are short.
+    pub(crate) const LEN_MAX: u64 = 64;
+
+    pub(crate) fn read(fields: &mut Fields<'a>) -> Option<Self> {
+        Some(Self {
+            from_ns: fields.u64()?,
+            to_ns: fields.u64()?,
+            size: fields.u64()?,
+            crc: fields.u32()?,
+            compression: fields.text()?,
+            compressed_size: fields.u64()?,
+        })
+    }
+}
+
+/// Where an attachment lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct AttachmentIndex {
+    pub(crate) offset: u64,
+    pub(crate) length: u64,
+    pub(crate) log_ns: u64,
+    pub(crate) size: u64,
+    pub(crate) name: String,
+    pub(crate) media_type: String,
+}
+
+impl AttachmentIndex {
+    pub(crate) fn put(&self, out: &mut Vec<u8>) {
+        record(out, op::ATTACHMENT_INDEX, |out| {
+            put::u64(out, self.offset);
+            put::u64(out, self.length);
+            put::u64(out, self.log_ns);
+            put::u64(out, self.log_ns);
+            put::u64(out, self.size);
+            put::text(out, &self.name);
+            put::text(out, &self.media_type);
+        });
+    }
+
+    pub(crate) fn read(content: &[u8]) -> Option<Self> {
+        let mut fields = Fields(content);
+        let (offset, length) = (fields.u64()?, fields.u64()?);
+        let (log_ns, _created_ns) = (fields.u64()?, fields.u64()?);
+        Some(Self {
+            offset,
+            length,
+            log_ns,
+            size: fields.u64()?,
+            name: fields.text()?.to_owned(),
+            media_type: fields.text()?.to_owned(),
+        })
+    }
+
+    /// The same out of the head of an attachment that lies here, in a file without a summary.
+    pub(crate) fn of_attachment(offset: u64, content_length: u64, head: &[u8]) -> Option<Self> {
+        let mut fields = Fields(head);
+        let (log_ns, _created_ns) = (fields.u64()?, fields.u64()?);
+        let name = fields.text()?.to_owned();
+        let media_type = fields.text()?.to_owned();
+        Some(Self {
+            offset,
+            length: content_length.checked_add(super::RECORD_HEAD_LEN)?,
+            log_ns,
+            size: fields.u64()?,
+            name,
+            media_type,
+        })
+    }
+
+    /// The data in an attachment's record; `None` where its CRC does not hold.
+    pub(crate) fn data(record: &[u8]) -> Option<&[u8]> {
+        let (opcode, content) = Fields(record).record()?;
+        let (checked, crc) = content.split_last_chunk::<4>()?;
+        let crc = u32::from_le_bytes(*crc);
+        let holds = crc == 0 || crc == super::CRC.checksum(checked);
+        let mut fields = Fields(checked);
+        let (_log_ns, _created_ns) = (fields.u64()?, fields.u64()?);
+        fields.text()?;
+        fields.text()?;
+        let length = fields.u64()?;
+        fields
+            .take(length)
+            .filter(|_| holds && opcode == op::ATTACHMENT)
+    }
+}
+
+/// Where a metadata record lies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct MetadataIndex {
+    pub(crate) offset: u64,
+    pub(crate) length: u64,
+    pub(crate) name: String,
+}
+
+impl MetadataIndex {
+    pub(crate) fn put(&self, out: &mut Vec<u8>) {
+        record(out, op::METADATA_INDEX, |out| {
+            put::u64(out, self.offset);
+            put::u64(out, self.length);
+            put::text(out, &self.name);
+        });
+    }
+
+    pub(crate) fn read(content: &[u8]) -> Option<Self> {
+        let mut fields = Fields(content);
+        Some(Self {
+            offset: fields.u64()?,
+            length: fields.u64()?,
+            name: fields.text()?.to_owned(),
+        })
+    }
+}

@@ -1,0 +1,181 @@
+//! The whole session in one line: least and greatest values of each bucket of time, marks, and totals.
+//!
+//! It is computed while a session is written and stored in it, so that the first picture needs no frame. A file
+//! without one, such as one that is cut, is read once.
+
+mod motor;
+mod stored;
+
+use std::{collections::BTreeMap, time::Duration};
+
+use motorlink_bus::LineEventKind;
+use motorlink_protocol::{Instant, MotorId, Reply, Request};
+
+use crate::record::{EventKind, Record, What};
+
+pub use motor::{Extent, MotorOverview};
+
+/// Buckets at most: more than a timeline has pixels.
+pub const BUCKETS_MAX: usize = 2_048;
+
+/// Marks at most. What comes later is counted only.
+pub const MARKS_MAX: usize = 4_096;
+
+/// The first buckets. They double whenever there are too many.
+const BUCKET_US: u64 = 1_000;
+
+/// The whole session in one line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overview {
+    /// Length of a bucket in microseconds.
+    bucket_us: u64,
+    /// The first moment, on both clocks.
+    first: Option<(Instant, u64)>,
+    last: Option<(Instant, u64)>,
+    motors: BTreeMap<MotorId, MotorOverview>,
+    marks: Vec<Mark>,
+    /// Marks that had no room.
+    pub marks_left_out: u64,
+    /// Frames and other events of the line.
+    pub line_events: u64,
+    /// Frames sent.
+    pub sent: u64,
+    /// Good frames received.
+    pub received: u64,
+    /// Requests without a reply.
+    pub lost: u64,
+    /// Pieces of bytes that are no frame.
+    pub junk: u64,
+    /// Frames that the port refused.
+    pub not_sent: u64,
+}
+
+impl Default for Overview {
+    fn default() -> Self {
+        Self {
+            bucket_us: BUCKET_US,
+            first: None,
+            last: None,
+            motors: BTreeMap::new(),
+            marks: Vec::new(),
+            marks_left_out: 0,
+            line_events: 0,
+            sent: 0,
+            received: 0,
+            lost: 0,
+            junk: 0,
+            not_sent: 0,
+        }
+    }
+}
+
+/// An event on the line of time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mark {
+    /// Time since the first moment of the session.
+    pub after: Duration,
+    /// Of what kind.
+    pub kind: EventKind,
+    /// Whether it is bad news.
+    pub error: bool,
+    /// In words.
+    pub text: String,
+}
+
+impl Overview {
+    /// Takes the next record.
+    pub fn add(&mut self, record: &Record) {
+        let (first, _) = *self.first.get_or_insert((record.at, record.utc_ns));
+        if self.last.is_none_or(|(last, _)| record.at >= last) {
+            self.last = Some((record.at, record.utc_ns));
+        }
+        let after = record.at.since(first);
+        match &record.what {
+            What::Line(kind) => self.line(after, kind),
+            What::Event(event) if self.marks.len() < MARKS_MAX => self.marks.push(Mark {
+                after,
+                kind: event.kind,
+                error: event.error,
+                text: event.text.clone(),
+            }),
+            What::Event(_) => self.marks_left_out += 1,
+        }
+    }
+
+    fn line(&mut self, after: Duration, kind: &LineEventKind) {
+        self.line_events += 1;
+        match kind {
+            LineEventKind::Sent { frame, .. } => {
+                self.sent += 1;
+                if let Some(id) = Request::parse(frame).ok().and_then(|one| one.addressee()) {
+                    self.motor(id).sent += 1;
+                }
+            }
+            LineEventKind::Received { frame, asked } => {
+                self.received += 1;
+                if let Ok(reply) = Reply::decode(frame, *asked) {
+                    let bucket = self.bucket_of(after);
+                    self.motor(reply.id).replied(bucket, &reply);
+                }
+            }
+            LineEventKind::Junk(_) => self.junk += 1,
+            LineEventKind::Silence { id, .. } => {
+                self.lost += 1;
+                self.motor(*id).lost += 1;
+            }
+            LineEventKind::NotSent { .. } => self.not_sent += 1,
+        }
+    }
+
+    fn motor(&mut self, id: MotorId) -> &mut MotorOverview {
+        self.motors.entry(id).or_default()
+    }
+
+    /// The bucket of a moment, after buckets were doubled until there are not too many.
+    fn bucket_of(&mut self, after: Duration) -> usize {
+        let after_us = u64::try_from(after.as_micros()).unwrap_or(u64::MAX);
+        while after_us / self.bucket_us >= BUCKETS_MAX as u64 {
+            self.bucket_us = self.bucket_us.saturating_mul(2);
+            for motor in self.motors.values_mut() {
+                motor.double_buckets();
+            }
+        }
+        usize::try_from(after_us / self.bucket_us).unwrap_or_default()
+    }
+
+    /// Length of a bucket.
+    #[must_use]
+    pub const fn bucket(&self) -> Duration {
+        Duration::from_micros(self.bucket_us)
+    }
+
+    /// From the first to the last record.
+    #[must_use]
+    pub fn duration(&self) -> Duration {
+        match (self.first, self.last) {
+            (Some((first, _)), Some((last, _))) => last.since(first),
+            _ => Duration::ZERO,
+        }
+    }
+
+    /// The first and the last moment, in nanoseconds since 1970, UTC.
+    #[must_use]
+    pub fn span_ns(&self) -> Option<(u64, u64)> {
+        Some((self.first?.1, self.last?.1))
+    }
+
+    /// Every motor that was asked or heard.
+    pub fn motors(&self) -> impl Iterator<Item = (MotorId, &MotorOverview)> {
+        self.motors.iter().map(|(id, motor)| (*id, motor))
+    }
+
+    /// Events, in their order.
+    #[must_use]
+    pub fn marks(&self) -> &[Mark] {
+        &self.marks
+    }
+}
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

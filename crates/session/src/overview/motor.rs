@@ -1,0 +1,88 @@
+//! One motor in the overview.
+
+use motorlink_protocol::{Current, Detail, Faults, Reply, Rpm};
+
+/// What a motor did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MotorOverview {
+    /// Frames sent to it.
+    pub sent: u64,
+    /// Good replies.
+    pub replies: u64,
+    /// Requests without a reply.
+    pub lost: u64,
+    /// Every fault that it reported.
+    pub faults: Faults,
+    /// The highest temperature, in degrees Celsius.
+    pub temperature_max_c: Option<u8>,
+    pub(super) buckets: Vec<Option<Extent>>,
+}
+
+/// Least and greatest values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extent {
+    /// Of the speed.
+    pub speed: (Rpm, Rpm),
+    /// Of the current.
+    pub current: (Current, Current),
+}
+
+impl Extent {
+    const fn of(reply: &Reply) -> Self {
+        Self {
+            speed: (reply.speed, reply.speed),
+            current: (reply.current, reply.current),
+        }
+    }
+
+    fn and(self, other: Self) -> Self {
+        let (a, b) = (self, other);
+        Self {
+            speed: (a.speed.0.min(b.speed.0), a.speed.1.max(b.speed.1)),
+            current: (a.current.0.min(b.current.0), a.current.1.max(b.current.1)),
+        }
+    }
+
+    fn joined(one: Option<Self>, other: Option<Self>) -> Option<Self> {
+        match (one, other) {
+            (Some(one), Some(other)) => Some(one.and(other)),
+            (one, other) => one.or(other),
+        }
+    }
+}
+
+impl MotorOverview {
+    pub(super) fn replied(&mut self, bucket: usize, reply: &Reply) {
+        self.replies += 1;
+        self.faults = Faults::from_byte(self.faults.byte() | reply.faults.byte());
+        if let Detail::Query { temperature, .. } = reply.detail {
+            self.temperature_max_c = self.temperature_max_c.max(Some(temperature.degrees()));
+        }
+        if self.buckets.len() <= bucket {
+            self.buckets.resize(bucket + 1, None);
+        }
+        if let Some(slot) = self.buckets.get_mut(bucket) {
+            *slot = Extent::joined(*slot, Some(Extent::of(reply)));
+        }
+    }
+
+    pub(super) fn double_buckets(&mut self) {
+        let pairs = self.buckets.chunks(2);
+        self.buckets = pairs
+            .map(|pair| pair.iter().copied().fold(None, Extent::joined))
+            .collect();
+    }
+
+    /// Least and greatest values of each bucket; `None` where there was no reply. Buckets behind the last reply
+    /// are left out.
+    #[must_use]
+    pub fn buckets(&self) -> &[Option<Extent>] {
+        &self.buckets
+    }
+
+    /// Least and greatest values of all; `None` without a reply.
+    #[must_use]
+    pub fn extent(&self) -> Option<Extent> {
+        self.buckets.iter().copied().fold(None, Extent::joined)
+    }
+}

@@ -1,0 +1,180 @@
+//! The overview as an attachment, in JSON.
+
+use std::time::Duration;
+
+use motorlink_protocol::{Current, Faults, Instant, MotorId, Rpm};
+use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
+
+use super::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
+use crate::{channels::integer, record::EventKind};
+
+/// The version of this form. Another one is computed anew.
+const VERSION: u8 = 1;
+
+impl DisplayJson for Extent {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        f.array(|f| {
+            f.elements([self.speed.0.rpm(), self.speed.1.rpm()])?;
+            f.elements([self.current.0.raw(), self.current.1.raw()])
+        })
+    }
+}
+
+impl DisplayJson for Mark {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        f.object(|f| {
+            f.member("after_us", micros(self.after))?;
+            f.member("kind", self.kind.name())?;
+            f.member("error", self.error)?;
+            f.member("text", &self.text)
+        })
+    }
+}
+
+/// A motor with its ID.
+struct Motor<'a>(MotorId, &'a MotorOverview);
+
+impl DisplayJson for Motor<'_> {
+    fn fmt(&self, f: &mut JsonFormatter<'_, '_>) -> std::fmt::Result {
+        let Self(id, motor) = self;
+        f.object(|f| {
+            f.member("id", id.get())?;
+            f.member("sent", motor.sent)?;
+            f.member("replies", motor.replies)?;
+            f.member("lost", motor.lost)?;
+            f.member("fault_code", motor.faults.byte())?;
+            f.member("temperature_max_c", motor.temperature_max_c)?;
+            f.member("buckets", &motor.buckets)
+        })
+    }
+}
+
+impl Overview {
+    /// The overview as JSON.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let moment = |moment: Option<(Instant, u64)>| {
+            let (at, utc_ns) = moment.unwrap_or_default();
+            [at.as_micros(), utc_ns]
+        };
+        let motors = nojson::array(|f| f.elements(self.motors.iter().map(|(id, m)| Motor(*id, m))));
+        let json = nojson::object(|f| {
+            f.member("version", VERSION)?;
+            f.member("bucket_us", self.bucket_us)?;
+            f.member("first", moment(self.first))?;
+            f.member("last", moment(self.last))?;
+            f.member("line_events", self.line_events)?;
+            f.member("sent", self.sent)?;
+            f.member("received", self.received)?;
+            f.member("lost", self.lost)?;
+            f.member("junk", self.junk)?;
+            f.member("not_sent", self.not_sent)?;
+            f.member("motors", &motors)?;
+            f.member("marks", &self.marks)?;
+            f.member("marks_left_out", self.marks_left_out)
+        });
+        json.to_string()
+    }
+
+    /// The overview in this JSON; `None` where it is none, or of another version.
+    #[must_use]
+    pub fn from_json(json: &[u8]) -> Option<Self> {
+        let json = RawJson::parse(std::str::from_utf8(json).ok()?).ok()?;
+        let value = json.value();
+        let number = |name| integer::<u64>(value, name);
+        if number("version")? != VERSION.into() {
+            return None;
+        }
+        let line_events = number("line_events")?;
+        let moment = |name| {
+            let pair = value.to_member(name).ok()?.optional()?;
+            let [at, utc_ns] = numbers(pair)?;
+            Some((Instant::from_micros(at), utc_ns))
+        };
+        let (first, last) = (moment("first")?, moment("last")?);
+        let elements = |name| value.to_member(name).ok()?.optional()?.to_array().ok();
+        let marks = elements("marks")?.take(MARKS_MAX).map(mark);
+        let motors = elements("motors")?.map(motor);
+        let marks: Vec<Mark> = marks.collect::<Option<_>>()?;
+        let is_empty = line_events == 0 && marks.is_empty();
+        Some(Self {
+            bucket_us: number("bucket_us").filter(|bucket| *bucket > 0)?,
+            first: (!is_empty).then_some(first),
+            last: (!is_empty).then_some(last),
+            motors: motors.collect::<Option<_>>()?,
+            marks,
+            marks_left_out: number("marks_left_out")?,
+            line_events,
+            sent: number("sent")?,
+            received: number("received")?,
+            lost: number("lost")?,
+            junk: number("junk")?,
+            not_sent: number("not_sent")?,
+        })
+    }
+}
+
+fn micros(duration: Duration) -> u64 {
+    u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
+}
+
+/// So many numbers in an array.
+fn numbers<T: std::str::FromStr, const N: usize>(array: RawJsonValue<'_, '_>) -> Option<[T; N]> {
+    let all = array.to_array().ok()?;
+    let all: Option<Vec<T>> = all
+        .take(N + 1)
+        .map(|one| one.as_integer_str().ok()?.parse().ok())
+        .collect();
+    all?.try_into().ok()
+}
+
+fn mark(mark: RawJsonValue<'_, '_>) -> Option<Mark> {
+    let text = |name| {
+        let member = mark.to_member(name).ok()?.optional()?;
+        member.to_unquoted_string_str().ok()
+    };
+    let error = mark.to_member("error").ok()?.optional()?;
+    Some(Mark {
+        after: Duration::from_micros(integer(mark, "after_us")?),
+        kind: EventKind::from_name(&text("kind")?),
+        error: error.as_raw_str() == "true",
+        text: text("text")?.into_owned(),
+    })
+}
+
+fn motor(motor: RawJsonValue<'_, '_>) -> Option<(MotorId, MotorOverview)> {
+    let number = |name| integer::<u64>(motor, name);
+    let buckets = motor
+        .to_member("buckets")
+        .ok()?
+        .optional()?
+        .to_array()
+        .ok()?;
+    let buckets = buckets.take(BUCKETS_MAX).map(|bucket| {
+        if bucket.kind().is_null() {
+            return Ok(None);
+        }
+        extent(bucket).map(Some).ok_or(())
+    });
+    let overview = MotorOverview {
+        sent: number("sent")?,
+        replies: number("replies")?,
+        lost: number("lost")?,
+        faults: Faults::from_byte(integer(motor, "fault_code")?),
+        temperature_max_c: integer(motor, "temperature_max_c"),
+        buckets: buckets.collect::<Result<_, ()>>().ok()?,
+    };
+    Some((MotorId::new(integer(motor, "id")?).ok()?, overview))
+}
+
+/// A bucket with its values.
+fn extent(bucket: RawJsonValue<'_, '_>) -> Option<Extent> {
+    let [speed_min, speed_max, current_min, current_max] = numbers(bucket)?;
+    Some(Extent {
+        speed: (Rpm::new(speed_min), Rpm::new(speed_max)),
+        current: (
+            Current::from_raw(current_min),
+            Current::from_raw(current_max),
+        ),
+    })
+}

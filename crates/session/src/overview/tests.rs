@@ -1,0 +1,122 @@
+use motorlink_protocol::{Current, Frame, Layout, Rpm};
+use proptest::prelude::*;
+
+use super::*;
+use crate::record::Event;
+
+fn reply(at_us: u64, id: u8, rpm: i16) -> Record {
+    let [high, low] = rpm.to_be_bytes();
+    let frame = Frame::with_crc([id, 2, 0, 9, high, low, 30, 0, 0]);
+    let asked = Some(Layout::Query);
+    record(at_us, What::Line(LineEventKind::Received { frame, asked }))
+}
+
+fn record(at_us: u64, what: What) -> Record {
+    Record {
+        at: Instant::from_micros(at_us),
+        utc_ns: at_us.saturating_mul(1_000),
+        what,
+    }
+}
+
+fn overview(records: &[Record]) -> Overview {
+    let mut overview = Overview::default();
+    for record in records {
+        overview.add(record);
+    }
+    overview
+}
+
+#[test]
+fn an_hour_has_no_more_buckets_than_a_minute() {
+    let hour: Vec<Record> = (0..3_600).map(|n| reply(n * 1_000_000, 1, 5)).collect();
+    let overview = overview(&hour);
+    let (_, motor) = overview.motors().next().unwrap();
+    assert!(motor.buckets().len() <= BUCKETS_MAX);
+    assert!(motor.buckets().len() > BUCKETS_MAX / 2);
+    assert_eq!(motor.replies, 3_600);
+    assert_eq!(overview.duration(), Duration::from_secs(3_599));
+}
+
+#[test]
+fn a_time_that_cannot_be_does_not_take_for_ever() {
+    let overview = overview(&[reply(0, 1, 5), reply(u64::MAX, 1, 7), reply(3, 2, 1)]);
+    assert_eq!(overview.motors().count(), 2);
+    assert!(overview.bucket() > Duration::from_secs(1_000_000));
+}
+
+#[test]
+fn events_are_marks_and_silence_is_counted() {
+    let id = MotorId::new(7).unwrap();
+    let waited_us = 8_000;
+    let overview = overview(&[
+        record(
+            5,
+            What::Event(Event::new(EventKind::Connected, "Connected")),
+        ),
+        record(9, What::Line(LineEventKind::Silence { id, waited_us })),
+        record(
+            12,
+            What::Event(Event::new(EventKind::Limit, "Too fast").bad()),
+        ),
+    ]);
+    let marks: Vec<_> = overview
+        .marks()
+        .iter()
+        .map(|mark| (mark.after.as_micros(), mark.error))
+        .collect();
+    assert_eq!(marks, [(0, false), (7, true)]);
+    assert_eq!(
+        (overview.lost, overview.motors().next().unwrap().1.lost),
+        (1, 1)
+    );
+}
+
+#[test]
+fn marks_have_a_bound() {
+    let event = |n| record(n, What::Event(Event::new(EventKind::Notice, "x")));
+    let records: Vec<Record> = (0..MARKS_MAX as u64 + 3).map(event).collect();
+    let overview = overview(&records);
+    assert_eq!(
+        (overview.marks().len(), overview.marks_left_out),
+        (MARKS_MAX, 3)
+    );
+}
+
+proptest! {
+    #[test]
+    fn no_extreme_is_lost_and_what_is_stored_is_read(
+        replies in prop::collection::vec((0..10_000_000_u64, 1..4_u8, any::<i16>()), 1..300)
+    ) {
+        let records: Vec<Record> = replies.iter().map(|(at, id, rpm)| reply(*at, *id, *rpm)).collect();
+        let overview = overview(&records);
+        for (id, motor) in overview.motors() {
+            let speeds = replies.iter().filter(|one| one.1 == id.get()).map(|one| one.2);
+            let extremes = (speeds.clone().min().map(Rpm::new), speeds.max().map(Rpm::new));
+            let extent = motor.extent().unwrap();
+            prop_assert_eq!((Some(extent.speed.0), Some(extent.speed.1)), extremes);
+            prop_assert_eq!(extent.current, (Current::from_raw(9), Current::from_raw(9)));
+            prop_assert_eq!(motor.temperature_max_c, Some(30));
+        }
+        prop_assert_eq!(Overview::from_json(overview.to_json().as_bytes()), Some(overview));
+    }
+}
+
+#[test]
+fn what_is_no_overview_is_none() {
+    let json = Overview::default().to_json();
+    assert_eq!(
+        Overview::from_json(json.as_bytes()),
+        Some(Overview::default())
+    );
+    for other in [
+        "",
+        "{}",
+        "[]",
+        &json.replace("\"version\":1", "\"version\":2"),
+    ] {
+        assert_eq!(Overview::from_json(other.as_bytes()), None);
+    }
+    let zero = json.replace("\"bucket_us\":1000", "\"bucket_us\":0");
+    assert_eq!(Overview::from_json(zero.as_bytes()), None);
+}

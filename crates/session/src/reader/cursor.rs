@@ -1,0 +1,226 @@
+//! Records from any moment on.
+
+use std::{
+    collections::{BTreeMap, VecDeque},
+    ops::Range,
+};
+
+use motorlink_bus::LineEvent;
+
+use super::{Problem, Problems, Session};
+use crate::{
+    channels::{Topic, events, wire},
+    clock::{utc_ns, zero_unix_us},
+    mcap::{
+        CRC,
+        compression::{self, LZ4},
+        fields::Fields,
+        op,
+        summary::ChunkHead,
+    },
+    record::{Record, What},
+};
+
+/// Bytes of a message at most. Those of a writer have 40 kB.
+const MESSAGE_BYTES_MAX: usize = 1 << 20;
+
+/// A message that begins so long before a moment has no frame at that moment: it spans a tenth of a second.
+const SPAN_NS: u64 = 1_000_000_000;
+
+/// Reads records in the order of the file.
+#[derive(Debug)]
+pub struct Cursor {
+    next_chunk: usize,
+    chunk: Vec<u8>,
+    /// How much of the chunk was read.
+    read: usize,
+    records: VecDeque<Record>,
+    /// Records before this moment are passed over, up to the first behind it.
+    from_ns: Option<u64>,
+    topics: BTreeMap<u16, Topic>,
+    problems: Problems,
+}
+
+/// What a cursor has next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// A record.
+    Record(Record),
+    /// It needs these bytes: see [`Cursor::supply`].
+    Read(Range<u64>),
+    /// There is no more.
+    End,
+}
+
+impl Cursor {
+    /// From the first record on.
+    #[must_use]
+    pub fn new(session: &Session) -> Self {
+        Self {
+            next_chunk: 0,
+            chunk: Vec::new(),
+            read: 0,
+            records: VecDeque::new(),
+            from_ns: None,
+            topics: session.topics.clone(),
+            problems: Problems::default(),
+        }
+    }
+
+    /// From this moment on, in nanoseconds since 1970, UTC.
+    #[must_use]
+    pub fn at(session: &Session, utc_ns: u64) -> Self {
+        let before = session
+            .chunks
+            .iter()
+            .take_while(|chunk| chunk.to_ns < utc_ns);
+        Self {
+            next_chunk: before.count(),
+            from_ns: Some(utc_ns),
+            ..Self::new(session)
+        }
+    }
+
+    /// What was found missing so far.
+    #[must_use]
+    pub const fn problems(&self) -> &Problems {
+        &self.problems
+    }
+
+    /// What comes next.
+    pub fn next(&mut self, session: &Session) -> Next {
+        loop {
+            while let Some(record) = self.records.pop_front() {
+                if self.from_ns.is_none_or(|from| record.utc_ns >= from) {
+                    self.from_ns = None;
+                    return Next::Record(record);
+                }
+            }
+            if !self.read_message() {
+                return match session.chunks.get(self.next_chunk) {
+                    Some(chunk) => Next::Read(chunk.offset..chunk.offset + chunk.length),
+                    None => Next::End,
+                };
+            }
+        }
+    }
+
+    /// Takes the bytes that were asked for.
+    pub fn supply(&mut self, bytes: &[u8]) {
+        self.next_chunk += 1;
+        self.read = 0;
+        self.chunk.clear();
+        match decompressed(bytes) {
+            Ok(chunk) => self.chunk = chunk,
+            Err(problem) => self.problems.add(problem),
+        }
+    }
+
+    /// Reads the next record of the chunk. Says whether there was one.
+    fn read_message(&mut self) -> bool {
+        let rest = self.chunk.get(self.read..).unwrap_or_default();
+        let mut fields = Fields(rest);
+        let Some((opcode, content)) = fields.record() else {
+            if !rest.is_empty() {
+                self.problems.add(Problem::ChunkDamaged);
+            }
+            // It is not needed any more.
+            self.chunk = Vec::new();
+            self.read = 0;
+            return false;
+        };
+        self.read = self.chunk.len() - fields.0.len();
+        let mut fields = Fields(content);
+        if opcode == op::CHANNEL {
+            let channel = fields.u16().zip(fields.u16()).zip(fields.text());
+            if let Some(((id, _schema), topic)) = channel
+                && let Some(topic) = Topic::from_name(topic)
+            {
+                self.topics.insert(id, topic);
+            }
+        } else if opcode == op::MESSAGE {
+            let head = fields
+                .u16()
+                .zip(fields.u32())
+                .zip(fields.u64())
+                .zip(fields.u64());
+            match head {
+                Some((((channel, _sequence), log_ns), _published)) => {
+                    let topic = self.topics.get(&channel).copied();
+                    let records = read(topic, log_ns, fields.0, self.from_ns);
+                    self.take(records);
+                }
+                None => self.problems.add(Problem::MessageDamaged),
+            }
+        }
+        true
+    }
+
+    fn take(&mut self, records: Option<(Vec<Record>, bool)>) {
+        match records {
+            Some((records, complete)) => {
+                self.records.extend(records);
+                self.problems
+                    .add_all(Problem::MessageDamaged, u64::from(!complete));
+            }
+            None => self.problems.add(Problem::MessageDamaged),
+        }
+    }
+}
+
+/// The records in a message, and whether that is all of them; `None` where it is damaged.
+fn read(
+    topic: Option<Topic>,
+    log_ns: u64,
+    data: &[u8],
+    from_ns: Option<u64>,
+) -> Option<(Vec<Record>, bool)> {
+    let is_before = from_ns.is_some_and(|from| log_ns.saturating_add(SPAN_NS) < from);
+    let Some(topic) = topic.filter(|_| !is_before) else {
+        return Some((Vec::new(), true));
+    };
+    if data.len() > MESSAGE_BYTES_MAX {
+        return None;
+    }
+    match topic {
+        Topic::Wire => {
+            let (frames, complete) = wire::read(data)?;
+            let first = frames.first().map(|event| event.at);
+            let zero_us = zero_unix_us(first.unwrap_or_default(), log_ns);
+            let records = frames.into_iter().map(|LineEvent { at, kind }| Record {
+                at,
+                utc_ns: utc_ns(zero_us, at),
+                what: What::Line(kind),
+            });
+            Some((records.collect(), complete))
+        }
+        Topic::Events => {
+            let (at, event) = events::read(data)?;
+            let record = Record {
+                at,
+                utc_ns: log_ns,
+                what: What::Event(event),
+            };
+            Some((vec![record], true))
+        }
+    }
+}
+
+fn decompressed(record: &[u8]) -> Result<Vec<u8>, Problem> {
+    let Some((op::CHUNK, content)) = Fields(record).record() else {
+        return Err(Problem::ChunkDamaged);
+    };
+    let mut fields = Fields(content);
+    let head = ChunkHead::read(&mut fields).ok_or(Problem::ChunkDamaged)?;
+    let bytes = fields
+        .take(head.compressed_size)
+        .ok_or(Problem::ChunkDamaged)?;
+    let raw = match head.compression {
+        "" => (bytes.len() as u64 == head.size).then(|| bytes.to_vec()),
+        LZ4 => compression::decompress(bytes, head.size),
+        _ => return Err(Problem::CompressionUnknown),
+    };
+    // Zero says that the writer computed none.
+    raw.filter(|raw| head.crc == 0 || head.crc == CRC.checksum(raw))
+        .ok_or(Problem::ChunkDamaged)
+}

@@ -1,0 +1,210 @@
+//! A file on its way to a [`Session`]: parts are asked for, and given.
+
+use std::{fmt, ops::Range};
+
+use super::{
+    Problem, Session,
+    scan::Scan,
+    summary::{Footer, read_summary},
+};
+use crate::{
+    format,
+    mcap::{MAGIC, TAIL_LEN},
+};
+
+/// Bytes of the summary at most. That of an hour has 100 kB.
+const SUMMARY_BYTES_MAX: u64 = 32 << 20;
+
+/// Bytes of a metadata record at most.
+const METADATA_BYTES_MAX: u64 = 1 << 20;
+
+/// Bytes by which a file is known.
+const HEAD_LEN: u64 = 64;
+
+/// Opens a file part by part, so that the caller may wait for each of them.
+#[derive(Debug)]
+pub struct Opening {
+    len: u64,
+    stage: Stage,
+    session: Session,
+}
+
+#[derive(Debug)]
+enum Stage {
+    Head,
+    Tail,
+    Summary(Range<u64>),
+    /// The metadata record that says the version.
+    Metadata(Range<u64>),
+    Scan(Scan),
+    Done(Result<(), NotASession>),
+}
+
+/// What an opening needs next.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// These bytes of the file: see [`Opening::supply`].
+    Read(Range<u64>),
+    /// Nothing: see [`Opening::finish`].
+    Done,
+}
+
+/// Why a file is no session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotASession {
+    /// There are no bytes in it.
+    Empty,
+    /// It is a ZIP archive.
+    Zip,
+    /// It is an MCAP file of a later major version.
+    NewerContainer,
+    /// It is a text: it may be a CSV file, see [`Import`](crate::Import).
+    Text,
+    /// It is something else.
+    Other,
+}
+
+impl fmt::Display for NotASession {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Empty => "The file is empty. Choose another file.",
+            Self::Zip => "This is a ZIP archive. Unpack it, then open the file that was in it.",
+            Self::NewerContainer => {
+                "This MCAP file has a later version of the format. Update MotorLink to open it."
+            }
+            Self::Text => {
+                "This text file has no columns of a known export. Choose a session (.mcap) or a CSV file of MotorLink."
+            }
+            Self::Other => {
+                "This is no session. Choose a session (.mcap) or a CSV file of MotorLink."
+            }
+        })
+    }
+}
+
+impl std::error::Error for NotASession {}
+
+impl Opening {
+    /// Begins with a file of so many bytes.
+    #[must_use]
+    pub fn new(len: u64) -> Self {
+        let stage = if len == 0 {
+            Stage::Done(Err(NotASession::Empty))
+        } else {
+            Stage::Head
+        };
+        Self {
+            len,
+            stage,
+            session: Session::default(),
+        }
+    }
+
+    /// What is needed next.
+    #[must_use]
+    pub fn step(&self) -> Step {
+        match &self.stage {
+            Stage::Head => Step::Read(0..HEAD_LEN.min(self.len)),
+            Stage::Tail => Step::Read(self.len.saturating_sub(TAIL_LEN)..self.len),
+            Stage::Summary(range) | Stage::Metadata(range) => Step::Read(range.clone()),
+            Stage::Scan(scan) => Step::Read(scan.range(self.len)),
+            Stage::Done(_) => Step::Done,
+        }
+    }
+
+    /// Takes the bytes that were asked for. Fewer are those of a file that is shorter than it was said to be.
+    pub fn supply(&mut self, bytes: &[u8]) {
+        let stage = std::mem::replace(&mut self.stage, Stage::Done(Ok(())));
+        self.stage = match stage {
+            Stage::Head => match sort(bytes) {
+                Ok(()) => Stage::Tail,
+                Err(other) => Stage::Done(Err(other)),
+            },
+            Stage::Tail => self.tail(bytes),
+            Stage::Summary(range) => self.summary(&range, bytes),
+            Stage::Metadata(_) => {
+                self.session.read_metadata(bytes);
+                Stage::Done(Ok(()))
+            }
+            Stage::Scan(mut scan) => {
+                if scan.supply(self.len, bytes, &mut self.session) {
+                    self.session.say_what_is_unknown(scan.is_whole);
+                    Stage::Done(Ok(()))
+                } else {
+                    Stage::Scan(scan)
+                }
+            }
+            done @ Stage::Done(_) => done,
+        };
+    }
+
+    fn tail(&mut self, bytes: &[u8]) -> Stage {
+        let summary = Footer::read(bytes).map(|footer| footer.summary_start);
+        let end = self.len.saturating_sub(MAGIC.len() as u64);
+        match summary {
+            Some(start) if start > 0 && start < end && end - start <= SUMMARY_BYTES_MAX => {
+                Stage::Summary(start..end)
+            }
+            Some(_) => self.scan(Problem::IndexDamaged),
+            None => self.scan(Problem::Cut),
+        }
+    }
+
+    fn scan(&mut self, because: Problem) -> Stage {
+        self.session = Session::default();
+        self.session.problems.add(because);
+        Stage::Scan(Scan::default())
+    }
+
+    fn summary(&mut self, range: &Range<u64>, bytes: &[u8]) -> Stage {
+        let Some(metadata) = read_summary(bytes, range.start, &mut self.session) else {
+            return self.scan(Problem::IndexDamaged);
+        };
+        let metadata = metadata
+            .iter()
+            .rfind(|index| index.name == format::METADATA);
+        let range = metadata.and_then(|index| {
+            let end = index.offset.checked_add(index.length)?;
+            let fits = index.length <= METADATA_BYTES_MAX && end <= self.len;
+            fits.then_some(index.offset..end)
+        });
+        range.map_or(Stage::Done(Ok(())), Stage::Metadata)
+    }
+
+    /// The session, after [`Step::Done`].
+    ///
+    /// # Errors
+    /// The file is no session, or not all of it was supplied.
+    pub fn finish(self) -> Result<Session, NotASession> {
+        let Self { stage, session, .. } = self;
+        match stage {
+            Stage::Done(result) => result?,
+            _ => return Err(NotASession::Other),
+        }
+        let mut session = session;
+        if session.topics.is_empty() {
+            session.problems.add(Problem::NoSession);
+        }
+        Ok(session)
+    }
+}
+
+/// Whether this is how a session begins.
+fn sort(head: &[u8]) -> Result<(), NotASession> {
+    if head.starts_with(&MAGIC) {
+        return Ok(());
+    }
+    let (name, behind) = MAGIC.split_at(5);
+    let is_text = !head
+        .iter()
+        .any(|byte| *byte < b' ' && !byte.is_ascii_whitespace());
+    Err(match head {
+        [] => NotASession::Empty,
+        [b'P', b'K', 3 | 5 | 7, 4 | 6 | 8, ..] => NotASession::Zip,
+        _ if head.starts_with(name) && head.get(6..8) == behind.get(1..) => {
+            NotASession::NewerContainer
+        }
+        _ if is_text => NotASession::Text,
+        _ => NotASession::Other,
+    })
+}

@@ -1,0 +1,114 @@
+//! The index at the end of a file.
+
+use super::{CHUNKS_MAX, Problem, Session};
+use crate::{
+    channels::Topic,
+    format,
+    mcap::{
+        CHUNK_BYTES_MAX, CRC, MAGIC,
+        fields::Fields,
+        op,
+        summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
+    },
+};
+
+/// The last record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Footer {
+    pub(super) summary_start: u64,
+}
+
+impl Footer {
+    /// Out of the last bytes of a file; `None` where they are others.
+    pub(super) fn read(tail: &[u8]) -> Option<Self> {
+        let record = tail.strip_suffix(&MAGIC)?;
+        let (opcode, content) = Fields(record).record()?;
+        let summary_start = Fields(content).u64()?;
+        (opcode == op::FOOTER).then_some(Self { summary_start })
+    }
+}
+
+/// Reads the summary with its footer, which begins at `start`. Gives where metadata lies; `None` where the bytes
+/// are damaged.
+pub(super) fn read_summary(
+    bytes: &[u8],
+    start: u64,
+    session: &mut Session,
+) -> Option<Vec<MetadataIndex>> {
+    let (checked, crc) = bytes.split_last_chunk::<4>()?;
+    let crc = u32::from_le_bytes(*crc);
+    // Zero says that the writer computed none.
+    if crc != 0 && crc != CRC.checksum(checked) {
+        return None;
+    }
+    let mut metadata = Vec::new();
+    let mut records = Fields(bytes);
+    while let Some((opcode, content)) = records.record() {
+        match opcode {
+            op::CHANNEL => session.read_channel(content),
+            op::CHUNK_INDEX => session.add_chunk(ChunkIndex::read(content)?, start),
+            op::ATTACHMENT_INDEX => session.add_attachment(AttachmentIndex::read(content)?),
+            op::METADATA_INDEX => metadata.push(MetadataIndex::read(content)?),
+            _ => {}
+        }
+    }
+    // Their order in the file is that of the monotonic clock, whatever the other clock did.
+    session.chunks.sort_by_key(|chunk| chunk.offset);
+    records.0.is_empty().then_some(metadata)
+}
+
+impl Session {
+    /// Adds a chunk that ends before this place. One that cannot be is left out.
+    pub(super) fn add_chunk(&mut self, chunk: ChunkIndex, end: u64) {
+        let ends = chunk.offset.checked_add(chunk.length);
+        let fits = ends.is_some_and(|ends| ends <= end) && chunk.length <= 2 * CHUNK_BYTES_MAX;
+        if !fits || chunk.size > CHUNK_BYTES_MAX {
+            self.problems.add(Problem::ChunkDamaged);
+        } else if self.chunks.len() >= CHUNKS_MAX {
+            self.problems.add(Problem::TooManyChunks);
+        } else {
+            self.chunks.push(chunk);
+        }
+    }
+
+    pub(super) fn add_attachment(&mut self, attachment: AttachmentIndex) {
+        // A session has a handful; a file of nothing else is no reason to remember millions.
+        if self.attachments.len() < CHUNKS_MAX {
+            self.attachments.push(attachment);
+        }
+    }
+
+    /// Takes the content of a channel record.
+    pub(super) fn read_channel(&mut self, content: &[u8]) {
+        let mut fields = Fields(content);
+        let channel = fields.u16().zip(fields.u16()).zip(fields.text());
+        if let Some(((id, _schema), topic)) = channel
+            && let Some(topic) = Topic::from_name(topic)
+        {
+            self.topics.insert(id, topic);
+        }
+    }
+
+    /// After a scan. A file that has its end, but whose records do not lead there, is damaged in between.
+    pub(super) fn say_what_is_unknown(&mut self, is_whole: bool) {
+        let has_end = self.problems.times(Problem::Cut) == 0;
+        if has_end && !is_whole && self.problems.times(Problem::RecordDamaged) == 0 {
+            self.problems.add(Problem::RecordDamaged);
+        }
+    }
+
+    /// Takes a metadata record with its head.
+    pub(super) fn read_metadata(&mut self, record: &[u8]) {
+        let content = Fields(record).record().map(|(_, content)| content);
+        let mut fields = Fields(content.unwrap_or_default());
+        if fields.text() != Some(format::METADATA) {
+            return;
+        }
+        self.about = fields.texts().unwrap_or_default().into_iter().collect();
+        let version = self.about.get(format::VERSION_KEY);
+        let version = version.and_then(|version| version.parse::<u32>().ok());
+        if version.is_none_or(|version| version > format::VERSION) {
+            self.problems.add(Problem::NewerVersion);
+        }
+    }
+}

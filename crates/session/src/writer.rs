@@ -1,0 +1,214 @@
+//! The writer of sessions: records go in, bytes of a file come out.
+
+use std::collections::BTreeMap;
+
+use motorlink_bus::LineEvent;
+use motorlink_protocol::{Faults, Instant, MotorId, Reply};
+
+use crate::{
+    channels::{
+        Topic, events,
+        link::{Meter, Second},
+        schemas,
+        telemetry::{Motors, Reported},
+        wire::Batch,
+    },
+    clock::utc_ns,
+    format,
+    mcap::container::Container,
+    overview::Overview,
+    record::{Event, EventKind, Record, What},
+};
+
+/// Writes a session file. Whoever calls it takes the bytes away as they come ([`Writer::take`]); it keeps one
+/// chunk, the overview and the index, a few megabytes for an hour.
+#[derive(Debug)]
+pub struct Writer {
+    container: Container,
+    /// What the clock showed at [`Instant::ZERO`], in microseconds since 1970.
+    zero_unix_us: i64,
+    last: Instant,
+    batch: Batch,
+    /// Telemetry of the frames in the batch: it is written behind them, so that times in the file grow.
+    telemetry: Vec<(MotorId, Instant, String)>,
+    spare: Vec<String>,
+    motors: Motors,
+    meter: Meter,
+    overview: Overview,
+    wire: u16,
+    events: u16,
+    link: u16,
+    telemetry_schema: u16,
+    channels: BTreeMap<MotorId, u16>,
+}
+
+impl Writer {
+    /// Begins a file. The clock showed so many microseconds since 1970, UTC, at [`Instant::ZERO`]. `about` says
+    /// in names and values where the session comes from, such as the version of the page.
+    #[must_use]
+    pub fn new(zero_unix_us: i64, about: &[(&str, &str)]) -> Self {
+        let library = concat!("motorlink-session ", env!("CARGO_PKG_VERSION"));
+        let mut container = Container::new(format::PROFILE, library);
+        let own = [(format::VERSION_KEY, format::VERSION_TEXT)];
+        container.metadata(format::METADATA, &[&own, about].concat());
+        let mut channel = |(name, json), topic: &str| {
+            let schema = container.schema(name, json);
+            container.channel(schema, topic.to_owned())
+        };
+        let wire = channel(schemas::WIRE, Topic::WIRE);
+        let events = channel(schemas::EVENT, Topic::EVENTS);
+        let link = channel(schemas::LINK, Topic::LINK);
+        let (name, json) = schemas::TELEMETRY;
+        let telemetry_schema = container.schema(name, json);
+        Self {
+            container,
+            zero_unix_us,
+            last: Instant::ZERO,
+            batch: Batch::default(),
+            telemetry: Vec::new(),
+            spare: Vec::new(),
+            motors: Motors::default(),
+            meter: Meter::default(),
+            overview: Overview::default(),
+            wire,
+            events,
+            link,
+            telemetry_schema,
+            channels: BTreeMap::new(),
+        }
+    }
+
+    /// What comes from here on is by a clock that was read anew.
+    pub fn set_clock(&mut self, zero_unix_us: i64) {
+        if self.zero_unix_us != zero_unix_us {
+            self.flush();
+            self.zero_unix_us = zero_unix_us;
+        }
+    }
+
+    /// Adds what passed on the line.
+    pub fn line(&mut self, event: &LineEvent) {
+        if let Some(second) = self.meter.passed(event) {
+            self.flush();
+            self.second(&second);
+        } else if self.batch.is_full_for(event.at) {
+            self.flush();
+        }
+        self.last = event.at;
+        self.batch.push(event);
+        self.count(event.at, What::Line(event.kind));
+        if let Some(reported) = self.motors.passed(event) {
+            self.reported(event.at, &reported);
+        }
+    }
+
+    fn reported(&mut self, at: Instant, reported: &Reported) {
+        if reported.is_due {
+            let mut json = self.spare.pop().unwrap_or_default();
+            reported.write(&mut json, at);
+            self.telemetry.push((reported.reply.id, at, json));
+        }
+        if let Some(before) = reported.faults_changed {
+            self.put_event(at, &faults_event(&reported.reply, before));
+        }
+    }
+
+    /// Adds what happened between frames. Faults are derived from replies, and not taken from here.
+    pub fn event(&mut self, at: Instant, event: &Event) {
+        if event.kind != EventKind::Fault {
+            self.put_event(at, event);
+        }
+    }
+
+    /// Adds a record of another session.
+    pub fn record(&mut self, record: &Record) {
+        self.set_clock(crate::clock::zero_unix_us(record.at, record.utc_ns));
+        match &record.what {
+            What::Line(kind) => self.line(&LineEvent {
+                at: record.at,
+                kind: *kind,
+            }),
+            What::Event(event) => self.event(record.at, event),
+        }
+    }
+
+    fn put_event(&mut self, at: Instant, event: &Event) {
+        self.flush();
+        self.last = at;
+        self.count(at, What::Event(event.clone()));
+        let json = events::json(at, event);
+        let log_ns = utc_ns(self.zero_unix_us, at);
+        self.container.message(self.events, log_ns, json.as_bytes());
+    }
+
+    fn count(&mut self, at: Instant, what: What) {
+        let utc_ns = utc_ns(self.zero_unix_us, at);
+        self.overview.add(&Record { at, utc_ns, what });
+    }
+
+    fn second(&mut self, second: &Second) {
+        let log_ns = utc_ns(self.zero_unix_us, second.began());
+        let json = second.json();
+        self.container.message(self.link, log_ns, json.as_bytes());
+    }
+
+    /// Writes the frames so far, and their telemetry.
+    fn flush(&mut self) {
+        if let Some((at, json)) = self.batch.end() {
+            let log_ns = utc_ns(self.zero_unix_us, at);
+            self.container.message(self.wire, log_ns, json.as_bytes());
+        }
+        for (id, at, json) in self.telemetry.drain(..) {
+            let container = &mut self.container;
+            let channel = *self.channels.entry(id).or_insert_with(|| {
+                let topic = format!("/motors/{}/telemetry", id.get());
+                container.channel(self.telemetry_schema, topic)
+            });
+            let log_ns = utc_ns(self.zero_unix_us, at);
+            container.message(channel, log_ns, json.as_bytes());
+            self.spare.push(json);
+        }
+    }
+
+    /// Adds a file within the file, such as the setup.
+    pub fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) {
+        self.flush();
+        let log_ns = utc_ns(self.zero_unix_us, self.last);
+        self.container.attach(log_ns, name, media_type, data);
+    }
+
+    /// Bytes that are complete and not taken.
+    #[must_use]
+    pub const fn written(&self) -> usize {
+        self.container.written()
+    }
+
+    /// Takes the bytes that are complete.
+    pub fn take(&mut self) -> Vec<u8> {
+        self.container.take()
+    }
+
+    /// Ends the file, and gives the bytes that were not taken.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<u8> {
+        self.flush();
+        if let Some(second) = self.meter.end() {
+            self.second(&second);
+        }
+        let overview = self.overview.to_json();
+        self.attach(format::OVERVIEW, "application/json", overview.as_bytes());
+        self.container.finish()
+    }
+}
+
+/// A change of the faults of a motor.
+fn faults_event(reply: &Reply, before: Faults) -> Event {
+    let id = reply.id.get();
+    if reply.faults.is_none() {
+        return Event::new(
+            EventKind::Fault,
+            format!("Motor {id}: no fault any more ({before})"),
+        );
+    }
+    Event::new(EventKind::Fault, format!("Motor {id}: {}", reply.faults)).bad()
+}
