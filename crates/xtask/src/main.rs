@@ -22,6 +22,7 @@ mod other_hosts;
 mod page_tests;
 mod parts;
 mod process;
+mod python;
 mod reliability;
 mod sabotage;
 mod scenarios;

@@ -6,6 +6,7 @@ use crate::bench;
 use crate::cargo;
 use crate::page_tests;
 use crate::process;
+use crate::python;
 use crate::scenarios;
 use crate::site;
 use crate::site_file::Profile;
@@ -32,6 +33,12 @@ pub static SUITE: Suite = Suite(&[
             test.args(skipped.iter().flat_map(|module| ["--skip", *module]));
             process::run(&mut test)
         },
+    },
+    Step {
+        name: "session-readers",
+        about: "the official Python reader reads a session file, and each message fits its schema",
+        needs: &[],
+        run: python::read_session,
     },
     Step {
         name: "wasm",
