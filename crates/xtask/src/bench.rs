@@ -71,7 +71,15 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 6] = ["start", "figures", "instruments", "wire", "scans", "pure"];
+const PARTS: [&str; 7] = [
+    "start",
+    "figures",
+    "instruments",
+    "wire",
+    "scans",
+    "pure",
+    "session",
+];
 
 /// The document with the measured figures.
 const TABLE: &str = "docs/performance.md";
@@ -80,6 +88,12 @@ const TABLE: &str = "docs/performance.md";
 ///
 /// The first of `args` may name a part; the rows of other parts stay.
 pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
+    if let [part] = args
+        && part == "session"
+    {
+        // It needs neither the page nor a browser, which take minutes to build.
+        return session_alone(workspace);
+    }
     let (browser, dist) = prepare(workspace)?;
     let (only, args) = match args {
         [part, rest @ ..] if PARTS.contains(&part.as_str()) => (Some(part.as_str()), rest),
@@ -94,6 +108,7 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
         let mut command = match part {
             "scans" => full_scans(workspace),
             "pure" => pure_parts(workspace),
+            "session" => session(workspace),
             program => program_of_bench(workspace, &browser, program, args),
         };
         // A part that fails does not prevent the others.
@@ -123,6 +138,22 @@ fn pure_parts(workspace: &Workspace) -> Command {
         "--bench",
         "decimate",
     ]);
+    cargo
+}
+
+/// Measures a session file of one hour, and updates its rows.
+fn session_alone(workspace: &Workspace) -> Result<()> {
+    let mut rows = Rows::default();
+    process::run_with_lines(&mut session(workspace), |line| rows.add_line(line))?;
+    rows.write_into(&workspace.root().join(TABLE), "bench")
+}
+
+/// Writes and reads a session file of one hour.
+fn session(workspace: &Workspace) -> Command {
+    let mut cargo = process::cargo();
+    cargo.current_dir(workspace.root());
+    cargo.args(["run", "--quiet", "--profile", PROFILE]);
+    cargo.args(["--package", "motorlink-session", "--example", "one_hour"]);
     cargo
 }
 
