@@ -274,7 +274,7 @@ mod tests {
             file("index.html", b"page"),
             file("motorlink-0123456789ab.wasm", b"page"),
             file("worker-0123456789ab.wasm", b"worker"),
-            file("graph-0123456789ab.wasm", b"graph"),
+            file("desk-0123456789ab.wasm", b"desk"),
             file("texts-de-0123456789ab.txt", b"texts"),
         ];
         let report = Report::new(&files).unwrap();
@@ -282,8 +282,8 @@ mod tests {
         assert_eq!(report.first_gzip_bytes(), first);
         let worker = gzip(b"worker").unwrap().len();
         assert_eq!(report.driving_gzip_bytes(), first + worker);
-        let graph = gzip(b"graph").unwrap().len();
-        assert_eq!(report.one_language_gzip_bytes(), first + worker + graph);
+        let desk = gzip(b"desk").unwrap().len();
+        assert_eq!(report.one_language_gzip_bytes(), first + worker + desk);
     }
 
     #[test]
@@ -296,8 +296,8 @@ mod tests {
         let noise: Vec<u8> = (0..400_000_u32)
             .map(|n| n.wrapping_mul(2_654_435_761).to_be_bytes()[0])
             .collect();
-        let report = Report::new(&[file("graph-0123456789ab.wasm", &noise)]).unwrap();
+        let report = Report::new(&[file("desk-0123456789ab.wasm", &noise)]).unwrap();
         let error = report.check().unwrap_err().to_string();
-        assert!(error.contains("graph: "), "{error}");
+        assert!(error.contains("desk: "), "{error}");
     }
 }
