@@ -35,7 +35,8 @@ fn pages_with_the_clock(dir: &Path) -> Result<()> {
         let file = file?;
         let name = file.file_name();
         let name = name.to_string_lossy();
-        if name.starts_with("page-boot-") || name.starts_with("worker-boot-") {
+        let starts = ["page-boot-", "worker-boot-", "recorder-boot-"];
+        if starts.iter().any(|start| name.starts_with(start)) && name.ends_with(".js") {
             let content = fs::read(file.path())?;
             fs::write(
                 file.path(),
