@@ -15,13 +15,13 @@ use crate::{
     pending_transmit::PendingTransmit,
     probe::Probe,
     ramp::Ramp,
-    rate::CommandRate,
+    rate::{CommandRate, RateMeter},
     raw::frame::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
     schedule::{DueFrame, Pacing, Turn, next_turn},
     stop::ActiveStop,
-    timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE_CALL, SLEPT_AT_LEAST},
+    timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, SLEPT_AT_LEAST},
     watchdog::{Watchdog, WatchdogAction},
 };
 
@@ -63,6 +63,8 @@ pub struct Bus {
     /// Number of the last group that was driven.
     pub(crate) last_group: u32,
     pub(crate) line_use: LineUse,
+    /// Calls and replies that came late.
+    pub(crate) late: RateMeter,
     /// Whether the last frame, mode switches aside, was a query.
     pub(crate) query_was_last: bool,
     pub(crate) last_drive: LastDrive,
@@ -118,6 +120,7 @@ impl Bus {
             limits: Limits::default(),
             last_group: 0,
             line_use: LineUse::default(),
+            late: RateMeter::default(),
             query_was_last: false,
             last_drive: LastDrive::Carried,
             last_late_reply: None,
@@ -230,6 +233,9 @@ impl Bus {
         self.commit_transmit();
         let late = now.since(self.call_due);
         self.call_due = self.call_due.max(now);
+        if late > LATE {
+            self.late.count(now);
+        }
         if late < LATE_CALL {
             return;
         }

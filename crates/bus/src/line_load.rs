@@ -23,6 +23,7 @@ impl Bus {
             other_per_mille: other,
             waiting_per_mille: waiting,
             round_trip: self.round_trip.status(),
+            late_hz: self.late.hertz(now),
             carries_hz: self.carries_hz(),
             unaddressed: self.counters,
         }

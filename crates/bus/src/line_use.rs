@@ -27,6 +27,10 @@ pub struct LineStatus {
     pub other_per_mille: u16,
     /// Reply windows without a reply, per mille.
     pub waiting_per_mille: u16,
+    /// Calls of [`crate::Bus::poll`] and replies per second that came over 1 ms late: calls after the moment that
+    /// the bus asked for, replies after the fastest of the last ones of that motor. A machine that is too busy
+    /// causes both; an adapter that holds bytes causes the second.
+    pub late_hz: u16,
     /// Round trips.
     pub round_trip: RoundTripStatus,
     /// Drive frames per second of each driven motor, if the line cannot carry the command rate for

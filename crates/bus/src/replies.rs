@@ -18,7 +18,7 @@ use crate::{
     receiver::ReceivedReply,
     receiver::{Found, OtherBytes, Segment},
     sample::Sample,
-    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, MIN_WINDOW},
+    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, LATE, MIN_WINDOW},
 };
 
 impl Bus {
@@ -247,6 +247,13 @@ impl Bus {
         let measures_round_trip = !motor.late.makes_round_trip_ambiguous(now);
         if measures_round_trip {
             motor.round_trip.replied(took);
+            if motor
+                .round_trip
+                .fastest()
+                .is_some_and(|fastest| took > fastest + LATE)
+            {
+                self.late.count(now);
+            }
             // A late reply may report the time before this frame.
             if motor.late.outstanding(now) == 0 {
                 motor.torque.answered(&exchange.frame);

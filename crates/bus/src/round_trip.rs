@@ -33,6 +33,8 @@ pub(crate) struct RoundTrip {
     deviation_us: u32,
     kept: [u32; KEPT],
     count: usize,
+    /// The fastest of the last complete [`KEPT`] samples, and of those since.
+    fastest_us: [u32; 2],
     /// Requests in a row without a reply.
     lost: u32,
 }
@@ -44,6 +46,7 @@ impl RoundTrip {
             deviation_us: 0,
             kept: [0; KEPT],
             count: 0,
+            fastest_us: [u32::MAX; 2],
             lost: 0,
         }
     }
@@ -57,9 +60,16 @@ impl RoundTrip {
             self.deviation_us = mix(self.deviation_us, self.smoothed_us.abs_diff(sample), 4);
             self.smoothed_us = mix(self.smoothed_us, sample, 8);
         }
-        if let Some(slot) = self.kept.get_mut(self.count % KEPT) {
+        let place = self.count % KEPT;
+        if let Some(slot) = self.kept.get_mut(place) {
             *slot = sample;
         }
+        let [earlier, newest] = self.fastest_us;
+        self.fastest_us = if place == 0 {
+            [newest, sample]
+        } else {
+            [earlier, newest.min(sample)]
+        };
         self.count += 1;
         self.lost = 0;
     }
@@ -93,6 +103,12 @@ impl RoundTrip {
         } else {
             Duration::from_micros(self.smoothed_us.into())
         }
+    }
+
+    /// Fastest of the last 256 to 512 samples; `None` before the first reply.
+    pub(crate) fn fastest(&self) -> Option<Duration> {
+        let [earlier, newest] = self.fastest_us;
+        (self.count > 0).then(|| Duration::from_micros(earlier.min(newest).into()))
     }
 
     /// Smoothed round trip; `None` before the first reply.

@@ -24,6 +24,10 @@ pub(crate) const LATE_CALL: Duration = FRESH_FOR;
 /// way.
 pub(crate) const SLEPT_AT_LEAST: Duration = Duration::from_secs(5);
 
+/// A call or a reply that comes later than this counts as late ([`crate::LineStatus::late_hz`]). Timers of a
+/// browser are 0.2 ms late at most where nothing holds it up.
+pub(crate) const LATE: Duration = Duration::from_millis(1);
+
 /// The page must answer its ping within this time (safety rule 3).
 pub const PAGE_SILENCE_MAX: Duration = Duration::from_secs(1);
 
