@@ -1,4 +1,5 @@
-//! What goes to the page: at most once a frame, and not into a page that hangs.
+//! What goes to the page: at most once a frame, samples alone 20 times a second, and nothing into a page that
+//! hangs.
 
 use std::time::Duration;
 
@@ -10,6 +11,9 @@ use crate::scope::post;
 
 /// A screen of 60 Hz shows no more.
 const FRAME: Duration = Duration::from_micros(16_600);
+/// The page draws readings 20 times a second. Each message costs time on both threads, and the frames of the bus
+/// come from this one.
+const SAMPLES_EVERY: Duration = Duration::from_millis(50);
 
 /// Samples that wait for a page that does not answer: 8 s at 500 Hz. The oldest give way.
 const SAMPLES_MAX: usize = 4096;
@@ -20,6 +24,7 @@ const NOTICES_MAX: usize = 256;
 pub(crate) struct Outbox {
     samples: Vec<Sample>,
     notices: Vec<Notice>,
+    /// Whether something other than samples has changed.
     changed: bool,
     last_sent: Instant,
     /// When the page was first pinged without an answer since.
@@ -39,7 +44,6 @@ pub(crate) struct Present {
 impl Outbox {
     pub(crate) fn sample(&mut self, sample: Sample) {
         bounded_push(&mut self.samples, sample, SAMPLES_MAX);
-        self.changed = true;
     }
 
     pub(crate) fn notice(&mut self, notice: Notice) {
@@ -67,7 +71,14 @@ impl Outbox {
         let hangs = self
             .unanswered_since
             .is_some_and(|since| now > since + PAGE_SILENCE_MAX);
-        (self.changed && !hangs).then(|| self.last_sent + FRAME)
+        if hangs {
+            None
+        } else if self.changed {
+            Some(self.last_sent + FRAME)
+        } else {
+            let waiting = !self.samples.is_empty();
+            waiting.then(|| self.last_sent + SAMPLES_EVERY)
+        }
     }
 
     pub(crate) fn send(&mut self, now: Instant, present: Present) {
