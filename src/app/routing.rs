@@ -23,7 +23,7 @@ use crate::{
         snapshot::{Reading, Session},
         tab::Tab,
     },
-    ui::clock::page_origin_ms,
+    ui::{clock::page_origin_ms, frame_rate::set_frame_rate},
 };
 
 impl Features {
@@ -63,6 +63,9 @@ impl Features {
             .notices
             .maybe_update(|board| board.review(|until| review(until, update)));
         // Before a lost connection has them forgotten.
+        self.page.governor.update_value(|governor| {
+            set_frame_rate(governor.look(update.now, update.line.as_ref()))
+        });
         self.readings.keep_samples(update);
         self.readings.feed_twin(update);
         if update.connection != before {

@@ -25,9 +25,9 @@ use crate::{
         worker_link::{WorkerLink, WorkerState},
     },
     model::{
-        drive_settings::DriveSettings, fleet::Fleet, help_topic::HelpTopic, history::History,
-        notice_board::NoticeBoard, preferences::Preferences, recorder::Recorder, snapshot::Session,
-        tab::Tab,
+        drive_settings::DriveSettings, fleet::Fleet, governor::Governor, help_topic::HelpTopic,
+        history::History, notice_board::NoticeBoard, preferences::Preferences, recorder::Recorder,
+        snapshot::Session, tab::Tab,
     },
     ui::{drawer::Drawer, reactive::memo},
 };
@@ -162,6 +162,8 @@ pub(crate) struct Parts {
     /// readings alone.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) history: StoredValue<History, LocalStorage>,
+    /// Decides how often the page draws.
+    pub(crate) governor: StoredValue<Governor>,
     pub(crate) selected: RwSignal<MotorId>,
     pub(crate) motors: Motors,
     pub(crate) loops: Loops,
@@ -194,6 +196,7 @@ impl Page {
             latest: StoredValue::new(Session::default()),
             shown: RwSignal::new(Session::default()),
             history: StoredValue::new_local(History::with_past()),
+            governor: StoredValue::new(Governor::default()),
             selected: RwSignal::new(preferences.motor),
             motors: Motors {
                 fleet: RwSignal::new(Fleet::load()),

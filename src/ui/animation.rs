@@ -8,7 +8,9 @@ use std::time::Duration;
 use leptos::prelude::{TimeoutHandle, set_timeout_with_handle, window};
 use leptos::wasm_bindgen::{JsCast, closure::Closure};
 
-use crate::ui::clock::page_now_ms;
+#[cfg(doc)]
+use crate::ui::frame_rate::FrameRate;
+use crate::ui::{clock::page_now_ms, frame_rate::frame_rate};
 
 /// What a step asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,20 +23,16 @@ pub enum Next {
     Woken,
 }
 
-/// What changes with the data rather than by a person's hand is drawn at multiples of this, all of it in
-/// the same frames: a frame costs more than what is drawn in it.
-pub const STEP_MS: f64 = 50.0;
-
 impl Next {
-    /// To be called at the next multiple of so many milliseconds, which are some [`STEP_MS`].
+    /// To be called at the next multiple of so many milliseconds, which are some [`FrameRate::step_ms`].
     pub fn in_step(period_ms: f64, now_ms: f64) -> Self {
         Self::After(to_step(period_ms, now_ms))
     }
 
-    /// The same, but not before the next multiple of [`STEP_MS`].
+    /// The same, but not before the next multiple of [`FrameRate::step_ms`].
     pub fn put_off_to_step(self, now_ms: f64) -> Self {
         match self {
-            Self::After(ms) => Self::After(ms + to_step(STEP_MS, now_ms + ms)),
+            Self::After(ms) => Self::After(ms + to_step(frame_rate().step_ms(), now_ms + ms)),
             other => other,
         }
     }
@@ -86,14 +84,14 @@ impl Frames {
         }
     }
 
-    /// A function that wakes the step at the next multiple of [`STEP_MS`].
+    /// A function that wakes the step at the next multiple of [`FrameRate::step_ms`].
     pub fn waker_in_step(&self) -> impl Fn() + 'static {
         let weak: Weak<Inner> = Rc::downgrade(&self.0);
         move || {
             if let Some(inner) = weak.upgrade()
                 && inner.frame.get().is_none()
             {
-                inner.request_later(to_step(STEP_MS, page_now_ms()));
+                inner.request_later(to_step(frame_rate().step_ms(), page_now_ms()));
             }
         }
     }

@@ -12,6 +12,7 @@ pub(crate) mod escape;
 pub(crate) mod export_button;
 pub(crate) mod focus;
 pub(crate) mod format;
+pub(crate) mod frame_rate;
 pub(crate) mod list;
 pub(crate) mod listener;
 pub(crate) mod mathematics;

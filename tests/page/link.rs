@@ -1,16 +1,17 @@
 //! The panel Link: the line in figures, the doctor, and the virtual motor's wire.
 
+use js_sys::{Function, Reflect};
 use motorlink_messages::{
     Adapter, Connection, ToWorker, VirtualWire,
-    bus::{Counters, LineStatus, RoundTripStatus},
-    protocol::Mode,
+    bus::{Counters, LineStatus, RoundTripStatus, Sample},
+    protocol::{Current, Detail, Faults, Mode, MotorId, Position, Reply, Rpm},
 };
-use wasm_bindgen::JsCast;
+use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, EventInit, HtmlSelectElement};
 
 use crate::{
-    bench::{Bench, text_of},
+    bench::{Bench, document, text_of},
     tools::tell,
 };
 
@@ -105,4 +106,65 @@ async fn the_virtual_wire_is_chosen_and_a_real_one_is_not() {
     bench
         .until("it to be forgotten", || wire().value() == "0")
         .await;
+}
+
+/// Exchanges on a machine that is so busy, with a wheel that turns.
+fn spinning(bench: &Bench, late_hz: u16) {
+    tell(bench, |update| {
+        // 100 rpm counter-clockwise: the angle falls by 0.6 degrees a millisecond.
+        let turned_deg = update.now.as_micros() * 6 / 10_000 % 360;
+        let position = (359 - turned_deg) * 32_767 / 360;
+        update.line = Some(LineStatus {
+            exchanges_hz: 100,
+            late_hz,
+            ..LineStatus::default()
+        });
+        update.samples = vec![Sample {
+            at: update.now,
+            reply: Reply {
+                id: MotorId::FIRST,
+                mode: Mode::Velocity,
+                current: Current::from_raw(0),
+                speed: Rpm::new(100),
+                detail: Detail::Drive {
+                    position: Position::from_raw(u16::try_from(position).unwrap()),
+                },
+                faults: Faults::default(),
+            },
+        }];
+    });
+}
+
+/// How the browser steps through the animation that turns the wheel; `None` where it has none.
+fn easing() -> Option<String> {
+    let call = |object: &JsValue, name: &str| -> Option<JsValue> {
+        let method: Function = Reflect::get(object, &name.into()).ok()?.dyn_into().ok()?;
+        method.call0(object).ok()
+    };
+    let get = |object: &JsValue, name: &str| Reflect::get(object, &name.into()).ok();
+    let wheel = document().query_selector(".bench .twin-turning").ok()??;
+    let animation = get(&call(&wheel, "getAnimations")?, "0")?;
+    let timing = call(&get(&animation, "effect")?, "getTiming")?;
+    get(&timing, "easing")?.as_string()
+}
+
+#[wasm_bindgen_test]
+async fn a_page_whose_drawing_delays_the_wire_draws_less_and_says_why() {
+    let bench = open("link-drawing").await;
+    let drawing = || bench.text("status", "Drawing");
+    for (late_hz, text, easing_is) in [
+        (0, "at the full frame rate", "linear"),
+        (20, "at 30 fps to keep the wire on time", "steps("),
+        (20, "at 20 fps to keep the wire on time", "steps("),
+        (20, "at 10 fps to keep the wire on time", "steps("),
+        // Drawing less has not helped, so it was not the cause.
+        (20, "at the full frame rate", "linear"),
+    ] {
+        bench
+            .until(text, || {
+                spinning(&bench, late_hz);
+                drawing() == text && easing().is_some_and(|easing| easing.starts_with(easing_is))
+            })
+            .await;
+    }
 }

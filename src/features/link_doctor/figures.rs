@@ -10,12 +10,16 @@ use crate::{
         markup::push,
     },
     model::snapshot::Session,
-    ui::format::{UNKNOWN, grouped, milliseconds},
+    ui::{
+        format::{UNKNOWN, grouped, milliseconds},
+        frame_rate::FrameRate,
+    },
 };
 
-/// Exchanges, bus time, round trip, histogram, motors, and what the line carries: the last is empty
-/// where it carries the `asked_hz` drive frames a second that each driven motor is to get.
-pub(crate) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
+/// Exchanges, bus time, round trip, histogram, motors, what the line carries, and how often the page draws. What
+/// the line carries is empty where it carries the `asked_hz` drive frames a second that each driven motor is to
+/// get.
+pub(crate) fn of(session: &Session, asked_hz: u16, frame_rate: FrameRate) -> [String; 7] {
     let line = session.line.as_ref();
     let round_trip = line.map(|line| line.round_trip).unwrap_or_default();
     let carries = line.and_then(|line| line.carries_hz).map(|carried_hz| {
@@ -40,7 +44,16 @@ pub(crate) fn of(session: &Session, asked_hz: u16) -> [String; 6] {
         histogram(&round_trip),
         motors(session),
         carries.unwrap_or_default(),
+        drawing(frame_rate),
     ]
+}
+
+/// How often the page draws, and why not more often.
+fn drawing(frame_rate: FrameRate) -> String {
+    match frame_rate.hertz() {
+        None => tr!("at the full frame rate").to_owned(),
+        Some(hertz) => tr!("at {rate} fps to keep the wire on time", rate = hertz),
+    }
 }
 
 /// A number that has its place among the words.
@@ -161,7 +174,7 @@ mod tests {
     use super::*;
     use crate::model::snapshot::tests::{session, status};
 
-    fn on(line: LineStatus) -> [String; 6] {
+    fn on(line: LineStatus) -> [String; 7] {
         let mut motor = status(1_000, Mode::Velocity, 0);
         motor.counters = Counters {
             requests: 1_240,
@@ -177,12 +190,12 @@ mod tests {
             line: Some(line),
             ..session(1_000, motor)
         };
-        of(&session, 200)
+        of(&session, 200, FrameRate::Full)
     }
 
     #[test]
     fn the_line_is_shown_in_figures() {
-        let [exchanges, bus_time, round_trip, _, motors, carries] = on(LineStatus {
+        let [exchanges, bus_time, round_trip, _, motors, carries, _] = on(LineStatus {
             exchanges_hz: 87,
             drive_per_mille: 414,
             query_per_mille: 115,
@@ -219,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_line_that_is_too_slow_says_what_it_carries() {
-        let [.., carries] = on(LineStatus {
+        let [.., carries, _] = on(LineStatus {
             carries_hz: Some(54),
             ..LineStatus::default()
         });
@@ -230,8 +243,18 @@ mod tests {
     }
 
     #[test]
+    fn a_page_that_draws_less_says_why() {
+        let full = "at the full frame rate";
+        let lower = "at 20 fps to keep the wire on time";
+        for (rate, text) in [(FrameRate::Full, full), (FrameRate::Hz20, lower)] {
+            let [.., drawing] = of(&Session::default(), 50, rate);
+            assert_eq!(drawing, text);
+        }
+    }
+
+    #[test]
     fn unknown_is_not_zero() {
-        let [exchanges, bus_time, .., motors, _] = of(&Session::default(), 50);
+        let [exchanges, bus_time, .., motors, _, _] = of(&Session::default(), 50, FrameRate::Full);
         assert_eq!(exchanges, "<span><b>–</b>/s</span> ");
         assert!(bus_time.contains("<b>–</b> % drive"));
         assert!(!motors.contains("Others"));

@@ -9,13 +9,14 @@ use crate::features::link_doctor::{
 };
 
 /// Where the figures stand, in the order of [`super::figures::of`].
-pub(crate) const FIGURES: [&str; 6] = [
+pub(crate) const FIGURES: [&str; 7] = [
     ".link-exchanges",
     ".link-bus-time",
     ".link-round-trip",
     ".link-histogram",
     "table",
     ".link-carries",
+    ".link-drawing",
 ];
 
 /// As far as the list of virtual wires.
@@ -35,6 +36,7 @@ fn head() -> String {
         ("link-exchanges", tr!("Exchanges")),
         ("link-bus-time", tr!("Bus load")),
         ("link-round-trip", tr!("Round trip")),
+        ("link-drawing", tr!("Drawing")),
     ] {
         push(
             &mut html,

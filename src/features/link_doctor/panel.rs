@@ -12,6 +12,7 @@ use crate::{
     model::page::Page,
     ui::{
         drawer::{Drawer, panel_of_drawer},
+        frame_rate::frame_rate,
         reactive::{effect, handler},
     },
 };
@@ -64,7 +65,7 @@ pub(crate) fn LinkPanel(
 struct Elements {
     doctor: Option<Text>,
     /// In the order of [`figures::of`].
-    figures: [Option<Text>; 6],
+    figures: [Option<Text>; 7],
     wire: Option<HtmlSelectElement>,
 }
 
@@ -90,7 +91,7 @@ impl Elements {
             }
             let asked_hz = page.preferences.with(|chosen| chosen.rate.hertz());
             if is_open {
-                let figures = figures::of(session, asked_hz);
+                let figures = figures::of(session, asked_hz, frame_rate());
                 for (element, html) in self.figures.iter_mut().flatten().zip(figures) {
                     element.write(html);
                 }

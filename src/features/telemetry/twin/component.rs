@@ -10,13 +10,15 @@ use motorlink_i18n::tr;
 use crate::{
     features::telemetry::twin::{
         TwinFeed,
-        course::LOOK_EVERY_MS,
         feed::View,
         painter::Painter,
         picture::{VIEW_BOX, picture},
         texts::{Figures, Motion},
     },
-    ui::animation::{Frames, Next},
+    ui::{
+        animation::{Frames, Next},
+        frame_rate::frame_rate,
+    },
 };
 
 /// Figures change ten times a second at most: faster, nobody can read them.
@@ -117,7 +119,7 @@ fn say<T: PartialEq + Clone + Send + Sync + 'static>(signal: RwSignal<T>, value:
 /// When this view will have changed though nothing new is heard.
 fn next(view: &View, figures_written: bool, now_ms: f64) -> Next {
     if !view.pose.settled {
-        return Next::in_step(LOOK_EVERY_MS, now_ms);
+        return Next::in_step(frame_rate().step_ms(), now_ms);
     }
     if !figures_written {
         return Next::in_step(FIGURES_PERIOD_MS, now_ms);

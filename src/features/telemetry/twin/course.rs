@@ -6,13 +6,8 @@
 //!
 //! Times are milliseconds on the page's clock.
 
-use crate::{
-    features::telemetry::twin::motion::{Heading, Way},
-    ui::animation::STEP_MS,
-};
+use crate::features::telemetry::twin::motion::{Heading, Way};
 
-/// How often the course is looked at while the wheel turns.
-pub const LOOK_EVERY_MS: f64 = STEP_MS;
 /// What a course is off is made good within this.
 const MADE_GOOD_MS: f64 = 100.0;
 /// Nearer than this it is left alone: half a millimetre at the tread of a wheel as wide as a hand.
@@ -21,7 +16,7 @@ const OFF_MAX_DEG: f64 = 1.0;
 const STANDS_OFF_MAX_DEG: f64 = 0.02;
 /// And a course whose speed is within one revolution a minute.
 const RATE_OFF_MAX_DEG_PER_S: f64 = 6.5;
-/// It is renewed before it ends: three looks.
+/// It is renewed before it ends, with time for three looks.
 const RENEWED_BEFORE_MS: f64 = 150.0;
 /// Further off it is another place, to which the wheel is not wound.
 const SNAP_DEG: f64 = 90.0;
@@ -45,6 +40,16 @@ impl Course {
     pub fn angle_at(&self, ms: f64) -> f64 {
         let ran_ms = ms.min(self.until_ms) - self.from_ms;
         self.angle_deg + self.rate_deg_per_s * ran_ms / 1_000.0
+    }
+
+    /// The same course from now on.
+    #[must_use]
+    pub fn from(&self, now_ms: f64) -> Self {
+        Self {
+            from_ms: now_ms,
+            angle_deg: self.angle_at(now_ms),
+            ..*self
+        }
     }
 
     /// A wheel that stands there.

@@ -1,7 +1,10 @@
 //! The course beside a wheel whose true angle is known, looked at as seldom as the page does.
 
 use super::*;
-use crate::features::telemetry::twin::motion::{AngleQuality, Estimator, ReportedAngle};
+use crate::{
+    features::telemetry::twin::motion::{AngleQuality, Estimator, ReportedAngle},
+    ui::frame_rate::FrameRate,
+};
 
 /// What was drawn, sixty times a second, with how often the wheel was sent on.
 struct Drawn {
@@ -40,7 +43,7 @@ fn drive(speeds: &[(f64, u32)]) -> Drawn {
                 estimator.report(now, Some(angle), rpm.round());
             }
             // A frame behind the time that was asked for, as timers and frames go.
-            if now - looked >= LOOK_EVERY_MS + 16.0 {
+            if now - looked >= FrameRate::Full.step_ms() + 16.0 {
                 looked = now;
                 let heading = estimator.frame(now).heading;
                 let next = Course::next(course, heading, now);

@@ -5,12 +5,16 @@ use js_sys::{Array, Object, Reflect};
 use leptos::wasm_bindgen::JsCast;
 use leptos::web_sys::{Animation, Element, FillMode, KeyframeEffect, KeyframeEffectOptions};
 
-use crate::features::telemetry::twin::{course::Course, motion::Heading};
+use crate::{
+    features::telemetry::twin::{course::Course, motion::Heading},
+    ui::frame_rate::{FrameRate, frame_rate},
+};
 
 /// What turns the wheel: the one thing that differs in every frame.
 pub struct Turning {
     element: Element,
     course: Option<Course>,
+    rate: FrameRate,
     running: Option<Animation>,
 }
 
@@ -19,15 +23,24 @@ impl Turning {
         Some(Self {
             element: picture.query_selector(".twin-turning").ok().flatten()?,
             course: None,
+            rate: FrameRate::default(),
             running: None,
         })
     }
 
     /// Sends the wheel where the reports say, if it is not on its way there.
     pub(crate) fn steer(&mut self, heading: Heading, now_ms: f64) {
+        let rate = frame_rate();
         let next = Course::next(self.course, heading, now_ms);
-        let Some(course) = next else { return };
+        let same_at_another_rate = self
+            .course
+            .filter(|course| rate != self.rate && now_ms < course.until_ms)
+            .map(|course| course.from(now_ms));
+        let Some(course) = next.or(same_at_another_rate) else {
+            return;
+        };
         self.course = Some(course);
+        self.rate = rate;
         let begun = self.begin(course);
         if let Some(before) = std::mem::replace(&mut self.running, begun) {
             before.cancel();
@@ -45,6 +58,11 @@ impl Turning {
         Reflect::set(&keyframes, &"transform".into(), &angles).ok()?;
         let options = KeyframeEffectOptions::new();
         options.set_duration(&lasts_ms.into());
+        if let Some(hertz) = self.rate.hertz() {
+            // Between two steps the browser has nothing to draw.
+            let steps = (lasts_ms * f64::from(hertz) / 1_000.0).ceil().max(1.0);
+            options.set_easing(&format!("steps({steps})"));
+        }
         // Where it ends the wheel stays.
         options.set_fill(FillMode::Forwards);
         let effect =

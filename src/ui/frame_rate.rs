@@ -1,0 +1,77 @@
+//! How often the page draws what changes with the data. One rate for all of it: a frame costs more than what is
+//! drawn in it, so everything is drawn in the same frames.
+
+use std::cell::Cell;
+
+/// Frames a second.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrameRate {
+    /// The wheel turns in every frame of the screen; the rest changes 20 times a second at most.
+    #[default]
+    Full,
+    /// The wheel turns in 30 frames a second.
+    Hz30,
+    /// Everything is drawn in the same 20 frames a second.
+    Hz20,
+    /// Everything is drawn in the same 10 frames a second.
+    Hz10,
+}
+
+impl FrameRate {
+    /// Frames a second; `None` for as many as the screen has.
+    #[must_use]
+    pub const fn hertz(self) -> Option<u32> {
+        match self {
+            Self::Full => None,
+            Self::Hz30 => Some(30),
+            Self::Hz20 => Some(20),
+            Self::Hz10 => Some(10),
+        }
+    }
+
+    /// The next lower rate; `None` for the lowest.
+    #[must_use]
+    pub const fn lower(self) -> Option<Self> {
+        match self {
+            Self::Full => Some(Self::Hz30),
+            Self::Hz30 => Some(Self::Hz20),
+            Self::Hz20 => Some(Self::Hz10),
+            Self::Hz10 => None,
+        }
+    }
+
+    /// The next higher rate; `None` for the highest.
+    #[must_use]
+    pub const fn higher(self) -> Option<Self> {
+        match self {
+            Self::Full => None,
+            Self::Hz30 => Some(Self::Full),
+            Self::Hz20 => Some(Self::Hz30),
+            Self::Hz10 => Some(Self::Hz20),
+        }
+    }
+
+    /// What changes with the data is drawn at multiples of so many milliseconds.
+    #[must_use]
+    pub const fn step_ms(self) -> f64 {
+        match self {
+            Self::Full | Self::Hz30 | Self::Hz20 => 50.0,
+            Self::Hz10 => 100.0,
+        }
+    }
+}
+
+thread_local! {
+    static RATE: Cell<FrameRate> = const { Cell::new(FrameRate::Full) };
+}
+
+/// The present rate.
+#[must_use]
+pub fn frame_rate() -> FrameRate {
+    RATE.get()
+}
+
+/// Changes the rate from the next frame on.
+pub fn set_frame_rate(rate: FrameRate) {
+    RATE.set(rate);
+}
