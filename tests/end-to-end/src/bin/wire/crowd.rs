@@ -20,7 +20,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     silent(watched)
 }
 
-fn line(motors: u8) -> Line {
+pub fn line(motors: u8) -> Line {
     let ids: Vec<u8> = (1..=motors).collect();
     Line {
         turnaround_us: TURNAROUND_US,
@@ -29,7 +29,7 @@ fn line(motors: u8) -> Line {
 }
 
 /// Finds so many motors and drives the first of them together.
-fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
+pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
     page.click("tab", "ID Manager")?;
     // Where several motors answered at once, a notice offers one, too.
     let scan = page.find_all("button", "Full scan")?.pop();

@@ -1,9 +1,9 @@
 //! Measures how much of a line the page uses, with one motor and with many, and what that costs, and
 //! prints it as a table.
 //!
-//! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how
-//! long each line is watched, `--only bare`, `rates`, `crowd`, `load`, `stall` or `heap` measures a part. The heap
-//! is watched ten times as long.
+//! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how long each
+//! line is watched, and `--only bare`, `rates`, `crowd`, `load`, `stop`, `stall` or `heap` measures a part. The heap
+//! is watched ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
 mod crowd;
@@ -11,6 +11,7 @@ mod driving;
 mod load;
 mod rates;
 mod stall;
+mod stop;
 
 use std::{env, process::ExitCode, time::Duration};
 
@@ -20,7 +21,7 @@ use end_to_end::{Page, figures::Table};
 /// How long a line is watched.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 6] = ["bare", "rates", "crowd", "load", "stall", "heap"];
+const PARTS: [&str; 7] = ["bare", "rates", "crowd", "load", "stop", "stall", "heap"];
 
 fn main() -> ExitCode {
     match wanted().and_then(|wanted| measure(&wanted)) {
@@ -50,7 +51,7 @@ fn wanted() -> Result<Wanted> {
                 wanted.watched = Duration::from_secs(seconds);
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
-            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|stall|heap]"),
+            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|stop|stall|heap]"),
         }
     }
     Ok(wanted)
@@ -67,6 +68,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "rates" => rates::measure(wanted.watched),
             "crowd" => crowd::measure(wanted.watched),
             "load" => load::measure(wanted.watched),
+            "stop" => stop::measure(wanted.watched),
             "stall" => stall::measure(),
             _ => load::measure_heap(wanted.watched),
         };
