@@ -43,6 +43,11 @@ pub fn row(figure: &str, must: &str, measured: impl Display, reached: bool) {
     );
 }
 
+/// Prints one row of a figure that has no bound.
+pub fn row_without_bound(figure: &str, measured: impl Display) {
+    println!("| {figure} | | {measured} | |");
+}
+
 /// A quotient.
 #[must_use]
 #[allow(

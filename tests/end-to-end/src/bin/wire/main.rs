@@ -2,11 +2,12 @@
 //! prints it as a table.
 //!
 //! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how long each
-//! line is watched, and `--only bare`, `rates`, `crowd`, `load`, `stop`, `stall` or `heap` measures a part. The heap
-//! is watched ten times as long, and the graph of `stop` fills for five times as long.
+//! line is watched, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `stop`, `stall` or `heap` measures a
+//! part. The heap is watched ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
 mod crowd;
+mod drawing;
 mod driving;
 mod load;
 mod rates;
@@ -21,7 +22,9 @@ use end_to_end::{Page, figures::Table};
 /// How long a line is watched.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 7] = ["bare", "rates", "crowd", "load", "stop", "stall", "heap"];
+const PARTS: [&str; 8] = [
+    "bare", "rates", "crowd", "load", "drawing", "stop", "stall", "heap",
+];
 
 fn main() -> ExitCode {
     match wanted().and_then(|wanted| measure(&wanted)) {
@@ -51,7 +54,9 @@ fn wanted() -> Result<Wanted> {
                 wanted.watched = Duration::from_secs(seconds);
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
-            _ => bail!("usage: wire [--seconds N] [--only bare|rates|crowd|load|stop|stall|heap]"),
+            _ => bail!(
+                "usage: wire [--seconds N] [--only bare|rates|crowd|load|drawing|stop|stall|heap]"
+            ),
         }
     }
     Ok(wanted)
@@ -68,6 +73,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "rates" => rates::measure(wanted.watched),
             "crowd" => crowd::measure(wanted.watched),
             "load" => load::measure(wanted.watched),
+            "drawing" => drawing::measure(wanted.watched),
             "stop" => stop::measure(wanted.watched),
             "stall" => stall::measure(),
             _ => load::measure_heap(wanted.watched),

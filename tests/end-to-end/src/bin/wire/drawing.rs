@@ -1,0 +1,53 @@
+//! What a page that is seen costs the processor, thread by thread, beside one that is hidden.
+
+use std::{thread, time::Duration};
+
+use anyhow::Result;
+use end_to_end::{Bench, Line, figures::row_without_bound, threads_time};
+
+use crate::driving::{connected, spin};
+
+/// Nothing is measured before: the page may lower its frame rate by then.
+const WARM: Duration = Duration::from_secs(10);
+const HERTZ: u16 = 50;
+
+/// Names of Chromium's threads, as the system cuts them off, and what they do.
+const THREADS: [(&str, &str); 5] = [
+    ("VizCompositorTh", "putting layers together"),
+    ("chromium", "main threads of page and browser"),
+    ("Compositor", "layers of the page"),
+    ("ThreadPoolForeg", "painting"),
+    ("DedicatedWorker", "both workers"),
+];
+
+pub fn measure(watched: Duration) -> Result<()> {
+    let bench = Bench::start()?;
+    let (_adapter, page) = connected(&bench, Line::default())?;
+    spin(&page, HERTZ)?;
+    for page_is in ["visible", "hidden"] {
+        if page_is == "hidden" {
+            bench.hide(&page)?;
+        }
+        thread::sleep(WARM);
+        let before = times()?;
+        thread::sleep(watched);
+        let after = times()?;
+        let mut words = Vec::new();
+        let mut total_ms = 0.0;
+        for ((after, before), (_, what)) in after.iter().zip(before).zip(THREADS) {
+            let spent = after.saturating_sub(before).as_secs_f64();
+            let a_second_ms = 1_000.0 * spent / watched.as_secs_f64();
+            total_ms += a_second_ms;
+            words.push(format!("{what} {a_second_ms:.0}"));
+        }
+        row_without_bound(
+            &format!("processor time of a second, one motor at {HERTZ} Hz, page {page_is}"),
+            format!("{total_ms:.0} ms: {}", words.join(", ")),
+        );
+    }
+    crate::ensure_quiet(&page)
+}
+
+fn times() -> Result<Vec<Duration>> {
+    THREADS.iter().map(|(name, _)| threads_time(name)).collect()
+}
