@@ -1,13 +1,13 @@
-//! One wake-up at a precise moment.
+//! A precise timer.
 //!
-//! | by | measured |
+//! | mechanism | measured |
 //! |---|---|
-//! | `Atomics.waitAsync` on a memory that nobody else has | never early, 0.2 ms late at most |
-//! | `scheduler.postTask` | counts whole milliseconds, so up to 1 ms early: it has to be armed again and again |
+//! | `Atomics.waitAsync` on private memory | never early, 0.2 ms late at most |
+//! | `scheduler.postTask` | counts whole milliseconds, so up to 1 ms early: it has to be armed again |
 //! | `setTimeout` | clamped to 4 ms, in workers too: half a drive period at 125 Hz |
 //!
-//! None of them may outrank messages: on a bus that always has something due, the page's answers would
-//! wait, and the watchdog would take a page for dead that lives.
+//! None of them may have priority over messages: on a bus where something is always due, the page's
+//! answers would wait, and the watchdog would stop the motors although the page answers.
 
 use std::{cell::Cell, rc::Rc, time::Duration};
 
@@ -19,32 +19,30 @@ use web_sys::{Scheduler, SchedulerPostTaskOptions, TaskPriority, WorkerGlobalSco
 
 use crate::scope::{Clock, global};
 
-/// A task that comes this early is the one that was armed.
+/// How much too early a task may run and still count as the armed one.
 const EARLY: Duration = Duration::from_millis(1);
 
-/// A shorter wait would be over at once, and in the same turn of the event loop.
+/// A shorter wait would end at once, in the same turn of the event loop.
 const SHORTEST_MS: f64 = 0.05;
 
-/// Calls one function at the moments it was armed for, and sometimes earlier: whoever is called
-/// looks at the clock.
+/// Calls a function at the armed time, and sometimes earlier: the function has to check the clock.
 pub(crate) struct Alarm {
-    ring_if_due: Rc<dyn Fn()>,
-    bed: Option<Bed>,
+    call_if_due: Rc<dyn Fn()>,
+    async_wait: Option<AsyncWait>,
     scheduler: Option<PostTask>,
-    /// The earliest moment that a task is under way for. A later one need not be armed: the call
-    /// that comes earlier arms it again. So there are few tasks, however often the moment moves.
+    /// The earliest time for which a task is pending. A later time needs no task: the earlier call
+    /// arms the alarm again. So few tasks are pending, however often the time changes.
     armed: Rc<Cell<Option<Instant>>>,
 }
 
 impl Alarm {
     pub(crate) fn new(clock: Clock, ring: impl Fn() + 'static) -> Self {
         let armed: Rc<Cell<Option<Instant>>> = Rc::default();
-        let ring_if_due: Rc<dyn Fn()> = {
+        let call_if_due: Rc<dyn Fn()> = {
             let armed = Rc::clone(&armed);
             Rc::new(move || {
-                // A task that was overtaken comes too late to matter. If it rang, whoever is called
-                // would arm the next moment beside the task that is under way for it, and from then
-                // on there would be two chains of tasks, then three.
+                // A task whose time was replaced by an earlier one must not ring. It would arm the next
+                // time although a task is pending for it, and the number of tasks would grow.
                 if armed.get().is_some_and(|at| clock.now() + EARLY >= at) {
                     armed.set(None);
                     ring();
@@ -52,9 +50,9 @@ impl Alarm {
             })
         };
         Self {
-            bed: Bed::new(Rc::clone(&ring_if_due)),
-            scheduler: PostTask::new(Rc::clone(&ring_if_due)),
-            ring_if_due,
+            async_wait: AsyncWait::new(Rc::clone(&call_if_due)),
+            scheduler: PostTask::new(Rc::clone(&call_if_due)),
+            call_if_due,
             armed,
         }
     }
@@ -70,27 +68,31 @@ impl Alarm {
         self.armed.set(Some(at));
         let delay = at.since(now);
         let delay_ms = delay.as_secs_f64() * 1000.0;
-        if self.bed.as_ref().is_some_and(|bed| bed.sleep(delay_ms)) {
+        if self
+            .async_wait
+            .as_ref()
+            .is_some_and(|async_wait| async_wait.wait(delay_ms))
+        {
             return;
         }
         if let Some(scheduler) = &self.scheduler {
             scheduler.post(delay_ms);
         } else {
-            let ring = Rc::clone(&self.ring_if_due);
+            let ring = Rc::clone(&self.call_if_due);
             let millis = u32::try_from(delay.as_millis()).unwrap_or(u32::MAX);
             Timeout::new(millis, move || ring()).forget();
         }
     }
 }
 
-/// Where one can wait without blocking: a shared memory, of which nobody else knows.
-struct Bed {
+/// `Atomics.waitAsync` on private shared memory: a wait that does not block and always times out.
+struct AsyncWait {
     place: Int32Array,
     value: JsValue,
     on_woken: Closure<dyn FnMut(JsValue)>,
 }
 
-impl Bed {
+impl AsyncWait {
     /// `None` where the browser has no `Atomics.waitAsync`.
     fn new(ring: Rc<dyn Fn()>) -> Option<Self> {
         let atomics = Reflect::get(&js_sys::global(), &"Atomics".into()).ok()?;
@@ -113,12 +115,12 @@ impl Bed {
         })
     }
 
-    /// Has it rung after so long. `false` where that was refused.
-    fn sleep(&self, delay_ms: f64) -> bool {
+    /// Rings after this delay. Returns false if the browser refuses.
+    fn wait(&self, delay_ms: f64) -> bool {
         let delay_ms = delay_ms.max(SHORTEST_MS);
         let waiting = Atomics::wait_async_with_timeout(&self.place, 0, 0, delay_ms);
         let woken = waiting.and_then(|waiting| Reflect::get(&waiting, &self.value));
-        // It is no promise where the wait was over before it began.
+        // The value is not a promise if the wait ended at once.
         let Ok(woken) = woken.and_then(JsCast::dyn_into::<Promise>) else {
             return false;
         };
@@ -135,7 +137,7 @@ struct PostTask {
 }
 
 impl PostTask {
-    /// `None` where the browser has none.
+    /// `None` where the browser has no scheduler.
     fn new(ring: Rc<dyn Fn()>) -> Option<Self> {
         let scope: WorkerGlobalScope = global().unchecked_into();
         let there = Reflect::has(&scope, &"scheduler".into()).unwrap_or(false);
@@ -168,8 +170,8 @@ mod tests {
 
     wasm_bindgen_test_configure!(run_in_dedicated_worker);
 
-    /// An alarm that notes when it rang.
-    fn noting() -> (Clock, Alarm, Rc<Cell<Option<Instant>>>) {
+    /// A clock, an alarm, and the time when the alarm last rang.
+    fn recording_alarm() -> (Clock, Alarm, Rc<Cell<Option<Instant>>>) {
         let clock = Clock::new();
         let rang = Rc::new(Cell::new(None));
         let alarm = Alarm::new(clock.clone(), {
@@ -180,8 +182,8 @@ mod tests {
     }
 
     #[wasm_bindgen_test]
-    async fn it_rings_once_it_is_time() {
-        let (clock, alarm, rang) = noting();
+    async fn it_rings_at_the_armed_time() {
+        let (clock, alarm, rang) = recording_alarm();
         let at = clock.now() + Duration::from_millis(30);
         alarm.arm(clock.now(), at);
         sleep(Duration::from_millis(10)).await;
@@ -194,8 +196,8 @@ mod tests {
     }
 
     #[wasm_bindgen_test]
-    async fn an_earlier_moment_overtakes_and_a_later_one_does_not_delay() {
-        let (clock, alarm, rang) = noting();
+    async fn an_earlier_time_replaces_a_later_one_and_a_later_one_does_not_delay() {
+        let (clock, alarm, rang) = recording_alarm();
         let now = clock.now();
         alarm.arm(now, now + Duration::from_secs(60));
         alarm.arm(now, now + Duration::from_millis(20));
@@ -206,7 +208,7 @@ mod tests {
 
     #[wasm_bindgen_test]
     async fn it_can_be_armed_again_after_it_rang() {
-        let (clock, alarm, rang) = noting();
+        let (clock, alarm, rang) = recording_alarm();
         for _ in 0..3 {
             rang.set(None);
             let now = clock.now();
@@ -216,10 +218,10 @@ mod tests {
         }
     }
 
-    /// As the station does while a motor is driven: every ring arms the near end of a reply window,
-    /// then the later moment of the next frame.
+    /// As the worker does while a motor is driven: every ring arms the alarm for the next frame, then
+    /// for the earlier end of a reply window.
     #[wasm_bindgen_test]
-    async fn overtaken_tasks_do_not_multiply() {
+    async fn replaced_tasks_do_not_multiply() {
         let clock = Clock::new();
         let rings = Rc::new(Cell::new(0_u32));
         let alarm: Rc<Cell<Option<Alarm>>> = Rc::default();

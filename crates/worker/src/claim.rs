@@ -1,12 +1,13 @@
-//! Which adapter is this tab's: two tabs must not speak on one line.
+//! Claims an adapter for this tab: two tabs must not write to one line.
 //!
-//! A Web Lock decides, since whatever ends a worker gives its locks back. Web Serial has no name for an
-//! adapter that another tab would know, so the tabs that have one of a make are counted against the
-//! adapters of it that are plugged in; which of these is free is found by opening them. Claims are carried out one after the other, so that
-//! the last is what stands; what the browser refuses is as without locks.
+//! A claim is a Web Lock, because the browser releases the locks of a worker however it ends. Web Serial
+//! gives an adapter no name that another tab would know. So there are as many locks for a model of
+//! adapter as there are adapters of it plugged in; opening them shows which one is free. Claims are
+//! processed one after the other, and the last one counts. If the browser refuses a lock, the tab goes
+//! on without one.
 //!
-//! The script that starts the worker (`boot/adapters.js`) takes and keeps the lock: a promise
-//! that calls back to make a promise is five lines there, and two kilobytes here.
+//! The script that starts the worker (`boot/adapters.js`) takes and keeps the lock: a promise inside a
+//! callback is five lines of JavaScript, but two kilobytes of wasm.
 
 use js_sys::{Function, Promise, Reflect};
 use wasm_bindgen::{JsCast, JsValue};
@@ -14,23 +15,23 @@ use wasm_bindgen_futures::JsFuture;
 
 use crate::scope::global;
 
-/// Claims an adapter of the make of the port at this place, and gives back one of another make. False
-/// when other tabs have all of that make.
+/// Claims an adapter of the same model as the port at this place, and releases the claim of another
+/// model. Returns false when other tabs have all adapters of that model.
 pub(crate) async fn claim(place: u16) -> bool {
     let claimed = match call(&place.into()) {
         Some(promise) => JsFuture::from(promise).await.unwrap_or_default(),
         None => JsValue::UNDEFINED,
     };
-    // Without locks the port itself has to refuse the second who opens it.
+    // Without locks, the port itself refuses a second tab.
     claimed != JsValue::FALSE
 }
 
-/// Gives back what was claimed. Claims that are under way are given back, too.
-pub(crate) fn give_back() {
+/// Releases the claim, and any claim that is still pending.
+pub(crate) fn release_claim() {
     call(&JsValue::UNDEFINED);
 }
 
-/// The script's `claimAdapter`.
+/// Calls `claimAdapter` of the script.
 fn call(place: &JsValue) -> Option<Promise> {
     let function = Reflect::get(&global(), &"claimAdapter".into()).ok()?;
     let function: Function = function.dyn_into().ok()?;

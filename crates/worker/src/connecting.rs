@@ -1,8 +1,8 @@
 //! Opening, trying and reopening ports.
 //!
-//! Two adapters of one make look alike to the browser, and their order changes after a replug. They
-//! are told apart by who answers on them: each candidate is opened in turn until the wanted motor is
-//! heard. Nothing drives meanwhile.
+//! The browser cannot tell two adapters of the same model apart, and their order changes after a
+//! replug. So the worker opens one candidate after the other until the wanted motor replies. Nothing
+//! drives meanwhile.
 
 use std::{rc::Rc, time::Duration};
 
@@ -13,30 +13,30 @@ use motorlink_protocol::MotorId;
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
-    claim::{claim, give_back},
+    claim::{claim, release_claim},
     line::Line,
+    port_owner::Shared,
     serial::{self, ReadEnd, ReadEvent, SharedInFlight},
     session::{AfterClosing, OpenSession, Session, Stage},
-    station::Shared,
 };
 
-/// How long the wanted motor may take to answer before the next adapter is tried: three queries at
-/// 10 Hz, behind an ID query of 60 ms.
+/// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
+/// and three queries at 10 Hz.
 const TRIAL: Duration = Duration::from_millis(400);
-/// How often it is looked whether it has answered.
+/// How often to check for a reply.
 const TRIAL_STEP: Duration = Duration::from_millis(20);
 
-/// A replugged adapter is shown before the system has set its permissions: try again this often.
+/// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
 const REOPEN_TRIES: u32 = 10;
-/// Between two tries.
+/// Pause between two tries.
 const REOPEN_PAUSE: Duration = Duration::from_millis(300);
 
-/// Stops what is driven, closes the port, and then does what `then` asks.
-pub(crate) fn leave(shared: &Shared, then: AfterClosing) {
+/// Stops the motors, closes the port, and then does what `then` asks.
+pub(crate) fn stop_and_close(shared: &Shared, then: AfterClosing) {
     {
-        let mut station = shared.borrow_mut();
-        let now = station.now();
-        if let Session::Open(open) = &mut station.session
+        let mut owner = shared.borrow_mut();
+        let now = owner.now();
+        if let Session::Open(open) = &mut owner.session
             && open.bus.is_active(now)
         {
             open.stage = Stage::Closing(then);
@@ -61,9 +61,9 @@ fn close(shared: &Shared, then: AfterClosing) {
         if shared.borrow().generation != generation {
             return;
         }
-        // A tab that opens another port of the same make keeps its place.
+        // A tab that opens another port of the same model keeps its claim.
         if !matches!(then.0, Some(ToWorker::ConnectSerial { .. })) {
-            give_back();
+            release_claim();
         }
         match then.0 {
             Some(ToWorker::ConnectVirtual) => open_virtual(&shared),
@@ -75,7 +75,7 @@ fn close(shared: &Shared, then: AfterClosing) {
     });
 }
 
-/// Lets everything that is due happen, and sets the alarm for what is due next.
+/// Does everything that is due, and arms the alarm for the next deadline.
 pub(crate) fn pump(shared: &Shared) {
     let left = shared.borrow_mut().turn();
     if let Some(then) = left {
@@ -84,17 +84,17 @@ pub(crate) fn pump(shared: &Shared) {
     }
 }
 
-/// Takes what a port's reader tells, for as long as that port is the one in use.
+/// Handles an event of a port's reader, unless another session has begun.
 pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
     {
-        let mut station = shared.borrow_mut();
-        if station.generation != generation {
+        let mut owner = shared.borrow_mut();
+        if owner.generation != generation {
             return;
         }
-        let now = station.now();
-        match (&mut station.session, event) {
+        let now = owner.now();
+        match (&mut owner.session, event) {
             (Session::Open(open), ReadEvent::Bytes(bytes)) => open.bus.receive(now, bytes),
-            (_, ReadEvent::LineError) => station.outbox.notice(Notice::LineError),
+            (_, ReadEvent::LineError) => owner.outbox.notice(Notice::LineError),
             (_, ReadEvent::Bytes(_)) => {}
         }
     }
@@ -104,50 +104,50 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
 /// Opens the built-in virtual bus.
 pub(crate) fn open_virtual(shared: &Shared) {
     {
-        let mut station = shared.borrow_mut();
-        let bus = station.new_bus();
+        let mut owner = shared.borrow_mut();
+        let bus = owner.new_bus();
         let open = OpenSession {
             line: Line::virtual_bus(),
             bus,
             stage: Stage::Settled,
             reader: None,
         };
-        station.begin_session(Session::Open(Box::new(open)));
+        owner.begin_session(Session::Open(Box::new(open)));
     }
     pump(shared);
 }
 
-/// What is done where the wanted motor answers on none of the candidates.
+/// What to do if the wanted motor replies on none of the candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum IfNobodyAnswers {
-    /// The first that opens is taken: a person, or a plug, has pointed at it.
+enum IfNoReply {
+    /// Use the first that opens: the user chose it or plugged it in.
     TakeFirst,
-    /// Nothing pointed at any of them: another adapter of the same make is not the one that was lost.
+    /// Use none: another adapter of the same model is not the one that was lost.
     KeepWaiting,
 }
 
-/// Opens the first candidate on which the wanted motor answers, or else the first that opens.
+/// Opens the first candidate on which the wanted motor replies, or else the first that opens.
 pub(crate) async fn open_serial(shared: &Shared, candidates: Vec<PortRef>, wanted: MotorId) {
-    let failure = open_any(shared, candidates, wanted, None, IfNobodyAnswers::TakeFirst).await;
+    let failure = open_any(shared, candidates, wanted, None, IfNoReply::TakeFirst).await;
     if let Ok(Some(failure)) = failure {
         begin(shared, Session::Failed(failure));
-        give_back();
+        release_claim();
     }
 }
 
-/// Goes through the candidates. Gives back why none is open, if none is. With `lost`, an adapter that
-/// was pulled out is opened again.
+/// Tries the candidates in turn. Returns the error if none is open at the end. `lost` is the adapter
+/// that was unplugged, if this is a reconnect.
 async fn open_any(
     shared: &Shared,
     candidates: Vec<PortRef>,
     wanted: MotorId,
     lost: Option<Adapter>,
-    if_nobody_answers: IfNobodyAnswers,
+    if_no_reply: IfNoReply,
 ) -> Result<Option<ConnectError>, Superseded> {
     let mut generation = begin(shared, Session::Opening { lost });
     let mut first_that_opens = None;
     let mut failure = ConnectError::PortGone;
-    let alone = candidates.len() < 2 && if_nobody_answers == IfNobodyAnswers::TakeFirst;
+    let alone = candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst;
     for candidate in candidates {
         let stage = if alone {
             Stage::Settled
@@ -167,9 +167,7 @@ async fn open_any(
             }
         }
     }
-    if let Some(candidate) =
-        first_that_opens.filter(|_| if_nobody_answers == IfNobodyAnswers::TakeFirst)
-    {
+    if let Some(candidate) = first_that_opens.filter(|_| if_no_reply == IfNoReply::TakeFirst) {
         match open_one(shared, generation, candidate, Stage::Settled).await? {
             Ok(_) => {
                 settle(shared, lost);
@@ -181,13 +179,13 @@ async fn open_any(
     Ok(Some(failure))
 }
 
-/// Something was plugged in: if it may be what was pulled out, it is opened again. Nothing drives
-/// then.
+/// Handles a plugged-in adapter: if it may be the one that was unplugged, it is opened again. That
+/// starts no motor.
 pub(crate) fn adapter_plugged(shared: &Shared) {
-    reopen(shared, IfNobodyAnswers::TakeFirst);
+    reopen(shared, IfNoReply::TakeFirst);
 }
 
-fn reopen(shared: &Shared, if_nobody_answers: IfNobodyAnswers) {
+fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
     let Session::Lost(lost) = shared.borrow().session else {
         return;
     };
@@ -198,7 +196,7 @@ fn reopen(shared: &Shared, if_nobody_answers: IfNobodyAnswers) {
             let Ok(ports) = serial::ports().await else {
                 return;
             };
-            // The person may have disconnected, or connected, in the meantime.
+            // The user may have disconnected or connected meanwhile.
             if !matches!(shared.borrow().session, Session::Lost(_)) {
                 return;
             }
@@ -211,7 +209,7 @@ fn reopen(shared: &Shared, if_nobody_answers: IfNobodyAnswers) {
                 .collect();
             if !candidates.is_empty() {
                 let wanted = shared.borrow().selected;
-                match open_any(&shared, candidates, wanted, Some(lost), if_nobody_answers).await {
+                match open_any(&shared, candidates, wanted, Some(lost), if_no_reply).await {
                     Ok(Some(_)) => _ = begin(&shared, Session::Lost(lost)),
                     Ok(None) | Err(Superseded) => return,
                 }
@@ -221,7 +219,7 @@ fn reopen(shared: &Shared, if_nobody_answers: IfNobodyAnswers) {
     });
 }
 
-/// Another session has begun meanwhile: this task is not wanted any more.
+/// Another session has begun meanwhile, so this task ends.
 struct Superseded;
 
 fn begin(shared: &Shared, session: Session) -> u32 {
@@ -230,7 +228,7 @@ fn begin(shared: &Shared, session: Session) -> u32 {
     generation
 }
 
-/// Opens one port and starts reading it. Gives the number of its session.
+/// Opens one port and starts reading it. Returns the number of its session.
 async fn open_one(
     shared: &Shared,
     generation: u32,
@@ -265,58 +263,58 @@ async fn open_one(
     Ok(Ok(generation))
 }
 
-/// Reads a port for as long as its session lasts.
+/// Reads a port until its session ends.
 async fn read(
     shared: Shared,
     generation: u32,
     port: web_sys::SerialPort,
     in_flight: SharedInFlight,
 ) {
-    let keep = Rc::clone(&shared);
-    let tell = Rc::clone(&shared);
+    let shared_by_reader = Rc::clone(&shared);
+    let shared_by_events = Rc::clone(&shared);
     let ended = serial::read(
         port,
         in_flight,
         move |reader| {
-            let mut station = keep.borrow_mut();
-            if station.generation != generation {
+            let mut owner = shared_by_reader.borrow_mut();
+            if owner.generation != generation {
                 return false;
             }
-            if let Session::Open(open) = &mut station.session {
+            if let Session::Open(open) = &mut owner.session {
                 open.reader = reader;
             }
             true
         },
-        move |event| receive(&tell, generation, event),
+        move |event| receive(&shared_by_events, generation, event),
     )
     .await;
     if ended == ReadEnd::Lost && shared.borrow().generation == generation {
         let leaving = shared.borrow_mut().adapter_lost();
         match leaving {
-            Some(then) => leave(&shared, then),
-            // It may be back already: a motor's noise can make USB lose and find it at once.
-            None => reopen(&shared, IfNobodyAnswers::KeepWaiting),
+            Some(then) => stop_and_close(&shared, then),
+            // It may be back already: noise from a motor can make USB drop it and find it again at once.
+            None => reopen(&shared, IfNoReply::KeepWaiting),
         }
         pump(&shared);
     }
 }
 
-/// Whether the wanted motor answers on the port that is on trial.
+/// Whether the wanted motor replies on the port that is on trial.
 async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Superseded> {
     let mut left = TRIAL.as_millis() / TRIAL_STEP.as_millis();
     loop {
         sleep(TRIAL_STEP).await;
-        let station = shared.borrow();
-        let open = match &station.session {
-            Session::Open(open) if station.generation == generation => open,
+        let owner = shared.borrow();
+        let open = match &owner.session {
+            Session::Open(open) if owner.generation == generation => open,
             _ => return Err(Superseded),
         };
-        if open.heard(station.now(), wanted) {
+        if open.has_replied(owner.now(), wanted) {
             return Ok(true);
         }
         left = left.saturating_sub(1);
-        // A stop that was asked for meanwhile is not cut off; it ends by itself.
-        if left == 0 && !open.bus.is_active(station.now()) {
+        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
+        if left == 0 && !open.bus.is_active(owner.now()) {
             return Ok(false);
         }
     }
@@ -330,19 +328,19 @@ async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
     generation
 }
 
-/// The page may drive from now on, if the port is still open.
+/// Ends the trial: the page may drive from now on, if the port is still open.
 fn settle(shared: &Shared, lost: Option<Adapter>) {
     {
-        let mut station = shared.borrow_mut();
-        if let Session::Open(open) = &mut station.session
+        let mut owner = shared.borrow_mut();
+        if let Session::Open(open) = &mut owner.session
             && let Stage::OnTrial { .. } = open.stage
         {
             open.stage = Stage::Settled;
         }
         if lost.is_some() {
-            station.outbox.notice(Notice::AdapterBack);
+            owner.outbox.notice(Notice::AdapterBack);
         }
-        station.outbox.touch();
+        owner.outbox.touch();
     }
     pump(shared);
 }

@@ -1,4 +1,4 @@
-//! The near end of the line: a serial port or the virtual bus.
+//! The line: a serial port or the virtual bus.
 
 use motorlink_messages::{Adapter, VirtualWire};
 use motorlink_protocol::{Frame, Instant};
@@ -6,11 +6,11 @@ use motorlink_simulator::{LineCondition, World, WorldConfig};
 
 use crate::serial::SerialLine;
 
-/// What the bus speaks through.
+/// The line that the bus writes to and reads from.
 pub(crate) enum Line {
-    /// Bytes come by themselves: see [`crate::serial::read`].
+    /// Bytes are delivered by [`crate::serial::read`].
     Serial(SerialLine),
-    /// Bytes come when they are asked for, at the moments that the world names.
+    /// Bytes are fetched at the times that the world gives.
     Virtual(Box<World>),
 }
 
@@ -27,7 +27,7 @@ impl Line {
         }
     }
 
-    /// Gives back whether the line has taken the frame.
+    /// Returns whether the line accepted the frame.
     #[must_use]
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
         match self {
@@ -39,14 +39,14 @@ impl Line {
         }
     }
 
-    /// Makes the virtual line ill in one way, or well; a real one is as it is.
+    /// Injects a fault into the virtual line, or removes it. Does nothing to a real one.
     pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
         if let Self::Virtual(world) = self {
-            world.set_line_condition(now, case_of(wire));
+            world.set_line_condition(now, line_condition(wire));
         }
     }
 
-    /// Bytes that have come and were not pushed.
+    /// The next received bytes of the virtual line.
     pub(crate) fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
         match self {
             Self::Serial(_) => None,
@@ -54,7 +54,7 @@ impl Line {
         }
     }
 
-    /// When [`Self::take_received`] may have something.
+    /// When [`Self::take_received`] may have bytes next.
     pub(crate) fn next_event(&self) -> Option<Instant> {
         match self {
             Self::Serial(_) => None,
@@ -63,7 +63,7 @@ impl Line {
     }
 }
 
-const fn case_of(wire: VirtualWire) -> LineCondition {
+const fn line_condition(wire: VirtualWire) -> LineCondition {
     match wire {
         VirtualWire::Good => LineCondition::Good,
         VirtualWire::Dead => LineCondition::Dead,

@@ -1,4 +1,4 @@
-//! What goes to the page: at most once a frame, samples alone 20 times a second, and nothing into a page that
+//! Updates to the page: at most one per frame of the screen, 20 a second for samples alone, and none while the page
 //! hangs.
 
 use std::time::Duration;
@@ -9,17 +9,18 @@ use motorlink_protocol::Instant;
 
 use crate::scope::post;
 
-/// A screen of 60 Hz shows no more.
+/// The period of a 60 Hz screen.
 const FRAME: Duration = Duration::from_micros(16_600);
 /// The page draws readings 20 times a second. Each message costs time on both threads, and the frames of the bus
 /// come from this one.
 const SAMPLES_EVERY: Duration = Duration::from_millis(50);
 
-/// Samples that wait for a page that does not answer: 8 s at 500 Hz. The oldest give way.
+/// Samples that wait while the page does not answer: 8 s at 500 Hz. Beyond that the oldest are dropped.
 const SAMPLES_MAX: usize = 4096;
-/// Notices that wait. Each is an event a person could cause or notice, so this is never reached.
+/// Notices that wait. They come at the pace of a person, so this is never reached.
 const NOTICES_MAX: usize = 256;
 
+/// What the next update contains besides the current state.
 #[derive(Debug, Default)]
 pub(crate) struct Outbox {
     samples: Vec<Sample>,
@@ -27,12 +28,12 @@ pub(crate) struct Outbox {
     /// Whether something other than samples has changed.
     changed: bool,
     last_sent: Instant,
-    /// When the page was first pinged without an answer since.
+    /// When the first ping was sent that has no answer yet.
     unanswered_since: Option<Instant>,
 }
 
-/// The present state, of which the page always gets all.
-pub(crate) struct Present {
+/// The current state. Every update contains all of it.
+pub(crate) struct CurrentState {
     pub(crate) connection: Connection,
     pub(crate) halted: bool,
     pub(crate) motors: Vec<MotorStatus>,
@@ -58,7 +59,7 @@ impl Outbox {
     pub(crate) fn ping(&mut self, now: Instant) {
         self.unanswered_since.get_or_insert(now);
         post(&ToPage::Ping);
-        // On a dead line nothing is heard, but what is counted changes.
+        // On a dead line no reply changes anything, but the counters change.
         self.changed = true;
     }
 
@@ -66,7 +67,7 @@ impl Outbox {
         self.unanswered_since = None;
     }
 
-    /// When there is something to send next; `None` while nothing has changed or the page hangs.
+    /// When the next update is due; `None` while nothing has changed or the page hangs.
     pub(crate) fn due(&self, now: Instant) -> Option<Instant> {
         let hangs = self
             .unanswered_since
@@ -81,15 +82,15 @@ impl Outbox {
         }
     }
 
-    pub(crate) fn send(&mut self, now: Instant, present: Present) {
-        let Present {
+    pub(crate) fn send(&mut self, now: Instant, current: CurrentState) {
+        let CurrentState {
             connection,
             halted,
             motors,
             job,
             raw,
             line,
-        } = present;
+        } = current;
         post(&ToPage::Update(Update {
             now,
             connection,

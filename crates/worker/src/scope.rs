@@ -18,7 +18,7 @@ pub(crate) fn global() -> DedicatedWorkerGlobalScope {
 #[derive(Clone, Debug)]
 pub(crate) struct Clock {
     performance: Option<Performance>,
-    /// One for all copies: who sees a sleep first sees it for all.
+    /// Shared by all copies, so that a sleep is counted once.
     awake: Rc<Cell<AwakeClock>>,
 }
 
@@ -32,7 +32,7 @@ impl Clock {
         clock
     }
 
-    /// Now, in microseconds since the worker's time origin. Steps of 0.1 ms, as browsers have it.
+    /// Now, in microseconds since the worker's time origin. Browsers round to 0.1 ms.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -46,7 +46,7 @@ impl Clock {
         Instant::from_micros((millis * 1000.0) as u64)
     }
 
-    /// When the clock was zero, in milliseconds of the time that page and worker share.
+    /// The zero of the clock, in milliseconds since 1970.
     pub(crate) fn origin_ms(&self) -> f64 {
         self.performance
             .as_ref()
@@ -62,7 +62,7 @@ pub(crate) fn post(message: &ToPage) {
     }
 }
 
-/// Posts bytes to the page as one buffer that changes hands.
+/// Posts bytes to the page as one transferred buffer.
 pub(crate) fn post_bytes(bytes: &[u8]) {
     let array = Uint8Array::from(bytes);
     let transfer = Array::of1(&array.buffer());
@@ -71,31 +71,31 @@ pub(crate) fn post_bytes(bytes: &[u8]) {
     }
 }
 
-/// What the page sends.
-pub(crate) enum Arrived {
-    /// A message of ours.
+/// A message from the page.
+pub(crate) enum Incoming {
+    /// An encoded message.
     Message(Vec<u8>),
-    /// An end of the line between the two workers, on which the traffic goes to the recorder.
-    Line(MessagePort),
+    /// One end of the channel on which the port worker posts line events to the recorder.
+    TrafficPort(MessagePort),
 }
 
-/// Hands everything that the page sends to `handle`, for as long as the worker lives.
-pub(crate) fn on_message(mut handle: impl FnMut(Arrived) + 'static) {
+/// Calls `handle` with every message from the page, until the worker ends.
+pub(crate) fn on_message(mut handle: impl FnMut(Incoming) + 'static) {
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let other = match event.data().dyn_into::<Uint8Array>() {
-            Ok(bytes) => return handle(Arrived::Message(bytes.to_vec())),
+            Ok(bytes) => return handle(Incoming::Message(bytes.to_vec())),
             Err(other) => other,
         };
         match other.dyn_into::<MessagePort>() {
-            Ok(port) => handle(Arrived::Line(port)),
-            Err(other) => report("the page sent what is neither bytes nor a port", &other),
+            Ok(port) => handle(Incoming::TrafficPort(port)),
+            Err(other) => report("the page sent neither bytes nor a port", &other),
         }
     });
     global().set_onmessage(Some(handler.as_ref().unchecked_ref()));
     handler.forget();
 }
 
-/// Tells the console of something that is our own fault. What a user can act on goes to the page.
+/// Writes an internal error to the console. Errors that a user can act on go to the page.
 pub(crate) fn report(what: &str, error: &JsValue) {
     web_sys::console::error_2(&format!("MotorLink worker: {what}").into(), error);
 }

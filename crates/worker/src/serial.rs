@@ -20,12 +20,12 @@ use web_sys::{
 
 use crate::scope::{global, report};
 
-/// The only rate that the motors speak.
+/// The only baud rate of the motors.
 const BAUD: u32 = 115_200;
-/// Bytes that the browser may hold for us; its default of 255 is three chunks of a busy adapter.
+/// The browser's receive buffer; its default of 255 bytes holds three chunks of a busy adapter.
 const BUFFER_BYTES: u32 = 16_384;
 
-/// A port that is being closed is tried again: this often, this far apart. Closing takes 4 ms.
+/// Tries to open a port that is still being closed. Closing takes 4 ms.
 const REOPEN_TRIES: u32 = 20;
 const REOPEN_PAUSE: Duration = Duration::from_millis(20);
 
@@ -37,20 +37,20 @@ pub(crate) struct SerialLine {
     usb: Option<UsbId>,
 }
 
-/// What the line may not have carried yet: the writing side adds to it, the reading side proves it.
+/// Frames that may not have been sent yet: the writing side adds them, the reading side confirms them.
 pub(crate) type SharedInFlight = Rc<Cell<InFlight>>;
 
-/// The writing end of a port, until an error of the line ends its stream.
+/// The writer of a port. A line error ends its stream.
 struct Writer {
     stream: WritableStream,
     end: WritableStreamDefaultWriter,
-    /// The room in a stream in which nothing waits: one chunk in Chromium 156, and by the specification
-    /// as many bytes as the port was opened with.
+    /// The desired size of an empty stream: one chunk in Chromium 156; the buffer size of the port
+    /// by the specification.
     room_when_empty: f64,
 }
 
 impl Writer {
-    fn of(stream: WritableStream) -> Option<Self> {
+    fn new(stream: WritableStream) -> Option<Self> {
         let end = WritableStreamDefaultWriter::new(&stream).ok()?;
         let room_when_empty = end.desired_size().ok().flatten()?;
         Some(Self {
@@ -60,7 +60,7 @@ impl Writer {
         })
     }
 
-    /// Whether no earlier frame waits in the stream. One that has failed has no room at all.
+    /// Whether no earlier frame waits in the stream. A failed stream has no room.
     fn is_empty(&self) -> bool {
         let room = self.end.desired_size().ok().flatten();
         room.is_some_and(|room| room >= self.room_when_empty)
@@ -68,26 +68,26 @@ impl Writer {
 }
 
 thread_local! {
-    /// Takes the rejection of a write, which the reading side reports as well. It outlives every
-    /// port, since a write may fail after its port was given up.
+    /// Ignores the rejection of a write, because the reading side reports it too. It outlives every
+    /// port, because a write may fail after its port was dropped.
     static IGNORE: Closure<dyn FnMut(JsValue)> = Closure::new(|_| {});
 }
 
-/// What ended a [`read`].
+/// Why [`read`] ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ReadEnd {
-    /// The port was closed by us.
+    /// The worker closed the port.
     Closed,
     /// The adapter is gone.
     Lost,
 }
 
-/// What [`read`] tells.
+/// An event of [`read`].
 #[derive(Debug)]
 pub(crate) enum ReadEvent<'a> {
     /// Bytes came.
     Bytes(&'a [u8]),
-    /// A break, framing, parity or overrun error. The port lives on.
+    /// A break, framing, parity or overrun error. The port stays open.
     LineError,
 }
 
@@ -98,7 +98,7 @@ pub(crate) fn serial() -> Option<Serial> {
     there.then(|| navigator.serial())
 }
 
-/// Calls `plugged` whenever an adapter that may be used is plugged in.
+/// Calls `plugged` whenever an adapter is plugged in for which the user has given permission.
 pub(crate) fn on_plugged(mut plugged: impl FnMut() + 'static) {
     let Some(serial) = serial() else { return };
     let handler = Closure::<dyn FnMut(Event)>::new(move |_| plugged());
@@ -106,7 +106,7 @@ pub(crate) fn on_plugged(mut plugged: impl FnMut() + 'static) {
     handler.forget();
 }
 
-/// The ports that may be used, in the order in which the page sees them too.
+/// The ports for which the user has given permission, in the same order as in the page.
 pub(crate) async fn ports() -> Result<Vec<SerialPort>, ConnectError> {
     let serial = serial().ok_or(ConnectError::NoWebSerial)?;
     let ports = JsFuture::from(serial.get_ports())
@@ -116,7 +116,7 @@ pub(crate) async fn ports() -> Result<Vec<SerialPort>, ConnectError> {
     Ok(ports.iter().map(JsCast::unchecked_into).collect())
 }
 
-/// What a port is, as far as the browser says.
+/// The USB IDs of a port, if it has any.
 pub(crate) fn usb_of(port: &SerialPort) -> Option<UsbId> {
     let info = port.get_info();
     Some(UsbId {
@@ -125,7 +125,7 @@ pub(crate) fn usb_of(port: &SerialPort) -> Option<UsbId> {
     })
 }
 
-/// Opens the port that the page means.
+/// Opens the port that the page has chosen.
 pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
     let ports = ports().await?;
     let port = ports
@@ -139,7 +139,7 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
     loop {
         match JsFuture::from(port.open(&options)).await {
             Ok(_) => break,
-            // We are still closing it, after an earlier session.
+            // It is still being closed after an earlier session.
             Err(error) if is_open_already(&error) && tries < REOPEN_TRIES => {
                 tries += 1;
                 sleep(REOPEN_PAUSE).await;
@@ -147,7 +147,7 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
             Err(error) => return Err(open_error(&error)),
         }
     }
-    Ok(SerialLine::over(port))
+    Ok(SerialLine::new(port))
 }
 
 impl SerialLine {
@@ -155,7 +155,7 @@ impl SerialLine {
         self.usb
     }
 
-    fn over(port: SerialPort) -> Self {
+    fn new(port: SerialPort) -> Self {
         Self {
             usb: usb_of(&port),
             writer: None,
@@ -164,36 +164,36 @@ impl SerialLine {
         }
     }
 
-    /// Hands a frame to the port, unless it would wait behind others: it is late already then, and
-    /// would be sent to a motor that may have stopped meanwhile. Gives back whether it was handed over.
+    /// Writes a frame to the port, unless it would have to wait behind others: then it is already late,
+    /// and the motor may have stopped meanwhile. Returns whether the frame was written.
     ///
-    /// That it was proves nothing: the first write after an unplug succeeds too. What failed shows on
-    /// the reading side.
+    /// A successful write proves nothing: the first write after an unplug succeeds too. Failures show
+    /// on the reading side.
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
         let mut in_flight = self.in_flight.get();
         let Some(writer) = self.writer() else {
             return false;
         };
-        let takes = writer.is_empty() && in_flight.admits(now, &frame);
-        if takes {
-            // An array of its own: the browser may read it after this returns.
+        let accepts = writer.is_empty() && in_flight.admits(now, &frame);
+        if accepts {
+            // A new array, because the browser may read it after this returns.
             let bytes = Uint8Array::from(frame.bytes().as_slice());
             let written = writer.end.write_with_chunk(&bytes);
             let _ = IGNORE.with(|ignore| written.catch(ignore));
             in_flight.handed_over(now, &frame);
             self.in_flight.set(in_flight);
         }
-        takes
+        accepts
     }
 
-    /// The writing end. An error of the line ends its stream and the port offers another; what was
-    /// written to the old one would reach nobody.
+    /// The writer. A line error ends its stream, and the port then has another stream; frames written to
+    /// the old one would be lost.
     fn writer(&mut self) -> Option<&Writer> {
         let stream = writable(&self.port);
         let kept = self.writer.as_ref().map(|writer| &writer.stream);
         if kept != stream.as_ref() {
             self.release();
-            self.writer = stream.and_then(Writer::of);
+            self.writer = stream.and_then(Writer::new);
         }
         self.writer.as_ref()
     }
@@ -204,7 +204,7 @@ impl SerialLine {
         }
     }
 
-    /// To be told of every byte that comes: see [`read`].
+    /// The frames in flight; [`read`] confirms them.
     pub(crate) fn in_flight(&self) -> SharedInFlight {
         Rc::clone(&self.in_flight)
     }
@@ -216,21 +216,21 @@ impl SerialLine {
 
 /// Reads a port until it is closed or lost.
 ///
-/// `wanted` is told of every reader before it is used, so that it can be cancelled, and says whether
-/// the port is still to be read. What comes proves what is `in_flight`.
+/// Every new reader is passed to `wanted`, so that it can be cancelled; `wanted` returns whether to
+/// read on. Received bytes confirm the frames `in_flight`.
 pub(crate) async fn read(
     port: SerialPort,
     in_flight: SharedInFlight,
     mut wanted: impl FnMut(Option<ReadableStreamDefaultReader>) -> bool,
-    tell: impl Fn(ReadEvent) + 'static,
+    on_event: impl Fn(ReadEvent) + 'static,
 ) -> ReadEnd {
-    let tell: Rc<dyn Fn(ReadEvent)> = Rc::new(move |event: ReadEvent| {
+    let on_event: Rc<dyn Fn(ReadEvent)> = Rc::new(move |event: ReadEvent| {
         if let ReadEvent::Bytes(_) = event {
             let mut proved = in_flight.get();
             proved.received();
             in_flight.set(proved);
         }
-        tell(event);
+        on_event(event);
     });
     while let Some(stream) = readable(&port) {
         let Ok(reader) = ReadableStreamDefaultReader::new(&stream) else {
@@ -240,15 +240,15 @@ pub(crate) async fn read(
             reader.release_lock();
             return ReadEnd::Closed;
         }
-        let ended = read_stream(&reader, &tell).await;
+        let ended = read_stream(&reader, &on_event).await;
         reader.release_lock();
         match ended {
             Ok(()) => {
                 wanted(None);
                 return ReadEnd::Closed;
             }
-            // After an error of the line there is a new stream; after a loss there is none.
-            Err(_) if readable(&port).is_some() => tell(ReadEvent::LineError),
+            // After a line error there is a new stream; after an unplug there is none.
+            Err(_) if readable(&port).is_some() => on_event(ReadEvent::LineError),
             Err(_) => {}
         }
     }
@@ -256,16 +256,16 @@ pub(crate) async fn read(
     ReadEnd::Lost
 }
 
-/// Bytes that are copied out of the browser at a time: three frames with their echoes.
+/// Bytes copied out of the browser at a time: three frames with their echoes.
 const CHUNK: u32 = 64;
 
 /// Reads one stream to its end (`Ok`) or its error.
 ///
-/// One closure hears every chunk, for as long as the stream lasts: a future for each would allocate
-/// four times and come a turn of the event loop later, between a reply and the next request.
+/// One closure handles all chunks of the stream. A future for each chunk would allocate four times and
+/// run one turn of the event loop later, which would delay the request after a reply.
 async fn read_stream(
     reader: &ReadableStreamDefaultReader,
-    tell: &Rc<dyn Fn(ReadEvent)>,
+    on_event: &Rc<dyn Fn(ReadEvent)>,
 ) -> Result<(), JsValue> {
     let on_chunk: Rc<RefCell<Option<OnSettled>>> = Rc::default();
     let mut on_error: Option<Rc<OnSettled>> = None;
@@ -274,7 +274,11 @@ async fn read_stream(
             let _ = reject.call1(&JsValue::UNDEFINED, &error);
         }));
         on_error = Some(Rc::clone(&failed));
-        let (reader, tell, again) = (reader.clone(), Rc::clone(tell), Rc::downgrade(&on_chunk));
+        let (reader, on_event, again) = (
+            reader.clone(),
+            Rc::clone(on_event),
+            Rc::downgrade(&on_chunk),
+        );
         *on_chunk.borrow_mut() = Some(OnSettled::new(move |result: JsValue| {
             let result: ReadableStreamReadResult = result.unchecked_into();
             if result.get_done().unwrap_or(true) {
@@ -282,7 +286,7 @@ async fn read_stream(
                 return;
             }
             if let Ok(bytes) = result.get_value().dyn_into::<Uint8Array>() {
-                tell_bytes(&bytes, &*tell);
+                deliver_bytes(&bytes, &*on_event);
             }
             if let Some(again) = again.upgrade()
                 && let Some(on_chunk) = &*again.borrow()
@@ -297,10 +301,10 @@ async fn read_stream(
     JsFuture::from(ended).await.map(drop)
 }
 
-/// Called with what a promise has come to.
+/// Called with the result or the error of a promise.
 type OnSettled = Closure<dyn FnMut(JsValue)>;
 
-fn tell_bytes(bytes: &Uint8Array, tell: &dyn Fn(ReadEvent)) {
+fn deliver_bytes(bytes: &Uint8Array, on_event: &dyn Fn(ReadEvent)) {
     let mut chunk = [0; CHUNK as usize];
     let mut from = 0;
     while from < bytes.length() {
@@ -308,7 +312,7 @@ fn tell_bytes(bytes: &Uint8Array, tell: &dyn Fn(ReadEvent)) {
         let part = bytes.subarray(from, until);
         if let Some(chunk) = chunk.get_mut(..(until - from) as usize) {
             part.copy_to(chunk);
-            tell(ReadEvent::Bytes(chunk));
+            on_event(ReadEvent::Bytes(chunk));
         }
         from = until;
     }
@@ -320,7 +324,7 @@ pub(crate) async fn close(mut line: SerialLine, reader: Option<ReadableStreamDef
         let _ = JsFuture::from(reader.cancel()).await;
     }
     line.release();
-    // It fails where the adapter is gone, and then there is nothing to close.
+    // It fails if the adapter is gone; then there is nothing to close.
     let _ = JsFuture::from(line.port.close()).await;
 }
 
@@ -363,8 +367,8 @@ mod tests {
 
     use super::*;
 
-    /// A port whose stream passes all chunks on as they are, into `got`. `fails` makes the next write
-    /// fail as after a line error that the port survives; `holds` keeps it from coming to an end.
+    /// A port whose stream collects all chunks in `got`. `fails` makes the next write fail as after a line
+    /// error; `holds` makes writes never complete.
     const PORT: &str = "(() => {
         const port = { got: [], fails: false, holds: false, getInfo: () => ({}) };
         const renew = () => { port.writable = new WritableStream({ write(chunk) {
@@ -388,7 +392,7 @@ mod tests {
         Reflect::set(port, &property.into(), &value.into()).unwrap();
     }
 
-    /// What has come out of the port, one frame a row.
+    /// The frames that were written to the port.
     fn got(port: &SerialPort) -> Vec<Vec<u8>> {
         let got: Array = Reflect::get(port, &"got".into()).unwrap().unchecked_into();
         got.iter()
@@ -396,7 +400,7 @@ mod tests {
             .collect()
     }
 
-    /// Lets streams do what is due.
+    /// Lets the streams make progress.
     async fn turn() {
         sleep(Duration::from_millis(1)).await;
     }
@@ -420,7 +424,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_that_was_written_is_not_overwritten_by_the_next() {
         let port = port();
-        let mut line = SerialLine::over(port.clone());
+        let mut line = SerialLine::new(port.clone());
         for place in 1..=3 {
             turn().await;
             assert!(write(&mut line, query(place)));
@@ -433,7 +437,7 @@ mod tests {
     async fn behind_a_frame_that_waits_in_the_stream_none_is_taken() {
         let port = port();
         set(&port, "holds", true);
-        let mut line = SerialLine::over(port.clone());
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         assert!(write(&mut line, query(1)));
         turn().await;
@@ -444,7 +448,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn behind_a_write_that_failed_frames_go_to_the_new_stream() {
         let port = port();
-        let mut line = SerialLine::over(port.clone());
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         set(&port, "fails", true);
         write(&mut line, query(1));
@@ -459,7 +463,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_is_not_taken_where_the_port_has_no_stream_any_more() {
         let port = port();
-        let mut line = SerialLine::over(port.clone());
+        let mut line = SerialLine::new(port.clone());
         turn().await;
         assert!(write(&mut line, query(1)));
         set(&port, "writable", JsValue::NULL);
@@ -471,7 +475,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_drive_frame_is_not_taken_behind_another_before_a_byte_has_come() {
         let port = port();
-        let mut line = SerialLine::over(port);
+        let mut line = SerialLine::new(port);
         let rpm = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
         let drive = Request::drive(MotorId::FIRST, rpm(100)).frame();
         let brake = Request::drive(MotorId::FIRST, Setpoint::Brake).frame();

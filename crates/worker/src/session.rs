@@ -7,7 +7,7 @@ use web_sys::ReadableStreamDefaultReader;
 
 use crate::{line::Line, serial};
 
-/// What the worker does with a port.
+/// The state of the port.
 pub(crate) enum Session {
     /// No port is open and none is wanted.
     Closed,
@@ -15,12 +15,12 @@ pub(crate) enum Session {
     Failed(ConnectError),
     /// A port is being opened.
     Opening {
-        /// The adapter that was pulled out, where it is opened again by itself.
+        /// The adapter that was unplugged, if this is a reconnect.
         lost: Option<Adapter>,
     },
     /// A port is open.
     Open(Box<OpenSession>),
-    /// The adapter was pulled out and is waited for.
+    /// The adapter was unplugged; the worker waits for it.
     Lost(Adapter),
 }
 
@@ -49,20 +49,20 @@ pub(crate) struct OpenSession {
     pub(crate) line: Line,
     pub(crate) bus: Bus,
     pub(crate) stage: Stage,
-    /// What reads the port now, to be cancelled when it is closed.
+    /// The reader of the port; closing the port cancels it.
     pub(crate) reader: Option<ReadableStreamDefaultReader>,
 }
 
-/// What to do when a port is closed: open another, or nothing.
+/// What to do after a port is closed: open another one, or nothing.
 #[derive(Debug, Default)]
 pub(crate) struct AfterClosing(pub(crate) Option<ToWorker>);
 
-/// How settled an open port is.
+/// What an open port is used for.
 pub(crate) enum Stage {
-    /// The wanted motor may be on another adapter of the same make: nothing drives, and the page
-    /// hears nothing yet.
+    /// The wanted motor may be on another adapter of the same model: nothing drives, and the page
+    /// gets no events yet.
     OnTrial {
-        /// The adapter that was pulled out, where it is opened again by itself.
+        /// The adapter that was unplugged, if this is a reconnect.
         lost: Option<Adapter>,
     },
     /// The page may drive.
@@ -72,8 +72,8 @@ pub(crate) enum Stage {
 }
 
 impl OpenSession {
-    /// Whether this motor has answered here.
-    pub(crate) fn heard(&self, now: Instant, wanted: MotorId) -> bool {
+    /// Whether this motor has replied on this port.
+    pub(crate) fn has_replied(&self, now: Instant, wanted: MotorId) -> bool {
         self.bus
             .motors(now)
             .any(|motor| motor.id == wanted && motor.last.is_some())

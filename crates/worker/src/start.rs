@@ -6,11 +6,11 @@ use motorlink_messages::{ToPage, ToWorker, decode};
 
 use crate::{
     alarm::Alarm,
-    connecting::{adapter_plugged, leave, pump},
-    scope::{self, Arrived, Clock},
+    connecting::{adapter_plugged, pump, stop_and_close},
+    port_owner::{PortOwner, Shared},
+    scope::{self, Clock, Incoming},
     serial,
     session::AfterClosing,
-    station::{Shared, Station},
 };
 
 /// Starts the worker.
@@ -19,40 +19,40 @@ pub(crate) fn start() {
     scope::post(&ToPage::Hello {
         time_origin_ms: clock.origin_ms(),
     });
-    let shared: Shared = Rc::new_cyclic(|station| {
-        let station = station.clone();
+    let shared: Shared = Rc::new_cyclic(|owner| {
+        let owner = owner.clone();
         let ring = move || {
-            if let Some(shared) = station.upgrade() {
+            if let Some(shared) = owner.upgrade() {
                 pump(&shared);
             }
         };
         let alarm = Alarm::new(clock.clone(), ring);
-        RefCell::new(Station::new(clock.clone(), alarm))
+        RefCell::new(PortOwner::new(clock.clone(), alarm))
     });
-    let station = Rc::clone(&shared);
-    scope::on_message(move |arrived| match arrived {
-        Arrived::Message(bytes) => match decode(&bytes) {
-            Ok(message) => handle(&station, message),
+    let owner = Rc::clone(&shared);
+    scope::on_message(move |incoming| match incoming {
+        Incoming::Message(bytes) => match decode(&bytes) {
+            Ok(message) => handle(&owner, message),
             Err(error) => {
                 let error = error.to_string().into();
                 scope::report("the page sent a message of another build", &error);
             }
         },
-        Arrived::Line(port) => {
-            station.borrow_mut().connect_recorder(port);
-            pump(&station);
+        Incoming::TrafficPort(port) => {
+            owner.borrow_mut().connect_recorder(port);
+            pump(&owner);
         }
     });
     serial::on_plugged(move || adapter_plugged(&shared));
 }
 
-/// Carries out a message of the page. A stop is on the wire, or next on it, when this returns.
+/// Handles a message of the page. A stop is on the wire, or next, when this returns.
 fn handle(shared: &Shared, message: ToWorker) {
     match message {
         ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual => {
-            leave(shared, AfterClosing(Some(message)));
+            stop_and_close(shared, AfterClosing(Some(message)));
         }
-        ToWorker::Disconnect => leave(shared, AfterClosing(None)),
+        ToWorker::Disconnect => stop_and_close(shared, AfterClosing(None)),
         ToWorker::Select(id) => shared.borrow_mut().select(id),
         ToWorker::Command { command, given_ms } => {
             shared.borrow_mut().command(command, given_ms);

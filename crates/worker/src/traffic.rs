@@ -1,6 +1,6 @@
-//! What passed on the line, on its way to the recorder.
+//! Line events on their way to the recorder.
 //!
-//! It does not go through the page, which has enough to do: the two workers share a line.
+//! They do not pass through the page: a message channel connects the two workers.
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -15,22 +15,23 @@ use crate::scope::report;
 /// A log that is 50 ms old looks like one of now, and 20 messages a second cost nothing.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Entries that wait for a recorder that has not begun yet: 20 s of a full line, in half a megabyte. The
-/// oldest give way.
+/// Entries that wait until the recorder has started: 20 s of a busy line, in half a megabyte. Beyond
+/// that the oldest are dropped.
 const WAITING_MAX: usize = 20_000;
 
+/// Line events that have not been posted to the recorder yet.
 #[derive(Debug, Default)]
-pub(crate) struct TrafficTape {
+pub(crate) struct TrafficQueue {
     port: Option<MessagePort>,
     waiting: VecDeque<LineEvent>,
     last_sent: Instant,
 }
 
-impl TrafficTape {
-    /// Takes the line to the recorder. What has waited goes at once.
+impl TrafficQueue {
+    /// Sets the port to the recorder. Waiting entries become due at once.
     pub(crate) fn connect(&mut self, port: MessagePort) {
         self.port = Some(port);
-        self.hurry();
+        self.send_soon();
     }
 
     pub(crate) fn push(&mut self, traffic: LineEvent) {
@@ -40,18 +41,18 @@ impl TrafficTape {
         self.waiting.push_back(traffic);
     }
 
-    /// When there is something to send next.
+    /// When the waiting entries are due; `None` if there are none, or no recorder.
     pub(crate) fn due(&self) -> Option<Instant> {
         let is_due = self.port.is_some() && !self.waiting.is_empty();
         is_due.then(|| self.last_sent + PERIOD)
     }
 
-    /// Makes what waits due at once.
-    pub(crate) const fn hurry(&mut self) {
+    /// Makes the waiting entries due at once.
+    pub(crate) const fn send_soon(&mut self) {
         self.last_sent = Instant::ZERO;
     }
 
-    /// Posts everything that waits as one buffer that changes hands.
+    /// Posts all waiting entries as one transferred buffer.
     pub(crate) fn send(&mut self, now: Instant) {
         let Some(port) = &self.port else { return };
         let mut buffer = Vec::new();
@@ -83,7 +84,7 @@ mod tests {
 
     fn traffic(n: u64) -> LineEvent {
         let id = MotorId::FIRST;
-        let passed = match n % 3 {
+        let kind = match n % 3 {
             0 => LineEventKind::Sent {
                 frame: Request::Query { id }.frame(),
                 mode: Some(Mode::Position),
@@ -96,41 +97,42 @@ mod tests {
         };
         LineEvent {
             at: Instant::from_micros(n * 1_234),
-            kind: passed,
+            kind,
         }
     }
 
     #[wasm_bindgen_test]
-    async fn what_was_pushed_arrives_in_order_and_what_was_too_much_is_the_oldest() {
-        let heard: Rc<RefCell<Vec<Vec<LineEvent>>>> = Rc::default();
+    async fn entries_arrive_in_order_and_a_full_queue_drops_the_oldest() {
+        let received: Rc<RefCell<Vec<Vec<LineEvent>>>> = Rc::default();
         let channel = MessageChannel::new().unwrap();
-        let hear = Rc::clone(&heard);
+        let on_batch = Rc::clone(&received);
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
             let bytes = event.data().unchecked_into::<Uint8Array>().to_vec();
-            hear.borrow_mut().push(recorder::traffic(&bytes).collect());
+            let batch = recorder::traffic(&bytes).collect();
+            on_batch.borrow_mut().push(batch);
         });
         channel
             .port2()
             .set_onmessage(Some(on_message.as_ref().unchecked_ref()));
 
-        let mut tape = TrafficTape::default();
+        let mut queue = TrafficQueue::default();
         for n in 0..20_010 {
-            tape.push(traffic(n));
+            queue.push(traffic(n));
         }
-        assert_eq!(tape.due(), None, "nobody is there");
-        tape.connect(channel.port1());
+        assert_eq!(queue.due(), None, "no recorder");
+        queue.connect(channel.port1());
         let now = Instant::from_millis(1_000);
-        assert!(tape.due().is_some_and(|due| due <= now));
-        tape.send(now);
-        assert_eq!(tape.due(), None, "nothing waits");
-        tape.push(traffic(7));
-        assert_eq!(tape.due(), Some(now + PERIOD));
-        tape.hurry();
-        assert!(tape.due().is_some_and(|due| due <= now));
-        tape.send(now);
+        assert!(queue.due().is_some_and(|due| due <= now));
+        queue.send(now);
+        assert_eq!(queue.due(), None, "nothing waits");
+        queue.push(traffic(7));
+        assert_eq!(queue.due(), Some(now + PERIOD));
+        queue.send_soon();
+        assert!(queue.due().is_some_and(|due| due <= now));
+        queue.send(now);
 
         sleep(Duration::from_millis(200)).await;
         let expected: Vec<_> = (10..20_010).map(traffic).collect();
-        assert_eq!(*heard.borrow(), [expected, vec![traffic(7)]]);
+        assert_eq!(*received.borrow(), [expected, vec![traffic(7)]]);
     }
 }

@@ -1,4 +1,4 @@
-//! The browser's own file system (OPFS): directories, and files that one worker at a time has open.
+//! The browser's private file system (OPFS): directories, and files that one worker at a time can open.
 
 use js_sys::{AsyncIterator, Promise, Reflect, Uint8Array};
 use motorlink_messages::recorder::NotKept;
@@ -12,7 +12,7 @@ use web_sys::{
 
 use crate::scope::global;
 
-/// Of the sessions, in the file system of this page's origin.
+/// The directory of the sessions in the file system of this page's origin.
 const SESSIONS: &str = "motorlink-sessions";
 
 /// The browser's file system failed.
@@ -23,7 +23,7 @@ pub(super) type Result<T> = std::result::Result<T, JsValue>;
 pub(super) struct Dir(FileSystemDirectoryHandle);
 
 impl Dir {
-    /// The directory of all sessions; `None` in a browser that keeps no files.
+    /// The directory of all sessions; `None` in a browser without such a file system.
     pub(super) async fn of_sessions() -> Option<Self> {
         let there = |object: &JsValue, name: &str| Reflect::has(object, &name.into()).ok();
         let navigator = global().navigator();
@@ -39,7 +39,7 @@ impl Dir {
         root.dir(SESSIONS).await.ok()
     }
 
-    /// The directory of this name in it, made where there is none.
+    /// Opens the subdirectory of this name, and creates it if necessary.
     pub(super) async fn dir(&self, name: &str) -> Result<Self> {
         let options = FileSystemGetDirectoryOptions::new();
         options.set_create(true);
@@ -47,7 +47,7 @@ impl Dir {
         awaited(dir).await.map(Self)
     }
 
-    /// What is in it.
+    /// The names of its entries.
     pub(super) async fn names(&self) -> Result<Vec<String>> {
         let keys: AsyncIterator = self.0.keys();
         let mut names = Vec::new();
@@ -61,7 +61,7 @@ impl Dir {
         }
     }
 
-    /// Removes a file, or a directory with all that is in it. One that is not there is removed.
+    /// Removes a file, or a directory with its content. Succeeds if there is none.
     pub(super) async fn remove(&self, name: &str) -> Result<()> {
         let options = FileSystemRemoveOptions::new();
         options.set_recursive(true);
@@ -72,7 +72,7 @@ impl Dir {
         }
     }
 
-    /// Opens a file, made where there is none. Fails where it is open already, here or elsewhere.
+    /// Opens a file, and creates it if necessary. Fails if it is already open, here or in another tab.
     pub(super) async fn open(&self, name: &str) -> Result<OpenFile> {
         let options = FileSystemGetFileOptions::new();
         options.set_create(true);
@@ -83,7 +83,7 @@ impl Dir {
             .map(OpenFile)
     }
 
-    /// How large a file is, in bytes.
+    /// The size of a file in bytes.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -93,7 +93,7 @@ impl Dir {
         Ok(self.file(name).await?.size() as usize)
     }
 
-    /// What is in a file.
+    /// The content of a file.
     pub(super) async fn read(&self, name: &str) -> Result<Vec<u8>> {
         let bytes = JsFuture::from(self.file(name).await?.array_buffer()).await?;
         Ok(Uint8Array::new(&bytes).to_vec())
@@ -105,12 +105,12 @@ impl Dir {
     }
 }
 
-/// A file that nobody else can open until this is dropped, or its worker has ended, however that ends.
+/// An open file. No other tab or worker can open it until this is dropped or the worker ends.
 #[derive(Debug)]
 pub(super) struct OpenFile(FileSystemSyncAccessHandle);
 
 impl OpenFile {
-    /// Adds bytes at its end.
+    /// Appends bytes.
     #[allow(clippy::cast_precision_loss, reason = "a few megabytes")]
     pub(super) fn append(&self, bytes: &[u8]) -> Result<()> {
         let options = FileSystemReadWriteOptions::new();
@@ -119,13 +119,13 @@ impl OpenFile {
             .0
             .write_with_js_u8_array_and_options(&Uint8Array::from(bytes), &options)?;
         if written < bytes.len() as f64 {
-            // So browsers without exceptions for it tell that there is no room.
+            // Some browsers do not throw when the disk is full, but write less.
             return Err(DomException::new_with_message_and_name("", NO_ROOM)?.into());
         }
         Ok(())
     }
 
-    /// See to it that it outlives a power cut.
+    /// Flushes it, so that it survives a power cut.
     pub(super) fn flush(&self) -> Result<()> {
         self.0.flush()
     }
@@ -139,7 +139,7 @@ impl Drop for OpenFile {
 
 const NO_ROOM: &str = "QuotaExceededError";
 
-/// What the page is told of a failure.
+/// The reason of a failure, for the page.
 pub(super) fn why(error: &JsValue) -> NotKept {
     if name_of(error) == NO_ROOM {
         NotKept::NoRoom
@@ -153,7 +153,7 @@ fn name_of(error: &JsValue) -> String {
     error.map(DomException::name).unwrap_or_default()
 }
 
-/// The value of a promise of the browser's, which is of the type that its own documentation says.
+/// Awaits a promise. The caller chooses the type that the browser documents.
 async fn awaited<T: JsCast>(promise: Promise) -> Result<T> {
     Ok(JsFuture::from(promise).await?.unchecked_into())
 }

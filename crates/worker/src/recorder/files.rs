@@ -1,4 +1,4 @@
-//! Files, part by part, as the browser keeps them: not in our memory, and on disk where they are large.
+//! Exported files as blobs of the browser: outside of our memory, and on disk if they are large.
 
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::JsValue;
@@ -6,10 +6,10 @@ use web_sys::{Blob, BlobPropertyBag};
 
 use crate::scope::{global, report};
 
-/// Of a CSV file: RFC 7111.
-const TYPE: &str = "text/csv;charset=utf-8";
+/// The media type of CSV: RFC 7111.
+const MEDIA_TYPE: &str = "text/csv;charset=utf-8";
 
-/// The parts of the file that is being made, each a `Blob`.
+/// The parts of the file that is being written, each a `Blob`.
 #[derive(Debug, Default)]
 pub(super) struct Parts(Array);
 
@@ -18,7 +18,7 @@ impl Parts {
         let bytes = Array::of1(&Uint8Array::from(bytes));
         match Blob::new_with_u8_array_sequence(&bytes) {
             Ok(part) => _ = self.0.push(&part),
-            Err(error) => report("a part of a file could not be kept", &error),
+            Err(error) => report("a part of a file could not be stored", &error),
         }
     }
 
@@ -26,7 +26,7 @@ impl Parts {
         self.0 = Array::new();
     }
 
-    /// Gives the page the file and the message that names it.
+    /// Posts the file to the page, with the message that names it.
     pub(super) fn post_as_file(&mut self, message: &[u8]) -> Result<(), JsValue> {
         let file = self.take_file()?;
         global().post_message(&Array::of2(&Uint8Array::from(message), &file))
@@ -34,7 +34,7 @@ impl Parts {
 
     fn take_file(&mut self) -> Result<Blob, JsValue> {
         let options = BlobPropertyBag::new();
-        options.set_type(TYPE);
+        options.set_type(MEDIA_TYPE);
         let file = Blob::new_with_blob_sequence_and_options(&self.0, &options);
         self.clear();
         file
@@ -58,7 +58,7 @@ mod tests {
         let file = parts.take_file().unwrap();
         let text = JsFuture::from(file.text()).await.unwrap();
         assert_eq!(text.as_string().unwrap(), "time,id\r\n66.96°\r\n");
-        assert_eq!(file.type_(), TYPE);
+        assert_eq!(file.type_(), MEDIA_TYPE);
         assert!(parts.take_file().unwrap().size() < 1.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Sessions that ended, and whose files are still there.
+//! Finds sessions that have ended and whose files still exist.
 
 use std::time::Duration;
 
@@ -8,46 +8,46 @@ use motorlink_recorder::kept::{Segment, Summary};
 
 use super::disk::{Dir, OpenFile, Result};
 
-/// The file that a session has open for as long as it lives.
+/// The file that a session keeps open while its tab is open.
 pub(super) const ALIVE: &str = "alive";
 
-/// Bytes of all sessions that ended: with the living one, whose recording takes 80 MB and whose packets
-/// 22, a quarter of a gigabyte. The oldest go first.
+/// Bytes of all ended sessions. With the current one, whose recording takes 80 MB and whose packets take
+/// 22 MB, a quarter of a gigabyte. The oldest are removed first.
 const BYTES_MAX: usize = 150_000_000;
 
-/// So many of them, however small: each is opened when the page is loaded.
+/// Number of ended sessions, however small: each is opened when the page is loaded.
 const SESSIONS_MAX: usize = 20;
 
-/// A page that was loaded again may be up before its predecessor has let go of its files: after a reload
-/// by tenths of a second, after a crash on a machine that is held up by seconds. So it looks again.
-const LOOK_AGAIN_AFTER: Duration = Duration::from_secs(1);
+/// A reloaded page may start before the previous one has closed its files: tenths of a second after a
+/// reload, seconds after a crash on a slow machine. So the search is repeated.
+const SEARCH_PERIOD: Duration = Duration::from_secs(1);
 
-/// How often it looks before what is held must be another living tab's.
-const LOOKS: u32 = 6;
+/// Number of searches; a session that is open after the last one belongs to another tab.
+const SEARCHES: u32 = 6;
 
-/// A session without packets is removed when it is so old; before, it may just have been begun by another
+/// A session without packets is removed at this age; a younger one may just have been begun by another
 /// tab.
-const BEGUN_WITHIN_MS: u64 = 10_000;
+const EMPTY_AGE_MAX_MS: u64 = 10_000;
 
-/// A session that ended. While this is held, nobody else takes it.
+/// A session that has ended. Its open file keeps other tabs from using it.
 #[derive(Debug)]
 pub(super) struct Found {
     pub(super) name: String,
     pub(super) dir: Dir,
     pub(super) alive: OpenFile,
-    /// In the order in which they are to be read.
+    /// In the order in which to read them.
     pub(super) files: Vec<(Segment, usize)>,
     pub(super) summary: Summary,
     pub(super) session: KeptSession,
 }
 
-/// The name of a session that begins now: they sort by their age.
+/// The name of a session that begins now. Names sort by age.
 pub(super) fn new_name(unix_ms: f64) -> String {
     let random = whole(js_sys::Math::random() * 1e6);
     format!("{:015}-{random:06}", whole(unix_ms))
 }
 
-/// Formatting and reading fractions would weigh more than all of this.
+/// As an integer: code that formats fractions would be larger than this whole file.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -57,27 +57,27 @@ const fn whole(number: f64) -> u64 {
     number as u64
 }
 
-/// The newest session that ended, but for `own`. Removes what is too much.
+/// The newest ended session other than `own`. Removes the sessions beyond the limits.
 pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Option<Found>> {
     let mut newest = None;
-    for look in 1..=LOOKS {
-        let waits = look < LOOKS;
-        let mut is_held = false;
+    for search in 1..=SEARCHES {
+        let is_last = search == SEARCHES;
+        let mut is_open = false;
         let mut bytes = 0;
         for (place, name) in newest_first(sessions, own).await?.into_iter().enumerate() {
             let dir = sessions.dir(&name).await?;
             let Ok(alive) = dir.open(ALIVE).await else {
-                is_held = true;
+                is_open = true;
                 continue;
             };
             let files = files_of(&dir).await?;
             bytes += files.iter().map(|(_, size)| size).sum::<usize>();
-            // The newest is offered, however large.
-            let is_too_much = bytes > BYTES_MAX && newest.is_some();
-            if is_too_much || place >= SESSIONS_MAX {
+            // The newest one is offered whatever its size.
+            let exceeds_limit = bytes > BYTES_MAX && newest.is_some();
+            if exceeds_limit || place >= SESSIONS_MAX {
                 drop(alive);
                 sessions.remove(&name).await?;
-            } else if newest.is_none() && !(is_held && waits) {
+            } else if newest.is_none() && (is_last || !is_open) {
                 let summary = summary(&dir, &files).await;
                 if let Some(session) = summary.session() {
                     newest = Some(Found {
@@ -89,17 +89,17 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
                         session,
                     });
                 } else if begun_ms(&name)
-                    .is_none_or(|begun| whole(now_ms).saturating_sub(begun) > BEGUN_WITHIN_MS)
+                    .is_none_or(|begun| whole(now_ms).saturating_sub(begun) > EMPTY_AGE_MAX_MS)
                 {
                     drop(alive);
                     sessions.remove(&name).await?;
                 }
             }
         }
-        if newest.is_some() || !(is_held && waits) {
+        if newest.is_some() || (is_last || !is_open) {
             break;
         }
-        sleep(LOOK_AGAIN_AFTER).await;
+        sleep(SEARCH_PERIOD).await;
     }
     Ok(newest)
 }
@@ -118,7 +118,7 @@ fn begun_ms(name: &str) -> Option<u64> {
     name.split_once('-')?.0.parse().ok()
 }
 
-/// The files of a session, those of the packets first.
+/// The files of a session, the packets first.
 async fn files_of(dir: &Dir) -> Result<Vec<(Segment, usize)>> {
     let mut files = Vec::new();
     for name in dir.names().await? {
@@ -130,7 +130,7 @@ async fn files_of(dir: &Dir) -> Result<Vec<(Segment, usize)>> {
     Ok(files)
 }
 
-/// Puts something where it belongs: a few dozen, for which a sort of the library weighs too much.
+/// Inserts in order. The library's sort would add too much code for a few dozen items.
 fn insert<T>(sorted: &mut Vec<T>, one: T, is_before: fn(&T, &T) -> bool) {
     let place = sorted.iter().position(|other| is_before(&one, other));
     sorted.insert(place.unwrap_or(sorted.len()), one);
@@ -139,7 +139,7 @@ fn insert<T>(sorted: &mut Vec<T>, one: T, is_before: fn(&T, &T) -> bool) {
 async fn summary(dir: &Dir, files: &[(Segment, usize)]) -> Summary {
     let mut summary = Summary::default();
     for (segment, _) in files {
-        // A file that does not read costs only itself.
+        // An unreadable file is skipped.
         if let Ok(bytes) = dir.read(&segment.name()).await {
             summary.add(segment.stream, bytes);
         }

@@ -1,4 +1,4 @@
-//! The session kept in the browser: begun, found again, and what the page wants of it.
+//! The session in the browser's files: begins it, finds an earlier one, handles the page's requests.
 
 use std::rc::Rc;
 
@@ -9,26 +9,26 @@ use wasm_bindgen_futures::spawn_local;
 use super::{
     disk::{Dir, why},
     found,
-    state::{Keeping, RecorderWorker, Shared, local_time, tell},
+    state::{Keeping, RecorderWorker, Shared, local_time, post},
     store::{Done, Job, Jobs, Store},
 };
 
 impl Keeping {
-    /// Has this done behind all that is to be done.
+    /// Queues a job.
     pub(super) fn add(&mut self, shared: &Shared, job: Job) {
         self.jobs.push(job);
         let shared = Rc::clone(shared);
-        spawn_local(async move { work(&shared).await });
+        spawn_local(async move { run_jobs(&shared).await });
     }
 
-    /// Reads the next file of the session that is restored.
+    /// Reads the next file of the restored session.
     pub(super) fn read_next(&mut self, shared: &Shared) {
         let next = self.to_read.as_mut();
         let next = next.and_then(|(dir, files)| Some((dir.clone(), files.pop_front()?)));
         let shared = Rc::clone(shared);
         spawn_local(async move {
             let file = match next {
-                // One that does not read costs only itself.
+                // An unreadable file counts as empty.
                 Some((dir, segment)) => {
                     let bytes = dir.read(&segment.name()).await.unwrap_or_default();
                     Some((segment.stream, bytes))
@@ -42,12 +42,12 @@ impl Keeping {
     }
 }
 
-/// Opens the browser's files, and looks for a session that ended.
+/// Opens the browser's file system, and searches for a session that has ended.
 pub(super) fn begin(shared: &Shared) {
     let shared = Rc::clone(shared);
     spawn_local(async move {
         let Some(sessions) = Dir::of_sessions().await else {
-            // A browser that keeps no files: the recorder is in memory alone.
+            // No file system: the recorder works in memory only.
             let worker = &mut *shared.borrow_mut();
             worker.recorder.keep_no_more();
             worker.keeping.jobs = Jobs::default();
@@ -58,7 +58,7 @@ pub(super) fn begin(shared: &Shared) {
         let name = found::new_name(now_ms);
         let store = Store::new(sessions.clone(), name.clone());
         shared.borrow_mut().keeping.store = Some(store);
-        work(&shared).await;
+        run_jobs(&shared).await;
         let erased = shared.borrow().keeping.erased;
         if let Ok(Some(found)) = found::newest(&sessions, &name, now_ms).await {
             let keeping = &mut shared.borrow_mut().keeping;
@@ -66,13 +66,13 @@ pub(super) fn begin(shared: &Shared) {
                 keeping.add(&shared, Job::Forget(found));
                 return;
             }
-            tell(&FromRecorder::Kept(found.session));
+            post(&FromRecorder::Kept(found.session));
             keeping.found = Some(found);
         }
     });
 }
 
-/// What the page wants of the files; the recorder handles the rest.
+/// Handles a message of the page as far as it concerns files; the recorder handles the rest.
 pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
     let mut worker = shared.borrow_mut();
     let RecorderWorker {
@@ -83,7 +83,7 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
             if let Some(found) = keeping.found.take() {
                 let files = found.files.iter().map(|(segment, _)| *segment).collect();
                 keeping.to_read = Some((found.dir.clone(), files));
-                // Clocks may have been changed since.
+                // The offset to UTC may have changed since.
                 recorder.set_local_time(local_time(found.summary.first_epoch_us() / 1_000));
                 recorder.restore(&found.summary, &found.files);
                 keeping.add(shared, Job::Restore(found));
@@ -99,7 +99,7 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
             keeping.found = None;
             keeping.to_read = None;
             if keeping.is_in_memory_only {
-                tell(&FromRecorder::Erased { all: true });
+                post(&FromRecorder::Erased { all: true });
             } else if !recorder.is_keeping() {
                 keeping.add(shared, Job::Act(Act::Erase));
             }
@@ -108,8 +108,8 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
     }
 }
 
-/// Does what is to be done, until nothing is.
-async fn work(shared: &Shared) {
+/// Runs the queued jobs.
+async fn run_jobs(shared: &Shared) {
     loop {
         let (mut store, job) = {
             let keeping = &mut shared.borrow_mut().keeping;
@@ -117,7 +117,7 @@ async fn work(shared: &Shared) {
                 keeping.jobs = Jobs::default();
                 break;
             }
-            // Somebody else is at it, or nobody can be.
+            // Another task runs a job, or there is no store.
             let Some(store) = keeping.store.take() else {
                 return;
             };
@@ -128,32 +128,32 @@ async fn work(shared: &Shared) {
             (store, job)
         };
         let erases = matches!(job, Job::Act(Act::Erase));
-        // What is not removed or flushed is still there; what is not written is not kept.
+        // Only a failed write loses data: what was not removed or flushed is still there.
         let writes = matches!(job, Job::Act(Act::Append(..) | Act::Adopt { .. }));
-        let done = store.work(job).await;
+        let done = store.run(job).await;
         if erases {
             let all = matches!(done, Ok(Done::All));
-            tell(&FromRecorder::Erased { all });
+            post(&FromRecorder::Erased { all });
         }
         if let Err(error) = &done
             && writes
         {
-            store.let_go();
-            give_up(shared, why(error));
+            store.close_files();
+            stop_storing(shared, why(error));
         }
         shared.borrow_mut().keeping.store = Some(store);
     }
-    give_up(shared, NotKept::Failed);
+    stop_storing(shared, NotKept::Failed);
 }
 
-/// From now on the recorder is in memory alone. What was kept stays.
-fn give_up(shared: &Shared, why: NotKept) {
+/// From now on the recorder works in memory only. Existing files stay.
+fn stop_storing(shared: &Shared, why: NotKept) {
     let RecorderWorker {
         recorder, keeping, ..
     } = &mut *shared.borrow_mut();
     keeping.jobs = Jobs::default();
     if recorder.is_keeping() {
         recorder.keep_no_more();
-        tell(&FromRecorder::NotKept(why));
+        post(&FromRecorder::NotKept(why));
     }
 }

@@ -1,13 +1,13 @@
-//! The recorder in the browser: messages, the line from the other worker, and turns that end early enough
-//! for both.
+//! The recorder in the browser: messages of the page, line events of the other worker, and turns that are
+//! short enough for both.
 
-mod again;
 mod disk;
 mod files;
 mod found;
 mod keeping;
 mod state;
 mod store;
+mod turn_scheduler;
 
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
@@ -21,16 +21,16 @@ use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
 use self::{
-    again::Again,
     files::Parts,
-    state::{Keeping, RecorderWorker, Shared, local_time, tell},
+    state::{Keeping, RecorderWorker, Shared, local_time, post},
     store::Job,
+    turn_scheduler::TurnScheduler,
 };
-use crate::scope::{self, Arrived, Clock, report};
+use crate::scope::{self, Clock, Incoming, report};
 
-/// A turn ends after this long, so that messages and traffic are taken in.
+/// A turn ends after this time, so that messages and line events are received.
 const TURN: Duration = Duration::from_millis(8);
-/// Entries between two looks at the clock: half a millisecond, on a slow machine two.
+/// Entries between two readings of the clock: half a millisecond of work, two on a slow machine.
 const STEP: u64 = 500;
 /// Summer time begins and ends on the minute.
 const UTC_OFFSET_PERIOD: Duration = Duration::from_secs(60);
@@ -42,7 +42,7 @@ pub(crate) fn start() {
     let own_clock = WallClock::new(clock.origin_ms(), 0).with_local_time(local_time(i64::MAX));
     let shared: Shared = Rc::new_cyclic(|worker| {
         let worker = worker.clone();
-        let again = Again::new(move || {
+        let scheduler = TurnScheduler::new(move || {
             if let Some(shared) = worker.upgrade() {
                 turn(&shared);
             }
@@ -51,15 +51,15 @@ pub(crate) fn start() {
             clock,
             recorder: Recorder::new(own_clock).keeping(),
             parts: Parts::default(),
-            again,
+            scheduler,
             keeping: Keeping::default(),
             turn,
             utc_offset_asked: now,
         })
     });
     keeping::begin(&shared);
-    scope::on_message(move |arrived| match arrived {
-        Arrived::Message(bytes) => match decode::<ToRecorder>(&bytes) {
+    scope::on_message(move |incoming| match incoming {
+        Incoming::Message(bytes) => match decode::<ToRecorder>(&bytes) {
             Ok(message) => {
                 keeping::handle(&shared, &message);
                 shared.borrow_mut().recorder.handle(message);
@@ -73,29 +73,29 @@ pub(crate) fn start() {
                 );
             }
         },
-        Arrived::Line(port) => listen(&shared, &port),
+        Incoming::TrafficPort(port) => receive_traffic(&shared, &port),
     });
 }
 
-/// The page is told that nothing comes any more.
+/// Tells the page that the recorder has failed.
 pub(crate) fn died() {
-    tell(&FromRecorder::Died);
+    post(&FromRecorder::Died);
 }
 
-/// Gives the page a file. Where the browser has no room for it, there is none.
+/// Posts a file to the page, or reports that there is none if the browser has no room for it.
 fn post_file(parts: &mut Parts, message: &FromRecorder) {
     let encoded = encode(message).map_err(|error| error.to_string().into());
     if let Err(error) = encoded.and_then(|bytes| parts.post_as_file(&bytes)) {
         report("a file could not be posted to the page", &error);
         if let FromRecorder::Exported { what, .. } = *message {
             let cancelled = false;
-            tell(&FromRecorder::NotExported { what, cancelled });
+            post(&FromRecorder::NotExported { what, cancelled });
         }
     }
 }
 
-/// Takes in the traffic that comes on this line, for as long as the worker lives.
-fn listen(shared: &Shared, port: &MessagePort) {
+/// Receives the line events on this port until the worker ends.
+fn receive_traffic(shared: &Shared, port: &MessagePort) {
     let shared = Rc::clone(shared);
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let bytes = Uint8Array::new(&event.data()).to_vec();
@@ -109,14 +109,14 @@ fn listen(shared: &Shared, port: &MessagePort) {
     handler.forget();
 }
 
-/// Does what is to be done, as far as a turn goes, and sees to it that the rest is done.
+/// Does as much as fits into one turn, and schedules another for the rest.
 fn turn(shared: &Shared) {
     let mut worker = shared.borrow_mut();
     let RecorderWorker {
         clock,
         recorder,
         parts,
-        again,
+        scheduler,
         keeping,
         utc_offset_asked,
         ..
@@ -130,19 +130,19 @@ fn turn(shared: &Shared) {
     loop {
         let now = clock.now();
         match recorder.poll(now) {
-            Output::Tell(message) => tell(&message),
+            Output::Tell(message) => post(&message),
             Output::Part(bytes) => parts.push(&bytes),
             Output::File(message) => post_file(parts, &message),
             Output::NoFile(message) => {
                 parts.clear();
-                tell(&message);
+                post(&message);
             }
             Output::Keep(act) => keeping.add(shared, Job::Act(act)),
             Output::NextKept => keeping.read_next(shared),
             Output::Work if now.since(began) < TURN => recorder.work(now, STEP),
-            Output::Work => return again.soon(),
+            Output::Work => return scheduler.soon(),
             Output::Wait(None) => return,
-            Output::Wait(Some(at)) => return again.after(at.since(now)),
+            Output::Wait(Some(at)) => return scheduler.after(at.since(now)),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the recorder's worker consists of, and how it reaches the page.
+//! The state of the recorder's worker, and its messages to the page.
 
 use std::{cell::RefCell, collections::VecDeque, rc::Rc};
 
@@ -8,52 +8,52 @@ use motorlink_protocol::Instant;
 use motorlink_recorder::{LocalTime, Recorder, kept::Segment};
 
 use super::{
-    again::Again,
     disk::Dir,
     files::Parts,
     found::Found,
     store::{Jobs, Store},
+    turn_scheduler::TurnScheduler,
 };
 use crate::scope::{self, Clock, report};
 
-/// Everything that this worker is. Each callback of the browser borrows it once, briefly.
+/// The state of this worker. Each callback of the browser borrows it once, briefly.
 pub(super) struct RecorderWorker {
     pub(super) clock: Clock,
     pub(super) recorder: Recorder,
     pub(super) parts: Parts,
-    pub(super) again: Again,
+    pub(super) scheduler: TurnScheduler,
     pub(super) keeping: Keeping,
-    /// Does what is due; called when a file has been read.
+    /// Processes everything that is due; called when a file has been read.
     pub(super) turn: fn(&Shared),
     pub(super) utc_offset_asked: Instant,
 }
 
 pub(super) type Shared = Rc<RefCell<RecorderWorker>>;
 
-/// What stands between the recorder and its files.
+/// The pending file operations of the recorder.
 #[derive(Debug, Default)]
 pub(super) struct Keeping {
     pub(super) jobs: Jobs,
-    /// Not there until the browser has given its files, and while a job is being done.
+    /// `None` until the browser has opened its file system, and while a job runs.
     pub(super) store: Option<Store>,
-    /// The browser keeps no files.
+    /// The browser has no file system.
     pub(super) is_in_memory_only: bool,
-    /// The session that is offered.
+    /// The saved session that is offered to the user.
     pub(super) found: Option<Found>,
-    /// How often everything was erased: what was looked for before is not offered.
+    /// Number of times that everything was erased: a search that began before offers nothing.
     pub(super) erased: u32,
-    /// The files of the session that is restored that have not been read yet.
+    /// The files of the restored session that have not been read yet.
     pub(super) to_read: Option<(Dir, VecDeque<Segment>)>,
 }
 
-pub(super) fn tell(message: &FromRecorder) {
+pub(super) fn post(message: &FromRecorder) {
     match encode(message) {
         Ok(bytes) => scope::post_bytes(&bytes),
         Err(error) => report("a message could not be encoded", &error.to_string().into()),
     }
 }
 
-/// How far local time is ahead of UTC, from this moment until now, in milliseconds since 1970.
+/// Local time from this moment until now, in milliseconds since 1970.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,

@@ -1,4 +1,4 @@
-//! The files of this session, and what is done with them: one thing after the other.
+//! The files of this session, and the jobs on them, one after the other.
 
 use std::collections::VecDeque;
 
@@ -9,41 +9,41 @@ use super::{
     found::{ALIVE, Found, new_name},
 };
 
-/// Things that wait to be done: ten minutes of writes. A browser that takes none for so long has failed.
+/// Queued jobs: ten minutes of writes. A browser that completes none for so long has failed.
 const WAITING_MAX: usize = 2_400;
 
-/// Where the session is kept.
+/// The directory of the session.
 #[derive(Debug)]
 pub(super) struct Store {
     sessions: Dir,
-    /// The name of this session, which has files with its first write.
+    /// The name of this session. Its first write creates the directory.
     name: String,
     files: Option<Files>,
-    /// The session that is restored, until its directory is that of this one.
+    /// The restored session, until this session continues in its directory.
     restored: Option<Found>,
 }
 
-/// Something to be done.
+/// A job on the files.
 #[derive(Debug)]
 pub(super) enum Job {
-    /// Of the session that lives.
+    /// An action of the current session.
     Act(Act),
-    /// This session is to be adopted.
+    /// Continue in the directory of this session.
     Restore(Found),
-    /// This session is to be removed.
+    /// Remove this session.
     Forget(Found),
 }
 
-/// What came of it.
+/// The outcome of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Done {
-    /// It is done.
+    /// All of it is done.
     All,
-    /// Something that another tab has open is still there.
+    /// Files that another tab has open are still there.
     Partly,
 }
 
-/// What is to be done, in order.
+/// The queued jobs, in order.
 #[derive(Debug, Default)]
 pub(super) struct Jobs(VecDeque<Job>);
 
@@ -80,8 +80,8 @@ impl Store {
         }
     }
 
-    /// Does it.
-    pub(super) async fn work(&mut self, job: Job) -> Result<Done> {
+    /// Runs a job.
+    pub(super) async fn run(&mut self, job: Job) -> Result<Done> {
         match job {
             Job::Act(Act::Erase) => return self.erase().await,
             Job::Act(act) => self.act(act).await?,
@@ -94,8 +94,8 @@ impl Store {
         Ok(Done::All)
     }
 
-    /// Lets go of the files of this session, which stay as they are.
-    pub(super) fn let_go(&mut self) {
+    /// Closes the files of this session, which stay on disk.
+    pub(super) fn close_files(&mut self) {
         self.files = None;
     }
 
@@ -121,7 +121,7 @@ impl Store {
             let files = if let Ok(files) = Files::of(dir).await {
                 files
             } else {
-                // Another tab that looks for ended sessions has it in its hands: it begins as another.
+                // Another tab that searches for ended sessions has it open: take another name.
                 self.name = new_name(js_sys::Date::now());
                 Files::of(self.sessions.dir(&self.name).await?).await?
             };
@@ -133,7 +133,7 @@ impl Store {
         }
     }
 
-    /// Moves the files of this session behind those of the one that was found.
+    /// Moves the files of this session behind those of the restored one.
     async fn adopt(&mut self, shift: [u32; 2]) -> Result<()> {
         let Some(found) = self.restored.take() else {
             return Ok(());
@@ -159,7 +159,7 @@ impl Store {
             };
             let bytes = dir.read(&name).await?;
             found.dir.open(&segment.name()).await?.append(&bytes)?;
-            // One at a time: a crash in between keeps no more than one file twice.
+            // One at a time: a crash in between leaves at most one file twice.
             dir.remove(&name).await?;
         }
         drop(alive);
@@ -171,7 +171,7 @@ impl Store {
         self.restored = None;
         let mut done = Done::All;
         for name in self.sessions.names().await? {
-            // Those of another living tab are open, and stay.
+            // The files of another open tab cannot be removed.
             if self.sessions.remove(&name).await.is_err() {
                 done = Done::Partly;
             }
@@ -188,7 +188,7 @@ impl Files {
         Ok(Self { dir, alive, open })
     }
 
-    /// The file of a segment, open. The one of its stream that was written to before is done.
+    /// Opens the file of a segment, and closes the earlier file of the same stream.
     async fn file(&mut self, segment: Segment) -> Result<&OpenFile> {
         let is_it = |(other, _): &(Segment, OpenFile)| *other == segment;
         let place = if let Some(place) = self.open.iter().position(is_it) {
@@ -203,7 +203,7 @@ impl Files {
             self.open.len() - 1
         };
         let open = self.open.get(place).map(|(_, file)| file);
-        open.ok_or_else(|| "a file that is open is not there".into())
+        open.ok_or_else(|| "an open file is missing".into())
     }
 
     async fn remove(&mut self, segment: Segment) -> Result<()> {
@@ -231,8 +231,8 @@ mod tests {
         }
     }
 
-    /// What so many entries are written as.
-    fn written(entries: std::ops::Range<u64>) -> Vec<Act> {
+    /// The actions that write these entries.
+    fn actions_for(entries: std::ops::Range<u64>) -> Vec<Act> {
         let mut keeper = Keeper::default();
         keeper.set_epoch(1_795_266_900_000_000);
         for n in entries {
@@ -257,8 +257,8 @@ mod tests {
 
     async fn store(sessions: &Dir, begun_ms: f64, entries: std::ops::Range<u64>) -> Store {
         let mut store = Store::new(sessions.clone(), new_name(begun_ms));
-        for act in written(entries) {
-            store.work(Job::Act(act)).await.unwrap();
+        for act in actions_for(entries) {
+            store.run(Job::Act(act)).await.unwrap();
         }
         store
     }
@@ -288,12 +288,12 @@ mod tests {
         let mut living = store(&sessions, NOW_MS, 0..7).await;
         let own = living.name.clone();
         let found = newest(&sessions, &own, NOW_MS).await.unwrap().unwrap();
-        living.work(Job::Restore(found)).await.unwrap();
+        living.run(Job::Restore(found)).await.unwrap();
         let adopt = Act::Adopt {
             packets: 1,
             recorded: 1,
         };
-        living.work(Job::Act(adopt)).await.unwrap();
+        living.run(Job::Act(adopt)).await.unwrap();
         assert_eq!(sessions.names().await.unwrap(), [living.name.clone()]);
         drop(living);
         let mut found = newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
@@ -309,14 +309,14 @@ mod tests {
         drop(store(&sessions, NOW_MS - 8_000.0, 0..30).await);
         let mut living = store(&sessions, NOW_MS, 0..7).await;
         let found = newest(&sessions, &living.name, NOW_MS).await.unwrap();
-        living.work(Job::Forget(found.unwrap())).await.unwrap();
+        living.run(Job::Forget(found.unwrap())).await.unwrap();
         assert_eq!(sessions.names().await.unwrap().len(), 2);
         let other_tab = store(&sessions, NOW_MS - 7_000.0, 0..3).await;
-        let erased = living.work(Job::Act(Act::Erase)).await;
+        let erased = living.run(Job::Act(Act::Erase)).await;
         assert_eq!(erased.unwrap(), Done::Partly, "what is open stays");
         assert_eq!(sessions.names().await.unwrap().len(), 1);
         drop(other_tab);
-        let erased = living.work(Job::Act(Act::Erase)).await;
+        let erased = living.run(Job::Act(Act::Erase)).await;
         assert_eq!(erased.unwrap(), Done::All);
         assert!(sessions.names().await.unwrap().is_empty());
     }

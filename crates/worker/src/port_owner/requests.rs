@@ -1,4 +1,4 @@
-//! What the page asks of the station: a motor to watch, an operator's act, a sign of life.
+//! Requests of the page: a motor to watch, a command, a fault of the virtual bus, an answer to a ping.
 
 use std::time::Duration;
 
@@ -6,24 +6,24 @@ use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
 use motorlink_messages::{Adapter, Notice, VirtualWire};
 use motorlink_protocol::{Instant, MotorId};
 
-use super::Station;
+use super::PortOwner;
 use crate::session::{Session, Stage};
 
-impl Station {
+impl PortOwner {
     pub(crate) fn select(&mut self, id: MotorId) {
         let now = self.now();
         self.selected = id;
         self.outbox.touch();
         if let Session::Open(open) = &mut self.session {
-            let never_heard: Vec<_> = open
+            let never_replied: Vec<_> = open
                 .bus
                 .motors(now)
                 .filter(|motor| motor.last.is_none())
                 .map(|m| m.id)
                 .collect();
-            let forget = never_heard.into_iter().map(Command::Forget);
+            let forget = never_replied.into_iter().map(Command::Forget);
             for command in forget.chain([Command::Watch(id)]) {
-                // A motor that is driven stays watched, which is what its refusal means.
+                // Refused for a driven motor, which stays watched.
                 let _: Result<(), Refusal> = open.bus.command(now, command);
             }
         }
@@ -31,7 +31,7 @@ impl Station {
 
     pub(crate) fn command(&mut self, command: Command, given_ms: f64) {
         let now = self.now();
-        // Before the page has said what time it is, nothing is open to be driven.
+        // Before the first message with the page's time no port is open, so nothing can drive.
         let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
         let age = Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX);
         if command.is_too_old(age) {
@@ -47,7 +47,7 @@ impl Station {
             _ => {}
         }
         if matches!(command, Command::StopAll(StopReason::PageGone)) {
-            self.tape.hurry();
+            self.traffic.send_soon();
         }
         self.outbox.touch();
         match &mut self.session {
@@ -59,7 +59,7 @@ impl Station {
                 }
             }
             _ => match command {
-                // There is nothing to stop, and nothing will drive before it is released.
+                // Nothing to stop; nothing drives until the user releases.
                 Command::StopAll(reason) => {
                     self.outbox.notice(Notice::StopBegan(reason));
                     let report = StopReport {
@@ -77,7 +77,7 @@ impl Station {
         }
     }
 
-    /// Makes the virtual line ill or well. The bus is not told: it finds out, as on a real line.
+    /// Injects a fault into the virtual line, or removes it. The bus is not told, as on a real line.
     pub(crate) fn set_virtual_wire(&mut self, wire: VirtualWire) {
         let now = self.now();
         let Session::Open(open) = &mut self.session else {
@@ -87,8 +87,8 @@ impl Station {
             return;
         }
         if wire == VirtualWire::SharedId {
-            // The second motor obeys what is sent to the first; it must not start by what was asked
-            // of that one alone. The brake is the next frame that it hears.
+            // The second motor obeys the frames of the first, but the user started only the first. So the
+            // next frame on the line is the brake.
             let left_alone =
                 |activity| matches!(activity, Activity::Idle | Activity::Stopping { .. });
             let driven: Vec<_> = open
@@ -117,7 +117,7 @@ impl Station {
     }
 }
 
-/// A moment in milliseconds, as browsers count.
+/// A moment in milliseconds, the unit of browsers.
 fn now_ms(now: Instant) -> f64 {
     now.since(Instant::ZERO).as_secs_f64() * 1000.0
 }

@@ -1,4 +1,4 @@
-//! Another turn: at once, but behind what has come meanwhile, or after a while.
+//! Schedules the next turn: at once, but after the messages that have arrived, or after a delay.
 
 use std::{cell::Cell, rc::Rc, time::Duration};
 
@@ -8,23 +8,23 @@ use web_sys::{MessageChannel, MessagePort};
 
 use crate::scope::report;
 
-pub(super) struct Again {
+pub(super) struct TurnScheduler {
     turn: Rc<dyn Fn()>,
-    /// A message to ourselves: unlike a timeout, which is held back for 4 ms, it comes at once, and in
-    /// its order among messages of others.
-    to_ourselves: Option<MessagePort>,
-    is_coming: Rc<Cell<bool>>,
+    /// A channel to this worker. Unlike a timeout, which takes at least 4 ms, a message arrives at once and
+    /// in order with the other messages.
+    own_port: Option<MessagePort>,
+    is_scheduled: Rc<Cell<bool>>,
     timeout: Option<Timeout>,
 }
 
-impl Again {
+impl TurnScheduler {
     pub(super) fn new(turn: impl Fn() + 'static) -> Self {
         let turn: Rc<dyn Fn()> = Rc::new(turn);
-        let is_coming: Rc<Cell<bool>> = Rc::default();
-        let to_ourselves = MessageChannel::new().map(|channel| {
-            let (turn, is_coming) = (Rc::clone(&turn), Rc::clone(&is_coming));
+        let is_scheduled: Rc<Cell<bool>> = Rc::default();
+        let own_port = MessageChannel::new().map(|channel| {
+            let (turn, is_scheduled) = (Rc::clone(&turn), Rc::clone(&is_scheduled));
             let handler = Closure::<dyn FnMut()>::new(move || {
-                is_coming.set(false);
+                is_scheduled.set(false);
                 turn();
             });
             let handler = handler.into_js_value();
@@ -33,30 +33,30 @@ impl Again {
         });
         Self {
             turn,
-            to_ourselves: to_ourselves.ok(),
-            is_coming,
+            own_port: own_port.ok(),
+            is_scheduled,
             timeout: None,
         }
     }
 
-    /// One turn more, as soon as what has come is taken in.
+    /// Schedules a turn after the messages that have arrived.
     pub(super) fn soon(&mut self) {
-        if self.is_coming.replace(true) {
+        if self.is_scheduled.replace(true) {
             return;
         }
-        if let Some(port) = &self.to_ourselves {
+        if let Some(port) = &self.own_port {
             if let Err(error) = port.post_message(&JsValue::UNDEFINED) {
-                report("the recorder could not go on", &error);
+                report("the recorder could not schedule its next turn", &error);
             }
         } else {
-            self.is_coming.set(false);
+            self.is_scheduled.set(false);
             self.after(Duration::ZERO);
         }
     }
 
-    /// One turn after this long, instead of the one that was asked for before.
+    /// Schedules a turn after this delay, instead of any earlier delayed one.
     pub(super) fn after(&mut self, delay: Duration) {
-        // Rounded up: a turn that comes too early asks for another.
+        // Rounded up: a turn that is too early would only schedule another one.
         let millis = delay.as_micros().div_ceil(1000);
         let turn = Rc::clone(&self.turn);
         let timeout = Timeout::new(u32::try_from(millis).unwrap_or(u32::MAX), move || turn());
@@ -72,18 +72,18 @@ mod tests {
     use super::*;
 
     #[wasm_bindgen_test]
-    async fn turns_come_once_however_often_they_are_asked_for() {
+    async fn a_turn_runs_once_however_often_it_is_scheduled() {
         let turns = Rc::new(Cell::new(0));
         let count = Rc::clone(&turns);
-        let mut again = Again::new(move || count.set(count.get() + 1));
-        again.soon();
-        again.soon();
+        let mut scheduler = TurnScheduler::new(move || count.set(count.get() + 1));
+        scheduler.soon();
+        scheduler.soon();
         assert_eq!(turns.get(), 0, "not within the call");
         sleep(Duration::from_millis(200)).await;
         assert_eq!(turns.get(), 1);
-        again.after(Duration::from_secs(60));
-        again.after(Duration::from_millis(10));
-        again.soon();
+        scheduler.after(Duration::from_secs(60));
+        scheduler.after(Duration::from_millis(10));
+        scheduler.soon();
         sleep(Duration::from_millis(400)).await;
         assert_eq!(turns.get(), 3);
     }

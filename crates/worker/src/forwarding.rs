@@ -1,4 +1,4 @@
-//! What the bus tells, passed on to the page.
+//! Forwards the events of the bus to the page.
 
 use motorlink_bus::Event;
 use motorlink_messages::Notice;
@@ -8,16 +8,16 @@ use crate::{
     session::{OpenSession, Stage},
 };
 
-/// Passes on what the bus tells, unless the port is on trial: what is heard there may come from an
-/// adapter that nobody meant.
-pub(crate) fn tell(outbox: &mut Outbox, open: &OpenSession, event: Event) {
+/// Forwards an event to the page. While a port is on trial, only stops are forwarded: the port may
+/// belong to an adapter that the user did not choose.
+pub(crate) fn forward(outbox: &mut Outbox, open: &OpenSession, event: Event) {
     let is_stop = matches!(event, Event::StopBegan(_) | Event::StopEnded(_));
     if matches!(open.stage, Stage::OnTrial { .. }) && !is_stop {
         return;
     }
     let notice = match event {
         Event::Telemetry(sample) => return outbox.sample(sample),
-        // Traffic went to the recorder.
+        // Line events go to the recorder.
         Event::PingPage | Event::Line(_) => return,
         Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),
         Event::ScanEnded(report) => Notice::ScanEnded(report),

@@ -9,45 +9,46 @@ use web_sys::MessagePort;
 
 use crate::{
     alarm::Alarm,
-    claim::give_back,
-    outbox::{Outbox, Present},
+    claim::release_claim,
+    forwarding::forward,
+    outbox::{CurrentState, Outbox},
     scope::Clock,
     session::{AfterClosing, Session, Stage},
-    telling::tell,
-    traffic::TrafficTape,
+    traffic::TrafficQueue,
 };
 
-mod acts;
+mod requests;
 
-/// Everything that the worker is. Each callback of the browser borrows it once, briefly.
-pub(crate) struct Station {
+/// The state of the port worker: the session with its bus, and the queues to the page and the
+/// recorder. Each callback of the browser borrows it once, briefly.
+pub(crate) struct PortOwner {
     clock: Clock,
     alarm: Alarm,
     pub(crate) outbox: Outbox,
-    tape: TrafficTape,
+    traffic: TrafficQueue,
     pub(crate) session: Session,
-    /// Counts sessions, so that a task of an old one does nothing to a new one.
+    /// The number of the session: a task of an older session must not touch a newer one.
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
     rate: CommandRate,
     ramp: Option<Ramp>,
     limits: Limits,
-    /// Whether Stop all motors stands. It outlives the port.
+    /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
-    /// How much more our clock shows than the page's, by the quickest message so far.
+    /// How far our clock is ahead of the page's, by the message with the least delay so far.
     ahead_of_page_ms: f64,
 }
 
 /// The handle that the browser's callbacks share.
-pub(crate) type Shared = Rc<RefCell<Station>>;
+pub(crate) type Shared = Rc<RefCell<PortOwner>>;
 
-impl Station {
+impl PortOwner {
     pub(crate) fn new(clock: Clock, alarm: Alarm) -> Self {
         Self {
             clock,
             alarm,
             outbox: Outbox::default(),
-            tape: TrafficTape::default(),
+            traffic: TrafficQueue::default(),
             session: Session::Closed,
             generation: 0,
             selected: MotorId::FIRST,
@@ -59,16 +60,16 @@ impl Station {
         }
     }
 
-    /// The recorder's end of the line on which frames are posted to it.
+    /// Sets the port on which line events are posted to the recorder.
     pub(crate) fn connect_recorder(&mut self, port: MessagePort) {
-        self.tape.connect(port);
+        self.traffic.connect(port);
     }
 
     pub(crate) fn now(&self) -> Instant {
         self.clock.now()
     }
 
-    /// A bus on which nothing drives, and on which Stop all motors still stands if it stood.
+    /// A new bus on which nothing drives. It is halted if "Stop all motors" is in effect.
     pub(crate) fn new_bus(&self) -> Bus {
         let now = self.now();
         let mut bus = if self.halted {
@@ -83,35 +84,35 @@ impl Station {
             Command::IdQuery,
             Command::Watch(self.selected),
         ] {
-            // None of them is refused on a bus on which nothing drives.
+            // None of them is refused while nothing drives.
             let _: Result<(), Refusal> = bus.command(now, command);
         }
         bus
     }
 
-    /// Takes up another session; gives back the old one and the number of the new.
+    /// Begins another session; returns the old one and the number of the new one.
     pub(crate) fn begin_session(&mut self, session: Session) -> (Session, u32) {
         self.generation += 1;
         self.outbox.touch();
         let now = self.now();
         let mut left = std::mem::replace(&mut self.session, session);
         if let Session::Open(open) = &mut left {
-            // A scan or an ID change that ends with its port is told as cancelled.
+            // A scan or an ID change that ends with its port is reported as cancelled.
             let last_events: Vec<Event> = open.bus.close(now).collect();
             for event in last_events {
                 match event {
-                    Event::Line(traffic) => self.tape.push(traffic),
-                    event => tell(&mut self.outbox, open, event),
+                    Event::Line(traffic) => self.traffic.push(traffic),
+                    event => forward(&mut self.outbox, open, event),
                 }
             }
-            self.tape.hurry();
+            self.traffic.send_soon();
         }
         (left, self.generation)
     }
 
-    /// The adapter is gone: what was driven coasts, and the adapter is waited for.
+    /// Handles the loss of the adapter: the driven motors coast, and the worker waits for the adapter.
     ///
-    /// Gives back what was to be done after closing, where the port was being closed anyway.
+    /// If the port was being closed, returns what to do after closing.
     pub(crate) fn adapter_lost(&mut self) -> Option<AfterClosing> {
         let now = self.now();
         let Session::Open(open) = &mut self.session else {
@@ -130,8 +131,8 @@ impl Station {
             .map(|m| m.id)
             .collect();
         self.outbox.notice(Notice::AdapterLost { driven });
-        // What is not there is nobody's; when it is back it is claimed anew.
-        give_back();
+        // It is claimed again when it is back.
+        release_claim();
         let waiting = if leaving.is_some() {
             Session::Closed
         } else {
@@ -141,8 +142,8 @@ impl Station {
         leaving
     }
 
-    /// Lets everything that is due happen. Gives back what to do after closing, once the motors
-    /// stand and the port can be closed.
+    /// Does everything that is due. Returns what to do after closing, once the motors have stopped and
+    /// the port can be closed.
     pub(crate) fn turn(&mut self) -> Option<AfterClosing> {
         let now = self.now();
         let mut wake = None;
@@ -156,47 +157,47 @@ impl Station {
                     Output::Transmit(frame) if open.line.write(now, frame) => {}
                     Output::Transmit(_) => open.bus.transmit_failed(),
                     Output::Event(Event::PingPage) => self.outbox.ping(now),
-                    // Of a port on trial too: the log shows what passed, whoever it came from.
-                    Output::Event(Event::Line(traffic)) => self.tape.push(traffic),
+                    // Events of a port on trial too: the log shows all traffic.
+                    Output::Event(Event::Line(traffic)) => self.traffic.push(traffic),
                     Output::Event(event) => {
                         if let Event::StopEnded(_) = event
                             && let Stage::Closing(then) = &mut open.stage
                         {
                             left = Some(std::mem::take(then));
                         }
-                        tell(&mut self.outbox, open, event);
+                        forward(&mut self.outbox, open, event);
                     }
                     Output::Wait(at) => break at,
                 }
             };
-            // The bus stops all motors by itself where the page or the computer was away.
+            // The bus stops all motors by itself after a silence of the page or a sleep of the computer.
             self.halted |= open.bus.is_halted();
             wake = Some(open.line.next_event().map_or(at, |event| event.min(at)));
         }
-        // Before the page hears that a port is closed, the recorder is sent all that passed on it.
-        if self.tape.due().is_some_and(|due| due <= now) {
-            self.tape.send(now);
+        // The recorder gets all traffic of a port before the page learns that the port is closed.
+        if self.traffic.due().is_some_and(|due| due <= now) {
+            self.traffic.send(now);
         }
         if self.outbox.due(now).is_some_and(|due| due <= now) {
-            let present = self.present(now);
-            self.outbox.send(now, present);
+            let current = self.current_state(now);
+            self.outbox.send(now, current);
         }
         let outbox_due = self.outbox.due(now);
-        let tape_due = self.tape.due();
+        let traffic_due = self.traffic.due();
         // The recorder can wait for the next frame of the screen: one wake-up for both.
-        let tape_due = tape_due.map(|due| outbox_due.map_or(due, |frame| frame.max(due)));
-        if let Some(at) = wake.into_iter().chain(outbox_due).chain(tape_due).min() {
+        let traffic_due = traffic_due.map(|due| outbox_due.map_or(due, |frame| frame.max(due)));
+        if let Some(at) = wake.into_iter().chain(outbox_due).chain(traffic_due).min() {
             self.alarm.arm(now, at);
         }
         left
     }
 
-    fn present(&self, now: Instant) -> Present {
+    fn current_state(&self, now: Instant) -> CurrentState {
         let bus = match &self.session {
             Session::Open(open) if !matches!(open.stage, Stage::OnTrial { .. }) => Some(&open.bus),
             _ => None,
         };
-        Present {
+        CurrentState {
             connection: self.session.connection(),
             halted: self.halted,
             motors: bus.map_or_else(Vec::new, |bus| bus.motors(now).collect()),
