@@ -70,7 +70,9 @@ impl Features {
                     self.page.say(recorder_texts::of_nothing_to_export(what));
                 }
             }
-            FromRecorder::Kept(session) => self.saved_session.offer.set(Offer::Open(session)),
+            FromRecorder::SavedSessionFound(session) => {
+                self.saved_session.offer.set(Offer::Open(session));
+            }
             FromRecorder::Restored => {
                 self.log.renumbered();
                 self.saved_session.restored();
@@ -78,7 +80,7 @@ impl Features {
             }
             FromRecorder::Past { zero_us, samples } => self.saved_session.recall(zero_us, &samples),
             FromRecorder::Erased { all } => self.settings.was_erased(all),
-            FromRecorder::NotKept(why) => self.page.log_now(texts::of_not_kept(why)),
+            FromRecorder::NotSaved(why) => self.page.log_now(texts::of_not_kept(why)),
             FromRecorder::Died => self.recorder_lost(),
         }
     }

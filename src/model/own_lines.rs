@@ -39,7 +39,8 @@ impl Page {
             return;
         }
         let Line { error, text } = line;
-        self.recorder.post(&ToRecorder::Say { at, error, text });
+        self.recorder
+            .post(&ToRecorder::AddMessage { at, error, text });
     }
 
     pub(crate) fn log_now(self, line: Line) {

@@ -60,7 +60,7 @@ impl FakeRecorder {
     pub async fn told(&self) -> Vec<ToRecorder> {
         pause(200).await;
         let told = std::mem::take(&mut self.state.borrow_mut().told);
-        let not_look = |message: &ToRecorder| !matches!(message, ToRecorder::Look(_));
+        let not_look = |message: &ToRecorder| !matches!(message, ToRecorder::Show(_));
         told.into_iter().filter(not_look).collect()
     }
 
@@ -115,8 +115,8 @@ impl Drop for FakeRecorder {
 impl State {
     fn hear(&mut self, message: ToRecorder) {
         match &message {
-            ToRecorder::Look(window) => self.window = Some(*window),
-            ToRecorder::Filter(_) | ToRecorder::Speak { .. } => self.generation += 1,
+            ToRecorder::Show(window) => self.window = Some(*window),
+            ToRecorder::Filter(_) | ToRecorder::SetLanguage { .. } => self.generation += 1,
             ToRecorder::Clear => {
                 self.generation += 1;
                 self.rows.clear();
@@ -142,7 +142,7 @@ impl State {
             kept: (end - self.gone) as u64,
             gone: self.gone as u64,
             collapsed: 0,
-            looked_at_per_mille: 1000,
+            filtered_per_mille: 1000,
             generation: self.generation,
             rows: self.rows[first..behind].to_vec(),
         })

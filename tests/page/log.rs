@@ -32,8 +32,9 @@ async fn what_is_said_before_there_is_a_recorder_is_logged_once_there_is() {
     let told = recorder.told().await;
     let place = |is: fn(&ToRecorder) -> bool| told.iter().position(is);
     let epoch = place(|told| matches!(told, ToRecorder::Epoch { .. })).unwrap();
-    let line =
-        place(|told| matches!(told, ToRecorder::Say { text, .. } if text.contains("not started")));
+    let line = place(
+        |told| matches!(told, ToRecorder::AddMessage { text, .. } if text.contains("not started")),
+    );
     assert!(line.unwrap() > epoch, "{told:?}");
 }
 
@@ -85,7 +86,7 @@ async fn what_happens_on_the_page_is_logged() {
     let bench = Bench::with_motor("lines", Mode::Velocity).await;
     let said = |told: Vec<ToRecorder>| -> Vec<(bool, String)> {
         let said = told.into_iter().filter_map(|message| match message {
-            ToRecorder::Say { error, text, .. } => Some((error, text)),
+            ToRecorder::AddMessage { error, text, .. } => Some((error, text)),
             _ => None,
         });
         said.collect()
@@ -233,7 +234,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     );
     let told = recorder.told().await;
     assert!(
-        matches!(&told[..], [ToRecorder::Say { text, .. }] if text.contains("10 rows")),
+        matches!(&told[..], [ToRecorder::AddMessage { text, .. }] if text.contains("10 rows")),
         "{told:?}"
     );
 

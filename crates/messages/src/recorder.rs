@@ -1,9 +1,7 @@
-//! What crosses between the page and the recorder, the second worker, which keeps the packet log and
-//! the recording.
+//! The messages between the page and the recorder, the worker that keeps the packet log and the recording.
 //!
-//! Frames do not come to it through the page: the worker that owns the port posts them right into the
-//! recorder's line, as [`LineEvent`] one behind the other, each encoded as by
-//! [`encode`](crate::encode).
+//! Frames do not pass through the page: the port worker posts them to the recorder as consecutive
+//! [`LineEvent`]s, each encoded by [`encode`](crate::encode).
 
 use motorlink_bus::{LineEvent, Sample};
 use motorlink_protocol::{Instant, MotorId};
@@ -12,101 +10,99 @@ use serde::{Deserialize, Serialize};
 /// From the page to the recorder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ToRecorder {
-    /// The wall clock at the zero of every [`Instant`]: the other worker's `performance.timeOrigin`,
-    /// in milliseconds since 1970.
+    /// The wall clock at [`Instant::ZERO`]: the port worker's `performance.timeOrigin`.
     Epoch {
         /// In milliseconds since 1970, UTC.
         unix_ms: f64,
     },
-    /// A line of the page's own.
-    Say {
+    /// Add a message of the page to the log.
+    AddMessage {
         /// When.
         at: Instant,
-        /// Whether something went wrong.
+        /// Whether it is an error.
         error: bool,
-        /// In words, one line.
+        /// The text, one line.
         text: String,
     },
-    /// Which rows of the packet log are to be seen. Answered by a [`LogPage`], and by another whenever
-    /// one of these rows, or a count, changes; at most 30 times a second.
-    Look(Window),
-    /// Put entries into words in this language from now on, `en`, `zh` or `de`: those that are seen, and
-    /// those in which is searched. Files say frames in English, and what the page said as it was said. The
-    /// rows are numbered anew.
-    Speak {
-        /// The two letters of the language.
+    /// Show these rows of the packet log. Answered by a [`LogPage`], and by another whenever one of these
+    /// rows or a count changes; at most 30 times a second.
+    Show(Window),
+    /// Use this language for the rows and the search. Files are in English, apart from messages, which do
+    /// not change. The rows are renumbered.
+    SetLanguage {
+        /// The language: `en`, `zh` or `de`.
         language: String,
-        /// The file of its texts, unless they are in the recorder's program.
+        /// The file of its texts, unless the recorder's program contains them.
         texts: Option<String>,
     },
-    /// Which entries the log shows. The rows are numbered anew.
+    /// Set the filter. The rows are renumbered.
     Filter(Filter),
-    /// Forget every entry of the log. The recording stays.
+    /// Clear the log. The recording stays.
     Clear,
-    /// Make a CSV file of every entry that is kept, shown or not.
+    /// Export every entry as CSV, visible or not.
     ExportLog,
-    /// Make a CSV file of the recording, or of the last ten minutes where nothing was recorded.
+    /// Export the recorded samples as CSV, or the last ten minutes if none were recorded.
     ExportTelemetry,
-    /// Make no file after all.
+    /// Cancel all exports.
     CancelExport,
-    /// Begin or end the recording. It goes on where it was until it has been exported.
+    /// Start or stop recording. Samples are appended until the recording has been exported.
     Record(bool),
-    /// Take in the session that was offered: its entries and samples stand before those of this one.
+    /// Restore the offered session: its entries and samples precede those of this session.
     Restore,
-    /// Remove the session that was offered.
+    /// Remove the offered session.
     Forget,
-    /// Remove everything that is kept, and forget the log and the recording. The rows are numbered anew.
+    /// Remove all saved sessions, and clear log and recording. The rows are renumbered.
     Erase,
 }
 
-/// Rows to be seen.
+/// A range of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Window {
-    /// Number of the first row; `None` is the newest `rows` rows.
+    /// Number of the first row; `None` for the newest rows.
     pub first: Option<u64>,
-    /// How many, at most [`Window::ROWS_MAX`].
+    /// Number of rows, at most [`Window::ROWS_MAX`].
     pub rows: u16,
 }
 
 impl Window {
-    /// Five screens full.
+    /// Five screens.
     pub const ROWS_MAX: u16 = 400;
 }
 
-/// Which entries the log shows. An entry is shown that satisfies all of it.
+/// Which entries the log shows: those that satisfy all conditions.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Filter {
-    /// Found, in any case of letters, in a row's time, ID, hex or meaning. Empty is everything.
+    /// A text in a row's time, ID, hex or meaning, ignoring case. Empty matches everything.
     pub text: String,
-    /// Of or to this motor.
+    /// From or to this motor.
     pub id: Option<MotorId>,
     /// Of this kind.
     pub kind: Option<Kind>,
-    /// Without routine exchanges: feedback queries, unchanged drive frames, and their good replies.
+    /// Without routine exchanges: feedback queries, unchanged drive frames, and their valid replies.
     pub collapse: bool,
 }
 
-/// What an entry is.
+/// The kind of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
-    /// A frame of ours.
+    /// A sent frame.
     Tx,
-    /// A good frame of a motor.
+    /// A valid frame of a motor.
     Rx,
-    /// Something that the page said.
+    /// A message of the page.
     System,
-    /// Something that went wrong: spoilt bytes, silence, and what the page said of it.
+    /// An error: invalid bytes, a missing reply, or an error message of the page.
     Error,
 }
 
 /// From the recorder to the page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum FromRecorder {
-    /// Rows of the log and its counts.
+    /// Rows of the log, and its counts.
     Log(LogPage),
     /// The state of the recording; sent when it changes, at most five times a second.
     Recording(RecordingStatus),
-    /// How far an export is; the last one, with a file, comes as [`FromRecorder::Exported`].
+    /// The progress of an export; [`FromRecorder::Exported`] follows at the end.
     Exporting {
         /// Which.
         what: Export,
@@ -115,121 +111,120 @@ pub enum FromRecorder {
         /// Rows in all.
         of: u64,
     },
-    /// A file is ready. With this message comes a `Blob`.
+    /// A file is complete. This message is posted with a `Blob`.
     Exported {
         /// Which.
         what: Export,
-        /// The name that the file is to have.
+        /// The file name.
         name: String,
-        /// Its rows, without the head.
+        /// Its rows, without the header.
         rows: u64,
     },
-    /// No file was made: there was nothing to write, or it was cancelled.
+    /// No file was written: there was nothing to export, or the export was cancelled.
     NotExported {
         /// Which.
         what: Export,
-        /// Whether a person cancelled it.
+        /// Whether the user cancelled it.
         cancelled: bool,
     },
-    /// The browser keeps a session that ended; offered until it is restored or forgotten.
-    Kept(KeptSession),
-    /// The session that was offered stands in log and recording. The rows are numbered anew.
+    /// A saved session was found. It is offered until it is restored or removed.
+    SavedSessionFound(SavedSession),
+    /// The offered session is restored. The rows are renumbered.
     Restored,
-    /// Samples of the session that was restored, of the last ten minutes of the recording: oldest first, at
-    /// most [`PAST_SAMPLES_MAX`] at once. They come behind [`FromRecorder::Restored`], the newest first of
-    /// all.
+    /// The last ten minutes of restored samples, after [`FromRecorder::Restored`]. The newest part comes
+    /// first; each part has at most [`PAST_SAMPLES_MAX`] samples, oldest first.
     Past {
-        /// How much later the zero of their times is than that of every other [`Instant`], in microseconds:
-        /// mostly it is earlier.
+        /// How much later the zero of their times is than the zero of other [`Instant`]s, in microseconds.
+        /// Usually negative.
         zero_us: i64,
         /// The samples.
         samples: Vec<Sample>,
     },
-    /// Everything that was kept has been removed.
+    /// The saved sessions have been removed.
     Erased {
-        /// Whether nothing is left; what other tabs have open is.
+        /// Whether nothing is left; sessions that other tabs have open are not removed.
         all: bool,
     },
-    /// From now on nothing is kept, and why; the log and the recording go on in memory.
-    NotKept(NotKept),
+    /// The session is no longer saved; log and recording continue in memory.
+    NotSaved(NotSaved),
     /// The recorder has failed; the log and the recording are lost.
     Died,
 }
 
-/// Samples of the past in one message: the page takes them in within a few milliseconds.
+/// Restored samples in one message: the page processes them within a few milliseconds.
 pub const PAST_SAMPLES_MAX: u16 = 2_000;
 
-/// A session that the browser keeps.
+/// A saved session.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct KeptSession {
-    /// When the first of it happened, in milliseconds since 1970, UTC.
+pub struct SavedSession {
+    /// The time of its first entry, in milliseconds since 1970, UTC.
     pub from_ms: f64,
-    /// When the last of it happened.
+    /// The time of its last entry.
     pub to_ms: f64,
-    /// Entries of the log that passed on the line.
+    /// Line events in its log.
     pub packets: u64,
-    /// Samples that were recorded.
+    /// Recorded samples.
     pub recorded: u64,
-    /// Time that was recorded, in milliseconds.
+    /// Recorded time, in milliseconds.
     pub recorded_ms: u64,
 }
 
-/// Why the browser keeps no copy of the session.
+/// Why the session is not saved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum NotKept {
+pub enum NotSaved {
     /// The browser has no room for it.
     NoRoom,
     /// Its storage fails.
     Failed,
 }
 
-/// Which file.
+/// The kind of an exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Export {
-    /// Of the packet log.
+    /// The packet log.
     Log,
-    /// Of the telemetry.
+    /// Telemetry.
     Telemetry,
 }
 
-/// Rows of the log and its counts.
+/// Rows of the log, and its counts.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LogPage {
-    /// Number of the oldest row that can be shown. It grows when old entries give way; a row keeps its
-    /// number until the filter changes or the log is cleared.
+    /// Number of the oldest row. It grows when old entries are dropped; a row keeps its number until the
+    /// filter changes or the log is cleared.
     pub oldest: u64,
-    /// Number behind that of the newest row.
+    /// Number after the newest row.
     pub end: u64,
-    /// Entries that are kept, shown or not.
+    /// Entries in the log, visible or not.
     pub kept: u64,
-    /// Entries that gave way to newer ones, since the log was cleared.
+    /// Entries dropped for newer ones since the log was cleared.
     pub gone: u64,
-    /// Entries that are kept and not shown because they are routine.
+    /// Entries that are hidden because they are routine.
     pub collapsed: u64,
-    /// How much of the log the filter has looked at, in per mille; 1000 when it is through.
-    pub looked_at_per_mille: u16,
-    /// Counts the changes of filter and the clearings, so that an answer to an older look can be told.
+    /// How much of the log is filtered, in per mille; 1000 when done.
+    pub filtered_per_mille: u16,
+    /// Number of filter changes and clearings. It identifies answers to older requests.
     pub generation: u32,
-    /// The rows that were asked for, as far as there are any.
+    /// The requested rows that exist.
     pub rows: Vec<Row>,
 }
 
-/// One row of the log, in words.
+/// One row of the log, as text.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Row {
     /// Its number.
     pub number: u64,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Local time of day, `13:15:36.962`.
     pub time: String,
-    /// Whom it concerns, `0x01`; empty where that is nobody.
+    /// The motor that it concerns, `0x01`; may be empty.
     pub id: String,
-    /// Its bytes; empty where it has none.
+    /// Its bytes; may be empty.
     pub hex: String,
-    /// What it says.
+    /// Its meaning.
     pub meaning: String,
-    /// Routine entries right before it that are not shown.
+    /// Number of hidden routine entries directly before it.
     pub collapsed_before: u32,
 }
 
@@ -238,19 +233,19 @@ pub struct Row {
 pub struct RecordingStatus {
     /// Whether samples are being added.
     pub recording: bool,
-    /// Samples recorded since Record was pressed first, or since the last export.
+    /// Recorded samples since the last export.
     pub recorded: u64,
-    /// Time that was recorded, in milliseconds.
+    /// Recorded time, in milliseconds.
     pub recorded_ms: u64,
-    /// Whether the recording is full, and so ended by itself.
+    /// Whether the recording is full and has stopped by itself.
     pub full: bool,
-    /// Whether the recording was exported as it is.
+    /// Whether all recorded samples were exported.
     pub exported: bool,
     /// Samples of the last ten minutes, which are always kept.
     pub rolling: u64,
 }
 
-/// The traffic in a buffer that came from the other worker, oldest first. What does not read ends it.
+/// Decodes the line events of the port worker, oldest first. Ends at the first invalid one.
 pub fn traffic(bytes: &[u8]) -> impl Iterator<Item = LineEvent> {
     let mut rest = bytes;
     std::iter::from_fn(move || {
@@ -260,7 +255,7 @@ pub fn traffic(bytes: &[u8]) -> impl Iterator<Item = LineEvent> {
     })
 }
 
-/// Adds one entry to a buffer that goes to the recorder.
+/// Encodes one line event into a buffer for the recorder.
 pub fn push_traffic(buffer: &mut Vec<u8>, traffic: &LineEvent) {
     // It always encodes, and the buffer grows.
     if let Ok(longer) = postcard::to_extend(traffic, std::mem::take(buffer)) {

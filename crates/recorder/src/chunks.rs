@@ -1,32 +1,31 @@
-//! A queue that grows, and gives way, without ever moving what it holds.
+//! A queue that grows and shrinks without moving its values.
 //!
-//! One buffer that doubles would copy 24 MB in one go as a full log begins, while frames wait. Pieces
-//! of equal size are taken one at a time, and one that has emptied is used again: a queue whose length
-//! stays the same takes no more memory, whatever passes through it.
+//! A single buffer that doubles would copy 24 MB at once, and delay frames. This queue allocates one chunk
+//! at a time and reuses an emptied one: a queue of constant length allocates no more memory.
 
 use std::collections::VecDeque;
 
-/// Entries in a piece: 24 kB of log.
+/// Entries in a chunk: 24 kB of log.
 pub(crate) const CHUNK: usize = 1024;
 const CHUNK_U64: u64 = 1024;
 
-/// Values in the order in which they were pushed. Each has a number, one more than that of the one
-/// before it, which is never used again.
+/// Values in the order in which they were pushed. They are numbered consecutively; a number is never
+/// reused.
 #[derive(Debug)]
 pub(crate) struct Chunks<T> {
-    pieces: VecDeque<Vec<T>>,
-    /// The number at the start of the first piece.
+    buffers: VecDeque<Vec<T>>,
+    /// The number at the start of the first chunk.
     base: u64,
     first: u64,
     end: u64,
-    /// A piece that has emptied, for the next that is needed.
+    /// An emptied chunk, to be reused.
     spare: Option<Vec<T>>,
 }
 
 impl<T: Copy> Chunks<T> {
     pub(crate) const fn new() -> Self {
         Self {
-            pieces: VecDeque::new(),
+            buffers: VecDeque::new(),
             base: 0,
             first: 0,
             end: 0,
@@ -34,12 +33,12 @@ impl<T: Copy> Chunks<T> {
         }
     }
 
-    /// The number of the oldest value; [`Self::end`] where there is none.
+    /// The number of the oldest value; [`Self::end`] if there is none.
     pub(crate) const fn first(&self) -> u64 {
         self.first
     }
 
-    /// The number behind that of the newest value.
+    /// The number after the newest value.
     pub(crate) const fn end(&self) -> u64 {
         self.end
     }
@@ -48,20 +47,20 @@ impl<T: Copy> Chunks<T> {
         self.end - self.first
     }
 
-    /// Places that memory is taken for.
+    /// Number of values that memory is allocated for.
     pub(crate) fn reserved(&self) -> usize {
-        let pieces = self.pieces.iter().chain(&self.spare);
-        pieces.map(Vec::capacity).sum()
+        let buffers = self.buffers.iter().chain(&self.spare);
+        buffers.map(Vec::capacity).sum()
     }
 
     pub(crate) fn get(&self, number: u64) -> Option<T> {
         let (chunk, place) = self.place(number)?;
-        self.pieces.get(chunk)?.get(place).copied()
+        self.buffers.get(chunk)?.get(place).copied()
     }
 
     pub(crate) fn get_mut(&mut self, number: u64) -> Option<&mut T> {
         let (chunk, place) = self.place(number)?;
-        self.pieces.get_mut(chunk)?.get_mut(place)
+        self.buffers.get_mut(chunk)?.get_mut(place)
     }
 
     pub(crate) fn oldest(&self) -> Option<T> {
@@ -72,22 +71,22 @@ impl<T: Copy> Chunks<T> {
         if number < self.first || number >= self.end {
             return None;
         }
-        // No memory holds more than 2^32 pieces.
+        // No memory holds more than 2^32 chunks.
         let offset = number - self.base;
         let chunk = usize::try_from(offset / CHUNK_U64).ok()?;
         let place = usize::try_from(offset % CHUNK_U64).ok()?;
         Some((chunk, place))
     }
 
-    /// Adds a value and gives its number.
+    /// Adds a value and returns its number.
     pub(crate) fn push(&mut self, value: T) -> u64 {
-        match self.pieces.back_mut() {
+        match self.buffers.back_mut() {
             Some(last) if last.len() < CHUNK => last.push(value),
             _ => {
                 let spare = self.spare.take();
                 let mut chunk = spare.unwrap_or_else(|| Vec::with_capacity(CHUNK));
                 chunk.push(value);
-                self.pieces.push_back(chunk);
+                self.buffers.push_back(chunk);
             }
         }
         let number = self.end;
@@ -95,12 +94,12 @@ impl<T: Copy> Chunks<T> {
         number
     }
 
-    /// Takes the oldest value away.
+    /// Removes the oldest value.
     pub(crate) fn pop(&mut self) -> Option<T> {
         let oldest = self.oldest()?;
         self.first += 1;
         if self.first - self.base == CHUNK_U64
-            && let Some(mut emptied) = self.pieces.pop_front()
+            && let Some(mut emptied) = self.buffers.pop_front()
         {
             emptied.clear();
             self.spare = Some(emptied);
@@ -109,9 +108,9 @@ impl<T: Copy> Chunks<T> {
         Some(oldest)
     }
 
-    /// Takes every value away, and gives the memory back. The numbers go on.
+    /// Removes all values and frees their memory. The numbers continue.
     pub(crate) fn clear(&mut self) {
-        self.pieces.clear();
+        self.buffers.clear();
         self.end = self.end.next_multiple_of(CHUNK_U64);
         self.first = self.end;
         self.base = self.end;

@@ -1,5 +1,5 @@
-//! Digits, written by hand into a text that is used again and again: an export writes some sixty
-//! million of them while a person waits.
+//! Quick formatting of digits into a reused string: an export writes some sixty million digits while the
+//! user waits.
 
 /// A digit, 0-15.
 const fn digit(value: u8) -> char {
@@ -14,7 +14,7 @@ pub fn push_decimal(out: &mut String, value: u64) {
     push_padded(out, value, 1);
 }
 
-/// A whole number with at least so many digits, 20 at most.
+/// A whole number with at least this many digits, 20 at most.
 pub fn push_padded(out: &mut String, value: u64, width: usize) {
     let mut digits = [0_u8; 20];
     let mut rest = value;

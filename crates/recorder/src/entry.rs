@@ -1,4 +1,4 @@
-//! One entry of the log, small enough to keep a million of them.
+//! One entry of the log, small enough for a million of them.
 
 use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::Kind;
@@ -6,35 +6,35 @@ use motorlink_protocol::{Instant, MotorId, Request};
 
 use crate::texts::TextRef;
 
-/// What the log keeps.
+/// An entry of the log.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     pub(crate) at: Instant,
-    pub(crate) what: What,
-    /// Whether it is part of a routine exchange, by what came before it.
+    pub(crate) content: EntryContent,
+    /// Whether it is part of a routine exchange, given the entries before it.
     pub(crate) routine: bool,
-    /// What the view has made of it.
-    pub(crate) verdict: Verdict,
+    /// How the view shows it.
+    pub(crate) visibility: Visibility,
 }
 
 /// A million entries are 24 MB.
 const _: () = assert!(size_of::<Entry>() == 24);
 
-/// What an entry is about.
+/// The content of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum What {
-    /// Something on the line.
-    Passed(LineEventKind),
-    /// Something that the page said.
-    Said { error: bool, text: TextRef },
+pub(crate) enum EntryContent {
+    /// An event of the line.
+    Line(LineEventKind),
+    /// A message of the page.
+    Message { error: bool, text: TextRef },
 }
 
-/// What the filter makes of an entry.
+/// Whether the view shows an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Verdict {
-    /// It is not asked for.
+pub(crate) enum Visibility {
+    /// It does not match the filter.
     Hidden,
-    /// It would be shown if it were not routine.
+    /// It matches, but it is routine.
     Collapsed,
     /// It is a row.
     Shown,
@@ -42,23 +42,25 @@ pub(crate) enum Verdict {
 
 impl Entry {
     pub(crate) const fn kind(&self) -> Kind {
-        match self.what {
-            What::Passed(LineEventKind::Sent { .. }) => Kind::Tx,
-            What::Passed(LineEventKind::Received { .. }) => Kind::Rx,
-            What::Passed(
+        match self.content {
+            EntryContent::Line(LineEventKind::Sent { .. }) => Kind::Tx,
+            EntryContent::Line(LineEventKind::Received { .. }) => Kind::Rx,
+            EntryContent::Line(
                 LineEventKind::Junk(_)
                 | LineEventKind::Silence { .. }
                 | LineEventKind::NotSent { .. },
             )
-            | What::Said { error: true, .. } => Kind::Error,
-            What::Said { error: false, .. } => Kind::System,
+            | EntryContent::Message { error: true, .. } => Kind::Error,
+            EntryContent::Message { error: false, .. } => Kind::System,
         }
     }
 
-    /// The motor that it is of or to. What every motor hears is to none.
+    /// The motor that it comes from or goes to; `None` for broadcasts.
     pub(crate) fn id(&self) -> Option<MotorId> {
-        match self.what {
-            What::Passed(LineEventKind::Sent { frame, .. } | LineEventKind::NotSent { frame }) => {
+        match self.content {
+            EntryContent::Line(
+                LineEventKind::Sent { frame, .. } | LineEventKind::NotSent { frame },
+            ) => {
                 let [first, second, third, ..] = *frame.bytes();
                 let to_all = match first {
                     0xAA => (second, third) == (0x55, 0x53),
@@ -67,25 +69,25 @@ impl Entry {
                 };
                 MotorId::new(first).ok().filter(|_| !to_all)
             }
-            What::Passed(LineEventKind::Received { frame, .. }) => {
+            EntryContent::Line(LineEventKind::Received { frame, .. }) => {
                 let [first, ..] = *frame.bytes();
                 MotorId::new(first).ok()
             }
-            What::Passed(LineEventKind::Silence { id, .. }) => Some(id),
-            What::Passed(LineEventKind::Junk(_)) | What::Said { .. } => None,
+            EntryContent::Line(LineEventKind::Silence { id, .. }) => Some(id),
+            EntryContent::Line(LineEventKind::Junk(_)) | EntryContent::Message { .. } => None,
         }
     }
 
-    /// Its bytes, as far as it has any.
+    /// Its bytes, if it has any.
     pub(crate) fn bytes(&self) -> &[u8] {
-        match &self.what {
-            What::Passed(
+        match &self.content {
+            EntryContent::Line(
                 LineEventKind::Sent { frame, .. }
                 | LineEventKind::Received { frame, .. }
                 | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
-            What::Passed(LineEventKind::Junk(junk)) => junk.bytes(),
-            What::Passed(LineEventKind::Silence { .. }) | What::Said { .. } => &[],
+            EntryContent::Line(LineEventKind::Junk(junk)) => junk.bytes(),
+            EntryContent::Line(LineEventKind::Silence { .. }) | EntryContent::Message { .. } => &[],
         }
     }
 }
@@ -105,9 +107,9 @@ mod tests {
     const fn entry(passed: LineEventKind) -> Entry {
         Entry {
             at: Instant::ZERO,
-            what: What::Passed(passed),
+            content: EntryContent::Line(passed),
             routine: false,
-            verdict: Verdict::Hidden,
+            visibility: Visibility::Hidden,
         }
     }
 

@@ -1,41 +1,40 @@
 //! The recorder: keeps the packet log and the recording, filters them and writes them as CSV.
 //!
-//! It runs in a web worker of its own, beside the one that owns the port: a million entries are filtered
-//! and written while frames go on and while the page scrolls. Here it is pure: no browser, and time is an
-//! argument. [`Recorder`] takes messages and traffic and gives messages and parts of files; whoever calls
-//! it decides how much it does in one go.
+//! It runs in its own web worker, so that filtering and writing a million entries delay neither the frames
+//! nor the page. This crate uses no browser, and time is an argument. [`Recorder`] takes messages and line
+//! events and returns messages and parts of files; the caller decides how much it does at a time.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `recorder` | the whole: messages in, messages and files out |
-//! | `log` | the packet log: the newest million entries in the order of their times |
+//! | `recorder` | messages in, messages and files out |
+//! | `log` | the packet log: the newest million entries in order of time |
 //! | `view` | which entries are rows, and which row is which entry |
-//! | `row_filter` | whether an entry is asked for |
+//! | `row_filter` | which entries match the filter |
 //! | `routine` | which exchanges are routine |
-//! | `words` | an entry in words |
+//! | `meaning` | the text of an entry |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
-//! | `kept` | the session on disk: what is written, and how it is read back |
-//! | `restoring` | a kept session on its way into the recorder, a slice at a time |
-//! | `csv_file` | CSV files, made a slice at a time |
+//! | `saved` | the saved session: its files, how they are written and read |
+//! | `restoring` | restores a saved session in slices |
+//! | `csv_file` | CSV files, written in slices |
 //! | `wall_clock`, `local_time` | the time of day |
-//! | `chunks`, `entry`, `texts`, `digits` | how it is kept small and quick |
+//! | `chunks`, `entry`, `texts`, `digits` | compact storage and quick formatting |
 
 mod chunks;
 mod csv_file;
 pub mod digits;
 mod entry;
-pub mod kept;
 mod local_time;
 mod log;
+mod meaning;
 mod recorder;
 mod recording;
 mod restoring;
 mod routine;
 mod row_filter;
+pub mod saved;
 mod texts;
 mod view;
 mod wall_clock;
-mod words;
 
 pub use csv_file::{CsvFile, CsvLines};
 pub use local_time::LocalTime;

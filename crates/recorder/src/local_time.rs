@@ -1,20 +1,20 @@
-//! How far local time is ahead of UTC, now and before: a log may reach back to before the clocks were changed.
+//! The offset of local time to UTC, now and before: a log may start before a change of the clocks.
 
-/// Changes that are known, the latest of them: two years of summer time.
+/// Number of known changes: two years of summer time.
 const CHANGES_MAX: usize = 4;
 
-/// A change is looked for day by day: no zone changes its clocks there and back within one.
+/// The search for changes proceeds by days: no zone changes its clocks twice within one day.
 const STEP_MS: i64 = 86_400_000;
 
-/// How far back it is looked for: three years.
+/// How far back the search goes: three years.
 const STEPS_MAX: u32 = 1_096;
 
-/// How far local time is ahead of UTC, and when that was changed.
+/// How far local time is ahead of UTC, and when that changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LocalTime {
-    /// In minutes, since the latest change.
+    /// The offset in minutes since the latest change.
     minutes: i32,
-    /// Until when it was another, in milliseconds since 1970, and which; the latest first.
+    /// Earlier offsets: until when, in milliseconds since 1970, and minutes; the latest first.
     before: [(i64, i32); CHANGES_MAX],
 }
 
@@ -25,7 +25,7 @@ impl Default for LocalTime {
 }
 
 impl LocalTime {
-    /// Always so many minutes ahead of UTC; negative in the west.
+    /// A constant offset in minutes; negative in the west.
     #[must_use]
     pub const fn fixed(minutes: i32) -> Self {
         Self {
@@ -34,7 +34,7 @@ impl LocalTime {
         }
     }
 
-    /// From one moment until another, both in milliseconds since 1970, as `minutes_at` says for any moment.
+    /// The local time between two times in milliseconds since 1970. `minutes_at` returns the offset at a time.
     pub fn between(from_ms: i64, until_ms: i64, minutes_at: impl Fn(i64) -> i32) -> Self {
         let mut local = Self::fixed(minutes_at(until_ms));
         let mut changes = local.before.iter_mut();

@@ -1,4 +1,4 @@
-//! The packet log: the newest entries, in the order of their times, and a view of them.
+//! The packet log: the newest entries in order of time, and a view of them.
 
 use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::{Filter, LogPage, Window};
@@ -6,21 +6,21 @@ use motorlink_protocol::Instant;
 
 use crate::{
     chunks::Chunks,
-    entry::{Entry, Verdict, What},
+    entry::{Entry, EntryContent, Visibility},
     routine::Routine,
     texts::Texts,
-    view::{LOOK_BACK, RowContext, View},
+    view::{REORDER_MAX, RowContext, View},
     wall_clock::WallClock,
 };
 
-/// Entries that are kept: at 1,000 frames a second the last quarter of an hour, in 24 MB.
+/// Number of entries: a quarter of an hour at 1,000 frames a second, in 24 MB.
 pub const ENTRIES_MAX: u64 = 1_000_000;
 
-/// Bytes of all that the page has said. A million lines of it would be no log of packets; a line is a
-/// hundred bytes, so this is never reached.
+/// Bytes of all messages. A message has about a hundred bytes, and few entries are messages, so this is
+/// never reached.
 const TEXT_BYTES_MAX: usize = 16_000_000;
 
-/// The newest entries. The oldest give way, and are counted.
+/// The newest entries. A full log drops the oldest, and counts them.
 #[derive(Debug)]
 pub struct Log {
     entries: Chunks<Entry>,
@@ -30,7 +30,7 @@ pub struct Log {
     clock: WallClock,
     capacity: u64,
     gone: u64,
-    /// Entries before this one keep their places, because a file is being made of them.
+    /// Entries before this one keep their numbers, because they are being exported or copied.
     settled: u64,
 }
 
@@ -41,7 +41,7 @@ impl Default for Log {
 }
 
 impl Log {
-    /// An empty log that keeps so many entries.
+    /// An empty log with room for this number of entries.
     #[must_use]
     pub fn with_capacity(entries: u64) -> Self {
         Self {
@@ -56,45 +56,45 @@ impl Log {
         }
     }
 
-    /// Sets the clock by which times are shown.
+    /// Sets the clock for the times of rows.
     pub const fn set_clock(&mut self, clock: WallClock) {
         self.clock = clock;
     }
 
-    /// The clock by which times are shown.
+    /// The clock for the times of rows.
     #[must_use]
     pub const fn clock(&self) -> WallClock {
         self.clock
     }
 
-    /// Adds what has passed on the line.
-    pub fn passed(&mut self, traffic: &LineEvent) {
+    /// Adds a line event.
+    pub fn add_event(&mut self, traffic: &LineEvent) {
         let routine = self.routine.is_next(&traffic.kind);
-        self.take(traffic.at, What::Passed(traffic.kind), routine);
+        self.take(traffic.at, EntryContent::Line(traffic.kind), routine);
     }
 
-    /// Adds what the page says.
-    pub fn say(&mut self, at: Instant, error: bool, text: &str) {
+    /// Adds a message of the page.
+    pub fn add_message(&mut self, at: Instant, error: bool, text: &str) {
         let text = self.texts.keep(text);
-        self.take(at, What::Said { error, text }, false);
+        self.take(at, EntryContent::Message { error, text }, false);
     }
 
-    /// Puts an entry where its time belongs. What the page says is here at once, frames come in batches:
-    /// either may have to stand before the other.
-    fn take(&mut self, at: Instant, what: What, routine: bool) {
+    /// Inserts an entry in order of time. Messages arrive at once, line events in batches, so either may be
+    /// late.
+    fn take(&mut self, at: Instant, content: EntryContent, routine: bool) {
         while self.entries.len() >= self.capacity || self.texts.bytes() > TEXT_BYTES_MAX {
-            if !self.give_way() {
+            if !self.drop_oldest() {
                 break;
             }
         }
         let entry = Entry {
             at,
-            what,
+            content,
             routine,
-            verdict: Verdict::Hidden,
+            visibility: Visibility::Hidden,
         };
         let mut place = self.entries.push(entry);
-        let least = place.saturating_sub(LOOK_BACK).max(self.settled);
+        let least = place.saturating_sub(REORDER_MAX).max(self.settled);
         while place > least
             && let Some(before) = self.entries.get(place - 1)
             && before.at > at
@@ -106,28 +106,28 @@ impl Log {
                 *slot = entry;
             }
         }
-        let context = RowContext {
+        let row_context = RowContext {
             texts: &self.texts,
             clock: self.clock,
         };
-        self.view.took(&mut self.entries, place, context);
+        self.view.entry_added(&mut self.entries, place, row_context);
     }
 
-    /// Lets the oldest entry go. There may be none.
-    fn give_way(&mut self) -> bool {
+    /// Drops the oldest entry. Returns false if there is none.
+    fn drop_oldest(&mut self) -> bool {
         let number = self.entries.first();
         let Some(oldest) = self.entries.pop() else {
             return false;
         };
-        if let What::Said { text, .. } = oldest.what {
+        if let EntryContent::Message { text, .. } = oldest.content {
             self.texts.forget(text);
         }
-        self.view.gave_way(number, oldest.verdict);
+        self.view.oldest_dropped(number, oldest.visibility);
         self.gone += 1;
         true
     }
 
-    /// Forgets every entry, and what was routine: the next frame of each kind is shown again.
+    /// Removes every entry and the state of the routine filter, so that the next frame of each kind is shown.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.texts = Texts::default();
@@ -141,30 +141,30 @@ impl Log {
         let Some(entry) = other.entries.get(number) else {
             return;
         };
-        let what = match entry.what {
-            What::Said { error, text } => What::Said {
+        let content = match entry.content {
+            EntryContent::Message { error, text } => EntryContent::Message {
                 error,
                 text: self.texts.keep(other.texts.get(text)),
             },
-            passed @ What::Passed(_) => passed,
+            passed @ EntryContent::Line(_) => passed,
         };
-        self.take(at(entry.at), what, entry.routine);
+        self.take(at(entry.at), content, entry.routine);
     }
 
-    /// Goes on as another log whose entries have been copied behind these: what is routine, and how often
-    /// the rows were numbered anew. Then they are, once more, by this filter.
-    pub(crate) fn go_on_as(&mut self, other: &mut Self, filter: &Filter) {
+    /// Takes over the state of another log whose entries have been appended to this one: what is routine, and
+    /// the generation of the rows. Then applies this filter.
+    pub(crate) fn continue_from(&mut self, other: &mut Self, filter: &Filter) {
         std::mem::swap(&mut self.routine, &mut other.routine);
-        self.view.go_on_as(&other.view);
+        self.view.continue_from(&other.view);
         self.filter(filter);
     }
 
-    /// As many entries as it keeps.
+    /// The maximal number of entries.
     pub(crate) const fn capacity(&self) -> u64 {
         self.capacity
     }
 
-    /// Shows other entries. The newest are rows at once, the others by [`Log::advance`].
+    /// Sets the filter. The newest entries are filtered at once, the others by [`Log::advance`].
     pub fn filter(&mut self, filter: &Filter) {
         let context = RowContext {
             texts: &self.texts,
@@ -173,7 +173,7 @@ impl Log {
         self.view.filter(filter, &mut self.entries, context);
     }
 
-    /// Lets the filter look at so many entries more. Says whether it is through.
+    /// Filters this number of further entries. Returns whether all are filtered.
     pub fn advance(&mut self, entries: u64) -> bool {
         let context = RowContext {
             texts: &self.texts,
@@ -182,13 +182,13 @@ impl Log {
         self.view.advance(&mut self.entries, context, entries)
     }
 
-    /// Whether the filter has looked at every entry.
+    /// Whether all entries have been filtered.
     #[must_use]
     pub const fn is_filtered(&self) -> bool {
-        self.view.is_through(&self.entries)
+        self.view.is_complete(&self.entries)
     }
 
-    /// Rows in words, and every count.
+    /// The rows of a window, and all counts.
     #[must_use]
     pub fn page(&self, window: Window) -> LogPage {
         let context = RowContext {
@@ -201,13 +201,13 @@ impl Log {
         }
     }
 
-    /// Entries that memory is taken for: at most two pieces of 1,024 more than are kept at most.
+    /// Entries that memory is allocated for: at most two chunks of 1,024 more than the capacity.
     #[must_use]
     pub fn reserved(&self) -> usize {
         self.entries.reserved()
     }
 
-    /// Every entry there is, for a file. From now on none of them changes its place, and none comes
+    /// The numbers of all current entries. From now on none of them changes, and no late entry is inserted
     /// between them.
     pub(crate) const fn settle(&mut self) -> std::ops::Range<u64> {
         self.settled = self.entries.end();

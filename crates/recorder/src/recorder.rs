@@ -1,4 +1,4 @@
-//! The recorder as a whole: messages and traffic go in, messages and parts of files come out.
+//! The recorder: messages and line events go in, messages and parts of files come out.
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -11,49 +11,49 @@ use motorlink_protocol::Instant;
 
 use crate::{
     csv_file::CsvFile,
-    kept::{Act, Keeper, Segment, Stream, Summary, Timeline},
     local_time::LocalTime,
     log::Log,
     recording::Recording,
-    restoring::{Past, Restoring, Wants},
+    restoring::{Need, Past, Restoring},
+    saved::{Segment, SessionWriter, StoreAction, Stream, Summary, Timeline},
     wall_clock::WallClock,
 };
 
-/// A page of the log at most 30 times a second.
+/// A page of the log is sent at most 30 times a second.
 const PAGE_PERIOD: Duration = Duration::from_micros(33_400);
-/// The state of the recording at most five times a second.
+/// The state of the recording is sent at most five times a second.
 const STATUS_PERIOD: Duration = Duration::from_millis(200);
-/// How far an export is, ten times a second: a bar that moves.
+/// The progress of an export is sent ten times a second, so that the bar moves smoothly.
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
 
-/// A part of a file, in bytes: some fifty for a full log, each copied in a millisecond.
+/// Bytes of a part of a file: a full log has about fifty parts, each copied in a millisecond.
 const PART: usize = 2 << 20;
 
-/// What the recorder wants of whoever calls it.
+/// What the caller of the recorder has to do next.
 #[derive(Debug)]
 pub enum Output {
-    /// Tell the page.
-    Tell(FromRecorder),
-    /// Keep this behind the parts that are kept.
+    /// Post a message to the page.
+    Post(FromRecorder),
+    /// Append this part to the file that is being written.
     Part(Vec<u8>),
-    /// The parts that are kept are the file that this message names: give it to the page with it.
+    /// The file is complete: post it to the page with this message.
     File(FromRecorder),
-    /// Give the parts that are kept up, and tell the page why.
+    /// Discard the parts, and post this message.
     NoFile(FromRecorder),
-    /// Do this with the files of the session.
-    Keep(Act),
-    /// Give the next file of the session that is restored: see [`Recorder::restore`].
-    NextKept,
-    /// There is work: see [`Recorder::work`]. Between two of these, let messages in.
+    /// Do this with the files of the saved session.
+    Store(StoreAction),
+    /// Read the next file of the restored session: see [`Recorder::restore`].
+    NextFile,
+    /// Call [`Recorder::work`]. Receive messages in between.
     Work,
-    /// Nothing is to be done until something comes, or until then.
+    /// Wait for input, at most until this time.
     Wait(Option<Instant>),
 }
 
-/// The packet log, the recording, and what the page wants of them.
+/// The packet log, the recording, and the requests of the page.
 ///
-/// Two clocks go in. Traffic, and what the page says, carries the time of the worker that owns the port;
-/// `now` is the caller's own, and decides only when something is told again.
+/// There are two clocks. Line events and messages have the time of the port worker; `now` is the caller's
+/// time and decides only when to post again.
 #[derive(Debug)]
 pub struct Recorder {
     log: Log,
@@ -62,36 +62,36 @@ pub struct Recorder {
     own_clock: WallClock,
     window: Option<Window>,
     page_changed: bool,
-    page_told: Option<Instant>,
+    page_sent_at: Option<Instant>,
     status: RecordingStatus,
-    status_told: Option<Instant>,
-    /// Puts the times that come in on the log's clock.
+    status_sent_at: Option<Instant>,
+    /// Converts the times of inputs to the clock of the log.
     timeline: Timeline,
-    /// The epoch of the times that come in, in microseconds since 1970.
+    /// The epoch of the times of inputs, in microseconds since 1970.
     epoch_us: Option<i64>,
     filter: Filter,
-    /// Where the session is kept.
-    keeper: Option<Keeper>,
+    /// Writes the saved session; `None` if it is not saved.
+    writer: Option<SessionWriter>,
     restoring: Option<Box<Restoring>>,
-    /// What was restored and the page does not have yet.
+    /// Restored samples that the page does not have yet.
     past: Option<Past>,
-    /// Files that were asked for while a session was being restored.
-    put_off: Vec<Export>,
-    /// Files that are wanted, of which the first is being made.
+    /// Exports that were requested while a session is being restored.
+    postponed_exports: Vec<Export>,
+    /// The requested files; the first is being written.
     files: VecDeque<CsvFile>,
-    progress_told: Option<Instant>,
-    /// What is to be told at once.
+    progress_sent_at: Option<Instant>,
+    /// Outputs that are due at once.
     outgoing: VecDeque<Output>,
 }
 
 impl Recorder {
-    /// An empty recorder. `own_clock` is that of `now` in every other call.
+    /// An empty recorder. `own_clock` is the clock of `now` in all other calls.
     #[must_use]
     pub fn new(own_clock: WallClock) -> Self {
         Self::with(own_clock, Log::default(), Recording::default())
     }
 
-    /// A recorder that keeps what these keep.
+    /// A recorder with this log and recording.
     #[must_use]
     pub fn with(own_clock: WallClock, log: Log, recording: Recording) -> Self {
         Self {
@@ -100,23 +100,23 @@ impl Recorder {
             own_clock,
             window: None,
             page_changed: false,
-            page_told: None,
+            page_sent_at: None,
             status: RecordingStatus::default(),
-            status_told: None,
+            status_sent_at: None,
             timeline: Timeline::default(),
             epoch_us: None,
             filter: Filter::default(),
-            keeper: None,
+            writer: None,
             restoring: None,
             past: None,
-            put_off: Vec::new(),
+            postponed_exports: Vec::new(),
             files: VecDeque::new(),
-            progress_told: None,
+            progress_sent_at: None,
             outgoing: VecDeque::new(),
         }
     }
 
-    /// Local time, in the log and in the names of files: it has to be right from [`Self::begins_ms`] on, or
+    /// Sets the local time for the log and for file names. It has to be valid from [`Self::begins_ms`] on, or
     /// from the beginning of the session to restore.
     pub const fn set_local_time(&mut self, local_time: LocalTime) {
         self.own_clock = self.own_clock.with_local_time(local_time);
@@ -124,66 +124,66 @@ impl Recorder {
             .set_clock(self.log.clock().with_local_time(local_time));
     }
 
-    /// When the log begins, in milliseconds since 1970; `None` before its epoch is known.
+    /// The zero of the log's clock, in milliseconds since 1970; `None` before its epoch is known.
     #[must_use]
     pub fn begins_ms(&self) -> Option<i64> {
         let zero_us = self.log.clock().zero_us();
         self.epoch_us.map(|_| zero_us / 1_000)
     }
 
-    /// The same recorder, which from now on keeps what comes in: see [`Output::Keep`].
+    /// The same recorder, but it saves the session: see [`Output::Store`].
     #[must_use]
-    pub fn keeping(mut self) -> Self {
-        self.keeper = Some(Keeper::default());
+    pub fn saving(mut self) -> Self {
+        self.writer = Some(SessionWriter::default());
         self
     }
 
-    /// From now on nothing is kept, whatever comes in.
-    pub fn keep_no_more(&mut self) {
-        self.keeper = None;
+    /// Stops saving the session.
+    pub fn stop_saving(&mut self) {
+        self.writer = None;
     }
 
-    /// Whether it keeps what comes in.
+    /// Whether it saves the session.
     #[must_use]
-    pub const fn is_keeping(&self) -> bool {
-        self.keeper.is_some()
+    pub const fn is_saving(&self) -> bool {
+        self.writer.is_some()
     }
 
-    /// Takes what has passed on the line.
-    pub fn passed(&mut self, traffic: &LineEvent) {
+    /// Adds a line event.
+    pub fn add_event(&mut self, traffic: &LineEvent) {
         let at = self.timeline.at(traffic.at);
         let placed = LineEvent { at, ..*traffic };
-        self.log.passed(&placed);
-        let recorded = self.recording.passed(&placed);
-        if let Some(keeper) = &mut self.keeper {
-            keeper.passed(traffic, recorded);
+        self.log.add_event(&placed);
+        let recorded = self.recording.add_event(&placed);
+        if let Some(writer) = &mut self.writer {
+            writer.add_event(traffic, recorded);
         }
         self.page_changed = true;
     }
 
-    /// Takes in a session that is kept in these files, in order, of these sizes. Asks for them one after the other by
-    /// [`Output::NextKept`], to be answered by [`Recorder::next_kept`], those of the packets first; meanwhile
-    /// it goes on as it was. What is kept of this session goes behind them.
+    /// Restores the session in these files, which are in order, with their sizes. Requests them one after the
+    /// other by [`Output::NextFile`]; the caller answers with [`Recorder::next_file`]. The recorder works as
+    /// usual meanwhile. The files of this session continue after them.
     #[inline(never)]
     pub fn restore(&mut self, summary: &Summary, files: &[(Segment, usize)]) {
         if self.restoring.is_some() {
             return;
         }
-        if let Some(keeper) = &mut self.keeper {
-            keeper.adopt(files);
+        if let Some(writer) = &mut self.writer {
+            writer.adopt(files);
         }
         let clock = WallClock::from_us(summary.first_epoch_us(), self.own_clock.local_time());
         self.restoring = Some(Box::new(Restoring::new(clock, &self.log, &self.recording)));
     }
 
-    /// The file that was asked for; `None` when there is no more.
-    pub fn next_kept(&mut self, file: Option<(Stream, Vec<u8>)>) {
+    /// The requested file; `None` when there are no more.
+    pub fn next_file(&mut self, file: Option<(Stream, Vec<u8>)>) {
         if let Some(restoring) = &mut self.restoring {
             restoring.take(file);
         }
     }
 
-    /// Puts the session that was restored, with this one behind it, in the place of this one.
+    /// Replaces this session by the restored one, followed by this one.
     #[inline(never)]
     fn finish_restoring(&mut self) {
         let Some(restoring) = self.restoring.take() else {
@@ -195,21 +195,21 @@ impl Recorder {
         self.past = Some(past);
         self.page_changed = true;
         self.outgoing
-            .push_back(Output::Tell(FromRecorder::Restored));
-        for what in std::mem::take(&mut self.put_off) {
-            self.make(what);
+            .push_back(Output::Post(FromRecorder::Restored));
+        for what in std::mem::take(&mut self.postponed_exports) {
+            self.begin_export(what);
         }
     }
 
-    /// Forgets everything, and has everything removed that is kept.
+    /// Clears log and recording, and removes all saved sessions.
     #[inline(never)]
     fn erase(&mut self) {
-        if let Some(keeper) = &mut self.keeper {
-            keeper.erase();
+        if let Some(writer) = &mut self.writer {
+            writer.erase();
         }
         self.restoring = None;
         self.past = None;
-        self.put_off.clear();
+        self.postponed_exports.clear();
         for file in std::mem::take(&mut self.files) {
             self.no_file(file.what(), true);
         }
@@ -217,7 +217,7 @@ impl Recorder {
         self.recording = Recording::with_capacity(self.recording.capacity());
     }
 
-    /// Does what the page asks.
+    /// Handles a message of the page.
     pub fn handle(&mut self, message: ToRecorder) {
         self.page_changed |= !matches!(
             message,
@@ -231,21 +231,21 @@ impl Recorder {
                 let clock = WallClock::new(unix_ms, 0);
                 self.set_epoch(clock.with_local_time(self.own_clock.local_time()));
             }
-            ToRecorder::Say { at, error, text } => {
-                self.log.say(self.timeline.at(at), error, &text);
-                if let Some(keeper) = &mut self.keeper {
-                    keeper.say(at, error, &text);
+            ToRecorder::AddMessage { at, error, text } => {
+                self.log.add_message(self.timeline.at(at), error, &text);
+                if let Some(writer) = &mut self.writer {
+                    writer.add_message(at, error, &text);
                 }
             }
-            ToRecorder::Look(window) => self.window = Some(window),
-            ToRecorder::Speak { language, texts } => {
+            ToRecorder::Show(window) => self.window = Some(window),
+            ToRecorder::SetLanguage { language, texts } => {
                 let language = Language::from_tag(&language).unwrap_or_default();
                 if let Some(texts) = texts {
-                    // Texts of another version are refused: the rows are in English then.
+                    // Texts of another version are refused; the rows stay in English then.
                     let _ = motorlink_i18n::give(language, texts);
                 }
                 motorlink_i18n::speak(language);
-                // What is searched for may be in other entries now.
+                // In the new language, the search may match other entries.
                 self.log.filter(&self.filter);
             }
             ToRecorder::Filter(filter) => {
@@ -257,12 +257,12 @@ impl Recorder {
                 if let Some(restoring) = &mut self.restoring {
                     restoring.clear();
                 }
-                if let Some(keeper) = &mut self.keeper {
-                    keeper.clear();
+                if let Some(writer) = &mut self.writer {
+                    writer.clear();
                 }
             }
-            ToRecorder::ExportLog => self.make(Export::Log),
-            ToRecorder::ExportTelemetry => self.make(Export::Telemetry),
+            ToRecorder::ExportLog => self.begin_export(Export::Log),
+            ToRecorder::ExportTelemetry => self.begin_export(Export::Telemetry),
             ToRecorder::CancelExport => {
                 for file in std::mem::take(&mut self.files) {
                     self.no_file(file.what(), true);
@@ -270,20 +270,20 @@ impl Recorder {
             }
             ToRecorder::Record(on) => {
                 let anew = self.recording.record(on);
-                if let Some(keeper) = &mut self.keeper {
-                    keeper.record(on, anew);
+                if let Some(writer) = &mut self.writer {
+                    writer.record(on, anew);
                 }
             }
             ToRecorder::Erase => self.erase(),
-            // They are about files, and for the caller: see `Self::restore`.
+            // The caller handles them: see `Self::restore`.
             ToRecorder::Restore | ToRecorder::Forget => {}
         }
     }
 
     fn set_epoch(&mut self, clock: WallClock) {
         let epoch_us = clock.zero_us();
-        if let Some(keeper) = &mut self.keeper {
-            keeper.set_epoch(epoch_us);
+        if let Some(writer) = &mut self.writer {
+            writer.set_epoch(epoch_us);
         }
         if self.timeline.has_runs() {
             self.timeline.begin(epoch_us);
@@ -293,13 +293,13 @@ impl Recorder {
         self.epoch_us = Some(epoch_us);
     }
 
-    /// Begins a file, unless such a one is being made.
-    fn make(&mut self, what: Export) {
+    /// Begins an export, unless one of the same kind is in progress.
+    fn begin_export(&mut self, what: Export) {
         if self.files.iter().any(|file| file.what() == what) {
             return;
         }
         if self.restoring.is_some() && self.files.is_empty() {
-            self.put_off.push(what);
+            self.postponed_exports.push(what);
             return;
         }
         let file = match what {
@@ -318,54 +318,54 @@ impl Recorder {
         self.outgoing.push_back(Output::NoFile(message));
     }
 
-    /// What is to be done next. Call it until it says [`Output::Wait`].
+    /// What to do next. Call it until it returns [`Output::Wait`].
     pub fn poll(&mut self, now: Instant) -> Output {
         if let Some(output) = self.outgoing.pop_front() {
             return output;
         }
-        let page_due = due(now, self.page_told, PAGE_PERIOD);
+        let page_due = due(now, self.page_sent_at, PAGE_PERIOD);
         if self.page_changed
             && page_due <= now
             && let Some(window) = self.window
         {
             self.page_changed = false;
-            self.page_told = Some(now);
-            return Output::Tell(FromRecorder::Log(self.log.page(window)));
+            self.page_sent_at = Some(now);
+            return Output::Post(FromRecorder::Log(self.log.page(window)));
         }
         let status = self.recording.status();
-        let status_due = due(now, self.status_told, STATUS_PERIOD);
+        let status_due = due(now, self.status_sent_at, STATUS_PERIOD);
         if status != self.status && status_due <= now {
             self.status = status;
-            self.status_told = Some(now);
-            return Output::Tell(FromRecorder::Recording(status));
+            self.status_sent_at = Some(now);
+            return Output::Post(FromRecorder::Recording(status));
         }
         if let Some(progress) = self.progress(now) {
-            return Output::Tell(progress);
+            return Output::Post(progress);
         }
-        if let Some(act) = self.keeper.as_mut().and_then(|keeper| keeper.poll(now)) {
-            return Output::Keep(act);
+        if let Some(action) = self.writer.as_mut().and_then(|writer| writer.poll(now)) {
+            return Output::Store(action);
         }
         if !self.log.is_filtered() || self.past.is_some() || !self.files.is_empty() {
             return Output::Work;
         }
-        // Before the epoch is known, nothing of this session has a time.
+        // Before the epoch is known, the times of this session are not.
         let restoring = self.restoring.as_mut().filter(|_| self.epoch_us.is_some());
-        match restoring.map(|restoring| restoring.wants()) {
-            Some(Wants::File) => return Output::NextKept,
-            Some(Wants::Work) => return Output::Work,
-            Some(Wants::Nothing) | None => {}
+        match restoring.map(|restoring| restoring.need()) {
+            Some(Need::File) => return Output::NextFile,
+            Some(Need::Work) => return Output::Work,
+            Some(Need::Nothing) | None => {}
         }
         let page_due = (self.page_changed && self.window.is_some()).then_some(page_due);
         let status_due = (status != self.status).then_some(status_due);
-        let keep_due = self.keeper.as_ref().and_then(Keeper::due);
+        let keep_due = self.writer.as_ref().and_then(SessionWriter::due);
         let dues = [page_due, status_due, keep_due];
         Output::Wait(dues.into_iter().flatten().min())
     }
 
     fn progress(&mut self, now: Instant) -> Option<FromRecorder> {
         let file = self.files.front()?;
-        (due(now, self.progress_told, PROGRESS_PERIOD) <= now).then(|| {
-            self.progress_told = Some(now);
+        (due(now, self.progress_sent_at, PROGRESS_PERIOD) <= now).then(|| {
+            self.progress_sent_at = Some(now);
             FromRecorder::Exporting {
                 what: file.what(),
                 done: file.rows(),
@@ -374,10 +374,10 @@ impl Recorder {
         })
     }
 
-    /// Goes on with what takes long: looks at so many entries, or writes so many lines. `now` is for the
-    /// name of a file that is ready.
+    /// Continues the long tasks: filters this number of entries, or writes this number of lines. `now` is
+    /// for the name of a completed file.
     pub fn work(&mut self, now: Instant, entries: u64) {
-        // A person waits for the rows; a file waits for itself.
+        // Rows first, because the user is looking at them.
         if !self.log.is_filtered() {
             self.log.advance(entries);
             self.page_changed = true;
@@ -385,7 +385,7 @@ impl Recorder {
         }
         if let Some(past) = &mut self.past {
             match past.next(&self.recording) {
-                Some(samples) => self.outgoing.push_back(Output::Tell(samples)),
+                Some(samples) => self.outgoing.push_back(Output::Post(samples)),
                 None => self.past = None,
             }
             return;
@@ -409,16 +409,16 @@ impl Recorder {
 
     fn finish(&mut self, now: Instant, file: &CsvFile) {
         let what = file.what();
-        // All of it may have been cleared meanwhile.
+        // All entries may have been cleared meanwhile.
         if file.rows() == 0 {
             return self.no_file(what, false);
         }
         if let Some(until) = file.recorded_until() {
             self.recording.exported(until);
-            if let Some(keeper) = &mut self.keeper
+            if let Some(writer) = &mut self.writer
                 && self.recording.status().exported
             {
-                keeper.exported();
+                writer.exported();
             }
         }
         let mut name = String::from(match what {
@@ -430,7 +430,7 @@ impl Recorder {
         let rows = file.rows();
         self.outgoing
             .push_back(Output::File(FromRecorder::Exported { what, name, rows }));
-        self.progress_told = None;
+        self.progress_sent_at = None;
     }
 }
 

@@ -1,5 +1,4 @@
-//! Every sample of telemetry: the last ten minutes always, and what a person records for as long as
-//! they record it.
+//! Samples of telemetry: always those of the last ten minutes, and those that the user records.
 
 use std::time::Duration;
 
@@ -9,15 +8,15 @@ use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, Reply};
 
 use crate::chunks::Chunks;
 
-/// How long a sample is kept without being recorded.
+/// How long samples are kept that are not recorded.
 pub const ROLLING: Duration = Duration::from_secs(600);
 
-/// Samples of [`ROLLING`] that the line can carry: an exchange is two frames of 868 us, so there are at
-/// most 576 a second. They take 8.3 MB.
+/// The samples that the line can carry within [`ROLLING`]: an exchange is two frames of 868 us, so there
+/// are at most 576 a second. They take 8.3 MB.
 pub const ROLLING_MAX: u64 =
     ROLLING.as_secs() * 1_000_000 / (2 * FRAME_AIRTIME.subsec_micros() as u64) + 1;
 
-/// Samples that are recorded at most: two hours of 500 Hz, in 96 MB.
+/// The maximal number of recorded samples: two hours at 500 Hz, in 96 MB.
 pub const RECORDED_MAX: u64 = 4_000_000;
 
 /// One reply.
@@ -25,14 +24,14 @@ pub const RECORDED_MAX: u64 = 4_000_000;
 pub(crate) struct Sample {
     pub(crate) at: Instant,
     pub(crate) frame: Frame,
-    /// What its bytes 6 and 7 mean; `None` where that is not certain.
+    /// What its bytes 6 and 7 mean; `None` if that is uncertain.
     pub(crate) asked: Option<Layout>,
 }
 
 const _: () = assert!(size_of::<Sample>() == 24);
 
 impl Sample {
-    /// What has passed, where it is a good reply.
+    /// The sample of a line event, if it is a valid reply.
     fn of(traffic: &LineEvent) -> Option<Self> {
         let LineEventKind::Received { frame, asked } = traffic.kind else {
             return None;
@@ -43,12 +42,12 @@ impl Sample {
     }
 }
 
-/// Which samples.
+/// A set of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Which {
+pub(crate) enum SampleSet {
     /// The last ten minutes.
     Rolling,
-    /// What was recorded.
+    /// The recorded samples.
     Recorded,
 }
 
@@ -60,20 +59,20 @@ enum State {
         /// The newest sample since Record was pressed.
         newest: Option<Instant>,
     },
-    /// There is no more room.
+    /// The recording has reached its maximal size.
     Full,
 }
 
-/// Samples, as many as are kept.
+/// The rolling and the recorded samples.
 #[derive(Debug)]
 pub struct Recording {
     rolling: Chunks<Sample>,
     recorded: Chunks<Sample>,
     recorded_max: u64,
     state: State,
-    /// Time between the samples, without that in which nothing was recorded.
+    /// Recorded time, without pauses.
     recorded_for: Duration,
-    /// The number behind that of the newest sample that is in a file.
+    /// The number after the newest exported sample.
     exported_until: u64,
 }
 
@@ -84,7 +83,7 @@ impl Default for Recording {
 }
 
 impl Recording {
-    /// Records so many samples at most.
+    /// An empty recording with room for this number of recorded samples.
     #[must_use]
     pub const fn with_capacity(recorded_max: u64) -> Self {
         Self {
@@ -97,8 +96,8 @@ impl Recording {
         }
     }
 
-    /// Takes the sample out of what has passed, where it is a good reply. Says whether it was recorded.
-    pub fn passed(&mut self, traffic: &LineEvent) -> bool {
+    /// Adds the sample of a line event, if it is a valid reply. Returns whether it was recorded.
+    pub fn add_event(&mut self, traffic: &LineEvent) -> bool {
         let Some(sample) = Sample::of(traffic) else {
             return false;
         };
@@ -106,14 +105,14 @@ impl Recording {
         self.record_sample(sample)
     }
 
-    /// The same, but records nothing.
+    /// The same, but adds only to the rolling samples.
     pub(crate) fn roll(&mut self, traffic: &LineEvent) {
         if let Some(sample) = Sample::of(traffic) {
             self.roll_sample(sample);
         }
     }
 
-    /// The same, but only records.
+    /// The same, but adds only to the recorded samples.
     pub(crate) fn record_again(&mut self, traffic: &LineEvent) {
         if let Some(sample) = Sample::of(traffic) {
             self.record_sample(sample);
@@ -121,8 +120,8 @@ impl Recording {
     }
 
     fn roll_sample(&mut self, sample: Sample) {
-        // Ten minutes up to the newest sample, not up to now: what a motor did before its plug was
-        // pulled can be exported half an hour later.
+        // Ten minutes before the newest sample, not before now: the last samples before a motor was
+        // unplugged can be exported half an hour later.
         let kept_from = sample.at - ROLLING;
         while self.rolling.len() >= ROLLING_MAX
             || self.rolling.oldest().is_some_and(|old| old.at < kept_from)
@@ -145,8 +144,8 @@ impl Recording {
         true
     }
 
-    /// Begins or ends the recording. It goes on behind what is there, unless all of that was exported:
-    /// then it begins anew, and says so. What is full has to be exported first.
+    /// Starts or stops recording. New samples are appended, unless all samples were exported: then a new
+    /// recording begins, and this returns true. A full recording has to be exported first.
     pub fn record(&mut self, on: bool) -> bool {
         let anew = on && self.is_exported();
         if anew {
@@ -158,7 +157,7 @@ impl Recording {
         anew
     }
 
-    /// The same, whatever was exported.
+    /// The same, but always appends.
     pub(crate) fn record_on(&mut self, on: bool) {
         self.state = match (on, self.state) {
             (_, State::Full) => State::Full,
@@ -172,7 +171,7 @@ impl Recording {
         self.recorded.len() > 0 && self.exported_until == self.recorded.end()
     }
 
-    /// How it stands.
+    /// The state of the recording.
     #[must_use]
     pub fn status(&self) -> RecordingStatus {
         RecordingStatus {
@@ -185,21 +184,24 @@ impl Recording {
         }
     }
 
-    /// What an export is of: the recording, or the last ten minutes where there is none.
-    pub(crate) const fn to_export(&self) -> (Which, std::ops::Range<u64>) {
+    /// The samples to export: the recorded ones, or the last ten minutes if none were recorded.
+    pub(crate) const fn to_export(&self) -> (SampleSet, std::ops::Range<u64>) {
         if self.recorded.len() > 0 {
-            (Which::Recorded, self.recorded.first()..self.recorded.end())
+            (
+                SampleSet::Recorded,
+                self.recorded.first()..self.recorded.end(),
+            )
         } else {
-            (Which::Rolling, self.rolling.first()..self.rolling.end())
+            (SampleSet::Rolling, self.rolling.first()..self.rolling.end())
         }
     }
 
-    /// The number behind that of the newest of the last ten minutes.
+    /// The number after the newest rolling sample.
     pub(crate) const fn rolling_end(&self) -> u64 {
         self.rolling.end()
     }
 
-    /// So many samples of the last ten minutes at most, right before this number; oldest first.
+    /// At most this many rolling samples before this number, oldest first.
     pub(crate) fn rolling_before(&self, until: u64, most: u16) -> Vec<motorlink_bus::Sample> {
         let from = until.saturating_sub(most.into()).max(self.rolling.first());
         let samples = (from..until).filter_map(|number| {
@@ -210,18 +212,18 @@ impl Recording {
         samples.collect()
     }
 
-    /// A file has been made of the recording up to this sample.
+    /// The recorded samples before this number have been exported.
     pub(crate) fn exported(&mut self, until: u64) {
         self.exported_until = self.exported_until.max(until);
     }
 
-    /// A file has been made of all of it.
+    /// All recorded samples have been exported.
     pub(crate) fn all_exported(&mut self) {
         self.exported_until = self.recorded.end();
     }
 
-    /// Copies samples of another recording behind these, from these numbers on and so many at most of
-    /// either kind. Says whether that was all.
+    /// Appends samples of another recording, from these numbers on and at most this many of each set.
+    /// Returns whether all have been copied.
     pub(crate) fn copy(
         &mut self,
         other: &Self,
@@ -252,8 +254,8 @@ impl Recording {
         rolled && recorded_all
     }
 
-    /// Goes on as another one whose samples have been copied behind these.
-    pub(crate) fn go_on_as(&mut self, other: &Self, mut at: impl FnMut(Instant) -> Instant) {
+    /// Takes over the state of another recording whose samples have been appended to this one.
+    pub(crate) fn continue_from(&mut self, other: &Self, mut at: impl FnMut(Instant) -> Instant) {
         let own = self.recorded.len() - other.recorded.len().min(self.recorded.len());
         if other.is_exported() && own == 0 {
             self.all_exported();
@@ -268,15 +270,15 @@ impl Recording {
         };
     }
 
-    /// As many samples as this one may record.
+    /// The maximal number of recorded samples.
     pub(crate) const fn capacity(&self) -> u64 {
         self.recorded_max
     }
 
-    pub(crate) const fn samples(&self, which: Which) -> &Chunks<Sample> {
+    pub(crate) const fn samples(&self, which: SampleSet) -> &Chunks<Sample> {
         match which {
-            Which::Rolling => &self.rolling,
-            Which::Recorded => &self.recorded,
+            SampleSet::Rolling => &self.rolling,
+            SampleSet::Recorded => &self.recorded,
         }
     }
 }
@@ -299,7 +301,7 @@ mod tests {
 
     fn receive(recording: &mut Recording, millis: impl IntoIterator<Item = u64>) {
         for at in millis {
-            recording.passed(&reply_at(Instant::from_millis(at)));
+            recording.add_event(&reply_at(Instant::from_millis(at)));
         }
     }
 
@@ -339,7 +341,7 @@ mod tests {
             LineEventKind::Received { frame, asked: None },
             silence,
         ] {
-            recording.passed(&LineEvent { at, kind: passed });
+            recording.add_event(&LineEvent { at, kind: passed });
         }
         assert_eq!(recording.status().rolling, 0);
     }
@@ -362,7 +364,7 @@ mod tests {
         assert!(status.recording && !status.exported);
 
         let (which, range) = recording.to_export();
-        assert_eq!(which, Which::Recorded);
+        assert_eq!(which, SampleSet::Recorded);
         recording.exported(range.end);
         assert!(recording.status().exported);
         receive(&mut recording, [5_010]);
@@ -409,6 +411,6 @@ mod tests {
     fn without_a_recording_the_last_ten_minutes_are_exported() {
         let mut recording = Recording::default();
         receive(&mut recording, 0..5);
-        assert_eq!(recording.to_export(), (Which::Rolling, 0..5));
+        assert_eq!(recording.to_export(), (SampleSet::Rolling, 0..5));
     }
 }

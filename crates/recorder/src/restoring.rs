@@ -1,14 +1,14 @@
-//! A kept session on its way into the recorder, a slice at a time.
+//! Restores a saved session in slices.
 //!
-//! It is played into a log and a recording of its own, while the recorder goes on. Then what the recorder has
-//! is copied behind it until nothing is left to copy, and the two change places.
+//! The saved session is replayed into a separate log and recording, while the recorder works as usual. Then
+//! the entries of the recorder are appended to them, and they replace those of the recorder.
 
 use motorlink_messages::recorder::{Filter, FromRecorder, PAST_SAMPLES_MAX};
 
 use crate::{
-    kept::{Replay, Stream, Timeline},
     log::Log,
     recording::Recording,
+    saved::{Replay, Stream, Timeline},
     wall_clock::WallClock,
 };
 
@@ -17,38 +17,38 @@ use crate::{
 pub(crate) struct Restoring {
     replay: Replay,
     stage: Stage,
-    /// The log was cleared meanwhile: nothing of it is to come back.
+    /// The log was cleared meanwhile: no restored entry may appear.
     cleared: bool,
 }
 
 #[derive(Debug)]
 enum Stage {
-    /// Another file is needed.
+    /// The next file is needed.
     NeedsFile,
-    /// It was asked for.
+    /// The next file was requested.
     Waiting,
-    /// A file is being played.
+    /// A file is being replayed.
     Playing,
-    /// What the recorder has is being copied: which number is next, of the log and of either kind of sample.
+    /// The recorder's entries are being copied. The numbers are the next ones to copy.
     Copying {
         log: u64,
         samples: [u64; 2],
-        /// The number behind the last rolling sample that was restored.
+        /// The number after the last restored rolling sample.
         past_end: u64,
     },
 }
 
-/// Restored samples that the page has not been given yet.
+/// Restored samples that have not been posted to the page yet.
 #[derive(Debug)]
 pub(crate) struct Past {
     /// How much later the zero of their times is than that of this session, in microseconds.
     zero_us: i64,
-    /// The number behind the last of them.
+    /// The number after the last of them.
     until: u64,
 }
 
 impl Past {
-    /// The next part of them, from the newest on; `None` when all have been given.
+    /// The next part, the newest first; `None` when all have been posted.
     pub(crate) fn next(&mut self, recording: &Recording) -> Option<FromRecorder> {
         let samples = recording.rolling_before(self.until, PAST_SAMPLES_MAX);
         self.until = self.until.saturating_sub(PAST_SAMPLES_MAX.into());
@@ -57,19 +57,19 @@ impl Past {
     }
 }
 
-/// What it wants of the recorder.
+/// What restoring needs next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wants {
-    /// The next file. It wants it once.
+pub(crate) enum Need {
+    /// The next file. It is requested once.
     File,
-    /// To go on.
+    /// A call of [`Restoring::advance`].
     Work,
-    /// To be let alone.
+    /// Nothing at the moment.
     Nothing,
 }
 
 impl Restoring {
-    /// Into a log and a recording as large as these, by the clock of the earliest run.
+    /// Restores into a log and a recording of the same capacity, with the clock of the earliest run.
     pub(crate) fn new(clock: WallClock, log: &Log, recording: &Recording) -> Self {
         let mut restored = Log::with_capacity(log.capacity());
         restored.set_clock(clock);
@@ -81,24 +81,24 @@ impl Restoring {
         }
     }
 
-    pub(crate) const fn wants(&mut self) -> Wants {
+    pub(crate) const fn need(&mut self) -> Need {
         match self.stage {
             Stage::NeedsFile => {
                 self.stage = Stage::Waiting;
-                Wants::File
+                Need::File
             }
-            Stage::Waiting => Wants::Nothing,
-            Stage::Playing | Stage::Copying { .. } => Wants::Work,
+            Stage::Waiting => Need::Nothing,
+            Stage::Playing | Stage::Copying { .. } => Need::Work,
         }
     }
 
-    /// The file that was asked for, or the end of them.
+    /// The requested file, or `None` after the last one.
     pub(crate) fn take(&mut self, file: Option<(Stream, Vec<u8>)>) {
         self.stage = if let Some((stream, bytes)) = file {
             self.replay.take(stream, bytes);
             Stage::Playing
         } else {
-            // Whoever recorded then does not record now.
+            // A recording that was on then is not on now.
             self.replay.recording.record_on(false);
             Stage::Copying {
                 log: 0,
@@ -108,7 +108,7 @@ impl Restoring {
         };
     }
 
-    /// Every entry of the log is to be forgotten.
+    /// The log has been cleared.
     pub(crate) fn clear(&mut self) {
         self.replay.log.clear();
         self.cleared = true;
@@ -117,7 +117,7 @@ impl Restoring {
         }
     }
 
-    /// Does so much. Says whether nothing is left to do: then [`Self::finish`] is due at once.
+    /// Processes this number of entries. Returns true when done: then call [`Self::finish`] at once.
     #[inline(never)]
     pub(crate) fn advance(
         &mut self,
@@ -143,7 +143,7 @@ impl Restoring {
         if let Some(epoch_us) = epoch_us {
             replay.timeline.begin(epoch_us);
         }
-        // From now on a late entry cannot come before one that was copied.
+        // From now on a late entry cannot be inserted before a copied one.
         let settled = log.settle();
         *next = (*next).max(settled.start);
         let until = settled.end.min(*next + entries);
@@ -159,8 +159,8 @@ impl Restoring {
         samples_are_through && *next >= settled.end
     }
 
-    /// The log, the recording and the timeline with which the recorder goes on, and what the page is told of
-    /// the samples.
+    /// The log, the recording and the timeline with which the recorder continues, and the samples for the
+    /// page.
     pub(crate) fn finish(
         self,
         log: &mut Log,
@@ -172,9 +172,11 @@ impl Restoring {
             Stage::Copying { past_end, .. } => past_end,
             Stage::NeedsFile | Stage::Waiting | Stage::Playing => 0,
         };
-        replay.log.go_on_as(log, filter);
+        replay.log.continue_from(log, filter);
         let timeline = &mut replay.timeline;
-        replay.recording.go_on_as(recording, |at| timeline.at(at));
+        replay
+            .recording
+            .continue_from(recording, |at| timeline.at(at));
         let past = Past {
             zero_us: timeline.zero_us().saturating_neg(),
             until,

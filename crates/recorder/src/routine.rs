@@ -1,8 +1,7 @@
-//! Which exchanges are routine: what a driven motor says a hundred times a second and nobody reads.
+//! Detects routine exchanges: queries and unchanged drive frames with their replies, a hundred a second.
 //!
-//! It is decided once, as an entry comes, from what passed before it. A change is never routine: a
-//! drive frame that says something new, a reply with another loop or other faults, and everything
-//! that went wrong.
+//! Each entry is classified once, when it is added, by the entries before it. A change is never routine:
+//! a different drive frame, a reply with another loop or other faults, or an error.
 
 use motorlink_bus::LineEventKind;
 use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
@@ -10,19 +9,19 @@ use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
 /// Addresses, and one to spare for an index by the address itself.
 const MOTORS: usize = 255;
 
-/// What passed before.
+/// The previous frames.
 #[derive(Debug)]
 pub(crate) struct Routine {
     motors: Vec<Before>,
-    /// The motor that the last frame of ours asked something routine of.
+    /// The motor of the last sent frame, if that was routine.
     asked: Option<MotorId>,
 }
 
-/// What passed to and from one motor before.
+/// The previous frames to and from one motor.
 #[derive(Clone, Copy, Debug, Default)]
 struct Before {
-    /// The last drive frame and the loop in which it was read: in another loop, the same bytes say
-    /// something else.
+    /// The last drive frame and the loop of the motor: in another loop, the same bytes have another
+    /// meaning.
     driven: Option<(Frame, Option<Mode>)>,
     replied: Option<(Mode, Faults)>,
 }
@@ -37,7 +36,7 @@ impl Default for Routine {
 }
 
 impl Routine {
-    /// Whether this is routine after all that was given before.
+    /// Whether this event is routine, given all events before it.
     pub(crate) fn is_next(&mut self, passed: &LineEventKind) -> bool {
         match passed {
             LineEventKind::Sent { frame, mode } => {

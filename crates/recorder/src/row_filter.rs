@@ -1,29 +1,29 @@
-//! Which entries are rows.
+//! Which entries match the filter.
 
 use motorlink_messages::recorder::{Filter, Kind};
 use motorlink_protocol::MotorId;
 
 use crate::{
     digits::push_hex,
-    entry::{Entry, Verdict},
+    entry::{Entry, Visibility},
+    meaning::{push_id, push_meaning},
     texts::Texts,
     wall_clock::WallClock,
-    words::{push_id, push_meaning},
 };
 
-/// The page's field takes no longer text.
+/// The maximal length of the page's search field.
 const TEXT_MAX: usize = 200;
 
 /// A filter in the form that checks many entries quickly.
 #[derive(Debug, Default)]
 pub(crate) struct RowFilter {
-    /// In small letters. There are two where the text has a hyphen: the log writes numbers with a real
-    /// minus, which no keyboard has.
+    /// In lower case. There are two if the text has a hyphen: the log writes numbers with a minus sign,
+    /// which no keyboard has.
     needles: Vec<Vec<u8>>,
     id: Option<MotorId>,
     kind: Option<Kind>,
     collapse: bool,
-    /// The row that is looked at, used again for the next.
+    /// A reused buffer for the text of a row.
     row: String,
 }
 
@@ -47,18 +47,23 @@ impl RowFilter {
         }
     }
 
-    pub(crate) fn judge(&mut self, entry: &Entry, texts: &Texts, clock: WallClock) -> Verdict {
+    pub(crate) fn classify(
+        &mut self,
+        entry: &Entry,
+        texts: &Texts,
+        clock: WallClock,
+    ) -> Visibility {
         let asked_for = self.kind.is_none_or(|kind| kind == entry.kind())
             && self.id.is_none_or(|id| entry.id() == Some(id))
             && (self.needles.is_empty() || self.finds(entry, texts, clock));
         match asked_for {
-            false => Verdict::Hidden,
-            true if self.collapse && entry.routine => Verdict::Collapsed,
-            true => Verdict::Shown,
+            false => Visibility::Hidden,
+            true if self.collapse && entry.routine => Visibility::Collapsed,
+            true => Visibility::Shown,
         }
     }
 
-    /// Whether the text is in the row: time, ID, hex and meaning, as they stand beside each other.
+    /// Whether the row contains the text: time, ID, hex and meaning, separated by spaces.
     fn finds(&mut self, entry: &Entry, texts: &Texts, clock: WallClock) -> bool {
         self.row.clear();
         clock.local(entry.at).push_time_of_day(&mut self.row);
@@ -97,19 +102,19 @@ mod tests {
     use motorlink_protocol::{Frame, Instant, Layout};
 
     use super::*;
-    use crate::entry::What;
+    use crate::entry::EntryContent;
 
     const CLOCK: WallClock = WallClock::new(1_795_266_936_962.0, 60);
 
     fn heard(routine: bool) -> Entry {
         Entry {
             at: Instant::ZERO,
-            what: What::Passed(LineEventKind::Received {
+            content: EntryContent::Line(LineEventKind::Received {
                 frame: Frame::with_crc([1, 2, 0xFF, 0, 0xFF, 0x9C, 0x17, 0xCF, 0]),
                 asked: Some(Layout::Drive),
             }),
             routine,
-            verdict: Verdict::Hidden,
+            visibility: Visibility::Hidden,
         }
     }
 
@@ -119,7 +124,7 @@ mod tests {
             ..Filter::default()
         };
         let texts = Texts::default();
-        RowFilter::new(&filter).judge(&heard(true), &texts, CLOCK) == Verdict::Shown
+        RowFilter::new(&filter).classify(&heard(true), &texts, CLOCK) == Visibility::Shown
     }
 
     #[test]
@@ -152,7 +157,7 @@ mod tests {
     fn motor_and_kind_leave_the_others_out() {
         let texts = Texts::default();
         let shown = |filter: &Filter| {
-            RowFilter::new(filter).judge(&heard(false), &texts, CLOCK) == Verdict::Shown
+            RowFilter::new(filter).classify(&heard(false), &texts, CLOCK) == Visibility::Shown
         };
         let of = |id| Filter {
             id: MotorId::new(id).ok(),
@@ -169,31 +174,31 @@ mod tests {
     #[test]
     fn only_what_is_asked_for_counts_as_collapsed() {
         let texts = Texts::default();
-        let verdict = |text: &str, routine| {
+        let visibility = |text: &str, routine| {
             let filter = Filter {
                 text: text.into(),
                 collapse: true,
                 ..Filter::default()
             };
-            RowFilter::new(&filter).judge(&heard(routine), &texts, CLOCK)
+            RowFilter::new(&filter).classify(&heard(routine), &texts, CLOCK)
         };
-        assert_eq!(verdict("rpm", true), Verdict::Collapsed);
-        assert_eq!(verdict("rpm", false), Verdict::Shown);
-        assert_eq!(verdict("drive", true), Verdict::Hidden);
+        assert_eq!(visibility("rpm", true), Visibility::Collapsed);
+        assert_eq!(visibility("rpm", false), Visibility::Shown);
+        assert_eq!(visibility("drive", true), Visibility::Hidden);
     }
 
     #[test]
     fn a_row_without_id_and_bytes_is_looked_through_too() {
         let junk = Entry {
-            what: What::Passed(LineEventKind::Junk(JunkBytes::new(&[0xAB]))),
+            content: EntryContent::Line(LineEventKind::Junk(JunkBytes::new(&[0xAB]))),
             ..heard(false)
         };
         let filter = Filter {
             text: "no valid".into(),
             ..Filter::default()
         };
-        let verdict = RowFilter::new(&filter).judge(&junk, &Texts::default(), CLOCK);
-        assert_eq!(verdict, Verdict::Shown);
+        let visibility = RowFilter::new(&filter).classify(&junk, &Texts::default(), CLOCK);
+        assert_eq!(visibility, Visibility::Shown);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! What the page has said, beside the entries, which are all of one size.
+//! The texts of messages, stored separately because all entries have the same size.
 
-/// Bytes that a line may have. What the page says is a sentence or two.
+/// Bytes of one text. Messages are a sentence or two.
 const LINE_MAX: usize = 1_000;
 
-/// As much of a text as a line may have.
+/// The text, truncated to the maximal length.
 pub(crate) fn cut(text: &str) -> &str {
     let ends = text
         .char_indices()
@@ -12,11 +12,11 @@ pub(crate) fn cut(text: &str) -> &str {
     text.get(..end.unwrap_or(0)).unwrap_or_default()
 }
 
-/// Stands for one text.
+/// A reference to one text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TextRef(u32);
 
-/// Every text of the log.
+/// All texts of the log.
 #[derive(Debug, Default)]
 pub(crate) struct Texts {
     slots: Vec<Option<Box<str>>>,
@@ -25,7 +25,7 @@ pub(crate) struct Texts {
 }
 
 impl Texts {
-    /// Keeps a text, cut where it is longer than any that the page says.
+    /// Stores a text, truncated to the maximal length.
     pub(crate) fn keep(&mut self, text: &str) -> TextRef {
         let text: Box<str> = cut(text).into();
         self.bytes += text.len();

@@ -1,31 +1,31 @@
-//! Which entries of the log are rows, and which row is which entry.
+//! Maps rows to entries of the log.
 //!
-//! There is no list of rows. Every entry carries its verdict, and every piece of the log
-//! ([`CHUNK`] entries) the number of its rows: a row is found by adding up at most a thousand numbers.
-//! So a view takes 4 kB, however many rows it has, and an old entry that gives way is one subtraction.
+//! There is no list of rows. Every entry has its visibility, and every chunk of the log ([`CHUNK`]
+//! entries) the number of its rows: to find a row, at most a thousand numbers are added up. So a view
+//! takes 4 kB, however many rows it has, and dropping an old entry is one subtraction.
 //!
-//! A new filter begins at the newest entries and works towards the oldest, so that what a person looks
-//! at is there at once. Rows found on the way get smaller and smaller numbers.
+//! A new filter starts at the newest entries and proceeds to the oldest, because the user sees the newest
+//! first. Rows found on the way get smaller and smaller numbers.
 
 use motorlink_messages::recorder::{Filter, LogPage, Row, Window};
 
 use crate::{
     chunks::{CHUNK, Chunks},
-    entry::{Entry, Verdict},
+    entry::{Entry, Visibility},
+    meaning,
     row_filter::RowFilter,
     texts::Texts,
     wall_clock::WallClock,
-    words,
 };
 
-/// How far back a late entry may be put. Frames come up to 100 ms late, in which the line carries 115
-/// frames at most (575 exchanges a second of two frames each).
-pub(crate) const LOOK_BACK: u64 = 256;
+/// How many entries a late entry may be moved back. Line events arrive up to 100 ms late, in which the line
+/// carries at most 115 frames (575 exchanges a second of two frames each).
+pub(crate) const REORDER_MAX: u64 = 256;
 
-/// Entries that are counted together.
-const PIECE: u64 = CHUNK as u64;
+/// Entries per tally.
+const CHUNK_LEN: u64 = CHUNK as u64;
 
-/// What the view reads from the log it belongs to.
+/// The parts of the log that the view reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowContext<'a> {
     pub(crate) texts: &'a Texts,
@@ -35,17 +35,17 @@ pub(crate) struct RowContext<'a> {
 #[derive(Debug)]
 pub(crate) struct View {
     row_filter: RowFilter,
-    /// Of each piece of the log, by the number of the piece, which is used again when the piece is gone.
+    /// One per chunk of the log, as a ring: the slot of a dropped chunk is reused.
     tallies: Vec<Tally>,
-    /// Entries from this one on have a verdict of this filter.
-    looked_from: u64,
+    /// Entries from this one on have been filtered.
+    filtered_from: u64,
     oldest_row: u64,
     end_row: u64,
     collapsed: u64,
     generation: u32,
 }
 
-/// Entries of one piece of the log.
+/// Counts the entries of one chunk of the log.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     shown: u16,
@@ -53,24 +53,24 @@ struct Tally {
 }
 
 impl Tally {
-    const fn count(&mut self, verdict: Verdict) -> Option<&mut u16> {
-        match verdict {
-            Verdict::Hidden => None,
-            Verdict::Collapsed => Some(&mut self.collapsed),
-            Verdict::Shown => Some(&mut self.shown),
+    const fn count(&mut self, visibility: Visibility) -> Option<&mut u16> {
+        match visibility {
+            Visibility::Hidden => None,
+            Visibility::Collapsed => Some(&mut self.collapsed),
+            Visibility::Shown => Some(&mut self.shown),
         }
     }
 }
 
 impl View {
-    /// A view of everything, for a log of so many entries.
+    /// A view without a filter, for a log with room for this number of entries.
     pub(crate) fn new(capacity: u64) -> Self {
-        // The oldest and the newest piece may both be begun only.
-        let pieces = capacity.div_ceil(PIECE) + 2;
+        // The oldest and the newest chunk may both be partly filled.
+        let chunks = capacity.div_ceil(CHUNK_LEN) + 2;
         Self {
             row_filter: RowFilter::default(),
-            tallies: vec![Tally::default(); usize::try_from(pieces).unwrap_or(usize::MAX)],
-            looked_from: 0,
+            tallies: vec![Tally::default(); usize::try_from(chunks).unwrap_or(usize::MAX)],
+            filtered_from: 0,
             oldest_row: 0,
             end_row: 0,
             collapsed: 0,
@@ -78,8 +78,8 @@ impl View {
         }
     }
 
-    /// Begins anew with another filter. The newest entries are looked at right away: those are the ones
-    /// that may still be moved by a late one.
+    /// Restarts with another filter. The newest entries are filtered at once, because a late entry may still
+    /// move them.
     pub(crate) fn filter(
         &mut self,
         filter: &Filter,
@@ -88,103 +88,105 @@ impl View {
     ) {
         self.row_filter = RowFilter::new(filter);
         self.begin(entries);
-        self.advance(entries, context, LOOK_BACK);
+        self.advance(entries, context, REORDER_MAX);
     }
 
-    /// Begins anew with the filter there is, for entries of which none was looked at.
+    /// Restarts with the same filter; no entry is filtered yet.
     pub(crate) fn begin(&mut self, entries: &Chunks<Entry>) {
         self.tallies.fill(Tally::default());
-        self.looked_from = entries.end();
-        // Not more rows than this can be found behind it, so that numbers stay above zero.
+        self.filtered_from = entries.end();
+        // At most this many rows are added before it, so numbers stay positive.
         self.oldest_row = entries.len();
         self.end_row = self.oldest_row;
         self.collapsed = 0;
         self.generation = self.generation.wrapping_add(1);
     }
 
-    /// Counts the changes of the filter on from those of another view.
-    pub(crate) const fn go_on_as(&mut self, other: &Self) {
+    /// Continues the generation of another view.
+    pub(crate) const fn continue_from(&mut self, other: &Self) {
         self.generation = other.generation;
     }
 
-    /// Looks at so many entries more, towards the oldest. Says whether it is through.
+    /// Filters this number of further entries, towards the oldest. Returns whether all are filtered.
     pub(crate) fn advance(
         &mut self,
         entries: &mut Chunks<Entry>,
         context: RowContext<'_>,
         budget: u64,
     ) -> bool {
-        let until = self.looked_from.saturating_sub(budget);
-        while self.looked_from > until.max(entries.first()) {
-            self.looked_from -= 1;
-            if self.judge(entries, self.looked_from, context) == Verdict::Shown {
+        let until = self.filtered_from.saturating_sub(budget);
+        while self.filtered_from > until.max(entries.first()) {
+            self.filtered_from -= 1;
+            if self.classify(entries, self.filtered_from, context) == Visibility::Shown {
                 self.oldest_row = self.oldest_row.saturating_sub(1);
             }
         }
-        self.is_through(entries)
+        self.is_complete(entries)
     }
 
-    pub(crate) const fn is_through(&self, entries: &Chunks<Entry>) -> bool {
-        self.looked_from <= entries.first()
+    pub(crate) const fn is_complete(&self, entries: &Chunks<Entry>) -> bool {
+        self.filtered_from <= entries.first()
     }
 
-    /// An entry has come, which stands here. Those behind it have each moved by one.
-    pub(crate) fn took(
+    /// An entry was inserted at this number. The entries after it have moved by one.
+    pub(crate) fn entry_added(
         &mut self,
         entries: &mut Chunks<Entry>,
         number: u64,
         context: RowContext<'_>,
     ) {
-        // Fewer moved than a piece holds, so at most one went into the next piece.
+        // Fewer entries moved than a chunk has, so at most one moved to the next chunk.
         let newest = entries.end().saturating_sub(1);
-        let border = newest - newest % PIECE;
+        let border = newest - newest % CHUNK_LEN;
         if border > number
             && let Some(moved) = entries.get(border)
         {
-            self.tally(border - 1, moved.verdict, false);
-            self.tally(border, moved.verdict, true);
+            self.tally(border - 1, moved.visibility, false);
+            self.tally(border, moved.visibility, true);
         }
-        if self.judge(entries, number, context) == Verdict::Shown {
+        if self.classify(entries, number, context) == Visibility::Shown {
             self.end_row += 1;
         }
     }
 
-    /// The oldest entry has given way.
-    pub(crate) fn gave_way(&mut self, number: u64, verdict: Verdict) {
-        if number < self.looked_from {
+    /// The oldest entry was dropped.
+    pub(crate) fn oldest_dropped(&mut self, number: u64, visibility: Visibility) {
+        if number < self.filtered_from {
             return;
         }
-        self.looked_from = number + 1;
-        self.tally(number, verdict, false);
-        match verdict {
-            Verdict::Hidden => {}
-            Verdict::Collapsed => self.collapsed -= 1,
-            Verdict::Shown => self.oldest_row += 1,
+        self.filtered_from = number + 1;
+        self.tally(number, visibility, false);
+        match visibility {
+            Visibility::Hidden => {}
+            Visibility::Collapsed => self.collapsed -= 1,
+            Visibility::Shown => self.oldest_row += 1,
         }
     }
 
-    fn judge(
+    fn classify(
         &mut self,
         entries: &mut Chunks<Entry>,
         number: u64,
         context: RowContext<'_>,
-    ) -> Verdict {
+    ) -> Visibility {
         let Some(entry) = entries.get_mut(number) else {
-            return Verdict::Hidden;
+            return Visibility::Hidden;
         };
-        let verdict = self.row_filter.judge(entry, context.texts, context.clock);
-        entry.verdict = verdict;
-        self.tally(number, verdict, true);
-        if verdict == Verdict::Collapsed {
+        let visibility = self
+            .row_filter
+            .classify(entry, context.texts, context.clock);
+        entry.visibility = visibility;
+        self.tally(number, visibility, true);
+        if visibility == Visibility::Collapsed {
             self.collapsed += 1;
         }
-        verdict
+        visibility
     }
 
-    fn tally(&mut self, number: u64, verdict: Verdict, comes: bool) {
+    fn tally(&mut self, number: u64, visibility: Visibility, comes: bool) {
         let place = self.place_of_tally(number);
         let tally = self.tallies.get_mut(place);
-        if let Some(count) = tally.and_then(|tally| tally.count(verdict)) {
+        if let Some(count) = tally.and_then(|tally| tally.count(visibility)) {
             *count = if comes { *count + 1 } else { *count - 1 };
         }
     }
@@ -195,19 +197,19 @@ impl View {
     }
 
     fn place_of_tally(&self, number: u64) -> usize {
-        let piece = number / PIECE % self.tallies.len() as u64;
-        usize::try_from(piece).unwrap_or_default()
+        let chunk = number / CHUNK_LEN % self.tallies.len() as u64;
+        usize::try_from(chunk).unwrap_or_default()
     }
 
-    /// The rows of a window and every count, but for what the log knows itself.
+    /// The rows of a window and all counts, except for the count of dropped entries.
     pub(crate) fn page(
         &self,
         entries: &Chunks<Entry>,
         context: RowContext<'_>,
         window: Window,
     ) -> LogPage {
-        let looked_at = entries.end() - self.looked_from;
-        let looked_at_per_mille = match entries.len() {
+        let looked_at = entries.end() - self.filtered_from;
+        let filtered_per_mille = match entries.len() {
             0 => 1000,
             kept => u16::try_from(looked_at * 1000 / kept).unwrap_or(1000),
         };
@@ -217,7 +219,7 @@ impl View {
             kept: entries.len(),
             gone: 0,
             collapsed: self.collapsed,
-            looked_at_per_mille,
+            filtered_per_mille,
             generation: self.generation,
             rows: self.rows(entries, context, window),
         }
@@ -241,20 +243,20 @@ impl View {
         let mut place = start;
         while number < until && place < entries.end() {
             let tally = self.tally_of(place);
-            if place.is_multiple_of(PIECE) && tally.shown == 0 {
+            if place.is_multiple_of(CHUNK_LEN) && tally.shown == 0 {
                 collapsed += u32::from(tally.collapsed);
-                place += PIECE;
+                place += CHUNK_LEN;
                 continue;
             }
             let Some(entry) = entries.get(place) else {
                 break;
             };
-            match entry.verdict {
-                Verdict::Hidden => {}
-                Verdict::Collapsed => collapsed += 1,
-                Verdict::Shown => {
+            match entry.visibility {
+                Visibility::Hidden => {}
+                Visibility::Collapsed => collapsed += 1,
+                Visibility::Shown => {
                     let before = std::mem::take(&mut collapsed);
-                    rows.push(words::row(
+                    rows.push(meaning::row(
                         &entry,
                         context.texts,
                         context.clock,
@@ -269,46 +271,46 @@ impl View {
         rows
     }
 
-    /// The entry that is this row.
+    /// The entry of this row.
     fn entry_of(&self, entries: &Chunks<Entry>, row: u64) -> Option<u64> {
         let mut rows_before = row.checked_sub(self.oldest_row)?;
-        let mut place = self.looked_from;
+        let mut place = self.filtered_from;
         while place < entries.end() {
-            let in_piece = u64::from(self.tally_of(place).shown);
-            let next_piece = (place / PIECE + 1) * PIECE;
-            if rows_before < in_piece {
+            let in_chunk = u64::from(self.tally_of(place).shown);
+            let next_chunk = (place / CHUNK_LEN + 1) * CHUNK_LEN;
+            if rows_before < in_chunk {
                 let shown = |place: &u64| {
                     let entry = entries.get(*place);
-                    entry.is_some_and(|entry| entry.verdict == Verdict::Shown)
+                    entry.is_some_and(|entry| entry.visibility == Visibility::Shown)
                 };
                 let nth = usize::try_from(rows_before).ok()?;
-                return (place..next_piece.min(entries.end()))
+                return (place..next_chunk.min(entries.end()))
                     .filter(shown)
                     .nth(nth);
             }
-            rows_before -= in_piece;
-            place = next_piece;
+            rows_before -= in_chunk;
+            place = next_chunk;
         }
         None
     }
 
-    /// How many entries were collapsed between this one and the row before it.
+    /// Number of collapsed entries between this entry and the row before it.
     fn collapsed_right_before(&self, entries: &Chunks<Entry>, place: u64) -> u32 {
         let mut collapsed = 0;
         let mut place = place;
-        while place > self.looked_from {
+        while place > self.filtered_from {
             let tally = self.tally_of(place - 1);
-            // A whole piece without a row need not be gone through.
-            if place.is_multiple_of(PIECE) && tally.shown == 0 {
+            // A chunk without a row is skipped.
+            if place.is_multiple_of(CHUNK_LEN) && tally.shown == 0 {
                 collapsed += u32::from(tally.collapsed);
-                place -= PIECE;
+                place -= CHUNK_LEN;
                 continue;
             }
             place -= 1;
-            match entries.get(place).map(|entry| entry.verdict) {
-                Some(Verdict::Shown) | None => break,
-                Some(Verdict::Collapsed) => collapsed += 1,
-                Some(Verdict::Hidden) => {}
+            match entries.get(place).map(|entry| entry.visibility) {
+                Some(Visibility::Shown) | None => break,
+                Some(Visibility::Collapsed) => collapsed += 1,
+                Some(Visibility::Hidden) => {}
             }
         }
         collapsed

@@ -1,7 +1,6 @@
-//! The time of day, as a person and a spreadsheet read it.
+//! Dates and times of day as text.
 //!
-//! No calendar library: it would weigh more than the whole recorder. The one thing of a calendar that
-//! is needed here is the date of a day.
+//! A calendar library would be larger than the whole recorder; only the date of a day is needed.
 
 use motorlink_protocol::Instant;
 
@@ -13,7 +12,7 @@ use crate::{
 const MS_A_DAY: i64 = 86_400_000;
 const MS_A_MINUTE: i64 = 60_000;
 
-/// Tells what time it was at an [`Instant`], in UTC and where the person is.
+/// Converts an [`Instant`] to UTC and to local time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct WallClock {
     /// Microseconds since 1970 at [`Instant::ZERO`].
@@ -21,7 +20,7 @@ pub struct WallClock {
     local_time: LocalTime,
 }
 
-/// A moment in milliseconds since 1970, in UTC or as the clock on the wall shows it.
+/// A time in milliseconds since 1970, in UTC or in local time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct UnixMs(i64);
 
@@ -40,7 +39,7 @@ impl WallClock {
         }
     }
 
-    /// A clock that showed so many microseconds since 1970, UTC, at [`Instant::ZERO`].
+    /// A clock whose [`Instant::ZERO`] is this time, in microseconds since 1970, UTC.
     #[must_use]
     pub const fn from_us(zero_us: i64, local_time: LocalTime) -> Self {
         Self {
@@ -97,8 +96,8 @@ impl UnixMs {
     }
 }
 
-/// Writes times in ISO 8601, UTC: `2026-11-21T13:15:36.962Z`. In a log a thousand of them share a
-/// second, so the last one is kept.
+/// Writes times in ISO 8601, UTC: `2026-11-21T13:15:36.962Z`. In a log a thousand entries share a second,
+/// so the text of the last second is reused.
 #[derive(Debug, Default)]
 pub(crate) struct IsoWriter {
     second: i64,
@@ -153,13 +152,12 @@ pub(crate) fn push_seconds(out: &mut String, micros: u64) {
     push_padded(out, millis % 1000, 3);
 }
 
-/// A number that is not negative by how it was made.
+/// Converts a number that is never negative.
 fn unsigned(value: i64) -> u64 {
     u64::try_from(value).unwrap_or_default()
 }
 
-/// Year, month 1-12 and day 1-31 of the day so many days after 1 January 1970, in the Gregorian
-/// calendar.
+/// Year, month 1-12 and day 1-31 in the Gregorian calendar, from the days since 1 January 1970.
 ///
 /// Source: `civil_from_days` in Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms",
 /// <https://howardhinnant.github.io/date_algorithms.html>. It counts years from 1 March, so that a leap

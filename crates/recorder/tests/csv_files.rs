@@ -1,4 +1,4 @@
-//! Files, read back.
+//! CSV files, parsed again.
 #![cfg(test)]
 
 mod line;
@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use line::{at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
 
-/// All of a file, made in slices of so many lines.
+/// A complete file, written in slices of this many lines.
 fn whole(mut file: CsvFile, log: &Log, recording: &Recording, slice: u64) -> (String, u64) {
     let mut bytes = Vec::new();
     while !file.advance(log, recording, slice) {
@@ -31,7 +31,7 @@ fn log_file(log: &mut Log, slice: u64) -> (String, u64) {
 fn telemetry_file(traffic: &[LineEvent]) -> String {
     let mut recording = Recording::default();
     for passed in traffic {
-        recording.passed(passed);
+        recording.add_event(passed);
     }
     let file = CsvFile::of_telemetry(&recording);
     whole(file, &log(10), &recording, 3).0
@@ -48,22 +48,22 @@ fn read(file: &str) -> Vec<Vec<String>> {
 #[test]
 fn a_log_is_written_line_by_line() {
     let mut log = log(100);
-    log.passed(&at(0, drive(1, -100)));
-    log.passed(&at(
+    log.add_event(&at(0, drive(1, -100)));
+    log.add_event(&at(
         2,
         heard(
             "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(),
             Some(Layout::Drive),
         ),
     ));
-    log.passed(&at(10, silence(1)));
-    log.passed(&at(1_000, junk(&[1, 2, 3])));
-    log.say(
+    log.add_event(&at(10, silence(1)));
+    log.add_event(&at(1_000, junk(&[1, 2, 3])));
+    log.add_message(
         Instant::from_micros(61_001_999),
         false,
         "said \"so\", twice\nor more",
     );
-    log.say(Instant::from_millis(61_002), true, "=1+1");
+    log.add_message(Instant::from_millis(61_002), true, "=1+1");
     let (file, rows) = log_file(&mut log, 1_000);
     let expected = "\
 time,elapsed_s,direction,id,hex,meaning\r
@@ -82,7 +82,7 @@ time,elapsed_s,direction,id,hex,meaning\r
 fn a_file_has_what_is_collapsed_or_filtered_out() {
     let mut log = log(5_000);
     for n in 0..3_000 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     log.filter(&collapsed());
     let (file, rows) = log_file(&mut log, 100);
@@ -94,7 +94,7 @@ fn a_file_has_what_is_collapsed_or_filtered_out() {
 fn seconds_are_counted_from_the_first_entry_that_is_kept() {
     let mut log = log(10);
     for n in 0..25 {
-        log.passed(&at(n * 500, query(1)));
+        log.add_event(&at(n * 500, query(1)));
     }
     let records = read(&log_file(&mut log, 3).0);
     assert_eq!(records[0][..2], ["2026-11-21T13:15:44.462Z", "0.000"]);
@@ -106,15 +106,15 @@ fn entries_that_go_or_come_while_a_file_is_made_leave_it_true() {
     let mut log = log(100);
     let recording = Recording::default();
     for n in 0..100 {
-        log.passed(&at(n, query(1)));
+        log.add_event(&at(n, query(1)));
     }
     let mut file = CsvFile::of_log(&mut log);
     assert_eq!(file.rows_in_all(), 100);
     assert!(!file.advance(&log, &recording, 20));
     for n in 100..150 {
-        log.passed(&at(n, query(2)));
+        log.add_event(&at(n, query(2)));
     }
-    log.say(Instant::from_millis(90), false, "late");
+    log.add_message(Instant::from_millis(90), false, "late");
     assert!(file.advance(&log, &recording, 1_000));
     assert_eq!((file.rows(), file.rows_in_all()), (69, 69));
     let records = read(&String::from_utf8(file.take()).unwrap());
@@ -135,12 +135,12 @@ fn a_file_of_a_log_that_was_cleared_ends() {
     let mut log = log(5_000);
     let recording = Recording::default();
     for n in 0..3_000 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let mut file = CsvFile::of_log(&mut log);
     assert!(!file.advance(&log, &recording, 1_000));
     log.clear();
-    log.passed(&driven(5_000));
+    log.add_event(&driven(5_000));
     assert!(file.advance(&log, &recording, 1));
     assert_eq!((file.rows(), file.rows_in_all()), (1_000, 1_000));
 }
@@ -191,18 +191,18 @@ fn every_fault_has_its_name() {
 #[test]
 fn a_recording_is_written_instead_of_the_last_ten_minutes() {
     let mut recording = Recording::default();
-    recording.passed(&at(0, reply(1, 0)));
+    recording.add_event(&at(0, reply(1, 0)));
     recording.record(true);
-    recording.passed(&at(10, reply(2, 0)));
+    recording.add_event(&at(10, reply(2, 0)));
     recording.record(false);
-    recording.passed(&at(20, reply(3, 0)));
+    recording.add_event(&at(20, reply(3, 0)));
     let file = CsvFile::of_telemetry(&recording);
     let records = read(&whole(file, &log(10), &recording, 10).0);
     assert_eq!(records.len(), 1);
     assert_eq!(records[0][1], "2");
 }
 
-/// The direction of a kind, as the issue has it.
+/// The direction column of a kind.
 fn direction(kind: Kind) -> &'static str {
     match kind {
         Kind::Tx => "TX",
@@ -212,15 +212,14 @@ fn direction(kind: Kind) -> &'static str {
     }
 }
 
-/// A text as a cell that no spreadsheet runs.
+/// A text as a cell that no spreadsheet evaluates.
 fn harmless(text: &str) -> String {
     let runs = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
     format!("{}{text}", if runs { "'" } else { "" })
 }
 
 proptest! {
-    /// What is read back is what the log shows, whatever the page has said and in whatever slices the
-    /// file was made.
+    /// A parsed file equals the log, for any messages and any slices.
     #[test]
     fn a_file_read_back_is_the_log(
         said in prop::collection::vec((any::<bool>(), "[-=+@,\"'\t\r\n a-c°−]{0,12}"), 0..20),
@@ -230,11 +229,11 @@ proptest! {
         let mut log = log(1_000);
         log.filter(&Filter::default());
         for (n, frame) in (0..).zip(&frames) {
-            log.passed(&at(n, heard(Frame::new(*frame), Some(Layout::Drive))));
-            log.passed(&at(n, junk(&frame[..(usize::from(frame[0]) % 10)])));
+            log.add_event(&at(n, heard(Frame::new(*frame), Some(Layout::Drive))));
+            log.add_event(&at(n, junk(&frame[..(usize::from(frame[0]) % 10)])));
         }
         for (n, (error, text)) in (100..).zip(&said) {
-            log.say(Instant::from_millis(n), *error, text);
+            log.add_message(Instant::from_millis(n), *error, text);
         }
         let (file, rows) = log_file(&mut log, slice);
         let shown = log.page(Window { first: None, rows: 400 }).rows;

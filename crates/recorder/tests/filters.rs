@@ -1,4 +1,4 @@
-//! What is shown of the log.
+//! Filters of the log.
 #![cfg(test)]
 
 mod line;
@@ -25,9 +25,9 @@ fn filters_leave_out_what_is_not_asked_for() {
         silence(2),
         junk(&[5; 10]),
     ] {
-        log.passed(&at(0, passed));
+        log.add_event(&at(0, passed));
     }
-    log.say(millis(1), false, "connected to motor 2");
+    log.add_message(millis(1), false, "connected to motor 2");
     let mut shown = |filter: &Filter| {
         log.filter(filter);
         newest(&log).rows.len()
@@ -55,7 +55,7 @@ fn filters_leave_out_what_is_not_asked_for() {
 fn a_filter_counts_its_rows_anew_and_says_so() {
     let mut log = log(100);
     for n in 0..10 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let before = newest(&log);
     log.filter(&of_kind(Kind::Rx));
@@ -75,9 +75,9 @@ fn routine_is_hidden_and_counted_and_comes_back() {
     passed.extend([drive(1, 50), reply(1, 1), query(1), reply(1, 2)]);
     passed.extend([drive(1, 60), reply(1, 3), drive(1, 60), reply(1, 4)]);
     for (n, passed) in (0..).zip(passed) {
-        log.passed(&at(n, passed));
+        log.add_event(&at(n, passed));
     }
-    log.say(millis(20), false, "enough");
+    log.add_message(millis(20), false, "enough");
     let page = newest(&log);
     let collapsed: Vec<_> = page.rows.iter().map(|row| row.collapsed_before).collect();
     assert_eq!(collapsed, [0, 0, 4, 0, 2]);
@@ -91,11 +91,11 @@ fn routine_is_hidden_and_counted_and_comes_back() {
 fn thousands_that_are_collapsed_are_counted_before_their_row() {
     let mut log = log(10_000);
     log.filter(&collapsed());
-    log.say(millis(0), false, "begin");
+    log.add_message(millis(0), false, "begin");
     for n in 1..=5_000 {
-        log.passed(&at(n, query(1)));
+        log.add_event(&at(n, query(1)));
     }
-    log.say(millis(5_001), false, "end");
+    log.add_message(millis(5_001), false, "end");
     for first in [None, Some(0), Some(1)] {
         let page = log.page(Window { first, rows: 2 });
         let end = page.rows.last().unwrap();
@@ -107,11 +107,11 @@ fn thousands_that_are_collapsed_are_counted_before_their_row() {
 fn what_is_collapsed_gives_way_too() {
     let mut log = log(100);
     log.filter(&collapsed());
-    log.say(millis(0), false, "begin");
+    log.add_message(millis(0), false, "begin");
     for n in 1..=300 {
-        log.passed(&at(n, query(1)));
+        log.add_event(&at(n, query(1)));
     }
-    log.say(millis(301), false, "end");
+    log.add_message(millis(301), false, "end");
     let page = newest(&log);
     assert_eq!(meanings(&page.rows), ["end"]);
     assert_eq!((page.collapsed, page.rows[0].collapsed_before), (99, 99));
@@ -123,19 +123,19 @@ fn clearing_forgets_everything_and_shows_the_present_again() {
     let mut log = log(10);
     log.filter(&collapsed());
     for n in 0..30 {
-        log.passed(&at(n, drive(1, 50)));
-        log.passed(&at(n, reply(1, 0)));
+        log.add_event(&at(n, drive(1, 50)));
+        log.add_event(&at(n, reply(1, 0)));
     }
     assert!(newest(&log).rows.is_empty());
     log.clear();
     let page = newest(&log);
     assert_eq!((page.kept, page.gone, page.collapsed), (0, 0, 0));
     assert_eq!(
-        (page.oldest, page.end, page.looked_at_per_mille),
+        (page.oldest, page.end, page.filtered_per_mille),
         (0, 0, 1000)
     );
-    log.passed(&at(31, drive(1, 50)));
-    log.passed(&at(33, drive(1, 50)));
+    log.add_event(&at(31, drive(1, 50)));
+    log.add_event(&at(33, drive(1, 50)));
     assert_eq!(meanings(&newest(&log).rows), ["drive +50 rpm"]);
 }
 
@@ -143,16 +143,16 @@ fn clearing_forgets_everything_and_shows_the_present_again() {
 fn the_newest_rows_are_there_before_a_filter_is_through() {
     let mut log = log(10_000);
     for n in 0..10_000 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     log.filter(&of_kind(Kind::Tx));
     let at_once = newest(&log);
     assert!(!log.is_filtered());
-    assert_eq!(at_once.looked_at_per_mille, 25, "256 of 10,000");
+    assert_eq!(at_once.filtered_per_mille, 25, "256 of 10,000");
     assert_eq!(at_once.rows.len(), 128);
     log.advance(4_744);
     let half = newest(&log);
-    assert_eq!(half.looked_at_per_mille, 500);
+    assert_eq!(half.filtered_per_mille, 500);
     assert_eq!(half.end, at_once.end);
     assert_eq!(
         half.rows[400 - 128..],
@@ -162,7 +162,7 @@ fn the_newest_rows_are_there_before_a_filter_is_through() {
     finish(&mut log);
     let through = newest(&log);
     assert_eq!(
-        (through.end - through.oldest, through.looked_at_per_mille),
+        (through.end - through.oldest, through.filtered_per_mille),
         (5_000, 1000)
     );
 }

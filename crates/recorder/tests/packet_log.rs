@@ -1,4 +1,4 @@
-//! What is kept, what gives way, and where an entry stands.
+//! Which entries the log has, which it drops, and their order.
 #![cfg(test)]
 
 mod line;
@@ -16,11 +16,11 @@ fn millis(at: u64) -> Instant {
 #[test]
 fn a_row_says_when_who_what_and_what_it_means() {
     let mut log = log(10);
-    log.passed(&at(0, drive(1, -100)));
-    log.passed(&at(8, silence(1)));
-    log.passed(&at(61_000, junk(&[1, 2, 3])));
-    log.say(millis(61_001), false, "connected");
-    log.say(millis(61_002), true, "the adapter was pulled out");
+    log.add_event(&at(0, drive(1, -100)));
+    log.add_event(&at(8, silence(1)));
+    log.add_event(&at(61_000, junk(&[1, 2, 3])));
+    log.add_message(millis(61_001), false, "connected");
+    log.add_message(millis(61_002), true, "the adapter was pulled out");
     let page = newest(&log);
     let row = |number, kind, time: &str, id: &str, hex: &str, meaning: &str| Row {
         number,
@@ -64,14 +64,14 @@ fn a_row_says_when_who_what_and_what_it_means() {
         ]
     );
     assert_eq!((page.oldest, page.end, page.kept, page.gone), (0, 5, 5, 0));
-    assert_eq!(page.looked_at_per_mille, 1000);
+    assert_eq!(page.filtered_per_mille, 1000);
 }
 
 #[test]
 fn the_newest_million_is_kept_and_what_went_is_counted() {
     let mut log = Log::default();
     for n in 0..ENTRIES_MAX + 2_345 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let page = newest(&log);
     assert_eq!((page.kept, page.gone), (1_000_000, 2_345));
@@ -85,14 +85,14 @@ fn memory_does_not_grow_once_the_log_is_full() {
     let capacity = 20_000;
     let mut log = log(capacity);
     for n in 0..capacity {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let most = 22 * 1024;
     assert!(log.reserved() <= most);
     for n in capacity..3 * capacity {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
         if n % 100 == 0 {
-            log.say(millis(n), false, "a line");
+            log.add_message(millis(n), false, "a line");
         }
         assert!(log.reserved() <= most, "{} places", log.reserved());
     }
@@ -103,7 +103,7 @@ fn memory_does_not_grow_once_the_log_is_full() {
 fn rows_keep_their_numbers_while_old_ones_give_way() {
     let mut log = log(50);
     for n in 0..50 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let window = |first| Window {
         first: Some(first),
@@ -112,7 +112,7 @@ fn rows_keep_their_numbers_while_old_ones_give_way() {
     let before = log.page(window(30)).rows;
     assert_eq!(before[0].number, 30);
     for n in 50..70 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let page = log.page(window(30));
     assert_eq!(page.rows, before);
@@ -132,7 +132,7 @@ fn rows_keep_their_numbers_while_old_ones_give_way() {
 fn a_window_has_no_more_rows_than_a_page_may_ask_for() {
     let mut log = log(2_000);
     for n in 0..2_000 {
-        log.passed(&driven(n));
+        log.add_event(&driven(n));
     }
     let rows = u16::MAX;
     assert_eq!(log.page(Window { first: None, rows }).rows.len(), 400);
@@ -159,14 +159,14 @@ fn a_window_has_no_more_rows_than_a_page_may_ask_for() {
 fn what_the_page_says_stands_where_its_time_belongs() {
     let mut log = log(100);
     for n in [10, 20, 30, 40] {
-        log.passed(&at(n, query(1)));
+        log.add_event(&at(n, query(1)));
     }
-    log.say(millis(25), false, "late");
-    log.say(millis(50), false, "early");
+    log.add_message(millis(25), false, "late");
+    log.add_message(millis(50), false, "early");
     for n in [45, 48, 55] {
-        log.passed(&at(n, query(2)));
+        log.add_event(&at(n, query(2)));
     }
-    log.say(millis(48), false, "as the frame");
+    log.add_message(millis(48), false, "as the frame");
     let page = newest(&log);
     let times: Vec<_> = page.rows.iter().map(|row| &row.time[6..]).collect();
     let expected = [
@@ -186,9 +186,9 @@ fn what_the_page_says_stands_where_its_time_belongs() {
 fn a_line_much_too_late_is_put_among_the_newest_only() {
     let mut log = log(10_000);
     for n in 1_000..3_000 {
-        log.passed(&at(n, query(1)));
+        log.add_event(&at(n, query(1)));
     }
-    log.say(millis(0), false, "from long ago");
+    log.add_message(millis(0), false, "from long ago");
     let rows = newest(&log).rows;
     let place = rows.iter().position(|row| row.kind == Kind::System);
     assert_eq!(place, Some(400 - 257));
@@ -199,7 +199,7 @@ fn the_texts_of_a_log_full_of_them_are_bounded() {
     let mut log = log(1_000_000);
     let line = "x".repeat(2_000);
     for n in 0..40_000 {
-        log.say(millis(n), false, &line);
+        log.add_message(millis(n), false, &line);
     }
     let page = newest(&log);
     assert!(

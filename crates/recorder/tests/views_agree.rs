@@ -1,4 +1,4 @@
-//! A view that grew with the log shows what one shows that is made anew.
+//! A view that was updated entry by entry equals a new view.
 #![cfg(test)]
 
 mod line;
@@ -14,11 +14,11 @@ fn millis(at: u64) -> Instant {
     Instant::from_millis(at)
 }
 
-/// Something that happens to a log.
+/// A random step.
 #[derive(Clone, Debug)]
 enum Step {
     Pass(u8),
-    Say { late_ms: u64, text: &'static str },
+    Message { late_ms: u64, text: &'static str },
     Filter(u8),
     Advance(u64),
     Clear,
@@ -28,7 +28,7 @@ fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         6_000 => any::<u8>().prop_map(Step::Pass),
         300 => (0..20_u64, prop::sample::select(vec!["drive on", "other"]))
-            .prop_map(|(late_ms, text)| Step::Say { late_ms, text }),
+            .prop_map(|(late_ms, text)| Step::Message { late_ms, text }),
         10 => (0..5_u8).prop_map(Step::Filter),
         20 => (1..2_000_u64).prop_map(Step::Advance),
         1 => Just(Step::Clear),
@@ -53,7 +53,7 @@ fn play(log: &mut Log, now: u64, step: &Step) {
     match step {
         Step::Pass(which) => {
             let address = which % 2 + 1;
-            log.passed(&at(
+            log.add_event(&at(
                 now,
                 match which % 8 {
                     0 | 1 => drive(address, 50),
@@ -64,14 +64,14 @@ fn play(log: &mut Log, now: u64, step: &Step) {
                 },
             ));
         }
-        Step::Say { late_ms, text } => log.say(millis(now - late_ms), false, text),
+        Step::Message { late_ms, text } => log.add_message(millis(now - late_ms), false, text),
         Step::Filter(which) => log.filter(&filter(*which)),
         Step::Advance(budget) => _ = log.advance(*budget),
         Step::Clear => log.clear(),
     }
 }
 
-/// All rows, a window at a time.
+/// All rows, window by window.
 fn rows(log: &Log) -> Vec<Row> {
     let LogPage { oldest, end, .. } = log.page(Window {
         first: None,
@@ -89,7 +89,7 @@ fn rows(log: &Log) -> Vec<Row> {
         .collect()
 }
 
-/// Asserts that the log shows by this filter, which it has, what it shows when the filter begins anew.
+/// Asserts that the log shows the same rows after its filter is applied again.
 fn assert_agrees_with_anew(log: &mut Log, which: u8) {
     finish(log);
     let grown = log.page(ALL);
@@ -98,7 +98,7 @@ fn assert_agrees_with_anew(log: &mut Log, which: u8) {
     finish(log);
     let anew = log.page(ALL);
     let anew_rows = rows(log);
-    assert_eq!(grown.looked_at_per_mille, 1000);
+    assert_eq!(grown.filtered_per_mille, 1000);
     assert_eq!(grown.end - grown.oldest, anew.end - anew.oldest);
     assert_eq!(
         (grown.collapsed, grown.kept, grown.gone),
@@ -137,7 +137,7 @@ fn late_lines_at_every_place_leave_rows_and_counts_true() {
             if now % 3 == 0 {
                 let text = "drive on";
                 let late_ms = now % 17;
-                play(&mut log, now, &Step::Say { late_ms, text });
+                play(&mut log, now, &Step::Message { late_ms, text });
             }
         }
         assert_agrees_with_anew(&mut log, which);
@@ -147,8 +147,7 @@ fn late_lines_at_every_place_leave_rows_and_counts_true() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// However a view came about, it shows what one shows that is made of the same entries at once,
-    /// and its rows follow each other.
+    /// A view shows the same rows as a new one of the same entries, and its rows are consecutive.
     #[test]
     fn a_view_that_grew_equals_one_made_anew(steps in prop::collection::vec(step(), 1..6_000)) {
         let mut log = log(2_500);

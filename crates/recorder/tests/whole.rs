@@ -13,14 +13,14 @@ use motorlink_recorder::{Log, Output, Recorder, Recording, WallClock};
 
 use line::{ALL, at, collapsed, driven, query, reply};
 
-/// The recorder and whoever calls it.
+/// The recorder and its caller.
 struct Caller {
     recorder: Recorder,
     now: Instant,
     told: Vec<FromRecorder>,
     parts: Vec<u8>,
     file: Option<String>,
-    /// Slices of work that were asked for.
+    /// Slices of work that the recorder requested.
     worked: u32,
 }
 
@@ -48,12 +48,12 @@ impl Caller {
 
     fn drive(&mut self, numbers: std::ops::Range<u64>) {
         for n in numbers {
-            self.recorder.passed(&driven(n));
+            self.recorder.add_event(&driven(n));
         }
         self.run();
     }
 
-    /// Lets time pass, at a step a millisecond.
+    /// Advances the time in steps of one millisecond.
     fn pass(&mut self, millis: u32) {
         for _ in 0..millis {
             self.now = self.now + Duration::from_millis(1);
@@ -61,11 +61,11 @@ impl Caller {
         }
     }
 
-    /// Polls until there is nothing to do. Every slice of work takes a millisecond.
+    /// Polls until the recorder waits. Every slice of work takes a millisecond.
     fn run(&mut self) -> Option<Instant> {
         loop {
             match self.recorder.poll(self.now) {
-                Output::Tell(message) => self.told.push(message),
+                Output::Post(message) => self.told.push(message),
                 Output::Part(mut bytes) => self.parts.append(&mut bytes),
                 Output::File(message) => {
                     self.told.push(message);
@@ -80,7 +80,7 @@ impl Caller {
                     self.now = self.now + Duration::from_millis(1);
                     self.recorder.work(self.now, 500);
                 }
-                Output::Keep(_) | Output::NextKept => panic!("nothing is kept here"),
+                Output::Store(_) | Output::NextFile => panic!("nothing is kept here"),
                 Output::Wait(until) => return until,
             }
         }
@@ -110,7 +110,7 @@ fn a_look_is_answered_and_nothing_is_told_before_it() {
     let mut caller = Caller::new();
     caller.drive(0..10);
     assert!(caller.pages().is_empty());
-    caller.handle(ToRecorder::Look(ALL));
+    caller.handle(ToRecorder::Show(ALL));
     let pages = caller.pages();
     assert_eq!(pages.len(), 1);
     assert_eq!(pages[0].rows.len(), 10);
@@ -120,7 +120,7 @@ fn a_look_is_answered_and_nothing_is_told_before_it() {
 #[test]
 fn pages_are_told_at_most_thirty_times_a_second_and_only_of_changes() {
     let mut caller = Caller::new();
-    caller.handle(ToRecorder::Look(ALL));
+    caller.handle(ToRecorder::Show(ALL));
     caller.pass(100);
     caller.told.clear();
     for second in 0..10 {
@@ -147,7 +147,7 @@ fn pages_are_told_at_most_thirty_times_a_second_and_only_of_changes() {
 #[test]
 fn a_page_that_has_to_wait_is_not_forgotten() {
     let mut caller = Caller::new();
-    caller.handle(ToRecorder::Look(ALL));
+    caller.handle(ToRecorder::Show(ALL));
     caller.told.clear();
     caller.drive(0..5);
     assert!(
@@ -170,7 +170,7 @@ fn a_filter_shows_its_first_rows_before_it_is_through() {
         first: None,
         rows: 40,
     };
-    caller.handle(ToRecorder::Look(window));
+    caller.handle(ToRecorder::Show(window));
     caller.drive(0..10_000);
     caller.pass(100);
     caller.told.clear();
@@ -178,9 +178,9 @@ fn a_filter_shows_its_first_rows_before_it_is_through() {
     caller.pass(100);
     let pages = caller.pages();
     assert!(caller.worked >= 19);
-    assert!(pages[0].looked_at_per_mille < 1000);
+    assert!(pages[0].filtered_per_mille < 1000);
     let last = pages.last().unwrap();
-    assert_eq!(last.looked_at_per_mille, 1000);
+    assert_eq!(last.filtered_per_mille, 1000);
     assert_eq!(last.collapsed + (last.end - last.oldest), 10_000);
     assert_eq!(last.generation, pages[0].generation);
 }
@@ -328,8 +328,8 @@ fn frames_are_taken_in_while_a_file_is_made() {
             Output::Work => {
                 worked += 1;
                 caller.recorder.work(caller.now, 100);
-                caller.recorder.passed(&at(5_000 + worked, query(1)));
-                caller.recorder.passed(&at(5_000 + worked, reply(1, 0)));
+                caller.recorder.add_event(&at(5_000 + worked, query(1)));
+                caller.recorder.add_event(&at(5_000 + worked, reply(1, 0)));
             }
             Output::File(FromRecorder::Exported { rows, .. }) => {
                 assert_eq!(rows, 5_000, "without what came later");
@@ -339,6 +339,6 @@ fn frames_are_taken_in_while_a_file_is_made() {
             _ => {}
         }
     }
-    caller.handle(ToRecorder::Look(ALL));
+    caller.handle(ToRecorder::Show(ALL));
     assert_eq!(caller.pages()[0].kept, 5_000 + 2 * worked);
 }

@@ -88,7 +88,7 @@ impl Writer {
 
     /// Adds what passed on the line.
     pub fn line(&mut self, event: &LineEvent) {
-        if let Some(second) = self.meter.passed(event) {
+        if let Some(second) = self.meter.add_event(event) {
             self.flush();
             self.second(&second);
         } else if self.batch.is_full_for(event.at) {
@@ -97,7 +97,7 @@ impl Writer {
         self.last = event.at;
         self.batch.push(event);
         self.count(event.at, What::Line(event.kind));
-        if let Some(reported) = self.motors.passed(event) {
+        if let Some(reported) = self.motors.add_event(event) {
             self.reported(event.at, &reported);
         }
     }

@@ -18,7 +18,7 @@ pub(crate) struct LogState {
     /// Entries that gave way to newer ones.
     pub(crate) gone: u64,
     /// How far the filter has come; 1000 when it is through.
-    pub(crate) looked_at_per_mille: u16,
+    pub(crate) filtered_per_mille: u16,
     /// Entries that are shown.
     pub(crate) shown: u64,
     /// Whether the list stays with the newest.
@@ -77,7 +77,7 @@ impl LogFeed {
     pub(crate) fn look(&mut self) -> Option<ToRecorder> {
         let window = self.view.look(self.asked)?;
         self.asked = Some(window);
-        Some(ToRecorder::Look(window))
+        Some(ToRecorder::Show(window))
     }
 
     /// Changes which entries are shown; what to tell the recorder of it.
@@ -96,7 +96,7 @@ impl LogFeed {
     /// others now.
     pub(crate) fn speak(&mut self, language: Language) -> ToRecorder {
         self.begin_anew();
-        ToRecorder::Speak {
+        ToRecorder::SetLanguage {
             language: language.key().to_owned(),
             texts: motorlink_i18n::given(language),
         }
@@ -148,7 +148,7 @@ impl LogFeed {
             kept: self.page.kept,
             collapsed: self.page.collapsed,
             gone: self.page.gone,
-            looked_at_per_mille: self.page.looked_at_per_mille,
+            filtered_per_mille: self.page.filtered_per_mille,
             shown: self.page.end.saturating_sub(self.page.oldest),
             following: self.view.is_following(),
             new_rows: self.view.new_rows(),
@@ -256,7 +256,7 @@ mod tests {
             first: None,
             rows: 24,
         };
-        assert_eq!(feed.look(), Some(ToRecorder::Look(newest)));
+        assert_eq!(feed.look(), Some(ToRecorder::Show(newest)));
         assert!(feed.state().following);
     }
 }

@@ -8,10 +8,10 @@ use crate::{features::packet_log::feed::LogState, ui::format::grouped};
 pub(crate) fn of_entries(log: &LogState) -> (String, String) {
     let entries = entries(log.kept);
     let mut others = Vec::new();
-    if log.kept > 0 && log.looked_at_per_mille < 1000 {
+    if log.kept > 0 && log.filtered_per_mille < 1000 {
         others.push(tr!(
             "filtering: {percent} %",
-            percent = log.looked_at_per_mille / 10
+            percent = log.filtered_per_mille / 10
         ));
     } else if log.collapsed > 0 {
         others.push(tr!("{count} collapsed", count = grouped(log.collapsed)));
@@ -39,7 +39,7 @@ pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
         tr!("The packet log has stopped. Motors keep running.")
     } else if log.kept == 0 {
         tr!("No frames yet. Connect to log every frame, with millisecond timestamps.")
-    } else if log.shown > 0 || log.looked_at_per_mille < 1000 {
+    } else if log.shown > 0 || log.filtered_per_mille < 1000 {
         ""
     } else if log.collapsed == log.kept {
         tr!("Only status polls so far. Turn off Collapse status polls to show them.")
@@ -69,7 +69,7 @@ mod tests {
         kept: 18_402,
         collapsed: 17_950,
         gone: 3,
-        looked_at_per_mille: 1000,
+        filtered_per_mille: 1000,
         shown: 452,
         following: true,
         new_rows: 0,
@@ -90,7 +90,7 @@ mod tests {
         );
         let one = LogState {
             kept: 1,
-            looked_at_per_mille: 1000,
+            filtered_per_mille: 1000,
             ..LogState::default()
         };
         assert_eq!(of_entries(&one), ("1 entry".to_owned(), String::new()));
@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn a_filter_under_way_says_how_far_it_is() {
         let half = LogState {
-            looked_at_per_mille: 456,
+            filtered_per_mille: 456,
             gone: 0,
             ..LOG
         };
@@ -122,7 +122,7 @@ mod tests {
         };
         assert!(of_no_rows(&all_routine, true).contains("Collapse status polls"));
         let looking = LogState {
-            looked_at_per_mille: 10,
+            filtered_per_mille: 10,
             ..nothing_shown
         };
         assert_eq!(of_no_rows(&looking, true), "");

@@ -1,6 +1,6 @@
 //! What is done with the session that the browser keeps.
 
-use motorlink_messages::recorder::KeptSession;
+use motorlink_messages::recorder::SavedSession;
 
 /// A session that the browser keeps, and what is done with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,7 +9,7 @@ pub(crate) enum Offer {
     #[default]
     None,
     /// It can be restored or forgotten.
-    Open(KeptSession),
+    Open(SavedSession),
     /// It is being restored.
-    Restoring(KeptSession),
+    Restoring(SavedSession),
 }

@@ -1,7 +1,7 @@
 //! What the browser keeps, in words.
 
 use motorlink_i18n::tr;
-use motorlink_messages::recorder::{KeptSession, NotKept};
+use motorlink_messages::recorder::{NotSaved, SavedSession};
 
 use crate::{
     features::saved_session::offer::Offer,
@@ -37,7 +37,7 @@ pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
 }
 
 /// A line of the log.
-pub(crate) fn of_restored(session: &KeptSession) -> String {
+pub(crate) fn of_restored(session: &SavedSession) -> String {
     tr!(
         "Restored the session from {hours}: {content}",
         hours = of_hours(session),
@@ -46,7 +46,7 @@ pub(crate) fn of_restored(session: &KeptSession) -> String {
 }
 
 /// A line of the log.
-pub(crate) fn of_forgotten(session: &KeptSession) -> String {
+pub(crate) fn of_forgotten(session: &SavedSession) -> String {
     tr!(
         "Deleted the session from {hours}",
         hours = of_hours(session)
@@ -54,10 +54,10 @@ pub(crate) fn of_forgotten(session: &KeptSession) -> String {
 }
 
 /// A line of the log.
-pub(crate) fn of_not_kept(why: NotKept) -> Line {
+pub(crate) fn of_not_kept(why: NotSaved) -> Line {
     let why = match why {
-        NotKept::NoRoom => tr!("the browser storage is full"),
-        NotKept::Failed => tr!("the browser storage failed"),
+        NotSaved::NoRoom => tr!("the browser storage is full"),
+        NotSaved::Failed => tr!("the browser storage failed"),
     };
     Line {
         error: true,
@@ -70,7 +70,7 @@ pub(crate) fn of_not_kept(why: NotKept) -> Line {
 }
 
 /// `13:05 to 13:25`
-fn of_hours(session: &KeptSession) -> String {
+fn of_hours(session: &SavedSession) -> String {
     let minute = |ms| {
         let mut time = local_time(ms);
         time.truncate("13:05".len());
@@ -84,7 +84,7 @@ fn of_hours(session: &KeptSession) -> String {
 }
 
 /// `40 210 packets, 3 min recorded`
-fn of_content(session: &KeptSession) -> String {
+fn of_content(session: &SavedSession) -> String {
     let packets = match session.packets {
         1 => tr!("1 packet").to_owned(),
         count => tr!("{count} packets", count = grouped(count)),
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     fn content(packets: u64, recorded: u64, recorded_ms: u64) -> String {
-        let session = KeptSession {
+        let session = SavedSession {
             from_ms: 0.0,
             to_ms: 0.0,
             packets,
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn a_session_that_is_not_kept_says_why_and_what_to_do() {
-        for why in [NotKept::NoRoom, NotKept::Failed] {
+        for why in [NotSaved::NoRoom, NotSaved::Failed] {
             let line = of_not_kept(why);
             assert!(line.error && line.text.contains("is not stored"));
             assert!(line.text.contains("export"));

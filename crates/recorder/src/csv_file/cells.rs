@@ -1,13 +1,13 @@
-//! Cells and lines, by the `csv` crate, in buffers that are used again.
+//! Writes cells and lines with the `csv` crate, in reused buffers.
 
 use csv::ByteRecord;
 use csv_core::{Terminator, WriterBuilder};
 
-/// A text that begins with one of these is a formula to a spreadsheet, or becomes one when what is
-/// in front of it is cut off. Source: OWASP, "CSV Injection".
+/// A spreadsheet treats a text that begins with one of these as a formula, or may do so after trimming.
+/// Source: OWASP, "CSV Injection".
 const FORMULA_STARTS: [char; 7] = ['=', '+', '-', '@', '\t', '\r', '\n'];
 
-/// One line, put together cell by cell in buffers that are used again.
+/// Builds one line cell by cell, in reused buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Cells {
     line: ByteRecord,
@@ -15,21 +15,20 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// A cell that stands as it is.
+    /// Adds a cell unchanged.
     pub(crate) fn plain(&mut self, cell: &str) {
         self.line.push_field(cell.as_bytes());
     }
 
-    /// A cell of what `write` writes, which is a number, a time or hex: never a formula, even where it
-    /// begins with a minus.
+    /// Adds a cell with a number, a time or hex: never a formula, even if it begins with a minus.
     pub(crate) fn value(&mut self, write: impl FnOnce(&mut String)) {
         self.cell.clear();
         write(&mut self.cell);
         self.line.push_field(self.cell.as_bytes());
     }
 
-    /// A cell of the text that `write` writes. A spreadsheet would run it where it looks like a formula,
-    /// and `+100 rpm` does: an apostrophe in front makes it text.
+    /// Adds a cell with a text. A spreadsheet would run a text that looks like a formula, such as `+100 rpm`:
+    /// a leading apostrophe prevents that.
     pub(crate) fn text(&mut self, write: impl FnOnce(&mut String)) {
         self.value(|cell| {
             write(cell);
@@ -39,12 +38,12 @@ impl Cells {
         });
     }
 
-    /// A cell of something that is not known.
+    /// Adds an empty cell, for an unknown value.
     pub(crate) fn unknown(&mut self) {
         self.plain("");
     }
 
-    /// Adds the line to a file, as RFC 4180 has it.
+    /// Adds the line to a file, by RFC 4180.
     pub(crate) fn end_line(&mut self, out: &mut Vec<u8>) {
         let mut separator: &[u8] = b"";
         for cell in &self.line {
@@ -57,19 +56,19 @@ impl Cells {
     }
 }
 
-/// Adds one cell, in quotes where it needs them.
+/// Adds one cell, in quotes if it needs them.
 ///
-/// This is what `csv::Writer` does for each cell. Through that writer, the compiler cannot see that only
-/// needed quotes are asked for, and keeps the style that quotes all but numbers: it reads floats, by
-/// tables that weigh 17 kB gzipped, a fifteenth of a first visit. Here it sees it and leaves them out.
+/// `csv::Writer` does the same. But with it the compiler cannot see that quotes are added only where needed,
+/// and keeps the style that quotes all but numbers. That style parses floats, with tables of 17 kB gzipped,
+/// a fifteenth of a first visit. Here the compiler removes them.
 #[inline(never)]
 fn push_quoted(out: &mut Vec<u8>, cell: &[u8]) {
-    // The writer takes it for a line of one empty cell, which does need quotes.
+    // The writer would treat it as a line with one empty cell, which needs quotes.
     if cell.is_empty() {
         return;
     }
     let start = out.len();
-    // Every byte may be a quote that is doubled, between two quotes.
+    // In the worst case every byte is a quote and doubled, between two quotes.
     out.resize(start + 2 * cell.len() + 2, 0);
     let mut writer = WriterBuilder::new().terminator(Terminator::CRLF).build();
     let mut length = 0;

@@ -1,4 +1,4 @@
-//! Lines of the same files for events that are in no log and no recording, such as those of a session file.
+//! Writes the same CSV files from single events, such as those of a session file.
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_protocol::{Instant, Reply};
@@ -9,7 +9,7 @@ use super::{
     telemetry_lines::{self, TelemetryLines},
 };
 use crate::{
-    entry::{Entry, Verdict, What},
+    entry::{Entry, EntryContent, Visibility},
     recording::Sample,
     texts::Texts,
     wall_clock::WallClock,
@@ -36,7 +36,7 @@ impl CsvLines {
         Self::new(Columns::Log(None))
     }
 
-    /// Good replies, in the columns of the article's monitor script.
+    /// Valid replies, in the columns of the article's monitor script.
     #[must_use]
     pub fn of_telemetry() -> Self {
         Self::new(Columns::Telemetry(TelemetryLines::default()))
@@ -61,12 +61,12 @@ impl CsvLines {
         self.cells.end_line(out);
     }
 
-    /// Adds the line of an event of the line, where it has one.
+    /// Adds the row of a line event, if it has one.
     pub fn event(&mut self, out: &mut Vec<u8>, event: &LineEvent, clock: WallClock) {
         match &mut self.columns {
             Columns::Log(_) => {
-                let what = What::Passed(event.kind);
-                self.entry(out, event.at, what, &Texts::default(), clock);
+                let content = EntryContent::Line(event.kind);
+                self.entry(out, event.at, content, &Texts::default(), clock);
             }
             Columns::Telemetry(lines) => {
                 let LineEventKind::Received { frame, asked } = event.kind else {
@@ -82,8 +82,8 @@ impl CsvLines {
         }
     }
 
-    /// Adds a line of the page's own; a telemetry file has none.
-    pub fn said(
+    /// Adds the row of a message; a telemetry file has none.
+    pub fn add_message(
         &mut self,
         out: &mut Vec<u8>,
         at: Instant,
@@ -94,7 +94,13 @@ impl CsvLines {
         if matches!(self.columns, Columns::Log(_)) {
             let mut texts = Texts::default();
             let text = texts.keep(text);
-            self.entry(out, at, What::Said { error, text }, &texts, clock);
+            self.entry(
+                out,
+                at,
+                EntryContent::Message { error, text },
+                &texts,
+                clock,
+            );
         }
     }
 
@@ -102,15 +108,15 @@ impl CsvLines {
         &mut self,
         out: &mut Vec<u8>,
         at: Instant,
-        what: What,
+        content: EntryContent,
         texts: &Texts,
         clock: WallClock,
     ) {
         let entry = Entry {
             at,
-            what,
+            content,
             routine: false,
-            verdict: Verdict::Shown,
+            visibility: Visibility::Shown,
         };
         if let Columns::Log(lines) = &mut self.columns {
             let lines = lines.get_or_insert_with(|| LogLines::new(at));

@@ -5,9 +5,9 @@
 //! | `time` | ISO 8601, UTC, to the millisecond |
 //! | `elapsed_s` | seconds since the first line, to the millisecond |
 //! | `direction` | `TX`, `RX`, `SYS`, `ERR` |
-//! | `id` | `0x01`; empty where it is of or to nobody |
-//! | `hex` | the bytes; empty where there are none |
-//! | `meaning` | what it says |
+//! | `id` | `0x01`; empty if it concerns no single motor |
+//! | `hex` | the bytes; empty if there are none |
+//! | `meaning` | the text of the entry |
 
 use motorlink_messages::recorder::Kind;
 use motorlink_protocol::Instant;
@@ -16,9 +16,9 @@ use super::cells::Cells;
 use crate::{
     digits::push_hex,
     entry::Entry,
+    meaning::{push_english, push_id},
     texts::Texts,
     wall_clock::{IsoWriter, WallClock, push_seconds},
-    words::{push_english, push_id},
 };
 
 pub(super) const HEAD: [&str; 6] = ["time", "elapsed_s", "direction", "id", "hex", "meaning"];

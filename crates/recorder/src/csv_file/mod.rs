@@ -1,12 +1,11 @@
-//! CSV files, made a slice at a time.
+//! CSV files, written in slices.
 //!
-//! Both are what RFC 4180 describes: a head, lines that end in CR LF, quotes where they are needed.
-//! They are UTF-8 without a byte order mark, which many programs take for a part of the first name in
-//! the head.
+//! Both follow RFC 4180: a header, lines that end in CR LF, quotes where needed. They are UTF-8 without a
+//! byte order mark, because many programs read that mark as a part of the first column name.
 //!
-//! Times are ISO 8601 in UTC in both files, so that a row of telemetry is found in the log by its time,
-//! a recording over midnight or over the change to summer time stays in order, and every program reads
-//! the same moment from it. (The article's script writes the time of day only.)
+//! Times are ISO 8601 in UTC in both files. So a row of telemetry can be found in the log by its time, and
+//! a recording stays in order over midnight and over a change of the clock. (The article's script writes
+//! the time of day only.)
 
 mod cells;
 mod lines;
@@ -21,10 +20,10 @@ pub use self::lines::CsvLines;
 use self::{cells::Cells, log_lines::LogLines, telemetry_lines::TelemetryLines};
 use crate::{
     log::Log,
-    recording::{Recording, Which},
+    recording::{Recording, SampleSet},
 };
 
-/// A file that is being made.
+/// A file that is being written.
 #[derive(Debug)]
 pub struct CsvFile {
     lines: Lines,
@@ -35,16 +34,16 @@ pub struct CsvFile {
     out: Vec<u8>,
 }
 
-/// What the lines are.
+/// The kind of lines.
 #[derive(Debug)]
 enum Lines {
     Log(LogLines),
-    Telemetry(Which, TelemetryLines),
+    Telemetry(SampleSet, TelemetryLines),
 }
 
 impl CsvFile {
-    /// Of every entry of the log, shown or not. Entries that come later are not in it, and one that
-    /// gives way before its turn is left out.
+    /// A file of every entry of the log, visible or not. Entries added later are not in it, and an entry that
+    /// is dropped before it is written is skipped.
     #[must_use]
     pub fn of_log(log: &mut Log) -> Self {
         let range = log.settle();
@@ -53,7 +52,7 @@ impl CsvFile {
         Self::new(Lines::Log(lines), range, &log_lines::HEAD)
     }
 
-    /// Of the recording, or of the last ten minutes where nothing was recorded.
+    /// A file of the recorded samples, or of the last ten minutes if none were recorded.
     #[must_use]
     pub fn of_telemetry(recording: &Recording) -> Self {
         let (which, range) = recording.to_export();
@@ -78,7 +77,7 @@ impl CsvFile {
         }
     }
 
-    /// What it is a file of.
+    /// The kind of the file.
     #[must_use]
     pub const fn what(&self) -> Export {
         match self.lines {
@@ -87,7 +86,7 @@ impl CsvFile {
         }
     }
 
-    /// Writes so many lines more, and says whether that was all.
+    /// Writes this number of further lines. Returns whether the file is complete.
     pub fn advance(&mut self, log: &Log, recording: &Recording, lines: u64) -> bool {
         let clock = log.clock();
         let first = match &self.lines {
@@ -119,19 +118,19 @@ impl CsvFile {
         self.next >= self.until
     }
 
-    /// Lines that are written, without the head.
+    /// Lines written, without the header.
     #[must_use]
     pub const fn rows(&self) -> u64 {
         self.rows
     }
 
-    /// Lines that it will have, as far as is known.
+    /// Lines that it will have, as far as known.
     #[must_use]
     pub const fn rows_in_all(&self) -> u64 {
         self.rows + self.until.saturating_sub(self.next)
     }
 
-    /// Bytes that were written and not taken.
+    /// Bytes that were written and not taken yet.
     #[must_use]
     pub const fn written(&self) -> usize {
         self.out.len()
@@ -142,11 +141,11 @@ impl CsvFile {
         std::mem::take(&mut self.out)
     }
 
-    /// The recording that a file is made of up to this sample.
+    /// The number after the last recorded sample in the file, if it has recorded samples.
     pub(crate) const fn recorded_until(&self) -> Option<u64> {
         match self.lines {
-            Lines::Telemetry(Which::Recorded, _) => Some(self.until),
-            Lines::Telemetry(Which::Rolling, _) | Lines::Log(_) => None,
+            Lines::Telemetry(SampleSet::Recorded, _) => Some(self.until),
+            Lines::Telemetry(SampleSet::Rolling, _) | Lines::Log(_) => None,
         }
     }
 }

@@ -7,8 +7,8 @@
 //! | `mode` | `Current`, `Velocity` or `Position` |
 //! | `speed_rpm` | signed |
 //! | `current_a` | signed, three decimals |
-//! | `temp_c` | of replies to a feedback query; empty in others, which do not carry it |
-//! | `position_deg` | two decimals of replies to a drive frame, one decimal of replies to a query, as fine as either is; empty where it is not certain what was asked |
+//! | `temp_c` | only in replies to a feedback query |
+//! | `position_deg` | two decimals in replies to a drive frame, one decimal in replies to a query, by their resolution; empty if the request is uncertain |
 //! | `error_code` | byte 8, `0x00` |
 //! | `error_str` | `OK`, or names with <code> &#124; </code> between |
 //! | `raw_hex` | the ten bytes |
@@ -42,7 +42,7 @@ pub(super) struct TelemetryLines {
 
 impl TelemetryLines {
     pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample, clock: WallClock) {
-        // What is no reply was not recorded.
+        // Only replies are recorded.
         let Ok(reply) = Reply::decode(&sample.frame, sample.asked) else {
             return;
         };
@@ -84,7 +84,7 @@ impl TelemetryLines {
     }
 }
 
-/// The minus of a keyboard, which a spreadsheet reads.
+/// The ASCII minus, which spreadsheets accept.
 fn push_minus(out: &mut String, value: i16) {
     if value < 0 {
         out.push('-');

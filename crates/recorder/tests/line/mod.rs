@@ -1,4 +1,4 @@
-//! What passes on a line, for the stories of the recorder.
+//! Line events for the tests of the recorder.
 #![allow(dead_code, reason = "not every story needs all of it")]
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
@@ -22,7 +22,7 @@ pub fn id(address: u8) -> MotorId {
     MotorId::new(address).unwrap()
 }
 
-/// Something that passed so many milliseconds after zero.
+/// A line event at this time in milliseconds.
 pub fn at(millis: u64, passed: LineEventKind) -> LineEvent {
     LineEvent {
         at: Instant::from_millis(millis),
@@ -76,7 +76,7 @@ pub fn silence(address: u8) -> LineEventKind {
     }
 }
 
-/// The n-th frame of a line on which motor 1 is driven and asked, a frame a millisecond.
+/// The n-th frame of a line on which motor 1 is driven and queried, one frame a millisecond.
 pub fn driven(n: u64) -> LineEvent {
     let position = u16::try_from(n * 91 % 32_768).unwrap();
     at(
@@ -89,7 +89,7 @@ pub fn driven(n: u64) -> LineEvent {
     )
 }
 
-/// A log of so many entries at most, by [`CLOCK`].
+/// A log with room for this number of entries, with [`CLOCK`].
 pub fn log(capacity: u64) -> Log {
     let mut log = Log::with_capacity(capacity);
     log.set_clock(CLOCK);
@@ -126,7 +126,7 @@ pub fn collapsed() -> Filter {
     }
 }
 
-/// Lets a filter look at everything.
+/// Completes a filter.
 pub fn finish(log: &mut Log) {
     while !log.advance(997) {}
 }

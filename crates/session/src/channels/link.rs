@@ -31,7 +31,7 @@ pub(crate) struct Second {
 
 impl Meter {
     /// Takes what passed. Gives the second before, when it has ended.
-    pub(crate) fn passed(&mut self, event: &LineEvent) -> Option<Second> {
+    pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Second> {
         let number = event.at.as_micros() / SECOND_US;
         let ended = self.second.take_if(|second| second.number != number);
         let second = self.second.get_or_insert(Second {
@@ -139,10 +139,10 @@ mod tests {
         ];
         for (at, kind) in passed {
             let at = Instant::from_micros(at);
-            assert!(meter.passed(&LineEvent { at, kind }).is_none());
+            assert!(meter.add_event(&LineEvent { at, kind }).is_none());
         }
         let at = Instant::from_micros(9_500_000);
-        let second = meter.passed(&LineEvent { at, kind: sent }).unwrap();
+        let second = meter.add_event(&LineEvent { at, kind: sent }).unwrap();
         assert_eq!(
             second.json(),
             r#"{"mono_us":7000000,"sent":3,"replies":3,"lost":1,"junk":0,"not_sent":0,"round_trip_min_us":2000,"round_trip_mean_us":2500,"round_trip_max_us":3000}"#

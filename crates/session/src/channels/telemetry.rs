@@ -52,7 +52,7 @@ pub(crate) struct Reported {
 
 impl Motors {
     /// Takes what passed on the line. Gives what a motor reported, where it is a good reply.
-    pub(crate) fn passed(&mut self, event: &LineEvent) -> Option<Reported> {
+    pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         match event.kind {
             LineEventKind::Sent { frame, mode } => {
                 if let Ok(Request::Drive { id, drive }) = Request::parse(&frame) {
@@ -256,11 +256,11 @@ mod tests {
         let mode = Some(Mode::Velocity);
         assert!(
             motors
-                .passed(&event(0, LineEventKind::Sent { frame, mode }))
+                .add_event(&event(0, LineEventKind::Sent { frame, mode }))
                 .is_none()
         );
         let reported = motors
-            .passed(&event(2, reply(6095, 100, Layout::Drive)))
+            .add_event(&event(2, reply(6095, 100, Layout::Drive)))
             .unwrap();
         assert!(reported.is_due && reported.faults_changed.is_none());
         assert_eq!(
@@ -268,7 +268,7 @@ mod tests {
             r#"{"mono_us":5000,"speed_rpm":100,"current_a":0.175,"position_deg":66.96,"turns":0.0000,"mode":"velocity","fault_code":0,"faults":[],"setpoint":100,"brake":false}"#
         );
         let reported = motors
-            .passed(&event(4, reply(0x1C00, -7, Layout::Query)))
+            .add_event(&event(4, reply(0x1C00, -7, Layout::Query)))
             .unwrap();
         assert!(text(&reported).contains(
             r#""speed_rpm":-7,"current_a":0.175,"position_deg":0.0,"temperature_c":28,"#
@@ -279,7 +279,7 @@ mod tests {
     fn fifty_of_five_hundred_replies_a_second_are_written() {
         let mut motors = Motors::default();
         let due = |motors: &mut Motors, n: u64| {
-            let reported = motors.passed(&event(2 * n, reply(0, 1, Layout::Drive)));
+            let reported = motors.add_event(&event(2 * n, reply(0, 1, Layout::Drive)));
             reported.unwrap().is_due
         };
         let written = (0..500).filter(|n| due(&mut motors, *n)).count();
@@ -297,7 +297,7 @@ mod tests {
         for n in 0..=40_u64 {
             // Quarters of a turn: full scale is 32,767.
             let raw = [0, 8_192, 16_384, 24_575][usize::try_from(n % 4).unwrap()];
-            last = motors.passed(&event(150 * n, reply(raw, 300, Layout::Drive)));
+            last = motors.add_event(&event(150 * n, reply(raw, 300, Layout::Drive)));
         }
         let turns = last.unwrap().turns.unwrap();
         assert!((turns - 30.0).abs() < 0.01, "{turns}");
@@ -311,7 +311,7 @@ mod tests {
         let mut pass = |at, frame| {
             let asked = Some(Layout::Drive);
             let kind = LineEventKind::Received { frame, asked };
-            motors.passed(&event(at, kind)).unwrap()
+            motors.add_event(&event(at, kind)).unwrap()
         };
         assert!(pass(0, good).is_due);
         let reported = pass(1, stalled);

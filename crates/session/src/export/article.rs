@@ -35,7 +35,8 @@ impl Table {
         let clock = WallClock::from_us(zero_us, LocalTime::default());
         match &record.what {
             What::Event(event) => {
-                self.0.said(out, record.at, event.error, &event.text, clock);
+                self.0
+                    .add_message(out, record.at, event.error, &event.text, clock);
             }
             What::Line(_) => {
                 if let Some(event) = record.line() {

@@ -65,7 +65,7 @@ fn exported(mut lines: CsvLines) -> Vec<u8> {
     for event in sample() {
         lines.event(&mut csv, &event, clock);
     }
-    lines.said(&mut csv, Instant::from_millis(30), true, "=1+1", clock);
+    lines.add_message(&mut csv, Instant::from_millis(30), true, "=1+1", clock);
     csv
 }
 

@@ -1,7 +1,7 @@
 //! The browser's private file system (OPFS): directories, and files that one worker at a time can open.
 
 use js_sys::{AsyncIterator, Promise, Reflect, Uint8Array};
-use motorlink_messages::recorder::NotKept;
+use motorlink_messages::recorder::NotSaved;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
@@ -140,11 +140,11 @@ impl Drop for OpenFile {
 const NO_ROOM: &str = "QuotaExceededError";
 
 /// The reason of a failure, for the page.
-pub(super) fn why(error: &JsValue) -> NotKept {
+pub(super) fn why(error: &JsValue) -> NotSaved {
     if name_of(error) == NO_ROOM {
-        NotKept::NoRoom
+        NotSaved::NoRoom
     } else {
-        NotKept::Failed
+        NotSaved::Failed
     }
 }
 

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use gloo_timers::future::sleep;
-use motorlink_messages::recorder::KeptSession;
-use motorlink_recorder::kept::{Segment, Summary};
+use motorlink_messages::recorder::SavedSession;
+use motorlink_recorder::saved::{Segment, Summary};
 
 use super::disk::{Dir, OpenFile, Result};
 
@@ -38,7 +38,7 @@ pub(super) struct Found {
     /// In the order in which to read them.
     pub(super) files: Vec<(Segment, usize)>,
     pub(super) summary: Summary,
-    pub(super) session: KeptSession,
+    pub(super) session: SavedSession,
 }
 
 /// The name of a session that begins now. Names sort by age.

@@ -4,7 +4,7 @@
 mod disk;
 mod files;
 mod found;
-mod keeping;
+mod saving;
 mod state;
 mod store;
 mod turn_scheduler;
@@ -22,7 +22,7 @@ use web_sys::{MessageEvent, MessagePort};
 
 use self::{
     files::Parts,
-    state::{Keeping, RecorderWorker, Shared, local_time, post},
+    state::{RecorderWorker, Saving, Shared, local_time, post},
     store::Job,
     turn_scheduler::TurnScheduler,
 };
@@ -49,19 +49,19 @@ pub(crate) fn start() {
         });
         RefCell::new(RecorderWorker {
             clock,
-            recorder: Recorder::new(own_clock).keeping(),
+            recorder: Recorder::new(own_clock).saving(),
             parts: Parts::default(),
             scheduler,
-            keeping: Keeping::default(),
+            saving: Saving::default(),
             turn,
             utc_offset_asked: now,
         })
     });
-    keeping::begin(&shared);
+    saving::begin(&shared);
     scope::on_message(move |incoming| match incoming {
         Incoming::Message(bytes) => match decode::<ToRecorder>(&bytes) {
             Ok(message) => {
-                keeping::handle(&shared, &message);
+                saving::handle(&shared, &message);
                 shared.borrow_mut().recorder.handle(message);
                 turn(&shared);
             }
@@ -101,7 +101,7 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
         let bytes = Uint8Array::new(&event.data()).to_vec();
         {
             let recorder = &mut shared.borrow_mut().recorder;
-            traffic(&bytes).for_each(|traffic| recorder.passed(&traffic));
+            traffic(&bytes).for_each(|traffic| recorder.add_event(&traffic));
         }
         turn(&shared);
     });
@@ -117,7 +117,7 @@ fn turn(shared: &Shared) {
         recorder,
         parts,
         scheduler,
-        keeping,
+        saving,
         utc_offset_asked,
         ..
     } = &mut *worker;
@@ -130,15 +130,15 @@ fn turn(shared: &Shared) {
     loop {
         let now = clock.now();
         match recorder.poll(now) {
-            Output::Tell(message) => post(&message),
+            Output::Post(message) => post(&message),
             Output::Part(bytes) => parts.push(&bytes),
             Output::File(message) => post_file(parts, &message),
             Output::NoFile(message) => {
                 parts.clear();
                 post(&message);
             }
-            Output::Keep(act) => keeping.add(shared, Job::Act(act)),
-            Output::NextKept => keeping.read_next(shared),
+            Output::Store(action) => saving.add(shared, Job::Action(action)),
+            Output::NextFile => saving.read_next(shared),
             Output::Work if now.since(began) < TURN => recorder.work(now, STEP),
             Output::Work => return scheduler.soon(),
             Output::Wait(None) => return,

@@ -5,7 +5,7 @@ use std::{cell::RefCell, collections::VecDeque, rc::Rc};
 use js_sys::Date;
 use motorlink_messages::{encode, recorder::FromRecorder};
 use motorlink_protocol::Instant;
-use motorlink_recorder::{LocalTime, Recorder, kept::Segment};
+use motorlink_recorder::{LocalTime, Recorder, saved::Segment};
 
 use super::{
     disk::Dir,
@@ -22,7 +22,7 @@ pub(super) struct RecorderWorker {
     pub(super) recorder: Recorder,
     pub(super) parts: Parts,
     pub(super) scheduler: TurnScheduler,
-    pub(super) keeping: Keeping,
+    pub(super) saving: Saving,
     /// Processes everything that is due; called when a file has been read.
     pub(super) turn: fn(&Shared),
     pub(super) utc_offset_asked: Instant,
@@ -32,7 +32,7 @@ pub(super) type Shared = Rc<RefCell<RecorderWorker>>;
 
 /// The pending file operations of the recorder.
 #[derive(Debug, Default)]
-pub(super) struct Keeping {
+pub(super) struct Saving {
     pub(super) jobs: Jobs,
     /// `None` until the browser has opened its file system, and while a job runs.
     pub(super) store: Option<Store>,

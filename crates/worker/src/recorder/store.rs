@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use motorlink_recorder::kept::{Act, Segment, Stream};
+use motorlink_recorder::saved::{Segment, StoreAction, Stream};
 
 use super::{
     disk::{Dir, OpenFile, Result},
@@ -27,7 +27,7 @@ pub(super) struct Store {
 #[derive(Debug)]
 pub(super) enum Job {
     /// An action of the current session.
-    Act(Act),
+    Action(StoreAction),
     /// Continue in the directory of this session.
     Restore(Found),
     /// Remove this session.
@@ -83,8 +83,8 @@ impl Store {
     /// Runs a job.
     pub(super) async fn run(&mut self, job: Job) -> Result<Done> {
         match job {
-            Job::Act(Act::Erase) => return self.erase().await,
-            Job::Act(act) => self.act(act).await?,
+            Job::Action(StoreAction::Erase) => return self.erase().await,
+            Job::Action(action) => self.perform(action).await?,
             Job::Restore(found) => self.restored = Some(found),
             Job::Forget(Found { name, alive, .. }) => {
                 drop(alive);
@@ -99,19 +99,19 @@ impl Store {
         self.files = None;
     }
 
-    async fn act(&mut self, act: Act) -> Result<()> {
-        match act {
-            Act::Append(segment, bytes) => self.append(segment, &bytes).await,
-            Act::Remove(segment) => match &mut self.files {
+    async fn perform(&mut self, action: StoreAction) -> Result<()> {
+        match action {
+            StoreAction::Append(segment, bytes) => self.append(segment, &bytes).await,
+            StoreAction::Remove(segment) => match &mut self.files {
                 Some(files) => files.remove(segment).await,
                 None => Ok(()),
             },
-            Act::Flush => {
+            StoreAction::Flush => {
                 let open = self.files.iter().flat_map(|files| &files.open);
                 open.map(|(_, file)| file).try_for_each(OpenFile::flush)
             }
-            Act::Adopt { packets, recorded } => self.adopt([packets, recorded]).await,
-            Act::Erase => self.erase().await.map(|_| ()),
+            StoreAction::Adopt { packets, recorded } => self.adopt([packets, recorded]).await,
+            StoreAction::Erase => self.erase().await.map(|_| ()),
         }
     }
 
@@ -216,7 +216,7 @@ impl Files {
 mod tests {
     use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
     use motorlink_protocol::Instant;
-    use motorlink_recorder::kept::Keeper;
+    use motorlink_recorder::saved::SessionWriter;
     use wasm_bindgen_test::wasm_bindgen_test;
 
     use super::*;
@@ -232,19 +232,19 @@ mod tests {
     }
 
     /// The actions that write these entries.
-    fn actions_for(entries: std::ops::Range<u64>) -> Vec<Act> {
-        let mut keeper = Keeper::default();
-        keeper.set_epoch(1_795_266_900_000_000);
+    fn actions_for(entries: std::ops::Range<u64>) -> Vec<StoreAction> {
+        let mut writer = SessionWriter::default();
+        writer.set_epoch(1_795_266_900_000_000);
         for n in entries {
-            keeper.passed(&traffic(n), n % 2 == 0);
+            writer.add_event(&traffic(n), n % 2 == 0);
         }
         let mut now = Instant::ZERO;
-        let mut acts = Vec::new();
+        let mut actions = Vec::new();
         for _ in 0..40 {
-            acts.extend(keeper.poll(now));
+            actions.extend(writer.poll(now));
             now = now + std::time::Duration::from_millis(200);
         }
-        acts
+        actions
     }
 
     async fn sessions(name: &str) -> Dir {
@@ -257,8 +257,8 @@ mod tests {
 
     async fn store(sessions: &Dir, begun_ms: f64, entries: std::ops::Range<u64>) -> Store {
         let mut store = Store::new(sessions.clone(), new_name(begun_ms));
-        for act in actions_for(entries) {
-            store.run(Job::Act(act)).await.unwrap();
+        for action in actions_for(entries) {
+            store.run(Job::Action(action)).await.unwrap();
         }
         store
     }
@@ -289,11 +289,11 @@ mod tests {
         let own = living.name.clone();
         let found = newest(&sessions, &own, NOW_MS).await.unwrap().unwrap();
         living.run(Job::Restore(found)).await.unwrap();
-        let adopt = Act::Adopt {
+        let adopt = StoreAction::Adopt {
             packets: 1,
             recorded: 1,
         };
-        living.run(Job::Act(adopt)).await.unwrap();
+        living.run(Job::Action(adopt)).await.unwrap();
         assert_eq!(sessions.names().await.unwrap(), [living.name.clone()]);
         drop(living);
         let mut found = newest(&sessions, "", NOW_MS).await.unwrap().unwrap();
@@ -312,11 +312,11 @@ mod tests {
         living.run(Job::Forget(found.unwrap())).await.unwrap();
         assert_eq!(sessions.names().await.unwrap().len(), 2);
         let other_tab = store(&sessions, NOW_MS - 7_000.0, 0..3).await;
-        let erased = living.run(Job::Act(Act::Erase)).await;
+        let erased = living.run(Job::Action(StoreAction::Erase)).await;
         assert_eq!(erased.unwrap(), Done::Partly, "what is open stays");
         assert_eq!(sessions.names().await.unwrap().len(), 1);
         drop(other_tab);
-        let erased = living.run(Job::Act(Act::Erase)).await;
+        let erased = living.run(Job::Action(StoreAction::Erase)).await;
         assert_eq!(erased.unwrap(), Done::All);
         assert!(sessions.names().await.unwrap().is_empty());
     }

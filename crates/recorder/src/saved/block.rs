@@ -1,9 +1,9 @@
-//! A block: what is written in one go. It has a length and a check, so that a half-written tail or a
-//! damaged place costs only itself: what reads goes on at the next mark.
+//! A block: the unit of writing. It has a length and a checksum, so that damage or a truncated end loses
+//! only the affected block: the reader continues at the next mark.
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 0-2 | the mark, `ML` and 0xB1: 0xB1 stands in no text |
+//! | 0-2 | the mark, `ML` and 0xB1: no valid UTF-8 text contains it |
 //! | 3 | the kind of the content |
 //! | 4-7 | the length of the content, little endian |
 //! | 8-11 | CRC-32C of bytes 3-7 and the content, little endian |
@@ -11,16 +11,16 @@
 
 use crc::{CRC_32_ISCSI, Crc, NoTable};
 
-/// A table would be a kilobyte of each visit, for a fifth of a second of a restored log that was full.
+/// A table would add a kilobyte to every visit, and save a fifth of a second when a full log is restored.
 const CASTAGNOLI: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
 
 const MARK: [u8; 3] = *b"ML\xB1";
 const HEAD_LEN: usize = 12;
 
-/// Bytes of content at most. Damage that looks like a head is checked over so many bytes and no more.
+/// The maximal bytes of content. It also bounds the checksum of damage that looks like a head.
 pub const CONTENT_MAX: usize = 1 << 16;
 
-/// Adds a block. Content that is too long is left out.
+/// Adds a block. Content that is too long is skipped.
 pub(super) fn push_block(out: &mut Vec<u8>, kind: u8, content: &[u8]) {
     if content.len() > CONTENT_MAX {
         return;
@@ -41,7 +41,7 @@ fn check(kind: u8, length: u32, content: &[u8]) -> u32 {
     digest.finalize()
 }
 
-/// The blocks in a file, in order. What is damaged is left out.
+/// The blocks in a file, in order. Damaged blocks are skipped.
 #[derive(Debug)]
 pub struct Blocks {
     bytes: Vec<u8>,
@@ -49,7 +49,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Of these bytes.
+    /// The blocks in these bytes.
     #[must_use]
     pub const fn new(bytes: Vec<u8>) -> Self {
         Self { bytes, at: 0 }
@@ -119,11 +119,11 @@ mod tests {
     }
 
     #[test]
-    fn content_that_is_too_long_is_left_out() {
+    fn content_that_is_too_long_is_skipped() {
         assert!(written(&[(1, vec![0; CONTENT_MAX + 1])]).is_empty());
     }
 
-    /// Content with marks in it, as damage may have.
+    /// Content that contains marks.
     fn contents() -> impl Strategy<Value = Vec<(u8, Vec<u8>)>> {
         let byte = prop_oneof![Just(b'M'), Just(b'L'), Just(0xB1), any::<u8>()];
         let content = proptest::collection::vec(byte, 0..60);

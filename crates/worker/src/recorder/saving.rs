@@ -2,18 +2,18 @@
 
 use std::rc::Rc;
 
-use motorlink_messages::recorder::{FromRecorder, NotKept, ToRecorder};
-use motorlink_recorder::kept::Act;
+use motorlink_messages::recorder::{FromRecorder, NotSaved, ToRecorder};
+use motorlink_recorder::saved::StoreAction;
 use wasm_bindgen_futures::spawn_local;
 
 use super::{
     disk::{Dir, why},
     found,
-    state::{Keeping, RecorderWorker, Shared, local_time, post},
+    state::{RecorderWorker, Saving, Shared, local_time, post},
     store::{Done, Job, Jobs, Store},
 };
 
-impl Keeping {
+impl Saving {
     /// Queues a job.
     pub(super) fn add(&mut self, shared: &Shared, job: Job) {
         self.jobs.push(job);
@@ -35,7 +35,7 @@ impl Keeping {
                 }
                 None => None,
             };
-            shared.borrow_mut().recorder.next_kept(file);
+            shared.borrow_mut().recorder.next_file(file);
             let turn = shared.borrow().turn;
             turn(&shared);
         });
@@ -49,25 +49,25 @@ pub(super) fn begin(shared: &Shared) {
         let Some(sessions) = Dir::of_sessions().await else {
             // No file system: the recorder works in memory only.
             let worker = &mut *shared.borrow_mut();
-            worker.recorder.keep_no_more();
-            worker.keeping.jobs = Jobs::default();
-            worker.keeping.is_in_memory_only = true;
+            worker.recorder.stop_saving();
+            worker.saving.jobs = Jobs::default();
+            worker.saving.is_in_memory_only = true;
             return;
         };
         let now_ms = js_sys::Date::now();
         let name = found::new_name(now_ms);
         let store = Store::new(sessions.clone(), name.clone());
-        shared.borrow_mut().keeping.store = Some(store);
+        shared.borrow_mut().saving.store = Some(store);
         run_jobs(&shared).await;
-        let erased = shared.borrow().keeping.erased;
+        let erased = shared.borrow().saving.erased;
         if let Ok(Some(found)) = found::newest(&sessions, &name, now_ms).await {
-            let keeping = &mut shared.borrow_mut().keeping;
-            if keeping.erased != erased {
-                keeping.add(&shared, Job::Forget(found));
+            let saving = &mut shared.borrow_mut().saving;
+            if saving.erased != erased {
+                saving.add(&shared, Job::Forget(found));
                 return;
             }
-            post(&FromRecorder::Kept(found.session));
-            keeping.found = Some(found);
+            post(&FromRecorder::SavedSessionFound(found.session));
+            saving.found = Some(found);
         }
     });
 }
@@ -76,32 +76,32 @@ pub(super) fn begin(shared: &Shared) {
 pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
     let mut worker = shared.borrow_mut();
     let RecorderWorker {
-        recorder, keeping, ..
+        recorder, saving, ..
     } = &mut *worker;
     match message {
         ToRecorder::Restore => {
-            if let Some(found) = keeping.found.take() {
+            if let Some(found) = saving.found.take() {
                 let files = found.files.iter().map(|(segment, _)| *segment).collect();
-                keeping.to_read = Some((found.dir.clone(), files));
+                saving.to_read = Some((found.dir.clone(), files));
                 // The offset to UTC may have changed since.
                 recorder.set_local_time(local_time(found.summary.first_epoch_us() / 1_000));
                 recorder.restore(&found.summary, &found.files);
-                keeping.add(shared, Job::Restore(found));
+                saving.add(shared, Job::Restore(found));
             }
         }
         ToRecorder::Forget => {
-            if let Some(found) = keeping.found.take() {
-                keeping.add(shared, Job::Forget(found));
+            if let Some(found) = saving.found.take() {
+                saving.add(shared, Job::Forget(found));
             }
         }
         ToRecorder::Erase => {
-            keeping.erased += 1;
-            keeping.found = None;
-            keeping.to_read = None;
-            if keeping.is_in_memory_only {
+            saving.erased += 1;
+            saving.found = None;
+            saving.to_read = None;
+            if saving.is_in_memory_only {
                 post(&FromRecorder::Erased { all: true });
-            } else if !recorder.is_keeping() {
-                keeping.add(shared, Job::Act(Act::Erase));
+            } else if !recorder.is_saving() {
+                saving.add(shared, Job::Action(StoreAction::Erase));
             }
         }
         _ => {}
@@ -112,24 +112,27 @@ pub(super) fn handle(shared: &Shared, message: &ToRecorder) {
 async fn run_jobs(shared: &Shared) {
     loop {
         let (mut store, job) = {
-            let keeping = &mut shared.borrow_mut().keeping;
-            if keeping.jobs.are_too_many() {
-                keeping.jobs = Jobs::default();
+            let saving = &mut shared.borrow_mut().saving;
+            if saving.jobs.are_too_many() {
+                saving.jobs = Jobs::default();
                 break;
             }
             // Another task runs a job, or there is no store.
-            let Some(store) = keeping.store.take() else {
+            let Some(store) = saving.store.take() else {
                 return;
             };
-            let Some(job) = keeping.jobs.pop() else {
-                keeping.store = Some(store);
+            let Some(job) = saving.jobs.pop() else {
+                saving.store = Some(store);
                 return;
             };
             (store, job)
         };
-        let erases = matches!(job, Job::Act(Act::Erase));
+        let erases = matches!(job, Job::Action(StoreAction::Erase));
         // Only a failed write loses data: what was not removed or flushed is still there.
-        let writes = matches!(job, Job::Act(Act::Append(..) | Act::Adopt { .. }));
+        let writes = matches!(
+            job,
+            Job::Action(StoreAction::Append(..) | StoreAction::Adopt { .. })
+        );
         let done = store.run(job).await;
         if erases {
             let all = matches!(done, Ok(Done::All));
@@ -139,21 +142,21 @@ async fn run_jobs(shared: &Shared) {
             && writes
         {
             store.close_files();
-            stop_storing(shared, why(error));
+            stop_saving(shared, why(error));
         }
-        shared.borrow_mut().keeping.store = Some(store);
+        shared.borrow_mut().saving.store = Some(store);
     }
-    stop_storing(shared, NotKept::Failed);
+    stop_saving(shared, NotSaved::Failed);
 }
 
 /// From now on the recorder works in memory only. Existing files stay.
-fn stop_storing(shared: &Shared, why: NotKept) {
+fn stop_saving(shared: &Shared, why: NotSaved) {
     let RecorderWorker {
-        recorder, keeping, ..
+        recorder, saving, ..
     } = &mut *shared.borrow_mut();
-    keeping.jobs = Jobs::default();
-    if recorder.is_keeping() {
-        recorder.keep_no_more();
-        post(&FromRecorder::NotKept(why));
+    saving.jobs = Jobs::default();
+    if recorder.is_saving() {
+        recorder.stop_saving();
+        post(&FromRecorder::NotSaved(why));
     }
 }

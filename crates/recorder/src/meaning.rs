@@ -1,4 +1,4 @@
-//! An entry in words.
+//! The text of an entry.
 
 use std::fmt::Write;
 
@@ -9,21 +9,21 @@ use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_received, explain_
 
 use crate::{
     digits::{push_0x, push_decimal, push_hex},
-    entry::{Entry, What},
+    entry::{Entry, EntryContent},
     texts::Texts,
     wall_clock::WallClock,
 };
 
-/// Adds what an entry says, in the language that is spoken.
+/// Adds the meaning of an entry in the current language.
 pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
-    // A million entries are searched while a person waits, and most of them in English: that is written
-    // without a text of its own for each part.
+    // A million entries are searched while the user waits, mostly in English: this path allocates no
+    // string per part.
     if spoken() == Language::English {
         return push_english(out, entry, texts);
     }
-    match &entry.what {
-        What::Said { text, .. } => out.push_str(texts.get(*text)),
-        What::Passed(passed) => out.push_str(&translated(passed)),
+    match &entry.content {
+        EntryContent::Message { text, .. } => out.push_str(texts.get(*text)),
+        EntryContent::Line(passed) => out.push_str(&translated(passed)),
     }
 }
 
@@ -51,31 +51,31 @@ fn translated(passed: &LineEventKind) -> String {
     }
 }
 
-/// Ten bytes are taken for a frame.
+/// The explanation of junk that is as long as a frame.
 fn explained_junk(junk: &JunkBytes) -> Option<Explained> {
     let frame = <[u8; FRAME_LEN]>::try_from(junk.bytes()).ok()?;
     Some(explain_received(&Frame::new(frame), None))
 }
 
-/// Milliseconds and their tenths, to the nearest, which is the step of a browser's clock.
+/// Milliseconds and tenths, rounded: the resolution of a browser's clock.
 fn to_tenths(micros: u32) -> (u64, u64) {
     let tenths = (u64::from(micros) + 50) / 100;
     (tenths / 10, tenths % 10)
 }
 
-/// Adds what an entry says in English, as files have it.
+/// Adds the meaning of an entry in English, as in files.
 pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
-    // Writing into a text does not fail.
-    let _ = match &entry.what {
-        What::Said { text, .. } => out.write_str(texts.get(*text)),
-        What::Passed(LineEventKind::Sent { frame, mode }) => {
+    // Writing to a string does not fail.
+    let _ = match &entry.content {
+        EntryContent::Message { text, .. } => out.write_str(texts.get(*text)),
+        EntryContent::Line(LineEventKind::Sent { frame, mode }) => {
             write!(out, "{}", explain_sent(frame, *mode))
         }
-        What::Passed(LineEventKind::Received { frame, asked }) => {
+        EntryContent::Line(LineEventKind::Received { frame, asked }) => {
             write!(out, "{}", explain_received(frame, *asked))
         }
-        What::Passed(LineEventKind::Junk(junk)) => push_junk(out, junk),
-        What::Passed(LineEventKind::Silence { waited_us, .. }) => {
+        EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),
+        EntryContent::Line(LineEventKind::Silence { waited_us, .. }) => {
             out.push_str("no reply within ");
             let (millis, tenth) = to_tenths(*waited_us);
             push_decimal(out, millis);
@@ -83,7 +83,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             push_decimal(out, tenth);
             out.write_str(" ms")
         }
-        What::Passed(LineEventKind::NotSent { .. }) => {
+        EntryContent::Line(LineEventKind::NotSent { .. }) => {
             out.write_str("not sent: adapter still busy with the previous frame")
         }
     };
@@ -102,7 +102,7 @@ fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
     })
 }
 
-/// Adds the motor that an entry is of or to: `0x01`, or nothing.
+/// Adds the ID of the motor that an entry concerns: `0x01`, or nothing.
 pub(crate) fn push_id(out: &mut String, entry: &Entry) {
     if let Some(id) = entry.id() {
         push_0x(out, id.get());
@@ -138,14 +138,14 @@ mod tests {
     use motorlink_protocol::{Instant, Layout, Mode, MotorId};
 
     use super::*;
-    use crate::entry::Verdict;
+    use crate::entry::Visibility;
 
-    fn said(what: What, texts: &Texts) -> String {
+    fn meaning(content: EntryContent, texts: &Texts) -> String {
         let entry = Entry {
             at: Instant::ZERO,
-            what,
+            content,
             routine: false,
-            verdict: Verdict::Hidden,
+            visibility: Visibility::Hidden,
         };
         let mut out = String::new();
         push_meaning(&mut out, &entry, texts);
@@ -153,7 +153,7 @@ mod tests {
     }
 
     fn passed(passed: LineEventKind) -> String {
-        said(What::Passed(passed), &Texts::default())
+        meaning(EntryContent::Line(passed), &Texts::default())
     }
 
     fn junk(text: &str) -> String {
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_are_said_as_everywhere_else() {
+    fn frames_have_the_same_text_as_elsewhere() {
         let frame = "01 64 00 64 00 00 00 00 00 4F".parse().unwrap();
         let mode = Some(Mode::Velocity);
         assert_eq!(
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn junk_says_what_is_wrong_with_it() {
+    fn junk_has_the_reason_it_was_dropped() {
         assert_eq!(
             junk("01 02 02 CD 00 64 17 CF 00 5B"),
             "CRC 5B, expected 8F: dropped"
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn silence_says_how_long_it_was() {
+    fn silence_has_its_duration() {
         let silence = |waited_us| {
             let id = MotorId::FIRST;
             passed(LineEventKind::Silence { id, waited_us })
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn every_entry_is_said_in_the_language_that_is_spoken() {
+    fn every_entry_is_in_the_current_language() {
         motorlink_i18n::speak(Language::German);
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
         let asked = Some(Layout::Drive);
@@ -217,9 +217,12 @@ mod tests {
     }
 
     #[test]
-    fn what_the_page_said_stands_as_it_was_said() {
+    fn a_message_is_not_changed() {
         let mut texts = Texts::default();
         let text = texts.keep("connected");
-        assert_eq!(said(What::Said { error: false, text }, &texts), "connected");
+        assert_eq!(
+            meaning(EntryContent::Message { error: false, text }, &texts),
+            "connected"
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! What is in a block.
+//! The content of a block.
 
 use motorlink_bus::LineEvent;
 use motorlink_messages::recorder::traffic;
@@ -14,38 +14,38 @@ const NOTE: u8 = 3;
 /// The content of one block.
 #[derive(Debug)]
 pub(super) enum Content<'a> {
-    /// From here on every [`Instant`] counts from this moment, in microseconds since 1970. At the start of
-    /// each file, so that it can be read when those before it are gone, and where a page was loaded anew.
+    /// The zero of every [`Instant`] from here on, in microseconds since 1970. Each file starts with one, so
+    /// that it can be read without the files before it; a page load adds another.
     Epoch(i64),
-    /// What passed on the line.
+    /// Line events.
     Traffic(Batch<'a>),
     /// Anything else.
     Note(Note),
 }
 
-/// Traffic, one behind the other, with what a summary wants to know of it.
+/// Encoded line events, with the figures for a summary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batch<'a> {
     pub(super) count: u32,
-    /// When the last of it passed.
+    /// The time of the last one.
     pub(super) last: Instant,
     bytes: &'a [u8],
 }
 
-/// What happens between frames.
+/// Any other input.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Note {
-    /// A line of the page's own.
-    Say {
+    /// A message of the page.
+    Message {
         at: Instant,
         error: bool,
         text: String,
     },
-    /// Every entry of the log was forgotten.
+    /// The log was cleared.
     Clear,
     /// The recording began or ended.
     Record(bool),
-    /// A file was made of all that was recorded.
+    /// All recorded samples were exported.
     Exported,
 }
 
@@ -82,7 +82,7 @@ pub(super) fn push_note(out: &mut Vec<u8>, note: &Note) {
     push(out, NOTE, note, &[]);
 }
 
-/// Adds so much traffic, of which these are the bytes.
+/// Adds a batch of line events, already encoded.
 pub(super) fn push_batch(out: &mut Vec<u8>, count: u32, last: Instant, traffic: &[u8]) {
     push(out, TRAFFIC, &(count, last), traffic);
 }

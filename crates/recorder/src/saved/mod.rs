@@ -1,45 +1,45 @@
-//! The session on disk: what goes into the recorder is kept as it came, and read back into another.
+//! The saved session: the inputs of the recorder in files, to be replayed into another recorder.
 //!
-//! Inputs are kept, not state: traffic, the page's lines, clearings, and when recording began and ended.
-//! So what is written grows with what happens, and nothing that was written is ever written again.
+//! The files contain inputs, not state: line events, messages, clearings, and when recording began and
+//! ended. So files are only appended to, never rewritten.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `block` | what is written in one go, with a check |
-//! | `content` | what is in a block |
-//! | `keeper` | which bytes go into which file, when, and which files have to go |
-//! | `summary` | what a kept session holds, in numbers |
+//! | `block` | the unit of writing, with a checksum |
+//! | `content` | the content of a block |
+//! | `writer` | decides which bytes to append to which file and when, and which files to remove |
+//! | `summary` | the size and the period of a saved session |
 //! | `timeline` | the times of several runs on one clock |
-//! | `replay` | a log and a recording made again from what was kept |
+//! | `replay` | rebuilds a log and a recording |
 
 mod block;
 mod content;
-mod keeper;
 mod replay;
 mod summary;
 mod timeline;
+mod writer;
 
 pub use block::{Blocks, CONTENT_MAX};
-pub use keeper::{Act, Keeper, PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX};
 pub(crate) use replay::Replay;
 pub use summary::Summary;
 pub(crate) use timeline::Timeline;
+pub use writer::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, SessionWriter, StoreAction};
 
-/// What a file holds a part of.
+/// A stream of blocks. Each is split into files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stream {
-    /// Everything that the log takes in.
+    /// All inputs of the log.
     Packets,
-    /// Samples, while they are recorded.
+    /// Recorded samples.
     Recorded,
 }
 
-/// A file of a session: a segment of one of its streams. Those with greater numbers go on behind it.
+/// A file of a session: a segment of one of its streams, ordered by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Segment {
-    /// Of what it is a part.
+    /// The stream.
     pub stream: Stream,
-    /// Which part, from 1.
+    /// The number, from 1.
     pub number: u32,
 }
 
@@ -54,7 +54,7 @@ impl Segment {
         format!("{letter}{}", self.number)
     }
 
-    /// The segment in the file of this name; `None` where it is another kind of file.
+    /// The segment with this file name; `None` for other files.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let (stream, number) = match name.strip_prefix('p') {
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_known_by_its_name() {
+    fn a_segment_is_parsed_from_its_file_name() {
         for (name, stream, number) in [("p1", Stream::Packets, 1), ("r27", Stream::Recorded, 27)] {
             let segment = Segment { stream, number };
             assert_eq!(segment.name(), name);

@@ -1,4 +1,4 @@
-//! A session that is kept, and read back into another recorder.
+//! A session that is saved, and restored into another recorder.
 #![cfg(test)]
 
 mod line;
@@ -9,7 +9,7 @@ use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToReco
 use motorlink_protocol::Instant;
 use motorlink_recorder::{
     LocalTime, Log, Output, Recorder, Recording, WallClock,
-    kept::{Act, PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream, Summary},
+    saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, StoreAction, Stream, Summary},
 };
 use proptest::prelude::*;
 
@@ -21,7 +21,7 @@ const EPOCH_MS: f64 = 1_795_266_900_000.0;
 /// The files of a session.
 type Disk = BTreeMap<Segment, Vec<u8>>;
 
-/// A page with a recorder that keeps its session.
+/// A page with a recorder that saves its session.
 struct Page {
     recorder: Recorder,
     now: Instant,
@@ -39,7 +39,7 @@ impl Page {
         let clock = WallClock::new(epoch_ms, 0);
         let log = Log::with_capacity(1_100_000);
         let mut page = Self {
-            recorder: Recorder::with(clock, log, Recording::default()).keeping(),
+            recorder: Recorder::with(clock, log, Recording::default()).saving(),
             now: Instant::ZERO,
             disk: Disk::new(),
             kept: Vec::new(),
@@ -57,8 +57,8 @@ impl Page {
         self.run();
     }
 
-    fn say(&mut self, millis: u64, text: &str) {
-        self.handle(ToRecorder::Say {
+    fn add_message(&mut self, millis: u64, text: &str) {
+        self.handle(ToRecorder::AddMessage {
             at: Instant::from_millis(millis),
             error: false,
             text: text.to_owned(),
@@ -67,7 +67,7 @@ impl Page {
 
     fn drive(&mut self, numbers: std::ops::Range<u64>) {
         for n in numbers {
-            self.recorder.passed(&driven(n));
+            self.recorder.add_event(&driven(n));
         }
         self.run();
     }
@@ -80,17 +80,17 @@ impl Page {
     fn run(&mut self) -> Option<Instant> {
         loop {
             match self.recorder.poll(self.now) {
-                Output::Tell(message) | Output::NoFile(message) => self.told.push(message),
+                Output::Post(message) | Output::NoFile(message) => self.told.push(message),
                 Output::Part(mut bytes) => self.parts.append(&mut bytes),
                 Output::File(message) => {
                     self.told.push(message);
                     self.file = Some(String::from_utf8(std::mem::take(&mut self.parts)).unwrap());
                 }
-                Output::Keep(act) => self.act(act),
-                Output::NextKept => {
+                Output::Store(action) => self.perform(action),
+                Output::NextFile => {
                     let next = (!self.kept.is_empty()).then(|| self.kept.remove(0));
                     let next = next.map(|(segment, bytes)| (segment.stream, bytes));
-                    self.recorder.next_kept(next);
+                    self.recorder.next_file(next);
                 }
                 Output::Work => self.recorder.work(self.now, 500),
                 Output::Wait(until) => return until,
@@ -98,12 +98,14 @@ impl Page {
         }
     }
 
-    fn act(&mut self, act: Act) {
-        match act {
-            Act::Append(segment, bytes) => self.disk.entry(segment).or_default().extend(bytes),
-            Act::Remove(segment) => _ = self.disk.remove(&segment),
-            Act::Flush => self.flushes += 1,
-            Act::Adopt { packets, recorded } => {
+    fn perform(&mut self, action: StoreAction) {
+        match action {
+            StoreAction::Append(segment, bytes) => {
+                self.disk.entry(segment).or_default().extend(bytes);
+            }
+            StoreAction::Remove(segment) => _ = self.disk.remove(&segment),
+            StoreAction::Flush => self.flushes += 1,
+            StoreAction::Adopt { packets, recorded } => {
                 for (mut segment, bytes) in std::mem::take(&mut self.disk) {
                     segment.number += match segment.stream {
                         Stream::Packets => packets,
@@ -113,14 +115,14 @@ impl Page {
                 }
                 self.disk.extend(self.kept.iter().cloned());
             }
-            Act::Erase => {
+            StoreAction::Erase => {
                 self.disk.clear();
                 self.told.push(FromRecorder::Erased { all: true });
             }
         }
     }
 
-    /// The page crashes: what was written in time is there.
+    /// The page crashes; the files are left.
     fn crash(mut self) -> Disk {
         self.pass(300);
         self.disk
@@ -174,7 +176,7 @@ const LATER_MS: f64 = EPOCH_MS + 1_800_000.0;
 #[test]
 fn a_session_comes_back_as_it_was() {
     let mut page = Page::opened(EPOCH_MS);
-    page.say(0, "Connected");
+    page.add_message(0, "Connected");
     page.drive(0..3_000);
     page.handle(ToRecorder::Record(true));
     page.pass(100);
@@ -211,9 +213,9 @@ fn this_session_goes_on_behind_the_restored_one_and_both_survive_the_next_crash(
     let mut page = Page::opened(LATER_MS);
     page.drive(0..500);
     page.pass(1_000);
-    page.say(500, "before");
+    page.add_message(500, "before");
     page.restore(&disk);
-    page.say(600, "behind");
+    page.add_message(600, "behind");
     page.handle(ToRecorder::Record(true));
     page.drive(700..900);
     let log = page.export(Export::Log);
@@ -234,7 +236,7 @@ fn this_session_goes_on_behind_the_restored_one_and_both_survive_the_next_crash(
     assert_eq!(page.export(Export::Telemetry), telemetry);
 }
 
-/// The samples that the page is given, at their times on the clock of this session, in milliseconds.
+/// The times of the samples for the page on the clock of this session, in milliseconds.
 fn past(page: &Page) -> Vec<Vec<i64>> {
     let parts = page.told.iter().filter_map(|told| match told {
         FromRecorder::Past { zero_us, samples } => {
@@ -255,12 +257,12 @@ fn past(page: &Page) -> Vec<Vec<i64>> {
 fn the_page_is_given_the_restored_samples_at_their_times_in_bounded_parts() {
     let mut first = Page::opened(EPOCH_MS);
     for n in 0..4_500 {
-        first.recorder.passed(&at(n, reply(1, 7)));
+        first.recorder.add_event(&at(n, reply(1, 7)));
     }
     first.run();
     let disk = first.crash();
     let mut page = Page::opened(EPOCH_MS + 60_000.0);
-    page.recorder.passed(&at(3, reply(1, 7)));
+    page.recorder.add_event(&at(3, reply(1, 7)));
     page.restore(&disk);
     page.pass(300);
     let restored = page
@@ -286,7 +288,7 @@ fn of_the_restored_samples_those_older_than_ten_minutes_stay_away() {
     first.drive(0..100);
     let disk = first.crash();
     let mut page = Page::opened(EPOCH_MS + 3_600_000.0);
-    page.recorder.passed(&at(0, reply(1, 7)));
+    page.recorder.add_event(&at(0, reply(1, 7)));
     page.restore(&disk);
     page.pass(300);
     assert!(past(&page).is_empty());
@@ -296,7 +298,7 @@ fn of_the_restored_samples_those_older_than_ten_minutes_stay_away() {
     assert!(!past(&page).is_empty(), "nothing newer is there");
 }
 
-/// Clocks go back by an hour two seconds after the session of before began.
+/// Clocks go back by an hour two seconds after the start of the previous session.
 #[test]
 fn restored_rows_have_the_local_time_of_their_moment() {
     const CHANGED_MS: i64 = 1_795_266_902_000;
@@ -306,12 +308,12 @@ fn restored_rows_have_the_local_time_of_their_moment() {
     };
     let begun_ms = CHANGED_MS - 2_000;
     let mut first = Page::opened(EPOCH_MS);
-    first.say(1_000, "in summer");
-    first.recorder.passed(&at(1_001, reply(1, 7)));
-    first.say(3_000, "in winter");
+    first.add_message(1_000, "in summer");
+    first.recorder.add_event(&at(1_001, reply(1, 7)));
+    first.add_message(3_000, "in winter");
     let disk = first.crash();
     let mut page = Page::opened(EPOCH_MS + 60_000.0);
-    page.say(0, "now");
+    page.add_message(0, "now");
     page.recorder
         .set_local_time(local_time(begun_ms, begun_ms + 60_000));
     page.restore(&disk);
@@ -322,7 +324,7 @@ fn restored_rows_have_the_local_time_of_their_moment() {
         .set_local_time(local_time(begins_ms, begun_ms + 120_000));
     page.pass(300);
     page.told.clear();
-    page.handle(ToRecorder::Look(line::ALL));
+    page.handle(ToRecorder::Show(line::ALL));
     let rows = page.told.iter().find_map(|told| match told {
         FromRecorder::Log(page) => Some(&page.rows),
         _ => None,
@@ -345,7 +347,7 @@ fn a_wall_clock_that_was_set_back_puts_nothing_before_what_was_restored() {
     page.drive(0..2_000);
     let disk = page.crash();
     let mut page = restored(&disk, EPOCH_MS - 60_000.0);
-    page.say(5, "now");
+    page.add_message(5, "now");
     page.drive(10..20);
     let log = page.export(Export::Log);
     let lines: Vec<&str> = log.lines().collect();
@@ -417,8 +419,8 @@ fn written_within_a_quarter_of_a_second_and_at_rest_not_at_all() {
 #[test]
 fn times_are_kept_from_the_epoch_on_though_something_came_before_it() {
     let mut page = Page::opened(EPOCH_MS);
-    page.recorder = Recorder::new(WallClock::new(EPOCH_MS, 0)).keeping();
-    page.say(3, "early");
+    page.recorder = Recorder::new(WallClock::new(EPOCH_MS, 0)).saving();
+    page.add_message(3, "early");
     page.pass(5_000);
     assert!(page.disk.is_empty());
     page.handle(ToRecorder::Epoch { unix_ms: EPOCH_MS });
@@ -498,35 +500,35 @@ fn what_comes_while_a_session_is_restored_is_in_it_and_in_the_file_that_waits() 
     let mut n = 0;
     let mut asked = false;
     while !page.told.contains(&FromRecorder::Restored) {
-        page.recorder.passed(&at(n, reply(1, 7)));
+        page.recorder.add_event(&at(n, reply(1, 7)));
         n += 1;
         if n == 5 {
             page.recorder.handle(ToRecorder::ExportLog);
             asked = true;
         }
         match page.recorder.poll(page.now) {
-            Output::NextKept => {
+            Output::NextFile => {
                 let next = page.kept.pop();
                 let next = next.map(|(segment, bytes)| (segment.stream, bytes));
-                page.recorder.next_kept(next);
+                page.recorder.next_file(next);
             }
             Output::Work => page.recorder.work(page.now, 100),
-            Output::Tell(message) => page.told.push(message),
+            Output::Post(message) => page.told.push(message),
             _ => page.now = page.now + Duration::from_millis(1),
         }
     }
     assert!(asked);
     page.run();
     let log = page.file.take().unwrap();
-    // The file was begun with the change of places, and the page heard of it an entry later.
+    // The export began when the logs were exchanged, and the page was told one entry later.
     assert_eq!(log.lines().count() as u64, 1 + 5_000 + n - 1);
 }
 
-/// What may happen.
+/// A random step.
 #[derive(Clone, Debug)]
 enum Step {
     Drive(u64),
-    Say,
+    Message,
     Clear,
     Record(bool),
     Pass(u64),
@@ -535,7 +537,7 @@ enum Step {
 fn steps() -> impl Strategy<Value = Vec<Step>> {
     let step = prop_oneof![
         6 => (1..400_u64).prop_map(Step::Drive),
-        2 => Just(Step::Say),
+        2 => Just(Step::Message),
         1 => Just(Step::Clear),
         2 => any::<bool>().prop_map(Step::Record),
         3 => (1..600_u64).prop_map(Step::Pass),
@@ -551,7 +553,7 @@ fn play(page: &mut Page, steps: &[Step]) {
                 page.drive(n..n + count);
                 n += count;
             }
-            Step::Say => page.say(n, "said"),
+            Step::Message => page.add_message(n, "said"),
             Step::Clear => page.handle(ToRecorder::Clear),
             Step::Record(on) => page.handle(ToRecorder::Record(*on)),
             Step::Pass(millis) => page.pass(*millis),

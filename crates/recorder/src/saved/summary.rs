@@ -1,8 +1,8 @@
-//! What a kept session holds, in numbers.
+//! The size and the period of a saved session.
 
 use std::time::Duration;
 
-use motorlink_messages::recorder::KeptSession;
+use motorlink_messages::recorder::SavedSession;
 use motorlink_protocol::Instant;
 
 use super::{
@@ -12,10 +12,10 @@ use super::{
 };
 use crate::log::ENTRIES_MAX;
 
-/// Counts what is in the files of a session, file by file in their order.
+/// Summarizes the files of a session, in order.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
-    /// The epoch of the block before, in microseconds since 1970.
+    /// The epoch of the previous block, in microseconds since 1970.
     epoch_us: i64,
     first_epoch_us: Option<i64>,
     from_us: Option<i64>,
@@ -28,7 +28,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Takes a file into account.
+    /// Adds a file.
     pub fn add(&mut self, stream: Stream, bytes: Vec<u8>) {
         let mut blocks = Blocks::new(bytes);
         while let Some(block) = blocks.next_block() {
@@ -39,7 +39,7 @@ impl Summary {
                     self.first_epoch_us = Some(first.min(epoch_us));
                 }
                 Some(Content::Traffic(batch)) => self.batch(stream, batch),
-                Some(Content::Note(Note::Say { at, .. })) => self.lies_at(at),
+                Some(Content::Note(Note::Message { at, .. })) => self.extend_to(at),
                 Some(Content::Note(Note::Clear)) => self.packets = 0,
                 Some(Content::Note(Note::Record(true))) => self.newest = None,
                 Some(Content::Note(Note::Record(false) | Note::Exported)) | None => {}
@@ -59,33 +59,33 @@ impl Summary {
                 self.newest = Some(batch.last);
             }
         }
-        self.lies_at(first);
-        self.lies_at(batch.last);
+        self.extend_to(first);
+        self.extend_to(batch.last);
     }
 
-    fn lies_at(&mut self, at: Instant) {
+    fn extend_to(&mut self, at: Instant) {
         let at_us = i64::try_from(at.as_micros()).unwrap_or(i64::MAX);
         let at_us = self.epoch_us.saturating_add(at_us);
         self.from_us = Some(self.from_us.unwrap_or(at_us).min(at_us));
         self.to_us = self.to_us.max(at_us);
     }
 
-    /// The epoch of the earliest run in it, in microseconds since 1970.
+    /// The epoch of the earliest run, in microseconds since 1970.
     #[must_use]
     pub fn first_epoch_us(&self) -> i64 {
         self.first_epoch_us.unwrap_or_default()
     }
 
-    /// What the page is told of it; `None` where there is nothing worth to be offered.
+    /// The summary for the page; `None` if the session is empty.
     #[must_use]
     #[allow(
         clippy::cast_precision_loss,
         reason = "microseconds since 1970 fit into 53 bits until 2255"
     )]
-    pub fn session(&self) -> Option<KeptSession> {
-        let is_worth_it = self.packets > 0 || self.recorded > 0;
-        let from_us = self.from_us.filter(|_| is_worth_it)?;
-        Some(KeptSession {
+    pub fn session(&self) -> Option<SavedSession> {
+        let has_content = self.packets > 0 || self.recorded > 0;
+        let from_us = self.from_us.filter(|_| has_content)?;
+        Some(SavedSession {
             from_ms: from_us as f64 / 1000.0,
             to_ms: self.to_us as f64 / 1000.0,
             packets: self.packets,

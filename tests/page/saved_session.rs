@@ -3,13 +3,13 @@
 use motorlink::{Preferences, Theme};
 use motorlink_messages::{
     protocol::Mode,
-    recorder::{FromRecorder, KeptSession, NotKept, RecordingStatus, ToRecorder},
+    recorder::{FromRecorder, NotSaved, RecordingStatus, SavedSession, ToRecorder},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::{bench::Bench, fake_recorder::FakeRecorder};
 
-const SESSION: KeptSession = KeptSession {
+const SESSION: SavedSession = SavedSession {
     from_ms: 1_795_266_900_000.0,
     to_ms: 1_795_268_100_000.0,
     packets: 40_210,
@@ -22,7 +22,7 @@ async fn offered(name: &str) -> (FakeRecorder, Bench) {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
     recorder.told().await;
     assert!(bench.find_all("button", "Restore session").is_empty());
-    recorder.say(&FromRecorder::Kept(SESSION));
+    recorder.say(&FromRecorder::SavedSessionFound(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
@@ -63,7 +63,7 @@ async fn a_kept_session_is_forgotten_or_left() {
     until_nothing_is_offered(&bench).await;
     let told = recorder.told().await;
     assert!(told.contains(&ToRecorder::Forget), "{told:?}");
-    recorder.say(&FromRecorder::Kept(SESSION));
+    recorder.say(&FromRecorder::SavedSessionFound(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
@@ -79,9 +79,9 @@ async fn a_browser_without_room_is_a_line_of_the_log() {
     let recorder = FakeRecorder::new("kept-no-room");
     let _bench = Bench::with_motor("kept-no-room", Mode::Velocity).await;
     recorder.told().await;
-    recorder.say(&FromRecorder::NotKept(NotKept::NoRoom));
+    recorder.say(&FromRecorder::NotSaved(NotSaved::NoRoom));
     let told = recorder.told().await;
-    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::Say { error: true, text, .. } if text.contains("storage is full"));
+    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::AddMessage { error: true, text, .. } if text.contains("storage is full"));
     assert!(told.iter().any(is_line), "{told:?}");
 }
 

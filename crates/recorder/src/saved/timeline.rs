@@ -1,28 +1,28 @@
-//! The times of several runs of the page on one clock.
+//! Converts the times of several runs of the page to one clock.
 //!
-//! Every run counts from its own beginning. Kept ones are put where the wall clock says they were; where
-//! it was set back between two of them, the later one goes right behind the earlier, because a log goes
-//! forward.
+//! Every run counts from its own start. Saved runs are placed by the wall clock. If the wall clock was set
+//! back between two runs, the later one follows directly after the earlier one, so that the log stays in
+//! order.
 
 use motorlink_protocol::Instant;
 
-/// Puts moments of several runs on the clock of the first.
+/// Converts the times of several runs to the clock of the first.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Timeline {
-    /// Microseconds since 1970 at the zero of what comes out.
+    /// The zero of converted times, in microseconds since 1970.
     base_us: i64,
-    /// Runs that have a place, by their epochs, and how much later their zero is than ours.
+    /// The known runs: their epochs, and how much later their zero is than ours.
     runs: Vec<(i64, i64)>,
     run: Run,
     newest_us: i64,
 }
 
-/// The run whose moments come in.
+/// The current run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Run {
-    /// Its zero is so much later than ours.
+    /// Its zero is this much later than ours.
     Placed { offset_us: i64 },
-    /// It gets its place with its first moment.
+    /// Its offset is determined by its first time.
     New { epoch_us: i64 },
 }
 
@@ -33,7 +33,7 @@ impl Default for Run {
 }
 
 impl Timeline {
-    /// What comes out counts from this moment, in microseconds since 1970: that of the earliest run.
+    /// A timeline whose zero is the epoch of the earliest run, in microseconds since 1970.
     pub(crate) fn from(base_us: i64) -> Self {
         Self {
             base_us,
@@ -41,12 +41,12 @@ impl Timeline {
         }
     }
 
-    /// Whether it puts several runs on one clock.
+    /// Whether it has placed any run.
     pub(crate) const fn has_runs(&self) -> bool {
         !self.runs.is_empty()
     }
 
-    /// The moments of another run come in, behind all that have come.
+    /// Begins another run, which follows all earlier ones.
     pub(crate) fn begin(&mut self, epoch_us: i64) {
         self.run = match self.offset_us(epoch_us) {
             Some(offset_us) => Run::Placed { offset_us },
@@ -54,10 +54,10 @@ impl Timeline {
         };
     }
 
-    /// The same for a run that may have been before all that have come.
+    /// The same for a run that may be earlier than the others.
     pub(crate) fn recall(&mut self, epoch_us: i64) {
         let offset_us = self.offset_us(epoch_us);
-        let offset_us = offset_us.unwrap_or(self.by_the_wall_us(epoch_us));
+        let offset_us = offset_us.unwrap_or(self.wall_offset_us(epoch_us));
         self.run = Run::Placed { offset_us };
     }
 
@@ -66,27 +66,27 @@ impl Timeline {
         runs.find(|run| run.0 == epoch_us).map(|run| run.1)
     }
 
-    /// How much later the zero of this run is than ours, in microseconds. Before its first moment, where its
-    /// clock was set back, it is as late as can be.
+    /// How much later the zero of this run is than ours, in microseconds. Before its first time, if its clock
+    /// was set back, this is the upper bound.
     pub(crate) fn zero_us(&self) -> i64 {
         match self.run {
             Run::Placed { offset_us } => offset_us,
-            Run::New { epoch_us } => self.by_the_wall_us(epoch_us).max(self.newest_us),
+            Run::New { epoch_us } => self.wall_offset_us(epoch_us).max(self.newest_us),
         }
     }
 
-    const fn by_the_wall_us(&self, epoch_us: i64) -> i64 {
+    const fn wall_offset_us(&self, epoch_us: i64) -> i64 {
         epoch_us.saturating_sub(self.base_us)
     }
 
-    /// A moment of this run on our clock.
+    /// Converts a time of this run.
     pub(crate) fn at(&mut self, instant: Instant) -> Instant {
         let own_us = i64::try_from(instant.as_micros()).unwrap_or(i64::MAX);
         let offset_us = match self.run {
             Run::Placed { offset_us } => offset_us,
             Run::New { epoch_us } => {
-                let by_the_wall_us = self.by_the_wall_us(epoch_us);
-                let offset_us = by_the_wall_us.max(self.newest_us.saturating_sub(own_us));
+                let wall_offset_us = self.wall_offset_us(epoch_us);
+                let offset_us = wall_offset_us.max(self.newest_us.saturating_sub(own_us));
                 self.runs.push((epoch_us, offset_us));
                 self.run = Run::Placed { offset_us };
                 offset_us
@@ -112,13 +112,13 @@ mod tests {
     }
 
     #[test]
-    fn a_later_run_stands_where_the_wall_clock_says() {
+    fn a_later_run_is_placed_by_the_wall_clock() {
         let mut timeline = Timeline::from(1_000_000);
         timeline.begin(1_000_000);
         assert_eq!(ms(&mut timeline, 200), 200);
         timeline.begin(61_000_000);
         assert_eq!(ms(&mut timeline, 5), 60_005);
-        // The head of another file of the same run.
+        // Another file of the same run.
         timeline.begin(61_000_000);
         assert_eq!(ms(&mut timeline, 7), 60_007);
     }

@@ -1,4 +1,4 @@
-//! Which bytes go into which file, when, and which files have to go.
+//! Decides which bytes to append to which file and when, and which files to remove.
 
 use std::{collections::VecDeque, time::Duration};
 
@@ -12,67 +12,67 @@ use super::{
 };
 use crate::texts::cut;
 
-/// Bytes of one file, about: what one rotation gives up of a log that is full.
+/// Approximate bytes of one file: a full log loses this much per rotation.
 pub const SEGMENT_BYTES_MAX: usize = 2 << 20;
 
-/// Bytes of packets that are kept at least before any goes: a million entries of 19 bytes, which is 1 for
-/// the kind, 5 for the time and 13 for a frame with what is known of it.
+/// Bytes of packets before the oldest file is removed: a million entries of 19 bytes, which are 1 for the
+/// kind, 5 for the time and 13 for a frame with its layout.
 pub const PACKETS_BYTES_MAX: usize = 20_000_000;
 
-/// A crash may cost a second. Traffic comes 50 ms late, and a write takes milliseconds.
+/// A crash may lose one second. Line events arrive 50 ms late, and a write takes milliseconds.
 const WRITE_WITHIN: Duration = Duration::from_millis(250);
 
-/// What was written outlives the page at once, and a power cut from then on.
+/// Written bytes survive a crash of the page at once, and a power cut after a flush.
 const FLUSH_PERIOD: Duration = Duration::from_secs(5);
 
-/// Bytes of traffic in a block, half of what a block holds.
+/// Bytes of line events in a block: half of its maximum.
 const BATCH_BYTES: usize = 1 << 15;
 
-/// Bytes that wait for the first epoch, without which no time is known.
+/// Bytes that wait for the first epoch; without it no time is known.
 const EARLY_BYTES_MAX: usize = 1 << 20;
 
-/// What is to be done with the files of the session, in this order.
+/// An action on the files of the session. The order of actions matters.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Act {
-    /// Add these bytes to this file; where there is no such file, it begins with them.
+pub enum StoreAction {
+    /// Append these bytes to this file, or create it with them.
     Append(Segment, Vec<u8>),
     /// Remove this file.
     Remove(Segment),
-    /// See to it that what was written outlives a power cut.
+    /// Flush the files, so that they survive a power cut.
     Flush,
-    /// The files of this session are from now on behind those of the session that is restored: the
-    /// numbers of either stream are so much greater.
+    /// The files of this session continue after those of the restored session: their numbers grow by
+    /// this much.
     Adopt {
         /// Of packets.
         packets: u32,
         /// Of recorded samples.
         recorded: u32,
     },
-    /// Remove every session, this one too, and tell the page. It begins anew.
+    /// Remove every session including this one, and tell the page. The session starts again.
     Erase,
 }
 
-/// Keeps what goes into the recorder.
+/// Writes the inputs of the recorder.
 #[derive(Debug, Default)]
-pub struct Keeper {
+pub struct SessionWriter {
     epoch_us: Option<i64>,
-    packets: Tape,
-    recorded: Tape,
-    /// Since when something waits to be written.
+    packets: StreamWriter,
+    recorded: StreamWriter,
+    /// Since when unwritten bytes wait.
     waiting_since: Option<Instant>,
-    /// Since when something written has not been flushed.
+    /// Since when written bytes wait for a flush.
     unflushed_since: Option<Instant>,
-    acts: VecDeque<Act>,
+    actions: VecDeque<StoreAction>,
 }
 
-impl Keeper {
-    /// From now on times count from this moment, in microseconds since 1970.
+impl SessionWriter {
+    /// Sets the epoch of all times from now on, in microseconds since 1970.
     pub fn set_epoch(&mut self, epoch_us: i64) {
         if self.epoch_us == Some(epoch_us) {
             return;
         }
         if let Some(epoch_us) = self.epoch_us {
-            // What waits belongs to the epoch before.
+            // Waiting bytes belong to the previous epoch.
             self.write(epoch_us);
         }
         self.epoch_us = Some(epoch_us);
@@ -80,18 +80,18 @@ impl Keeper {
         self.recorded.wants_epoch = true;
     }
 
-    /// This passed on the line; `recorded` where it is a sample of the recording too.
-    pub fn passed(&mut self, traffic: &LineEvent, recorded: bool) {
+    /// Adds a line event; `recorded` if it is also a recorded sample.
+    pub fn add_event(&mut self, traffic: &LineEvent, recorded: bool) {
         self.packets.pass(traffic);
         if recorded {
             self.recorded.pass(traffic);
         }
     }
 
-    /// The page said this.
-    pub fn say(&mut self, at: Instant, error: bool, text: &str) {
+    /// Adds a message of the page.
+    pub fn add_message(&mut self, at: Instant, error: bool, text: &str) {
         let text = cut(text).to_owned();
-        self.packets.note(&Note::Say { at, error, text });
+        self.packets.note(&Note::Message { at, error, text });
     }
 
     /// The log was cleared.
@@ -99,44 +99,45 @@ impl Keeper {
         self.packets.note(&Note::Clear);
     }
 
-    /// The recording began or ended; `anew` where it forgot what there was.
+    /// The recording began or ended; `anew` if it discarded the samples before.
     pub fn record(&mut self, on: bool, anew: bool) {
         if anew {
-            let gone = self.recorded.begin_anew();
-            self.acts
+            let gone = self.recorded.restart();
+            self.actions
                 .extend(gone.map(|number| removal(Stream::Recorded, number)));
         }
         self.recorded.note(&Note::Record(on));
     }
 
-    /// A file was made of all that was recorded.
+    /// All recorded samples were exported.
     pub fn exported(&mut self) {
         self.recorded.note(&Note::Exported);
     }
 
-    /// This session goes on behind another, of which these are the files in order, and their sizes.
+    /// Continues another session, which has these files in order, with their sizes.
     pub fn adopt(&mut self, before: &[(Segment, usize)]) {
-        let packets = self.packets.go_behind(Stream::Packets, before);
-        let recorded = self.recorded.go_behind(Stream::Recorded, before);
-        self.acts.push_back(Act::Adopt { packets, recorded });
+        let packets = self.packets.continue_after(Stream::Packets, before);
+        let recorded = self.recorded.continue_after(Stream::Recorded, before);
+        self.actions
+            .push_back(StoreAction::Adopt { packets, recorded });
     }
 
-    /// Everything that is kept is to be removed.
+    /// Removes all sessions.
     pub fn erase(&mut self) {
         *self = Self {
             epoch_us: self.epoch_us,
-            packets: Tape::new(),
-            recorded: Tape::new(),
-            acts: VecDeque::from([Act::Erase]),
+            packets: StreamWriter::new(),
+            recorded: StreamWriter::new(),
+            actions: VecDeque::from([StoreAction::Erase]),
             ..Self::default()
         };
     }
 
-    /// What is to be done now.
+    /// The next action that is due.
     #[inline(never)]
-    pub fn poll(&mut self, now: Instant) -> Option<Act> {
-        if let Some(act) = self.acts.pop_front() {
-            return Some(act);
+    pub fn poll(&mut self, now: Instant) -> Option<StoreAction> {
+        if let Some(action) = self.actions.pop_front() {
+            return Some(action);
         }
         if self.packets.waits() || self.recorded.waits() {
             let since = *self.waiting_since.get_or_insert(now);
@@ -145,7 +146,7 @@ impl Keeper {
                     self.waiting_since = None;
                     self.unflushed_since.get_or_insert(now);
                     self.write(epoch_us);
-                    return self.acts.pop_front();
+                    return self.actions.pop_front();
                 }
             } else {
                 self.packets.bound(EARLY_BYTES_MAX);
@@ -154,11 +155,11 @@ impl Keeper {
         let flush = self.flush_at().is_some_and(|at| at <= now);
         flush.then(|| {
             self.unflushed_since = None;
-            Act::Flush
+            StoreAction::Flush
         })
     }
 
-    /// When it is to be polled again though nothing has come.
+    /// When to poll again without new input.
     #[must_use]
     pub fn due(&self) -> Option<Instant> {
         let write_at = self.waiting_since.filter(|_| self.epoch_us.is_some());
@@ -171,37 +172,37 @@ impl Keeper {
     }
 
     fn write(&mut self, epoch_us: i64) {
-        self.acts
+        self.actions
             .extend(self.packets.write(Stream::Packets, epoch_us));
-        self.acts
+        self.actions
             .extend(self.recorded.write(Stream::Recorded, epoch_us));
-        while let Some(number) = self.packets.give_way() {
-            self.acts.push_back(removal(Stream::Packets, number));
+        while let Some(number) = self.packets.drop_oldest() {
+            self.actions.push_back(removal(Stream::Packets, number));
         }
     }
 }
 
-const fn removal(stream: Stream, number: u32) -> Act {
-    Act::Remove(Segment { stream, number })
+const fn removal(stream: Stream, number: u32) -> StoreAction {
+    StoreAction::Remove(Segment { stream, number })
 }
 
-/// One stream of blocks, cut into files.
+/// Writes one stream of blocks, split into files.
 #[derive(Debug, Default)]
-struct Tape {
-    /// The files there are, with their sizes; the last is written to.
+struct StreamWriter {
+    /// The existing files with their sizes; bytes are appended to the last.
     files: VecDeque<(u32, usize)>,
-    /// The greatest number that was used.
+    /// The greatest used number.
     last: u32,
     wants_epoch: bool,
-    /// Blocks that wait to be written.
+    /// Blocks that are not written yet.
     blocks: Vec<u8>,
-    /// Traffic that is to be the next block.
+    /// Line events of the next block.
     batch: Vec<u8>,
     batch_count: u32,
     batch_last: Instant,
 }
 
-impl Tape {
+impl StreamWriter {
     fn new() -> Self {
         Self {
             wants_epoch: true,
@@ -240,7 +241,7 @@ impl Tape {
         self.batch_count > 0 || !self.blocks.is_empty()
     }
 
-    /// Forgets what waits where that is too much.
+    /// Drops unwritten bytes if they exceed the limit.
     fn bound(&mut self, bytes_max: usize) {
         if self.blocks.len() + self.batch.len() > bytes_max {
             self.blocks.clear();
@@ -249,7 +250,7 @@ impl Tape {
         }
     }
 
-    fn write(&mut self, stream: Stream, epoch_us: i64) -> Option<Act> {
+    fn write(&mut self, stream: Stream, epoch_us: i64) -> Option<StoreAction> {
         if !self.waits() {
             return None;
         }
@@ -269,11 +270,11 @@ impl Tape {
         let (number, size) = self.files.back_mut()?;
         *size += bytes.len();
         let number = *number;
-        Some(Act::Append(Segment { stream, number }, bytes))
+        Some(StoreAction::Append(Segment { stream, number }, bytes))
     }
 
-    /// The oldest file, where those behind it are enough.
-    fn give_way(&mut self) -> Option<u32> {
+    /// Takes the oldest file, if the others are enough.
+    fn drop_oldest(&mut self) -> Option<u32> {
         let kept: usize = self.files.iter().skip(1).map(|(_, size)| size).sum();
         if self.files.len() < 2 || kept < PACKETS_BYTES_MAX {
             return None;
@@ -281,8 +282,8 @@ impl Tape {
         self.files.pop_front().map(|(number, _)| number)
     }
 
-    /// Forgets everything; gives the files that were.
-    fn begin_anew(&mut self) -> impl Iterator<Item = u32> + use<> {
+    /// Starts again; returns the numbers of the previous files.
+    fn restart(&mut self) -> impl Iterator<Item = u32> + use<> {
         let files = std::mem::take(&mut self.files);
         let last = self.last;
         *self = Self {
@@ -292,15 +293,15 @@ impl Tape {
         files.into_iter().map(|(number, _)| number)
     }
 
-    /// Numbers its files behind these, and counts these as its own. Gives how much greater the numbers are.
-    fn go_behind(&mut self, stream: Stream, before: &[(Segment, usize)]) -> u32 {
+    /// Takes over these files and renumbers its own after them. Returns by how much the numbers grew.
+    fn continue_after(&mut self, stream: Stream, before: &[(Segment, usize)]) -> u32 {
         let mut files: VecDeque<(u32, usize)> = before
             .iter()
             .filter(|(segment, _)| segment.stream == stream)
             .map(|(segment, size)| (segment.number, *size))
             .collect();
         let shift = files.back().map_or(0, |(number, _)| *number);
-        // Where it has no file yet, it begins one of its own: the last one of the other may be torn.
+        // Always continue in a new file, because the last file of the other session may be truncated.
         let own = self.files.iter();
         files.extend(own.map(|(number, size)| (number.saturating_add(shift), *size)));
         let begins = self.files.is_empty();

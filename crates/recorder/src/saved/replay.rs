@@ -1,4 +1,4 @@
-//! A log and a recording made again from what was kept.
+//! Rebuilds a log and a recording from the files of a session.
 
 use motorlink_bus::LineEvent;
 
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{log::Log, recording::Recording};
 
-/// Takes the files of a session, in their order: those of the packets first.
+/// Replays the files of a session, in order, the packets first.
 #[derive(Debug)]
 pub(crate) struct Replay {
     pub(crate) log: Log,
@@ -20,7 +20,7 @@ pub(crate) struct Replay {
 }
 
 impl Replay {
-    /// Into this log and recording; the earliest run began at this epoch, in microseconds since 1970.
+    /// Replays into this log and recording. The epoch is that of the earliest run, in microseconds since 1970.
     pub(crate) fn new(log: Log, recording: Recording, first_epoch_us: i64) -> Self {
         Self {
             log,
@@ -31,13 +31,13 @@ impl Replay {
         }
     }
 
-    /// The next file.
+    /// Sets the next file.
     pub(crate) fn take(&mut self, stream: Stream, bytes: Vec<u8>) {
         self.stream = stream;
         self.blocks = Blocks::new(bytes);
     }
 
-    /// Plays so many entries, and the rest of their block. Says whether the file is through.
+    /// Replays this number of entries and the rest of their block. Returns whether the file is done.
     pub(crate) fn advance(&mut self, entries: u64) -> bool {
         let mut played = 0;
         while played < entries {
@@ -57,7 +57,7 @@ impl Replay {
                 (Stream::Packets, Some(Content::Traffic(batch))) => {
                     played += u64::from(batch.count);
                     for traffic in placed(batch, timeline) {
-                        log.passed(&traffic);
+                        log.add_event(&traffic);
                         recording.roll(&traffic);
                     }
                 }
@@ -70,10 +70,12 @@ impl Replay {
                 (_, Some(Content::Note(note))) => {
                     played += 1;
                     match note {
-                        Note::Say { at, error, text } => log.say(timeline.at(at), error, &text),
+                        Note::Message { at, error, text } => {
+                            log.add_message(timeline.at(at), error, &text);
+                        }
                         Note::Clear => log.clear(),
                         Note::Record(on) => {
-                            // A crash ended the one before without a word.
+                            // After a crash, the end of the previous recording is missing.
                             recording.record_on(false);
                             recording.record_on(on);
                         }
