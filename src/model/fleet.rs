@@ -276,7 +276,7 @@ mod tests {
             Setpoint::Velocity { speed, .. } => (id.get(), speed.rpm()),
             other => panic!("{other:?}"),
         };
-        setpoints.parts().map(speed).collect()
+        setpoints.entries().map(speed).collect()
     }
 
     #[test]

@@ -188,8 +188,8 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
             ),
             tr!("Check the motor's power, switch the loop back, then press Start."),
         ),
-        WithdrawReason::Limit(crossed) => (
-            terms::crossed(crossed),
+        WithdrawReason::Limit(exceeded) => (
+            terms::exceeded_limit(exceeded),
             tr!("Find the cause before you press Start. The limits are in Settings."),
         ),
     };
@@ -224,7 +224,7 @@ pub(crate) fn of_ended_drive(
             reported = terms::mode(reported)
         ),
         WithdrawReason::Silent => tr!("no reply for 200 ms").to_owned(),
-        WithdrawReason::Limit(crossed) => terms::crossed(crossed),
+        WithdrawReason::Limit(exceeded) => terms::exceeded_limit(exceeded),
     };
     let title = match stopped {
         [_] => tr!("Motor {id} is no longer running: {why}", id, why),

@@ -6,7 +6,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::protocol::Mode;
 use motorlink_messages::{
     Adapter,
-    bus::{Crossed, GroupError, GroupSetpoints, Refusal},
+    bus::{ExceededLimit, GroupError, GroupSetpoints, Refusal},
 };
 
 use crate::ui::format;
@@ -21,21 +21,21 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
     }
 }
 
-/// What a limit was crossed by.
-pub(crate) fn crossed(crossed: Crossed) -> String {
-    match crossed {
+/// An exceeded limit, with the reported value.
+pub(crate) fn exceeded_limit(exceeded: ExceededLimit) -> String {
+    match exceeded {
         // Without a sign, which a mirrored motor has the other way round.
-        Crossed::Speed { reached, limit } => tr!(
+        ExceededLimit::Speed { reached, limit } => tr!(
             "{reached} rpm, above your limit of {limit} rpm",
             reached = reached.magnitude(),
             limit
         ),
-        Crossed::Current { reached, limit } => tr!(
+        ExceededLimit::Current { reached, limit } => tr!(
             "{reached} A, above your limit of {limit} A",
             reached = in_language(reached.scaled().to_string()),
             limit = format::milliamps(limit)
         ),
-        Crossed::Temperature { reached, limit } => tr!(
+        ExceededLimit::Temperature { reached, limit } => tr!(
             "{reached} °C, above your limit of {limit} °C",
             reached = reached.degrees(),
             limit
@@ -97,10 +97,10 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             "Above your speed limit of {limit} rpm. Lower the target, or raise the limit.",
             limit
         ),
-        Refusal::TooHot { id, crossed } => tr!(
+        Refusal::TooHot { id, exceeded } => tr!(
             "Motor {id} is at {crossed}. Let it cool, or raise the limit.",
             id,
-            crossed = self::crossed(crossed)
+            crossed = exceeded_limit(exceeded)
         ),
         Refusal::Stopping(id) => tr!(
             "Motor {id} is stopping. Press again when it has stopped.",

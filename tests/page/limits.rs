@@ -3,7 +3,7 @@
 use motorlink::Preferences;
 use motorlink_messages::{
     Notice, ToPage,
-    bus::{Command, Crossed, Limits, WithdrawReason},
+    bus::{Command, ExceededLimit, Limits, WithdrawReason},
     protocol::{Celsius, Mode, MotorId},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -48,15 +48,15 @@ async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_ch
 
 #[wasm_bindgen_test]
 async fn the_limit_that_was_crossed_is_told() {
-    let bench = Bench::with_motor("limits-crossed", Mode::Velocity).await;
-    let crossed = Crossed::Temperature {
+    let bench = Bench::with_motor("limits-exceeded", Mode::Velocity).await;
+    let exceeded = ExceededLimit::Temperature {
         reached: Celsius::new(76),
         limit: 75,
     };
     tell(&bench, |update| {
         update.notices = vec![Notice::Withdrawn {
             id: MotorId::FIRST,
-            reason: WithdrawReason::Limit(crossed),
+            reason: WithdrawReason::Limit(exceeded),
         }];
     });
     let told = || bench.text("region", "Notices");

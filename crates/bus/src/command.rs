@@ -10,7 +10,7 @@ use crate::{
     event::StopReason,
     group::setpoints::GroupSetpoints,
     id_change::outcome::SetIdFrames,
-    limits::{Crossed, Limits},
+    limits::{ExceededLimit, Limits},
     ramp::Ramp,
     rate::CommandRate,
     raw::hazard::is_hazardous,
@@ -100,7 +100,7 @@ pub enum Command {
     /// Limit how fast commanded speeds grow; `None` is no limit. Lower speeds and stops are sent at
     /// once.
     SetRamp(Option<Ramp>),
-    /// Stop a driven motor that crosses a limit. Refuse to start one that asks for more or is
+    /// Stop a driven motor that exceeds a limit. Refuse to start one that asks for more or is
     /// hotter.
     SetLimits(Limits),
     /// Hold the present angle of a motor that is driven in the position loop.
@@ -209,7 +209,7 @@ pub enum Refusal {
         /// Which motor.
         id: MotorId,
         /// The reported temperature and the limit.
-        crossed: Crossed,
+        exceeded: ExceededLimit,
     },
     /// The motor is being stopped.
     Stopping(MotorId),
@@ -278,9 +278,9 @@ impl fmt::Display for Refusal {
                 f,
                 "That is above your speed limit of {limit} rpm. Probe for less, or raise the limit."
             ),
-            Self::TooHot { id, crossed } => write!(
+            Self::TooHot { id, exceeded } => write!(
                 f,
-                "Motor {id} is at {crossed}. Let it cool, or raise the limit."
+                "Motor {id} is at {exceeded}. Let it cool, or raise the limit."
             ),
             Self::Stopping(id) => write!(
                 f,

@@ -43,17 +43,11 @@ impl Bus {
             Command::SetRate(rate) => self.set_rate(now, rate),
             Command::SetRamp(ramp) => self.ramp = ramp,
             Command::SetLimits(limits) => self.limits = limits,
-            Command::DriveGroup {
-                setpoints: parts,
-                consent,
-            } => {
-                self.drive_group(now, &parts, consent)?;
+            Command::DriveGroup { setpoints, consent } => {
+                self.drive_group(now, &setpoints, consent)?;
             }
-            Command::AdjustGroup {
-                setpoints: parts,
-                consent,
-            } => {
-                self.adjust_group(now, &parts, consent)?;
+            Command::AdjustGroup { setpoints, consent } => {
+                self.adjust_group(now, &setpoints, consent)?;
             }
             Command::SwitchMode { id, mode } => self.switch_mode(now, id, mode)?,
             Command::Drive {

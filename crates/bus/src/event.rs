@@ -3,8 +3,8 @@
 use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm};
 
 use crate::{
-    id_change::outcome::IdChangeOutcome, limits::Crossed, line_event::LineEvent, sample::Sample,
-    scan::report::ScanReport,
+    id_change::outcome::IdChangeOutcome, limits::ExceededLimit, line_event::LineEvent,
+    sample::Sample, scan::report::ScanReport,
 };
 
 /// What happened, in order.
@@ -114,8 +114,8 @@ pub enum WithdrawReason {
         /// The loop that it reports.
         reported: Mode,
     },
-    /// A limit of the operator was crossed.
-    Limit(Crossed),
+    /// A limit of the operator was exceeded.
+    Limit(ExceededLimit),
 }
 
 /// Result of a stop.

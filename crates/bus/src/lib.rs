@@ -70,7 +70,7 @@ pub use group::setpoints::{GroupError, GroupSetpoints};
 pub use id_change::outcome::{IdChangeOutcome, SetIdFrames};
 pub use in_flight::InFlight;
 pub use job::status::JobStatus;
-pub use limits::{Crossed, LimitOutOfRange, Limits, OVERCURRENT_FOR};
+pub use limits::{ExceededLimit, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_use::LineStatus;
 pub use motor::{Activity, MotorStatus};

@@ -15,7 +15,7 @@ pub const OVERCURRENT_FOR: Duration = Duration::from_millis(500);
 
 /// Highest speed, current and temperature of a driven motor.
 ///
-/// | limit | at first | allowed | crossed |
+/// | limit | at first | allowed | exceeded |
 /// |---|---|---|---|
 /// | speed | 330 rpm | 1-330 rpm | by one reply over 10 rpm above it |
 /// | current | 2.7 A, the stall current | 0.1-8 A | by every reply of half a second |
@@ -35,10 +35,10 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LimitOutOfRange;
 
-/// A crossed limit, and the value that the motor reported.
+/// An exceeded limit, and the value that the motor reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Crossed {
+pub enum ExceededLimit {
     /// Too fast.
     Speed {
         /// Reported value.
@@ -126,24 +126,24 @@ impl Limits {
         milliamps > self.current_ma as u32
     }
 
-    /// The limit that a motor has crossed since `driven_since`, by its last reply and a fresh
+    /// The limit that a motor has exceeded since `driven_since`, by its last reply and a fresh
     /// temperature.
-    pub(crate) fn crossed(
+    pub(crate) fn exceeded(
         self,
         last: Sample,
         temperature: Option<Celsius>,
         overcurrent: Overcurrent,
         driven_since: Instant,
-    ) -> Option<Crossed> {
+    ) -> Option<ExceededLimit> {
         let (speed, current) = (last.reply.speed, last.reply.current);
         if last.at >= driven_since && speed.magnitude() > self.speed_rpm + OVERSHOOT_RPM {
-            return Some(Crossed::Speed {
+            return Some(ExceededLimit::Speed {
                 reached: speed,
                 limit: self.speed_rpm,
             });
         }
         if overcurrent.lasted(last.at, driven_since) >= OVERCURRENT_FOR {
-            return Some(Crossed::Current {
+            return Some(ExceededLimit::Current {
                 reached: current,
                 limit: self.current_ma,
             });
@@ -152,21 +152,23 @@ impl Limits {
     }
 
     /// The limit that an active setpoint exceeds: the operator may have lowered it.
-    pub(crate) fn exceeded_by(self, setpoint: Setpoint) -> Option<Crossed> {
+    pub(crate) fn exceeded_by(self, setpoint: Setpoint) -> Option<ExceededLimit> {
         match setpoint {
-            Setpoint::Velocity { speed, .. } if !self.allow(setpoint) => Some(Crossed::Speed {
-                reached: Rpm::new(speed.rpm()),
-                limit: self.speed_rpm,
-            }),
+            Setpoint::Velocity { speed, .. } if !self.allow(setpoint) => {
+                Some(ExceededLimit::Speed {
+                    reached: Rpm::new(speed.rpm()),
+                    limit: self.speed_rpm,
+                })
+            }
             _ => None,
         }
     }
 
     /// Whether a motor is too hot to be driven.
-    pub(crate) fn too_hot(self, temperature: Option<Celsius>) -> Option<Crossed> {
+    pub(crate) fn too_hot(self, temperature: Option<Celsius>) -> Option<ExceededLimit> {
         let reached = temperature?;
         let is_over = u16::from(reached.degrees()) > self.temperature_c;
-        is_over.then_some(Crossed::Temperature {
+        is_over.then_some(ExceededLimit::Temperature {
             reached,
             limit: self.temperature_c,
         })
@@ -209,7 +211,7 @@ impl fmt::Display for LimitOutOfRange {
 
 impl std::error::Error for LimitOutOfRange {}
 
-impl fmt::Display for Crossed {
+impl fmt::Display for ExceededLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             // Without a sign: a mirrored motor has the opposite one.

@@ -1,4 +1,4 @@
-//! What is crossed, when, and what is let pass.
+//! When a limit is exceeded, and what is tolerated.
 
 use motorlink_protocol::{Detail, Faults, Mode, MotorId, Reply, SpeedTarget};
 
@@ -18,24 +18,27 @@ fn sample(at_ms: u64, rpm: i16, amps: f32) -> Sample {
     }
 }
 
-fn crossed(limits: Limits, samples: &[Sample], celsius: Option<u8>) -> Option<Crossed> {
+fn exceeded(limits: Limits, samples: &[Sample], celsius: Option<u8>) -> Option<ExceededLimit> {
     let mut over = Overcurrent::default();
     for sample in samples {
         over.record(*sample, limits);
     }
     let last = *samples.last().unwrap();
-    limits.crossed(last, celsius.map(Celsius::new), over, Instant::ZERO)
+    limits.exceeded(last, celsius.map(Celsius::new), over, Instant::ZERO)
 }
 
 #[test]
 fn a_speed_is_crossed_beyond_what_a_wheel_overshoots() {
     let limits = Limits::new(100, 2_700, 75).unwrap();
     for rpm in [0, 100, -100, 110, -110] {
-        assert_eq!(crossed(limits, &[sample(1, rpm, 0.1)], None), None);
+        assert_eq!(exceeded(limits, &[sample(1, rpm, 0.1)], None), None);
     }
     for rpm in [111, -111, i16::MIN] {
-        let crossed = crossed(limits, &[sample(1, rpm, 0.1)], None);
-        assert!(matches!(crossed, Some(Crossed::Speed { limit: 100, .. })));
+        let exceeded = exceeded(limits, &[sample(1, rpm, 0.1)], None);
+        assert!(matches!(
+            exceeded,
+            Some(ExceededLimit::Speed { limit: 100, .. })
+        ));
     }
 }
 
@@ -44,11 +47,11 @@ fn a_current_is_crossed_by_every_reply_of_half_a_second() {
     let limits = Limits::default();
     let at = |ms, amps| sample(ms, 0, amps);
     let short = [at(0, 2.8), at(499, -5.0)];
-    assert_eq!(crossed(limits, &short, None), None);
+    assert_eq!(exceeded(limits, &short, None), None);
     let broken = [at(0, 2.8), at(300, 2.6), at(700, 2.8)];
-    assert_eq!(crossed(limits, &broken, None), None);
+    assert_eq!(exceeded(limits, &broken, None), None);
     let long = [at(0, 2.8), at(300, -2.8), at(500, 2.75)];
-    let words = crossed(limits, &long, None).unwrap().to_string();
+    let words = exceeded(limits, &long, None).unwrap().to_string();
     assert_eq!(words, "2.750 A, above your limit of 2.7 A");
 }
 
@@ -59,7 +62,7 @@ fn what_it_drew_before_it_was_driven_is_not_counted() {
         over.record(sample(ms, 0, 3.0), limits);
     }
     let last = sample(800, 0, 3.0);
-    let since = |ms| limits.crossed(last, None, over, Instant::from_millis(ms));
+    let since = |ms| limits.exceeded(last, None, over, Instant::from_millis(ms));
     assert_eq!(since(301), None);
     assert!(since(300).is_some());
 }
@@ -67,9 +70,9 @@ fn what_it_drew_before_it_was_driven_is_not_counted() {
 #[test]
 fn a_temperature_is_crossed_above_its_limit_and_unknown_is_not_hot() {
     let cool = [sample(1, 0, 0.0)];
-    assert_eq!(crossed(Limits::default(), &cool, None), None);
-    assert_eq!(crossed(Limits::default(), &cool, Some(75)), None);
-    let hot = crossed(Limits::default(), &cool, Some(76)).unwrap();
+    assert_eq!(exceeded(Limits::default(), &cool, None), None);
+    assert_eq!(exceeded(Limits::default(), &cool, Some(75)), None);
+    let hot = exceeded(Limits::default(), &cool, Some(76)).unwrap();
     assert_eq!(hot.to_string(), "76 °C, above your limit of 75 °C");
 }
 
@@ -115,7 +118,7 @@ fn a_current_at_its_limit_is_not_above_it() {
             at: Instant::from_millis(1_000),
             ..at_limit
         };
-        crossed(limits, &[at_limit, later], None).is_some()
+        exceeded(limits, &[at_limit, later], None).is_some()
     };
     assert!(!lasted(11_059) && !lasted(-11_059));
     assert!(lasted(11_064) && lasted(-11_064));

@@ -11,7 +11,7 @@ use crate::{
     angle_filter::AngleFilter,
     counters::{Counters, LinkQuality, LossMeter},
     late_replies::LateReplies,
-    limits::{Crossed, Limits, Overcurrent},
+    limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
     ramp::Ramped,
     rate::RateMeter,
@@ -135,8 +135,8 @@ pub(crate) struct Motor {
     position: Option<(Instant, Position)>,
     temperature: Option<(Instant, Celsius)>,
     overcurrent: Overcurrent,
-    /// The first limit that a reply has crossed since driving began.
-    crossed: Option<Crossed>,
+    /// The first limit that a reply has exceeded since driving began.
+    exceeded: Option<ExceededLimit>,
     watched_since: Instant,
     pub(crate) silent: bool,
     pub(crate) late: LateReplies,
@@ -169,7 +169,7 @@ impl Motor {
             position: None,
             temperature: None,
             overcurrent: Overcurrent::default(),
-            crossed: None,
+            exceeded: None,
             watched_since: now,
             silent: false,
             late: LateReplies::default(),
@@ -195,8 +195,8 @@ impl Motor {
         self.last = Some(sample);
         self.overcurrent.record(sample, limits);
         if let Control::Driven(driven) = self.control {
-            let crossed = limits.crossed(sample, None, self.overcurrent, driven.since);
-            self.crossed = self.crossed.or(crossed);
+            let exceeded = limits.exceeded(sample, None, self.overcurrent, driven.since);
+            self.exceeded = self.exceeded.or(exceeded);
         }
         self.unanswered_in_a_row = 0;
         self.other_loop = None;
@@ -392,25 +392,25 @@ impl Motor {
         }
     }
 
-    /// Starts the stop of this motor and clears the crossed limit.
+    /// Starts the stop of this motor and clears the exceeded limit.
     pub(crate) fn stops(&mut self, stop: Stopping) {
         self.control = Control::Stopping(stop);
         self.may_turn = true;
-        self.crossed = None;
+        self.exceeded = None;
     }
 
-    /// The limit that it has crossed since driving began.
-    pub(crate) fn crossed(
+    /// The limit that it has exceeded since driving began.
+    pub(crate) fn exceeded(
         &self,
         now: Instant,
         limits: Limits,
         driven_since: Instant,
-    ) -> Option<Crossed> {
-        if self.crossed.is_some() {
-            return self.crossed;
+    ) -> Option<ExceededLimit> {
+        if self.exceeded.is_some() {
+            return self.exceeded;
         }
         let temperature = self.fresh_temperature(now);
-        limits.crossed(self.last?, temperature, self.overcurrent, driven_since)
+        limits.exceeded(self.last?, temperature, self.overcurrent, driven_since)
     }
 
     /// The loop in the last reply, of any age.

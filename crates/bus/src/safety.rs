@@ -7,7 +7,7 @@ use motorlink_protocol::{Celsius, CurrentTarget, Drive, Faults, Mode, MotorId, R
 use crate::{
     command::{Consent, Refusal},
     event::WithdrawReason,
-    limits::{Crossed, Limits},
+    limits::{ExceededLimit, Limits},
     timing::{DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, POSITION_SWITCH_RPM},
 };
 
@@ -127,8 +127,8 @@ pub(crate) fn check_drive(
     if let Some(faults) = faults.filter(|faults| faults.any_named()) {
         return Err(Refusal::FaultActive { id, faults });
     }
-    if let Some(crossed) = limits.too_hot(temperature) {
-        return Err(Refusal::TooHot { id, crossed });
+    if let Some(exceeded) = limits.too_hot(temperature) {
+        return Err(Refusal::TooHot { id, exceeded });
     }
     match reported {
         None => Err(Refusal::NotAnswering(id)),
@@ -142,7 +142,7 @@ pub(crate) fn check_drive(
 }
 
 /// Whether a driven motor's setpoint must be withdrawn, by its last reply, the limit that it
-/// crossed and the silence since.
+/// exceeded and the silence since.
 ///
 /// When a fault clears, the wheel would start by itself. A motor that lost power restarts in the
 /// velocity loop, where a raw current is read as a speed.
@@ -151,7 +151,7 @@ pub(crate) fn check_driven(
     asked: Option<Mode>,
     reported: Option<Mode>,
     faults: Faults,
-    crossed: Option<Crossed>,
+    exceeded: Option<ExceededLimit>,
     silent_for: Duration,
     unanswered: u32,
 ) -> Option<WithdrawReason> {
@@ -163,8 +163,8 @@ pub(crate) fn check_driven(
     {
         return Some(WithdrawReason::OtherLoop { reported });
     }
-    if let Some(crossed) = crossed {
-        return Some(WithdrawReason::Limit(crossed));
+    if let Some(exceeded) = exceeded {
+        return Some(WithdrawReason::Limit(exceeded));
     }
     let silent = silent_for >= DRIVEN_SILENCE_MAX && unanswered >= DRIVEN_UNANSWERED_MAX;
     silent.then_some(WithdrawReason::Silent)

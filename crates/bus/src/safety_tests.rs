@@ -145,13 +145,13 @@ fn a_setpoint_stands_only_while_its_motor_answers_in_its_loop_without_fault() {
             reported: Mode::Velocity
         })
     );
-    let crossed = Crossed::Temperature {
+    let exceeded = ExceededLimit::Temperature {
         reached: Celsius::new(76),
         limit: 75,
     };
     assert_eq!(
-        check_driven(velocity, velocity, Faults::NONE, Some(crossed), ms(0), 0),
-        Some(WithdrawReason::Limit(crossed))
+        check_driven(velocity, velocity, Faults::NONE, Some(exceeded), ms(0), 0),
+        Some(WithdrawReason::Limit(exceeded))
     );
 }
 

@@ -58,7 +58,7 @@ impl Bus {
                     motor.last_mode(),
                     faults,
                     motor
-                        .crossed(now, self.limits, driven.since)
+                        .exceeded(now, self.limits, driven.since)
                         .or(self.limits.exceeded_by(driven.goal)),
                     quiet,
                     motor.unanswered_in_a_row,

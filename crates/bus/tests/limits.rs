@@ -5,7 +5,7 @@ mod fixture;
 
 use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{
-    Activity, Command, Consent, Crossed, Event, GroupSetpoints, Limits, RawInterval, Refusal,
+    Activity, Command, Consent, Event, ExceededLimit, GroupSetpoints, Limits, RawInterval, Refusal,
     Repeat, WithdrawReason,
 };
 use motorlink_protocol::{Mode, Request};
@@ -19,12 +19,12 @@ fn limited(speed_rpm: u16, current_ma: u16, temperature_c: u16) -> Fixture {
 }
 
 /// The limit that the motor was stopped for.
-fn crossed(fixture: &Fixture) -> Option<Crossed> {
+fn exceeded(fixture: &Fixture) -> Option<ExceededLimit> {
     fixture.events.iter().find_map(|(_, event)| match event {
         Event::Withdrawn {
             id: ID,
-            reason: WithdrawReason::Limit(crossed),
-        } => Some(*crossed),
+            reason: WithdrawReason::Limit(exceeded),
+        } => Some(*exceeded),
         _ => None,
     })
 }
@@ -52,10 +52,10 @@ fn a_wheel_that_runs_away_in_the_current_loop_is_stopped_at_its_speed_limit() {
     let mut fixture = limited(60, 2_700, 75);
     fixture.switch(Mode::Current);
     fixture.drive(amps(0.4)).unwrap();
-    fixture.run_until(ms(2_000), |fixture| crossed(fixture).is_some());
+    fixture.run_until(ms(2_000), |fixture| exceeded(fixture).is_some());
     assert!(matches!(
-        crossed(&fixture),
-        Some(Crossed::Speed { limit: 60, .. })
+        exceeded(&fixture),
+        Some(ExceededLimit::Speed { limit: 60, .. })
     ));
     // Unloaded it gains some 50 rpm in a drive period, and its report lags; it would reach 200.
     let fastest = fixture.true_rpm().abs();
@@ -68,7 +68,7 @@ fn a_wheel_at_its_speed_limit_goes_on() {
     let mut fixture = limited(100, 2_700, 75);
     fixture.drive(rpm(-100)).unwrap();
     fixture.run(ms(3_000));
-    assert_eq!(crossed(&fixture), None);
+    assert_eq!(exceeded(&fixture), None);
     assert!((fixture.true_rpm() + 100.0).abs() < 3.0);
 }
 
@@ -108,8 +108,8 @@ fn a_limit_that_is_lowered_below_what_turns_stops_it() {
     fixture.command(Command::SetLimits(limits)).unwrap();
     fixture.run(ms(100));
     assert!(matches!(
-        crossed(&fixture),
-        Some(Crossed::Speed { limit: 100, .. })
+        exceeded(&fixture),
+        Some(ExceededLimit::Speed { limit: 100, .. })
     ));
     assert_stopped_for_good(&mut fixture);
 }
@@ -119,17 +119,17 @@ fn a_current_above_its_limit_stops_after_half_a_second_and_not_before() {
     let mut fixture = limited(330, 1_000, 75);
     fixture.drive(rpm(60)).unwrap();
     fixture.run(ms(1_000));
-    assert_eq!(crossed(&fixture), None, "what a start takes is let pass");
+    assert_eq!(exceeded(&fixture), None, "what a start takes is let pass");
     fixture.world.motor_mut(ID).unwrap().set_load_nm(1.2);
     let overloaded =
         |fixture: &Fixture| fixture.status(ID).last.unwrap().reply.current.amps() > 1.0;
     fixture.run_until(ms(500), overloaded);
     fixture.run(ms(400));
-    assert_eq!(crossed(&fixture), None);
+    assert_eq!(exceeded(&fixture), None);
     fixture.run(ms(150));
     assert!(matches!(
-        crossed(&fixture),
-        Some(Crossed::Current { limit: 1_000, .. })
+        exceeded(&fixture),
+        Some(ExceededLimit::Current { limit: 1_000, .. })
     ));
     fixture.world.motor_mut(ID).unwrap().set_load_nm(0.0);
     assert_stopped_for_good(&mut fixture);
@@ -142,8 +142,8 @@ fn a_hot_motor_is_stopped_before_it_protects_itself_and_not_started_before_it_is
     fixture.run(ms(500));
     heat(&mut fixture, &[72, 74, 76]);
     assert!(matches!(
-        crossed(&fixture),
-        Some(Crossed::Temperature { limit: 75, .. })
+        exceeded(&fixture),
+        Some(ExceededLimit::Temperature { limit: 75, .. })
     ));
     assert_stopped_for_good(&mut fixture);
     heat(&mut fixture, &[77, 77]);
@@ -172,7 +172,10 @@ fn the_other_motors_of_a_group_stop_too() {
     fixture.run(ms(1_000));
     fixture.world.motor_mut(ID).unwrap().set_load_nm(1.2);
     fixture.run(ms(3_000));
-    assert!(matches!(crossed(&fixture), Some(Crossed::Current { .. })));
+    assert!(matches!(
+        exceeded(&fixture),
+        Some(ExceededLimit::Current { .. })
+    ));
     assert_eq!(fixture.status(id(2)).activity, Activity::Idle);
 }
 
@@ -194,8 +197,8 @@ fn raw_frames_are_held_to_the_limits_as_any_driving_is() {
     fixture.command(send(amps(0.4))).unwrap();
     fixture.run(ms(2_000));
     assert!(matches!(
-        crossed(&fixture),
-        Some(Crossed::Speed { limit: 50, .. })
+        exceeded(&fixture),
+        Some(ExceededLimit::Speed { limit: 50, .. })
     ));
     assert_stopped_for_good(&mut fixture);
     heat(&mut fixture, &[72, 74, 76]);
@@ -211,7 +214,7 @@ fn an_angle_is_gone_to_within_the_limits() {
     fixture.switch(Mode::Position);
     fixture.drive(degrees(180.0)).unwrap();
     fixture.run(ms(2_000));
-    assert_eq!(crossed(&fixture), None);
+    assert_eq!(exceeded(&fixture), None);
 }
 
 #[test]
@@ -228,7 +231,7 @@ fn a_speed_limit_that_is_set_below_what_is_driven_stops_it_before_the_next_frame
     assert!(fixture.happened(|event| matches!(
         event,
         Event::Withdrawn {
-            reason: WithdrawReason::Limit(Crossed::Speed { limit: 60, .. }),
+            reason: WithdrawReason::Limit(ExceededLimit::Speed { limit: 60, .. }),
             ..
         }
     )));

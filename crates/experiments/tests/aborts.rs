@@ -3,7 +3,7 @@
 
 mod run_fixture;
 
-use motorlink_experiments::runner::{Cause, Crossed, End, Options, Phase, StartRefusal};
+use motorlink_experiments::runner::{Cause, End, ExceededLimit, Options, Phase, StartRefusal};
 use motorlink_protocol::{Fault, Faults, Mode};
 use run_fixture::{Fixture, ONE, ms, two};
 
@@ -45,7 +45,7 @@ fn aborts() -> Vec<Abort> {
             },
             Cause::Limit(
                 ONE,
-                Crossed::Rpm {
+                ExceededLimit::Rpm {
                     reached: 201.0,
                     limit: 200.0,
                 },
@@ -59,7 +59,7 @@ fn aborts() -> Vec<Abort> {
             },
             Cause::Limit(
                 ONE,
-                Crossed::Celsius {
+                ExceededLimit::Celsius {
                     reached: 61.0,
                     limit: 60.0,
                 },
@@ -159,7 +159,7 @@ fn a_current_above_its_limit_is_tolerated_for_a_moment() {
     assert!(matches!(
         fixture.runner.phase(),
         Phase::Ended(End::Aborted {
-            cause: Cause::Limit(_, Crossed::Amps { .. }),
+            cause: Cause::Limit(_, ExceededLimit::Amps { .. }),
             ..
         })
     ));

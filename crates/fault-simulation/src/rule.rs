@@ -15,7 +15,7 @@ pub enum Rule {
     NoMoreThanCommanded,
     /// A motor that is silent for 200 ms loses its setpoint.
     SilentIsWithdrawn,
-    /// A motor that crosses a limit is not driven any more.
+    /// A motor that exceeds a limit is not driven any more.
     LimitsHold,
     /// A stop reaches every driven motor in time.
     StopIsNext,

@@ -112,15 +112,9 @@ impl Rules {
                 self.motion.asked(|other| *other == id);
                 self.bounds.on_command(id, consent);
             }
-            Command::DriveGroup {
-                setpoints: parts,
-                consent,
-            }
-            | Command::AdjustGroup {
-                setpoints: parts,
-                consent,
-            } => {
-                for (id, _) in parts.parts() {
+            Command::DriveGroup { setpoints, consent }
+            | Command::AdjustGroup { setpoints, consent } => {
+                for (id, _) in setpoints.entries() {
                     self.motion.asked(|other| *other == id);
                     self.bounds.on_command(id, consent);
                 }

@@ -495,7 +495,7 @@ impl Generator {
         mode.copied().unwrap_or(Mode::Velocity)
     }
 
-    /// Limits that are mostly crossed.
+    /// Limits that are mostly exceeded.
     fn limits(&mut self) -> Limits {
         let speed = self.rng.u16(10..=90);
         let current = self.rng.u16(100..=500);

@@ -6,7 +6,7 @@ use fastrand::Rng;
 use motorlink_bus::{Command, Consent, Event, GroupSetpoints, Refusal, StopReason, WithdrawReason};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    runner::{Cause, Crossed, End, Options, Phase, Runner, Telemetry, Tick},
+    runner::{Cause, End, ExceededLimit, Options, Phase, Runner, Telemetry, Tick},
     sequence::{
         Condition, Demand, End as StepEnd, Move, Quantity, Repeat, Sequence, Shape, Step, Wave, Who,
     },
@@ -209,7 +209,7 @@ impl SequenceRun {
                     WithdrawReason::Silent => Cause::Silent(*id),
                     WithdrawReason::Fault(faults) => Cause::Fault(*id, *faults),
                     WithdrawReason::OtherLoop { reported } => Cause::OtherLoop(*id, *reported),
-                    WithdrawReason::Limit(_) => Cause::Limit(*id, Crossed::OfBus),
+                    WithdrawReason::Limit(_) => Cause::Limit(*id, ExceededLimit::OfBus),
                 };
                 self.end_by(now, cause);
             }

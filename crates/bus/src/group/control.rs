@@ -17,14 +17,14 @@ impl Bus {
     pub(crate) fn drive_group(
         &mut self,
         now: Instant,
-        parts: &GroupSetpoints,
+        setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
         self.check_not_halted()?;
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.limits;
-        for (id, setpoint) in parts.parts() {
+        for (id, setpoint) in setpoints.entries() {
             let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
             match motor.control {
                 Control::Stopping(_) => return Err(Refusal::Stopping(id)),
@@ -32,12 +32,12 @@ impl Bus {
                 Control::Idle | Control::Driven(_) => {}
             }
             check_drive(id, setpoint, consent, limits, motor.known(now))?;
-            self.check_whole_group(id, parts)?;
+            self.check_whole_group(id, setpoints)?;
         }
         self.last_group += 1;
         // A single motor is not a group: it is driven as by its own command.
-        let number = (parts.parts().count() > 1).then_some(self.last_group);
-        for (id, setpoint) in parts.parts() {
+        let number = (setpoints.entries().count() > 1).then_some(self.last_group);
+        for (id, setpoint) in setpoints.entries() {
             self.drive(now, id, setpoint, consent)?;
             if let Some(driven) = self.motor_mut(id).and_then(Motor::driven_mut) {
                 driven.group = number;
@@ -50,11 +50,11 @@ impl Bus {
     pub(crate) fn adjust_group(
         &mut self,
         now: Instant,
-        parts: &GroupSetpoints,
+        setpoints: &GroupSetpoints,
         consent: Consent,
     ) -> Result<(), Refusal> {
         let mut group = None;
-        for (id, setpoint) in parts.parts() {
+        for (id, setpoint) in setpoints.entries() {
             let driven = self.motor_mut(id).and_then(Motor::driven_mut);
             let driven = driven.ok_or(Refusal::NotDriven(id))?;
             let own = driven.group;
@@ -64,9 +64,9 @@ impl Bus {
             let limits = self.limits;
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
             check_drive(id, setpoint, consent, limits, motor.known(now))?;
-            self.check_whole_group(id, parts)?;
+            self.check_whole_group(id, setpoints)?;
         }
-        for (id, setpoint) in parts.parts() {
+        for (id, setpoint) in setpoints.entries() {
             self.adjust(now, id, setpoint, consent)?;
         }
         Ok(())
@@ -90,13 +90,13 @@ impl Bus {
         }
     }
 
-    fn check_whole_group(&self, id: MotorId, parts: &GroupSetpoints) -> Result<(), Refusal> {
+    fn check_whole_group(&self, id: MotorId, setpoints: &GroupSetpoints) -> Result<(), Refusal> {
         let group = self
             .motors
             .iter()
             .find(|motor| motor.id == id)
             .and_then(Motor::group);
-        let left_out = |motor: &Motor| motor.group() == group && !parts.has(motor.id);
+        let left_out = |motor: &Motor| motor.group() == group && !setpoints.has(motor.id);
         if group.is_some() && self.motors.iter().any(left_out) {
             return Err(Refusal::InGroup(id));
         }

@@ -37,16 +37,16 @@ impl GroupSetpoints {
     ///
     /// # Errors
     /// [`GroupError`] names the rule that they break.
-    pub fn new(parts: &[(MotorId, Setpoint)]) -> Result<Self, GroupError> {
+    pub fn new(entries: &[(MotorId, Setpoint)]) -> Result<Self, GroupError> {
         let mut slots = [None; Self::MAX];
-        if parts.is_empty() {
+        if entries.is_empty() {
             return Err(GroupError::Empty);
         }
-        if parts.len() > slots.len() {
+        if entries.len() > slots.len() {
             return Err(GroupError::TooMany);
         }
-        for (place, (slot, part)) in slots.iter_mut().zip(parts).enumerate() {
-            let before = parts.iter().take(place);
+        for (place, (slot, part)) in slots.iter_mut().zip(entries).enumerate() {
+            let before = entries.iter().take(place);
             if before.into_iter().any(|(id, _)| *id == part.0) {
                 return Err(GroupError::Duplicate(part.0));
             }
@@ -56,28 +56,28 @@ impl GroupSetpoints {
     }
 
     /// Every motor with its setpoint.
-    pub fn parts(&self) -> impl Iterator<Item = (MotorId, Setpoint)> + '_ {
+    pub fn entries(&self) -> impl Iterator<Item = (MotorId, Setpoint)> + '_ {
         self.0.iter().flatten().copied()
     }
 
     /// Whether this motor is among them.
     #[must_use]
     pub fn has(&self, id: MotorId) -> bool {
-        self.parts().any(|(part, _)| part == id)
+        self.entries().any(|(part, _)| part == id)
     }
 }
 
 impl TryFrom<Vec<(MotorId, Setpoint)>> for GroupSetpoints {
     type Error = GroupError;
 
-    fn try_from(parts: Vec<(MotorId, Setpoint)>) -> Result<Self, Self::Error> {
-        Self::new(&parts)
+    fn try_from(entries: Vec<(MotorId, Setpoint)>) -> Result<Self, Self::Error> {
+        Self::new(&entries)
     }
 }
 
 impl From<GroupSetpoints> for Vec<(MotorId, Setpoint)> {
     fn from(together: GroupSetpoints) -> Self {
-        together.parts().collect()
+        together.entries().collect()
     }
 }
 

@@ -205,7 +205,7 @@ impl Bus {
                 asked,
                 reported,
                 motor.fresh_faults(now).unwrap_or(Faults::NONE),
-                motor.crossed(now, self.limits, raw.since),
+                motor.exceeded(now, self.limits, raw.since),
                 now.since(motor.silent_since().max(raw.since)),
                 motor.unanswered_in_a_row,
             );
@@ -252,8 +252,8 @@ fn check_raw(
             return Ok(());
         }
     };
-    if let Some(crossed) = limits.too_hot(known.temperature) {
-        return Err(Refusal::TooHot { id, crossed });
+    if let Some(exceeded) = limits.too_hot(known.temperature) {
+        return Err(Refusal::TooHot { id, exceeded });
     }
     check_raw_speed(effect, known, limits)?;
     if matches!(known.reported, None | Some(Mode::Current)) {

@@ -1,4 +1,4 @@
-//! When a reported signal crosses a level.
+//! When a reported signal exceeds a level.
 
 use super::Point;
 

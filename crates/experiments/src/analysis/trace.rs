@@ -30,7 +30,7 @@ impl Trace {
             return Self::default();
         };
         let since = |at: Instant| at.since(began).as_secs_f64();
-        let heard = |at: Instant| since(at + FRAME_AIRTIME);
+        let received = |at: Instant| since(at + FRAME_AIRTIME);
         let measured = |at: Instant| since(at) - FRAME_AIRTIME.as_secs_f64();
         let sent = record.sent_setpoints().iter();
         let samples = || record.samples().iter().filter(|sample| sample.id == id);
@@ -38,7 +38,7 @@ impl Trace {
         Self {
             command: sent
                 .filter(|sent| sent.id == id)
-                .map(|sent| point(heard(sent.at), value(sent.setpoint)))
+                .map(|sent| point(received(sent.at), value(sent.setpoint)))
                 .collect(),
             rpm: samples()
                 .map(|sample| point(measured(sample.at), sample.rpm.into()))

@@ -32,8 +32,8 @@ pub enum Cause {
     Fault(MotorId, Faults),
     /// A motor has not replied for half a second, or the bus has withdrawn its setpoint for silence.
     Silent(MotorId),
-    /// A limit was crossed.
-    Limit(MotorId, Crossed),
+    /// A limit was exceeded.
+    Limit(MotorId, ExceededLimit),
     /// A motor reports another loop: it lost power, or another host switched it.
     OtherLoop(MotorId, Mode),
     /// The bus refused a setpoint of the run.
@@ -59,9 +59,9 @@ pub enum Cause {
     PausedTooLong,
 }
 
-/// A crossed limit.
+/// An exceeded limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Crossed {
+pub enum ExceededLimit {
     /// Speed in rpm.
     Rpm {
         /// Reported.
@@ -118,7 +118,7 @@ impl fmt::Display for Cause {
             Self::Driven(id) => write!(f, "motor {} was driven by hand", id.get()),
             Self::Fault(id, faults) => write!(f, "motor {} reports a fault: {faults}", id.get()),
             Self::Silent(id) => write!(f, "motor {} does not reply", id.get()),
-            Self::Limit(id, crossed) => write!(f, "motor {}: {crossed}", id.get()),
+            Self::Limit(id, exceeded) => write!(f, "motor {}: {exceeded}", id.get()),
             Self::OtherLoop(id, mode) => write!(f, "motor {} is in the {mode}", id.get()),
             Self::Refused(id) => write!(f, "a setpoint of motor {} was refused", id.get()),
             Self::Unplugged => f.write_str("the adapter was unplugged"),
@@ -135,7 +135,7 @@ impl fmt::Display for Cause {
     }
 }
 
-impl fmt::Display for Crossed {
+impl fmt::Display for ExceededLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Rpm { reached, limit } => {

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{Instant, MotorId, Setpoint};
 
-pub use cause::{Cause, Crossed, End, StartRefusal};
+pub use cause::{Cause, End, ExceededLimit, StartRefusal};
 pub use record::{Mark, Record, Sample, SentSetpoint};
 pub use watch::Telemetry;
 
@@ -101,7 +101,7 @@ enum State {
     Armed { since: Instant },
     Running(Run),
     Paused { run: Run, since: Instant },
-    Ended { end: End, told: bool },
+    Ended { end: End, reported: bool },
 }
 
 #[derive(Clone, Debug)]
@@ -205,13 +205,13 @@ impl Runner {
         }
     }
 
-    /// A motor has replied. A fault, another loop or a crossed limit ends the run.
-    pub fn telemetry(&mut self, told: Telemetry) {
+    /// A motor has replied. A fault, another loop or an exceeded limit ends the run.
+    pub fn telemetry(&mut self, reply: Telemetry) {
         let Some(place) = self
             .plan
             .motors
             .iter()
-            .position(|motor| motor.id == told.id)
+            .position(|motor| motor.id == reply.id)
         else {
             return;
         };
@@ -219,11 +219,11 @@ impl Runner {
             .plan
             .motors
             .get(place)
-            .and_then(|motor| self.watch.hear(place, told, motor, self.plan.limits));
+            .and_then(|motor| self.watch.receive(place, reply, motor, self.plan.limits));
         if matches!(self.state, State::Running(_) | State::Paused { .. }) {
-            self.record.sample(told);
+            self.record.sample(reply);
             if let Some(cause) = cause {
-                self.abort(told.at, cause);
+                self.abort(reply.at, cause);
             }
         }
     }
@@ -242,9 +242,9 @@ impl Runner {
         }
         let period = self.options.period;
         match &mut self.state {
-            State::Armed { .. } | State::Ended { told: true, .. } => Tick::Idle,
-            State::Ended { end, told } => {
-                *told = true;
+            State::Armed { .. } | State::Ended { reported: true, .. } => Tick::Idle,
+            State::Ended { end, reported } => {
+                *reported = true;
                 Tick::Stop(*end)
             }
             State::Paused { run, since } => {
@@ -306,9 +306,9 @@ impl Runner {
     fn end(&mut self, end: End) {
         if !matches!(self.state, State::Ended { .. }) {
             // An armed run drives nothing, so there is nothing to stop.
-            let told = matches!(self.state, State::Armed { .. });
+            let reported = matches!(self.state, State::Armed { .. });
             self.record.ended(end);
-            self.state = State::Ended { end, told };
+            self.state = State::Ended { end, reported };
         }
     }
 }

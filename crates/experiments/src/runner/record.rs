@@ -61,7 +61,7 @@ pub struct Record {
     marks: Vec<Mark>,
     /// One of so many samples is kept, as a power of two.
     halved: u32,
-    heard: u64,
+    received: u64,
     left_out: bool,
 }
 
@@ -132,9 +132,9 @@ impl Record {
         }
     }
 
-    pub(super) fn sample(&mut self, told: Telemetry) {
-        let number = self.heard;
-        self.heard += 1;
+    pub(super) fn sample(&mut self, reply: Telemetry) {
+        let number = self.received;
+        self.received += 1;
         if !number.is_multiple_of(1 << self.halved) {
             return;
         }
@@ -147,12 +147,12 @@ impl Record {
             self.halved = (self.halved + 1).min(32);
         }
         self.samples.push(Sample {
-            id: told.id,
-            at: told.at,
-            rpm: told.rpm,
-            current: told.current,
-            degrees: told.degrees,
-            celsius: told.celsius,
+            id: reply.id,
+            at: reply.at,
+            rpm: reply.rpm,
+            current: reply.current,
+            degrees: reply.degrees,
+            celsius: reply.celsius,
         });
     }
 }

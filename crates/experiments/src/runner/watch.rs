@@ -6,7 +6,7 @@ use motorlink_protocol::{
     Current, Detail, Faults, Instant, Mode, MotorId, PositionTarget, Reply, Setpoint, SpeedTarget,
 };
 
-use super::{Cause, Crossed, FRESH_FOR, StartRefusal};
+use super::{Cause, ExceededLimit, FRESH_FOR, StartRefusal};
 use crate::{
     plan::PlanMotor,
     sequence::{Condition, Quantity, RunLimits},
@@ -88,30 +88,30 @@ impl Watch {
     }
 
     /// Takes a reply; gives what it ends a run for.
-    pub(super) fn hear(
+    pub(super) fn receive(
         &mut self,
         place: usize,
-        told: Telemetry,
+        reply: Telemetry,
         motor: &PlanMotor,
         limits: RunLimits,
     ) -> Option<Cause> {
         let known = self.0.get_mut(place)?;
-        known.newest = Some(told);
-        if let Some(degrees) = told.degrees {
-            known.degrees = Some((told.at, degrees.into()));
+        known.newest = Some(reply);
+        if let Some(degrees) = reply.degrees {
+            known.degrees = Some((reply.at, degrees.into()));
         }
-        if let Some(celsius) = told.celsius {
-            known.celsius = Some((told.at, celsius.into()));
+        if let Some(celsius) = reply.celsius {
+            known.celsius = Some((reply.at, celsius.into()));
         }
-        if told.faults.any_named() {
-            return Some(Cause::Fault(told.id, told.faults));
+        if reply.faults.any_named() {
+            return Some(Cause::Fault(reply.id, reply.faults));
         }
-        if told.mode != motor.mode() {
-            return Some(Cause::OtherLoop(told.id, told.mode));
+        if reply.mode != motor.mode() {
+            return Some(Cause::OtherLoop(reply.id, reply.mode));
         }
         known
-            .crossed(told, limits)
-            .map(|crossed| Cause::Limit(told.id, crossed))
+            .exceeded(reply, limits)
+            .map(|exceeded| Cause::Limit(reply.id, exceeded))
     }
 
     /// The first motor without a reply of the last half second.
@@ -119,7 +119,7 @@ impl Watch {
         let fresh = |known: &Known| {
             known
                 .newest
-                .is_some_and(|told| now.since(told.at) <= FRESH_FOR)
+                .is_some_and(|reply| now.since(reply.at) <= FRESH_FOR)
         };
         let silent = self.0.iter().find(|known| !fresh(known));
         silent.map(|known| known.id)
@@ -130,17 +130,17 @@ impl Watch {
         let id = motor.id;
         let known = self.0.iter().find(|known| known.id == id);
         let known = known.ok_or(StartRefusal::NotAnswering(id))?;
-        let fresh = |told: &Telemetry| now.since(told.at) <= FRESH_FOR;
-        let told = known.newest.filter(fresh);
-        let told = told.ok_or(StartRefusal::NotAnswering(id))?;
-        if told.faults.any_named() {
-            return Err(StartRefusal::Fault(id, told.faults));
+        let fresh = |reply: &Telemetry| now.since(reply.at) <= FRESH_FOR;
+        let reply = known.newest.filter(fresh);
+        let reply = reply.ok_or(StartRefusal::NotAnswering(id))?;
+        if reply.faults.any_named() {
+            return Err(StartRefusal::Fault(id, reply.faults));
         }
-        if told.mode != motor.mode() {
+        if reply.mode != motor.mode() {
             return Err(StartRefusal::OtherLoop {
                 id,
                 needed: motor.mode(),
-                reported: told.mode,
+                reported: reply.mode,
             });
         }
         if motor.quantity != Quantity::Degrees {
@@ -159,8 +159,8 @@ impl Watch {
         let Some(known) = self.0.get(place) else {
             return false;
         };
-        let newest = known.newest.filter(|told| told.at >= since);
-        let rpm = newest.map(|told| f64::from(told.rpm).abs());
+        let newest = known.newest.filter(|reply| reply.at >= since);
+        let rpm = newest.map(|reply| f64::from(reply.rpm).abs());
         let recent = |value: Timed<f64>| value.filter(|(at, _)| *at >= since);
         // Temperature changes in minutes and is asked for seldom: an older value counts.
         let celsius = known.celsius.map(|(_, celsius)| celsius);
@@ -180,20 +180,20 @@ impl Watch {
 }
 
 impl Known {
-    fn crossed(&mut self, told: Telemetry, limits: RunLimits) -> Option<Crossed> {
+    fn exceeded(&mut self, reply: Telemetry, limits: RunLimits) -> Option<ExceededLimit> {
         let above = |value: f64, limit: Option<f64>| limit.filter(|limit| value > *limit);
-        let rpm = f64::from(told.rpm).abs();
-        let amps = f64::from(told.current.amps()).abs();
+        let rpm = f64::from(reply.rpm).abs();
+        let amps = f64::from(reply.current.amps()).abs();
         if let Some(limit) = above(rpm, limits.rpm) {
-            return Some(Crossed::Rpm {
+            return Some(ExceededLimit::Rpm {
                 reached: rpm,
                 limit,
             });
         }
         if let Some(limit) = above(amps, limits.amps) {
-            let since = *self.over_current_since.get_or_insert(told.at);
-            if told.at.since(since) >= OVERCURRENT_FOR {
-                return Some(Crossed::Amps {
+            let since = *self.over_current_since.get_or_insert(reply.at);
+            if reply.at.since(since) >= OVERCURRENT_FOR {
+                return Some(ExceededLimit::Amps {
                     reached: amps,
                     limit,
                 });
@@ -201,8 +201,8 @@ impl Known {
         } else {
             self.over_current_since = None;
         }
-        let celsius = told.celsius.map(f64::from)?;
-        above(celsius, limits.celsius).map(|limit| Crossed::Celsius {
+        let celsius = reply.celsius.map(f64::from)?;
+        above(celsius, limits.celsius).map(|limit| ExceededLimit::Celsius {
             reached: celsius,
             limit,
         })

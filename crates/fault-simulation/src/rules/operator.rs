@@ -41,8 +41,8 @@ struct Told {
     /// Requests since then.
     asked: u32,
     overcurrent_since: Option<Instant>,
-    /// The limit that it crossed, and when the report arrived.
-    crossed: Option<(Instant, &'static str)>,
+    /// The limit that it exceeded, and when the report arrived.
+    exceeded: Option<(Instant, &'static str)>,
 }
 
 /// Inputs of the operator and the page.
@@ -89,13 +89,8 @@ impl Operator {
             Command::Drive { id, setpoint, .. } | Command::Adjust { id, setpoint, .. } => {
                 self.stands(now, id, setpoint);
             }
-            Command::DriveGroup {
-                setpoints: parts, ..
-            }
-            | Command::AdjustGroup {
-                setpoints: parts, ..
-            } => {
-                for (id, setpoint) in parts.parts() {
+            Command::DriveGroup { setpoints, .. } | Command::AdjustGroup { setpoints, .. } => {
+                for (id, setpoint) in setpoints.entries() {
                     self.stands(now, id, setpoint);
                 }
             }
@@ -196,7 +191,7 @@ impl Operator {
             return broken(Rule::SilentIsWithdrawn, now, what);
         }
         // A frame of the same moment may have been sent before the reply arrived.
-        if let Some((_, limit)) = told.crossed.filter(|(heard, _)| *heard < now) {
+        if let Some((_, limit)) = told.exceeded.filter(|(heard, _)| *heard < now) {
             let what = format!("{id} is driven beyond its limit of {limit}");
             return broken(Rule::LimitsHold, now, what);
         }
@@ -347,20 +342,20 @@ impl Operator {
         };
         let told = self.told.entry(reply.id).or_default();
         if reply.speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM {
-            told.crossed = told.crossed.or(Some((*at, "speed")));
+            told.exceeded = told.exceeded.or(Some((*at, "speed")));
         }
         if reply.current.amps().abs() * 1_000.0 < f32::from(self.limits.current_ma()) + 1.0 {
             told.overcurrent_since = None;
         } else {
             let since = *told.overcurrent_since.get_or_insert(*at);
             if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
-                told.crossed = told.crossed.or(Some((*at, "current")));
+                told.exceeded = told.exceeded.or(Some((*at, "current")));
             }
         }
         if let Detail::Query { temperature, .. } = reply.detail
             && u16::from(temperature.degrees()) > self.limits.temperature_c()
         {
-            told.crossed = told.crossed.or(Some((*at, "temperature")));
+            told.exceeded = told.exceeded.or(Some((*at, "temperature")));
         }
     }
 }
