@@ -32,7 +32,7 @@ impl Features {
         self.page.loops.asked.set(None);
         self.page.dialog.set(None);
         self.ids.give_up();
-        self.raw.await_nothing();
+        self.raw.forget_pending();
         self.groups.forget();
     }
 
@@ -58,7 +58,7 @@ impl Features {
                 self.raw.send_order(order, Consent::HighCurrent);
             }
             Some(Dialog::ClearLog(_)) => self.log.clear(),
-            Some(Dialog::EraseKept) => self.erase_kept(),
+            Some(Dialog::EraseKept) => self.erase_stored_data(),
             Some(Dialog::Help(_)) | None => {}
         }
     }
@@ -95,7 +95,7 @@ impl Features {
     }
 
     /// Erases what is kept, and continues like a first visit.
-    pub(crate) fn erase_kept(self) {
+    pub(crate) fn erase_stored_data(self) {
         // Driving or recording may have begun while the question was open.
         let in_use = untrack(|| self.settings.import_blocked_by(&self.page.present()));
         let in_use = in_use.or_else(|| self.page.side_changes_blocked_by());
@@ -123,7 +123,7 @@ impl Features {
         forget_all();
         self.log.renumbered();
         self.page.recorder.post(&ToRecorder::Erase);
-        self.log.look();
+        self.log.request_rows();
     }
 
     /// Runs an action of the tour.

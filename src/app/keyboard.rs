@@ -33,7 +33,7 @@ pub(crate) fn listen(features: Features) {
             stop_keys.set(StopKeys::default());
         }
     });
-    on_window("click", let_go_of_clicked_button);
+    on_window("click", blur_clicked_button);
 }
 
 fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
@@ -100,7 +100,7 @@ fn focus() -> Focus {
 /// A button that was clicked with the mouse gives up the focus, so that the next Space stops all
 /// motors at a standstill too and does not press it again. One that is reached by Tab keeps it.
 #[allow(clippy::needless_pass_by_value, reason = "the signature of a listener")]
-fn let_go_of_clicked_button(event: Event) {
+fn blur_clicked_button(event: Event) {
     let by_pointer = event
         .dyn_ref::<MouseEvent>()
         .is_some_and(|click| click.detail() > 0);

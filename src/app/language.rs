@@ -2,7 +2,7 @@
 //! own.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_i18n::{Language, give, has, speak};
+use motorlink_i18n::{Language, has, load_texts, set_language};
 
 use crate::{
     app::features::Features,
@@ -23,7 +23,7 @@ pub(crate) fn first_known<'a>(tags: impl IntoIterator<Item = &'a str>) -> Langua
 }
 
 /// The language that the address, the memory or the browser asks for, in this order.
-pub(crate) fn wanted() -> Language {
+pub(crate) fn preferred() -> Language {
     let mut tags: Vec<String> = parameter("lang").into_iter().collect();
     tags.extend(remembered(STORED_AS));
     if let Some(window) = web_sys::window() {
@@ -35,8 +35,8 @@ pub(crate) fn wanted() -> Language {
 
 /// Has the page speak this language from now on. What is said already stays as it was said: notices, and
 /// the lines of the log that are the page's own.
-pub(crate) fn speak_from_now_on(language: Language) {
-    speak(language);
+pub(crate) fn use_language(language: Language) {
+    set_language(language);
     if let Some(root) = document().document_element() {
         let _ = root.set_attribute("lang", language.tag());
     }
@@ -51,7 +51,7 @@ pub(crate) async fn fetch(language: Language) -> bool {
     match address {
         Some(address) => files::text_of(&address)
             .await
-            .is_some_and(|file| give(language, file)),
+            .is_some_and(|file| load_texts(language, file)),
         None => false,
     }
 }
@@ -68,7 +68,7 @@ impl Features {
             if fetch(language).await {
                 self.change_language(language);
             } else {
-                self.page.say(of_missing_language(language));
+                self.page.notify(of_missing_language(language));
                 // The list shows the language of the page again.
                 self.page.language.notify();
             }
@@ -77,8 +77,8 @@ impl Features {
 
     fn change_language(self, language: Language) {
         remember(STORED_AS, language.key());
-        speak_from_now_on(language);
-        self.log.speak(language);
+        use_language(language);
+        self.log.set_language(language);
         self.page.language.set(language);
     }
 }

@@ -25,7 +25,7 @@ use motorlink_i18n::has;
 use crate::{
     app::{
         features::Features,
-        language::speak_from_now_on,
+        language::use_language,
         mounting::{assembled, in_the_next_turn},
     },
     features::install,
@@ -45,7 +45,7 @@ const CHECK_WORKER_EVERY: Duration = Duration::from_secs(1);
 
 /// Shows the page, in the language that the person wants.
 pub fn start() {
-    let wanted = language::wanted();
+    let wanted = language::preferred();
     if has(wanted) {
         in_the_next_turn(|| mount_to_body(App));
     } else {
@@ -62,8 +62,8 @@ pub fn start() {
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
-    speak_from_now_on(
-        Some(language::wanted())
+    use_language(
+        Some(language::preferred())
             .filter(|it| has(*it))
             .unwrap_or_default(),
     );
@@ -101,7 +101,7 @@ fn start_worker(features: Features) {
         page.worker.link.set_value(Some(link));
         let check = move || {
             features.check_worker();
-            features.install.look_whether_to_advise();
+            features.install.advise_if_long();
         };
         let checking = set_interval_with_handle(check, CHECK_WORKER_EVERY);
         if let Ok(checking) = checking {
@@ -113,7 +113,7 @@ fn start_worker(features: Features) {
     } else {
         page.worker.state.set(WorkerState::Dead);
         features.start_recorder();
-        page.say(of_dead_worker(false));
+        page.notify(of_dead_worker(false));
     }
 }
 

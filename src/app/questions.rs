@@ -30,7 +30,7 @@ pub(crate) fn question(dialog: Dialog) -> Option<Question> {
         Dialog::ChangeId(change) => change_id(change),
         Dialog::Hazard(order) => hazard(order),
         Dialog::ClearLog(entries) => clear_log(entries),
-        Dialog::EraseKept => erase_kept(),
+        Dialog::EraseKept => erase_stored_data(),
         Dialog::HighRawCurrent { current, .. } => {
             high_current(tr!("Send {amps}", amps = format::amps_of(current)))
         }
@@ -83,7 +83,7 @@ fn clear_log(entries: u64) -> Question {
     }
 }
 
-fn erase_kept() -> Question {
+fn erase_stored_data() -> Question {
     Question {
         name: tr!("Delete all data"),
         title: tr!("Delete all data?").to_owned(),

@@ -38,7 +38,7 @@ impl Features {
             .page
             .preferences
             .with_untracked(|chosen| chosen.collapse_polls);
-        self.log.speak(self.page.language.get_untracked());
+        self.log.set_language(self.page.language.get_untracked());
         self.log.refilter(|filter| filter.collapse = collapse);
     }
 
@@ -67,7 +67,7 @@ impl Features {
                 if cancelled {
                     self.page.log_now(log_lines::calm(tr!("Export cancelled")));
                 } else {
-                    self.page.say(recorder_texts::of_nothing_to_export(what));
+                    self.page.notify(recorder_texts::of_nothing_to_export(what));
                 }
             }
             FromRecorder::SavedSessionFound(session) => {
@@ -76,11 +76,11 @@ impl Features {
             FromRecorder::Restored => {
                 self.log.renumbered();
                 self.saved_session.restored();
-                self.log.look();
+                self.log.request_rows();
             }
             FromRecorder::Past { zero_us, samples } => self.saved_session.recall(zero_us, &samples),
             FromRecorder::Erased { all } => self.settings.was_erased(all),
-            FromRecorder::NotSaved(why) => self.page.log_now(texts::of_not_kept(why)),
+            FromRecorder::NotSaved(why) => self.page.log_now(texts::of_not_saved(why)),
             FromRecorder::Died => self.recorder_lost(),
         }
     }
@@ -103,7 +103,7 @@ impl Features {
         self.saved_session.offer.set(Offer::None);
         // Where the other worker has failed too, the page says that instead.
         if self.page.worker.state.get_untracked() != WorkerState::Dead {
-            self.page.say(recorder_texts::of_dead_recorder());
+            self.page.notify(recorder_texts::of_dead_recorder());
         }
     }
 }

@@ -74,8 +74,8 @@ impl Features {
         for notice in &update.notices {
             self.notice(update.now, notice);
         }
-        self.ids.look_at_survey();
-        self.groups.look_at_group();
+        self.ids.check_scan();
+        self.groups.check_group();
         self.page
             .history
             .update_value(|history| history.take(update));
@@ -111,7 +111,7 @@ impl Features {
                         .prefer(|preferences| preferences.adapter = Some(usb));
                 }
             }
-            Connection::Failed(error) => self.page.say(connect_texts::of_connect_error(error)),
+            Connection::Failed(error) => self.page.notify(connect_texts::of_connect_error(error)),
             Connection::Disconnected | Connection::Connecting | Connection::Reconnecting(_) => {}
         }
         if matches!(before, Connection::Connected(_)) {
@@ -161,9 +161,9 @@ impl Features {
         });
         if let Some((words, until)) = words {
             if said_by_tab {
-                self.page.log(at, log_lines::of_words(&words));
+                self.page.log(at, log_lines::of_notice(&words));
             } else {
-                self.page.say_until(at, words, until);
+                self.page.notify_until(at, words, until);
             }
         } else if let Some(line) = log_lines::of_quiet_notice(notice) {
             self.page.log(at, line);
@@ -230,7 +230,7 @@ impl Features {
             // Nobody tells any more how the stop ends.
             board.withdraw_all(|topic| matches!(topic, Topic::Setpoint(_)));
         });
-        self.page.say(notice_texts::of_dead_worker(driven));
+        self.page.notify(notice_texts::of_dead_worker(driven));
         self.page.show();
     }
 }

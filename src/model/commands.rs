@@ -61,19 +61,19 @@ impl Page {
     }
 
     /// Posts a notice and writes a line into the log.
-    pub(crate) fn say(self, text: NoticeText) {
-        self.say_until(self.now(), text, Until::Dismissed);
+    pub(crate) fn notify(self, text: NoticeText) {
+        self.notify_until(self.now(), text, Until::Dismissed);
     }
 
     /// The same about something that happened a moment ago, and is true until then.
-    pub(crate) fn say_until(self, at: Instant, text: NoticeText, until: Until) {
-        self.log(at, log_lines::of_words(&text));
+    pub(crate) fn notify_until(self, at: Instant, text: NoticeText, until: Until) {
+        self.log(at, log_lines::of_notice(&text));
         self.notices.update(|board| board.post_until(text, until));
     }
 
     /// Says why a command was not sent.
     pub(crate) fn refuse(self, title: String, reason: String) {
-        self.say(NoticeText {
+        self.notify(NoticeText {
             topic: Topic::Command,
             tone: Tone::Warning,
             title,

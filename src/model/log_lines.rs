@@ -36,7 +36,7 @@ pub(crate) fn calm(text: impl Into<String>) -> Line {
 
 /// What the notice board says, without its advice; but where a command was not done, the advice is
 /// the reason.
-pub(crate) fn of_words(words: &NoticeText) -> Line {
+pub(crate) fn of_notice(words: &NoticeText) -> Line {
     let refused = words.topic == Topic::Command && words.tone == Tone::Warning;
     let text = if refused {
         format!("{}. {}", words.title, words.advice.join(" "))
@@ -251,9 +251,9 @@ mod tests {
             remedy: None,
             help: None,
         };
-        let line = of_words(&words(Topic::Command, Tone::Warning));
+        let line = of_notice(&words(Topic::Command, Tone::Warning));
         assert_eq!(line, calm("Motor 0x01 not started. Press Release."));
-        let line = of_words(&words(Topic::Port, Tone::Error));
+        let line = of_notice(&words(Topic::Port, Tone::Error));
         assert_eq!(line.text, "Motor 0x01 not started");
         assert!(line.error);
     }

@@ -35,7 +35,7 @@ impl Page {
                 motors: vec![other],
                 withdrawn: None,
             };
-            self.say_until(self.now(), of_choice_while_driven(other, id), until);
+            self.notify_until(self.now(), of_choice_while_driven(other, id), until);
         }
         self.prefer(|preferences| preferences.motor = id);
         self.select(id);

@@ -19,13 +19,13 @@ fn id(number: u8) -> MotorId {
 }
 
 /// A page that hears of motors 1 to 4.
-struct Story {
+struct Scenario {
     session: Session,
     board: NoticeBoard,
     update: Update,
 }
 
-impl Story {
+impl Scenario {
     fn new() -> Self {
         let motors = (1..=4).map(|number| MotorStatus {
             id: id(number),
@@ -65,13 +65,13 @@ impl Story {
         sample.reply.id = id(number);
         sample.reply.speed = Rpm::new(rpm);
         self.update.samples = vec![sample; times];
-        let titles = self.tells(&[]);
+        let titles = self.update(&[]);
         self.update.samples.clear();
         titles
     }
 
     /// As the page takes an update in. Gives the titles of what stands then.
-    fn tells(&mut self, notices: &[Notice]) -> Vec<String> {
+    fn update(&mut self, notices: &[Notice]) -> Vec<String> {
         self.session.apply(&self.update);
         let update = &self.update;
         self.board.review(|until| review(until, update));
@@ -87,76 +87,76 @@ impl Story {
 
 #[test]
 fn no_motor_answers_until_one_does() {
-    let mut story = Story::new();
+    let mut scenario = Scenario::new();
     let nobody = Notice::IdQueryEnded(IdQueryOutcome::NoReply);
     let said = ["No motors found on this adapter"];
-    assert_eq!(story.tells(&[nobody]), said);
-    assert_eq!(story.tells(&[]), said, "an update without an answer");
-    assert!(story.replies(3, 100, 1).is_empty());
+    assert_eq!(scenario.update(&[nobody]), said);
+    assert_eq!(scenario.update(&[]), said, "an update without an answer");
+    assert!(scenario.replies(3, 100, 1).is_empty());
 }
 
 #[test]
 fn silent_motors_are_all_named_and_each_until_it_answers() {
-    let mut story = Story::new();
-    story.motor(2).silent = true;
+    let mut scenario = Scenario::new();
+    scenario.motor(2).silent = true;
     assert_eq!(
-        story.tells(&[Notice::MotorSilent(id(2))]),
+        scenario.update(&[Notice::MotorSilent(id(2))]),
         ["No reply from motor 0x02 for 2 s"]
     );
-    story.motor(4).silent = true;
+    scenario.motor(4).silent = true;
     assert_eq!(
-        story.tells(&[Notice::MotorSilent(id(4))]),
+        scenario.update(&[Notice::MotorSilent(id(4))]),
         ["No reply from motors 0x02, 0x04 for 2 s"]
     );
-    story.motor(2).silent = false;
+    scenario.motor(2).silent = false;
     assert_eq!(
-        story.tells(&[Notice::MotorBack(id(2))]),
+        scenario.update(&[Notice::MotorBack(id(2))]),
         ["No reply from motor 0x04 for 2 s"]
     );
-    story.motor(4).silent = false;
-    assert!(story.tells(&[Notice::MotorBack(id(4))]).is_empty());
+    scenario.motor(4).silent = false;
+    assert!(scenario.update(&[Notice::MotorBack(id(4))]).is_empty());
 }
 
 #[test]
 fn a_withdrawn_setpoint_names_all_that_are_stopped_and_says_what_was_when_they_stand() {
-    let mut story = Story::new();
-    story.all(Activity::Stopping { confirmed: false });
+    let mut scenario = Scenario::new();
+    scenario.all(Activity::Stopping { confirmed: false });
     let withdrawn = Notice::Withdrawn {
         id: id(3),
         reason: WithdrawReason::Fault(Faults::from_byte(8)),
     };
     let braking =
         "Stopping motors 0x01, 0x02, 0x03, 0x04 because of motor 0x03: it reports a fault (stall)";
-    assert_eq!(story.tells(&[withdrawn]), [braking]);
-    story.motor(1).activity = Activity::Idle;
-    assert_eq!(story.tells(&[]), [braking], "three are not at rest");
-    story.all(Activity::Idle);
+    assert_eq!(scenario.update(&[withdrawn]), [braking]);
+    scenario.motor(1).activity = Activity::Idle;
+    assert_eq!(scenario.update(&[]), [braking], "three are not at rest");
+    scenario.all(Activity::Idle);
     let ended = "Motors 0x01, 0x02, 0x03, 0x04 are no longer running because of motor 0x03: it \
                  reported a fault (stall)";
-    assert_eq!(story.tells(&[]), [ended]);
-    assert_eq!(story.tells(&[]), [ended]);
-    story.motor(2).activity = Activity::Driven {
+    assert_eq!(scenario.update(&[]), [ended]);
+    assert_eq!(scenario.update(&[]), [ended]);
+    scenario.motor(2).activity = Activity::Driven {
         setpoint: Setpoint::velocity(SpeedTarget::clamped(50)),
     };
-    assert!(story.tells(&[]).is_empty(), "it is driven again");
+    assert!(scenario.update(&[]).is_empty(), "it is driven again");
 }
 
 #[test]
 fn a_connection_that_ends_leaves_no_motor_being_stopped() {
-    let mut story = Story::new();
-    story.motor(1).activity = Activity::Stopping { confirmed: false };
+    let mut scenario = Scenario::new();
+    scenario.motor(1).activity = Activity::Stopping { confirmed: false };
     let reason = WithdrawReason::Silent;
-    story.tells(&[Notice::Withdrawn { id: ID, reason }]);
-    story.update.motors.clear();
+    scenario.update(&[Notice::Withdrawn { id: ID, reason }]);
+    scenario.update.motors.clear();
     assert_eq!(
-        story.tells(&[]),
+        scenario.update(&[]),
         ["Motor 0x01 is no longer running: no reply for 200 ms"]
     );
 }
 
 #[test]
 fn a_standstill_is_not_confirmed_until_each_motor_has_reported_it() {
-    let mut story = Story::new();
+    let mut scenario = Scenario::new();
     let outcome = |number, speed: Option<i16>| StopOutcome {
         id: id(number),
         confirmed: false,
@@ -174,26 +174,26 @@ fn a_standstill_is_not_confirmed_until_each_motor_has_reported_it() {
         ],
     };
     let both = "Standstill not confirmed: motor 0x01 (30 rpm), motor 0x02 (speed unknown)";
-    assert_eq!(story.tells(&[Notice::StopEnded(report)]), [both]);
-    assert_eq!(story.replies(1, 0, 2), [both], "it may be reversing");
-    assert_eq!(story.replies(1, -4, 1), [both]);
-    assert_eq!(story.replies(1, 0, 2), [both]);
+    assert_eq!(scenario.update(&[Notice::StopEnded(report)]), [both]);
+    assert_eq!(scenario.replies(1, 0, 2), [both], "it may be reversing");
+    assert_eq!(scenario.replies(1, -4, 1), [both]);
+    assert_eq!(scenario.replies(1, 0, 2), [both]);
     assert_eq!(
-        story.replies(1, 0, 1),
+        scenario.replies(1, 0, 1),
         ["Standstill not confirmed: motor 0x02 (speed unknown)"]
     );
-    assert!(story.replies(2, 0, 3).is_empty());
+    assert!(scenario.replies(2, 0, 3).is_empty());
 }
 
 #[test]
 fn a_loop_that_was_not_taken_is_told_until_it_is_reported() {
-    let mut story = Story::new();
+    let mut scenario = Scenario::new();
     let failed = Notice::ModeSwitchFailed {
         id: ID,
         asked: Mode::Velocity,
         reported: Some(Mode::Current),
     };
-    assert_eq!(story.tells(&[failed]).len(), 1);
-    assert_eq!(story.replies(2, 0, 1).len(), 1, "another motor");
-    assert!(story.replies(1, 0, 1).is_empty());
+    assert_eq!(scenario.update(&[failed]).len(), 1);
+    assert_eq!(scenario.replies(2, 0, 1).len(), 1, "another motor");
+    assert!(scenario.replies(1, 0, 1).is_empty());
 }

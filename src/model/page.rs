@@ -12,7 +12,7 @@
 use std::ops::Deref;
 
 use leptos::prelude::*;
-use motorlink_i18n::{Language, spoken};
+use motorlink_i18n::{Language, current_language};
 use motorlink_messages::{
     ToWorker,
     bus::Repeat,
@@ -212,7 +212,7 @@ impl Page {
             settings: DriveSettings::load(&preferences),
             notices: RwSignal::new(NoticeBoard::default()),
             preferences: RwSignal::new(preferences),
-            language: RwSignal::new(spoken()),
+            language: RwSignal::new(current_language()),
             dialog: RwSignal::new(None),
             drawer: RwSignal::new(None),
             on_change: StoredValue::new_local(None),

@@ -20,7 +20,7 @@ use web_sys::{
     HtmlInputElement, KeyboardEvent, KeyboardEventInit, MessageEvent, Url,
 };
 
-/// Passes on what it is told, and says what it is bidden: as the worker that owns the port, or as the
+/// Passes on what it is received, and says what it is bidden: as the worker that owns the port, or as the
 /// recorder.
 const WORKER: &str = r"
     const bench = new BroadcastChannel('CHANNEL' + (self.name === 'recorder' ? '-recorder' : ''));
@@ -37,7 +37,7 @@ const WORKER: &str = r"
 
 pub struct Bench {
     channel: BroadcastChannel,
-    told: Rc<RefCell<Vec<ToWorker>>>,
+    received: Rc<RefCell<Vec<ToWorker>>>,
     up: Rc<RefCell<bool>>,
     root: HtmlElement,
     programs: [Element; 2],
@@ -54,12 +54,12 @@ impl Bench {
     /// The same, where something is done before there is more of the page than its start.
     pub async fn after(name: &str, early: impl FnOnce()) -> Self {
         let channel = BroadcastChannel::new(name).unwrap();
-        let told = Rc::new(RefCell::new(Vec::new()));
+        let received = Rc::new(RefCell::new(Vec::new()));
         let up = Rc::new(RefCell::new(false));
         let on_message = Closure::<dyn FnMut(MessageEvent)>::new({
-            let (told, up) = (told.clone(), up.clone());
+            let (received, up) = (received.clone(), up.clone());
             move |event: MessageEvent| match event.data().dyn_into::<Uint8Array>() {
-                Ok(bytes) => told.borrow_mut().push(decode(&bytes.to_vec()).unwrap()),
+                Ok(bytes) => received.borrow_mut().push(decode(&bytes.to_vec()).unwrap()),
                 Err(_) => *up.borrow_mut() = true,
             }
         });
@@ -93,7 +93,7 @@ impl Bench {
         early();
         let bench = Self {
             channel,
-            told,
+            received,
             up,
             root,
             programs,
@@ -117,19 +117,19 @@ impl Bench {
     pub async fn with_motor(name: &str, mode: Mode) -> Self {
         let bench = Self::new(name).await;
         let time_origin_ms = performance().time_origin();
-        bench.say(&ToPage::Hello { time_origin_ms });
+        bench.post(&ToPage::Hello { time_origin_ms });
         bench.report(motor(mode, Activity::Idle), false);
         bench
             .until("the page to be connected", || {
                 bench.text("status", "Mode").contains("loop")
             })
             .await;
-        bench.told().await;
+        bench.received().await;
         bench
     }
 
     /// Has the worker say this.
-    pub fn say(&self, message: &ToPage) {
+    pub fn post(&self, message: &ToPage) {
         let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
         self.channel.post_message(&bytes).unwrap();
     }
@@ -148,7 +148,7 @@ impl Bench {
     }
 
     pub fn report(&self, motor: MotorStatus, halted: bool) {
-        self.say(&ToPage::Update(Update {
+        self.post(&ToPage::Update(Update {
             now: now(),
             connection: Connection::Connected(Adapter::Virtual),
             halted,
@@ -161,10 +161,10 @@ impl Bench {
         }));
     }
 
-    /// What the worker was told since the last call, after all of it has arrived.
-    pub async fn told(&self) -> Vec<ToWorker> {
+    /// What the worker was received since the last call, after all of it has arrived.
+    pub async fn received(&self) -> Vec<ToWorker> {
         pause(200).await;
-        self.told.borrow_mut().drain(..).collect()
+        self.received.borrow_mut().drain(..).collect()
     }
 
     /// The commands among them, each given just now.
@@ -180,7 +180,11 @@ impl Bench {
             }
             _ => None,
         };
-        self.told().await.into_iter().filter_map(command).collect()
+        self.received()
+            .await
+            .into_iter()
+            .filter_map(command)
+            .collect()
     }
 
     /// Every element with this role and accessible name that one can reach.
@@ -256,11 +260,11 @@ pub fn text_of(element: &HtmlElement) -> String {
 
 /// Presses a key where the focus is.
 pub fn press(key: &str) {
-    hear_key("keydown", key, false);
+    dispatch_key("keydown", key, false);
 }
 
 /// A key goes down, repeats or comes up where the focus is. Whether the focused control gets it.
-pub fn hear_key(name: &str, key: &str, repeat: bool) -> bool {
+pub fn dispatch_key(name: &str, key: &str, repeat: bool) -> bool {
     let init = KeyboardEventInit::new();
     init.set_key(key);
     init.set_repeat(repeat);

@@ -20,7 +20,7 @@ pub struct FakeRecorder {
 
 #[derive(Default)]
 struct State {
-    told: Vec<ToRecorder>,
+    received: Vec<ToRecorder>,
     /// Whether it was given its end of the line to the other worker.
     connected: bool,
     rows: Vec<Row>,
@@ -40,7 +40,7 @@ impl FakeRecorder {
             move |event: MessageEvent| {
                 let mut state = state.borrow_mut();
                 match event.data().dyn_into::<Uint8Array>() {
-                    Ok(bytes) => state.hear(decode(&bytes.to_vec()).unwrap()),
+                    Ok(bytes) => state.handle(decode(&bytes.to_vec()).unwrap()),
                     Err(other) => state.connected |= other.as_string().as_deref() == Some("line"),
                 }
                 if let Some(page) = state.page() {
@@ -56,12 +56,12 @@ impl FakeRecorder {
         }
     }
 
-    /// What it was told since the last call but looks, after all of it has arrived.
-    pub async fn told(&self) -> Vec<ToRecorder> {
+    /// What it was received since the last call but looks, after all of it has arrived.
+    pub async fn received(&self) -> Vec<ToRecorder> {
         pause(200).await;
-        let told = std::mem::take(&mut self.state.borrow_mut().told);
+        let received = std::mem::take(&mut self.state.borrow_mut().received);
         let not_look = |message: &ToRecorder| !matches!(message, ToRecorder::Show(_));
-        told.into_iter().filter(not_look).collect()
+        received.into_iter().filter(not_look).collect()
     }
 
     pub fn is_connected(&self) -> bool {
@@ -85,23 +85,23 @@ impl FakeRecorder {
     }
 
     /// The oldest rows give way.
-    pub fn give_way(&self, count: usize) {
+    pub fn drop_oldest(&self, count: usize) {
         self.state.borrow_mut().gone += count;
         self.answer();
     }
 
-    pub fn say(&self, message: &FromRecorder) {
+    pub fn post(&self, message: &FromRecorder) {
         post(&self.channel, message, None);
     }
 
-    pub fn say_with(&self, message: &FromRecorder, file: &Blob) {
+    pub fn post_with_file(&self, message: &FromRecorder, file: &Blob) {
         post(&self.channel, message, Some(file));
     }
 
     fn answer(&self) {
         let page = self.state.borrow().page();
         if let Some(page) = page {
-            self.say(&FromRecorder::Log(page));
+            self.post(&FromRecorder::Log(page));
         }
     }
 }
@@ -113,7 +113,7 @@ impl Drop for FakeRecorder {
 }
 
 impl State {
-    fn hear(&mut self, message: ToRecorder) {
+    fn handle(&mut self, message: ToRecorder) {
         match &message {
             ToRecorder::Show(window) => self.window = Some(*window),
             ToRecorder::Filter(_) | ToRecorder::SetLanguage { .. } => self.generation += 1,
@@ -124,7 +124,7 @@ impl State {
             }
             _ => {}
         }
-        self.told.push(message);
+        self.received.push(message);
     }
 
     fn page(&self) -> Option<LogPage> {

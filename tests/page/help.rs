@@ -12,7 +12,7 @@ use web_sys::HtmlInputElement;
 
 use crate::{
     bench::{Bench, document, motor},
-    tools::tell,
+    tools::report,
 };
 
 const ENGLISH: &str = include_str!("../../public/help/en.html");
@@ -66,7 +66,7 @@ fn forget() {
 #[wasm_bindgen_test]
 async fn an_error_leads_to_its_place_in_the_help_and_a_help_that_is_missing_is_tried_again() {
     let bench = Bench::new("help-topic").await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.connection = Connection::Failed(ConnectError::OpenFailed);
     });
     let link = "Help: the port does not open";
@@ -155,14 +155,14 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
         .await;
     assert!(bench.find_all("button", "Spin at 20 rpm").is_empty());
     bench.click("Go virtual");
-    assert!(bench.told().await.contains(&ToWorker::ConnectVirtual));
+    assert!(bench.received().await.contains(&ToWorker::ConnectVirtual));
 
     bench.report(motor(Mode::Velocity, Activity::Idle), false);
     bench
         .until("the wheel to be freed", || said().contains("fasten"))
         .await;
     assert!(bench.find_all("button", "Spin at 20 rpm").is_empty());
-    bench.told().await;
+    bench.received().await;
     let tick: HtmlInputElement = document()
         .get_element_by_id("tour-free")
         .unwrap()

@@ -46,15 +46,16 @@ fn sample(id: MotorId, at_ms: u64, rpm: i16, degrees: u16, faults: Faults) -> Sa
 }
 
 /// Standing, with these faults, `ages` milliseconds ago.
-fn faults(id: MotorId, told: &[(u64, Faults)]) -> Vec<Sample> {
+fn faults(id: MotorId, received: &[(u64, Faults)]) -> Vec<Sample> {
     let now_ms = now_ms();
-    told.iter()
+    received
+        .iter()
         .map(|(age_ms, faults)| sample(id, now_ms - age_ms, 0, 0, *faults))
         .collect()
 }
 
-fn tell(bench: &Bench, motor: MotorStatus, samples: Vec<Sample>) {
-    bench.say(&ToPage::Update(Update {
+fn report(bench: &Bench, motor: MotorStatus, samples: Vec<Sample>) {
+    bench.post(&ToPage::Update(Update {
         now: Instant::from_millis(now_ms()),
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
@@ -96,10 +97,10 @@ async fn a_fault_of_a_single_reply_between_two_frames_is_told_until_it_is_seen()
     let seen: HtmlButtonElement = bench.find("button", "Mark faults as seen").unchecked_into();
     assert!(seen.disabled() && !seen.title().is_empty());
 
-    let told = [(40, Faults::NONE), (30, STALL), (20, Faults::NONE)];
-    let samples = faults(MotorId::FIRST, &told);
+    let received = [(40, Faults::NONE), (30, STALL), (20, Faults::NONE)];
+    let samples = faults(MotorId::FIRST, &received);
     let times = [1, 2].map(|place: usize| local_time(samples[place].at.as_micros() / 1000));
-    tell(&bench, standing(), samples);
+    report(&bench, standing(), samples);
     let wanted = format!("Last: stall, {} – {}", times[0], times[1]);
     bench
         .until("the fault", || {
@@ -121,7 +122,7 @@ async fn a_fault_of_a_single_reply_between_two_frames_is_told_until_it_is_seen()
 #[wasm_bindgen_test]
 async fn a_fault_that_is_there_stays_until_it_goes_though_it_was_seen() {
     let bench = Bench::with_motor("active-fault", Mode::Velocity).await;
-    tell(&bench, standing(), faults(MotorId::FIRST, &[(10, STALL)]));
+    report(&bench, standing(), faults(MotorId::FIRST, &[(10, STALL)]));
     let record = || bench.text("status", "Fault record");
     bench
         .until("the fault", || record().contains("stall, since"))
@@ -130,7 +131,7 @@ async fn a_fault_that_is_there_stays_until_it_goes_though_it_was_seen() {
     let seen: HtmlButtonElement = bench.find("button", "Mark faults as seen").unchecked_into();
     bench.until("the mark", || seen.disabled()).await;
     assert!(record().contains("stall, since"), "{}", record());
-    tell(
+    report(
         &bench,
         standing(),
         faults(MotorId::FIRST, &[(1, Faults::NONE)]),
@@ -147,7 +148,7 @@ async fn the_faults_of_another_motor_are_not_shown() {
         MotorId::FIRST,
         &[(20, Faults::NONE.with(Fault::Sensor))],
     ));
-    tell(&bench, standing(), samples);
+    report(&bench, standing(), samples);
     let record = || bench.text("status", "Fault record");
     bench.until("its own", || record().contains("sensor")).await;
     assert!(!record().contains("stall"), "{}", record());
@@ -167,7 +168,7 @@ async fn a_spike_of_one_reply_is_in_the_sparkline() {
             Faults::NONE,
         )
     });
-    tell(&bench, standing(), samples.collect());
+    report(&bench, standing(), samples.collect());
     // The status of the motor never says it.
     let scale = || drawing(&bench, ".speed .spark-scale").get_attribute("data-scale");
     bench
@@ -200,7 +201,7 @@ async fn position_is_told_in_degrees_raw_and_turns_and_mirrored() {
     let mut motor = standing();
     let there = Position::from_raw(8_191);
     motor.position = Some((Instant::from_millis(now_ms + 60_000), there));
-    tell(&bench, motor, samples.collect());
+    report(&bench, motor, samples.collect());
     let position = || bench.text("status", "Position");
     bench
         .until("the position", || position().starts_with("90.0° raw 8191"))
@@ -213,7 +214,7 @@ async fn position_is_told_in_degrees_raw_and_turns_and_mirrored() {
     bench
         .until("the turns and the hand", || {
             let standing = sample(MotorId::FIRST, self::now_ms(), 0, 90, Faults::NONE);
-            tell(&bench, motor, vec![standing]);
+            report(&bench, motor, vec![standing]);
             let turned = ["\u{2212}1.2 turns", "\u{2212}1.3 turns"]
                 .iter()
                 .any(|turns| position().ends_with(turns));
@@ -237,7 +238,7 @@ async fn a_hot_winding_is_told_in_words_too() {
         let mut motor = standing();
         let at = Instant::from_millis(now_ms() + 60_000);
         motor.temperature = Some((at, Celsius::new(degrees)));
-        tell(&bench, motor, vec![]);
+        report(&bench, motor, vec![]);
         bench.until(words, || temperature() == words).await;
         let gauge = || drawing(&bench, ".gauge").get_attribute("data-band");
         bench.until(band, || gauge().as_deref() == Some(band)).await;

@@ -7,8 +7,8 @@ use motorlink_messages::{
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::{
-    bench::{Bench, document, hear_key, motor, press},
-    tools::tell,
+    bench::{Bench, dispatch_key, document, motor, press},
+    tools::report,
 };
 
 const STOP_ALL: Command = Command::StopAll(StopReason::Operator);
@@ -51,13 +51,13 @@ async fn space_while_driven_stops_whatever_has_the_focus() {
         ("slider", "Target speed"),
     ] {
         focus(&bench, role, name);
-        assert!(!hear_key("keydown", " ", false), "{name}");
-        assert!(!hear_key("keyup", " ", false), "{name}");
+        assert!(!dispatch_key("keydown", " ", false), "{name}");
+        assert!(!dispatch_key("keyup", " ", false), "{name}");
         assert_eq!(bench.commands().await, [STOP_ALL], "{name}");
     }
     focus(&bench, "spinbutton", "Target speed");
-    assert!(hear_key("keydown", " ", false));
-    assert!(hear_key("keyup", " ", false));
+    assert!(dispatch_key("keydown", " ", false));
+    assert!(dispatch_key("keyup", " ", false));
     assert_eq!(bench.commands().await, []);
 }
 
@@ -65,14 +65,14 @@ async fn space_while_driven_stops_whatever_has_the_focus() {
 #[wasm_bindgen_test]
 async fn a_space_that_stopped_presses_nothing_when_it_comes_up_behind_the_standstill() {
     let bench = driven("space-up").await;
-    assert!(!hear_key("keydown", " ", false));
+    assert!(!dispatch_key("keydown", " ", false));
     until_it_stands(&bench).await;
-    assert!(!hear_key("keydown", " ", true));
-    assert!(!hear_key("keyup", " ", false));
+    assert!(!dispatch_key("keydown", " ", true));
+    assert!(!dispatch_key("keyup", " ", false));
     assert_eq!(bench.commands().await, [STOP_ALL]);
     // Standing, the button has it.
-    assert!(hear_key("keydown", " ", false));
-    assert!(hear_key("keyup", " ", false));
+    assert!(dispatch_key("keydown", " ", false));
+    assert!(dispatch_key("keyup", " ", false));
     assert_eq!(bench.commands().await, []);
 }
 
@@ -89,9 +89,9 @@ async fn space_stops_what_moves_though_no_setpoint_stands() {
             sample.reply.speed = Rpm::new(rpm);
         }
         bench.report(moving, false);
-        bench.told().await;
-        assert!(!hear_key("keydown", " ", false), "{what}");
-        assert!(!hear_key("keyup", " ", false), "{what}");
+        bench.received().await;
+        assert!(!dispatch_key("keydown", " ", false), "{what}");
+        assert!(!dispatch_key("keyup", " ", false), "{what}");
         assert_eq!(bench.commands().await, [STOP_ALL], "{what}");
     }
 }
@@ -102,7 +102,7 @@ async fn space_right_behind_a_start_stops() {
     let bench = Bench::with_motor("space-early", Mode::Velocity).await;
     bench.click("+50");
     focus(&bench, "button", "-100");
-    assert!(!hear_key("keydown", " ", false));
+    assert!(!dispatch_key("keydown", " ", false));
     let commands = bench.commands().await;
     assert!(
         matches!(commands.as_slice(), [Command::Drive { .. }, STOP_ALL]),
@@ -115,13 +115,13 @@ async fn space_right_behind_a_start_stops() {
 async fn an_escape_that_only_comes_up_stops_what_is_driven() {
     let bench = driven("escape-up").await;
     focus(&bench, "combobox", "Motor");
-    hear_key("keyup", "Escape", false);
+    dispatch_key("keyup", "Escape", false);
     assert_eq!(bench.commands().await, [STOP_ALL]);
     press("Escape");
-    hear_key("keyup", "Escape", false);
+    dispatch_key("keyup", "Escape", false);
     assert_eq!(bench.commands().await, [STOP_ALL], "once");
     until_it_stands(&bench).await;
-    hear_key("keyup", "Escape", false);
+    dispatch_key("keyup", "Escape", false);
     assert_eq!(bench.commands().await, [], "at a standstill");
 }
 
@@ -129,10 +129,10 @@ async fn an_escape_that_only_comes_up_stops_what_is_driven() {
 #[wasm_bindgen_test]
 async fn letters_in_a_list_drive_nothing() {
     let bench = Bench::with_motor("letters-list", Mode::Velocity).await;
-    tell(&bench, |_| ());
+    report(&bench, |_| ());
     focus(&bench, "combobox", "Motor");
     for key in ["1", "f", "b", "c"] {
-        assert!(hear_key("keydown", key, false), "{key}");
+        assert!(dispatch_key("keydown", key, false), "{key}");
     }
     assert_eq!(bench.commands().await, []);
 }

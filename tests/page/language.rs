@@ -34,7 +34,7 @@ async fn another_language_changes_the_words_and_nothing_else() {
             bench.text("region", "Wheel").contains("+42 rpm")
         })
         .await;
-    bench.told().await;
+    bench.received().await;
 
     choose(&bench, "Language", "de");
     bench

@@ -1,4 +1,4 @@
-//! Limits that a person sets: told to the worker at once and at its start, and refused where typed.
+//! Limits that a person sets: received to the worker at once and at its start, and refused where typed.
 
 use motorlink::Preferences;
 use motorlink_messages::{
@@ -11,7 +11,7 @@ use web_sys::{Event, FocusEvent};
 
 use crate::{
     bench::{Bench, performance},
-    tools::tell,
+    tools::report,
 };
 
 fn leave(field: &web_sys::HtmlInputElement) {
@@ -22,9 +22,9 @@ fn leave(field: &web_sys::HtmlInputElement) {
 #[wasm_bindgen_test]
 async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_changed() {
     Preferences::default().save();
-    let bench = Bench::new("limits-told").await;
+    let bench = Bench::new("limits-received").await;
     let time_origin_ms = performance().time_origin();
-    bench.say(&ToPage::Hello { time_origin_ms });
+    bench.post(&ToPage::Hello { time_origin_ms });
     let first = Command::SetLimits(Limits::default());
     assert_eq!(bench.commands().await, [first]);
     bench.open("Settings").await;
@@ -53,16 +53,16 @@ async fn the_limit_that_was_crossed_is_told() {
         reached: Celsius::new(76),
         limit: 75,
     };
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.notices = vec![Notice::Withdrawn {
             id: MotorId::FIRST,
             reason: WithdrawReason::Limit(exceeded),
         }];
     });
-    let told = || bench.text("region", "Notices");
+    let received = || bench.text("region", "Notices");
     bench
         .until("the limit", || {
-            told().contains("76 °C, above your limit of 75 °C")
+            received().contains("76 °C, above your limit of 75 °C")
         })
         .await;
 }

@@ -12,7 +12,7 @@ use web_sys::{Event, EventInit, HtmlSelectElement};
 
 use crate::{
     bench::{Bench, document, text_of},
-    tools::tell,
+    tools::report,
 };
 
 async fn open(name: &str) -> Bench {
@@ -25,7 +25,7 @@ async fn open(name: &str) -> Bench {
 
 /// The line as it is when motor 1 was asked so often and answered none.
 fn silent(bench: &Bench, requests: u64) {
-    tell(bench, |update| {
+    report(bench, |update| {
         update.line = Some(LineStatus {
             exchanges_hz: 87,
             waiting_per_mille: 414,
@@ -92,13 +92,13 @@ async fn the_virtual_wire_is_chosen_and_a_real_one_is_not() {
     init.set_bubbles(true);
     let change = Event::new_with_event_init_dict("change", &init).unwrap();
     wire().dispatch_event(&change).unwrap();
-    let told = bench.told().await;
+    let received = bench.received().await;
     assert!(
-        told.contains(&ToWorker::VirtualWire(VirtualWire::SharedId)),
-        "{told:?}"
+        received.contains(&ToWorker::VirtualWire(VirtualWire::SharedId)),
+        "{received:?}"
     );
     assert_eq!(wire().value(), "3");
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.connection = Connection::Connected(Adapter::Serial(None));
     });
     bench.until("it to be disabled", || wire().disabled()).await;
@@ -110,7 +110,7 @@ async fn the_virtual_wire_is_chosen_and_a_real_one_is_not() {
 
 /// Exchanges on a machine that is so busy, with a wheel that turns.
 fn spinning(bench: &Bench, late_hz: u16) {
-    tell(bench, |update| {
+    report(bench, |update| {
         // 100 rpm counter-clockwise: the angle falls by 0.6 degrees a millisecond.
         let turned_deg = update.now.as_micros() * 6 / 10_000 % 360;
         let position = (359 - turned_deg) * 32_767 / 360;

@@ -28,14 +28,14 @@ async fn what_is_said_before_there_is_a_recorder_is_logged_once_there_is() {
     let said = bench.text("region", "Notices");
     assert!(said.contains("not started"), "{said}");
     let time_origin_ms = performance().time_origin();
-    bench.say(&ToPage::Hello { time_origin_ms });
-    let told = recorder.told().await;
-    let place = |is: fn(&ToRecorder) -> bool| told.iter().position(is);
-    let epoch = place(|told| matches!(told, ToRecorder::Epoch { .. })).unwrap();
+    bench.post(&ToPage::Hello { time_origin_ms });
+    let received = recorder.received().await;
+    let place = |is: fn(&ToRecorder) -> bool| received.iter().position(is);
+    let epoch = place(|received| matches!(received, ToRecorder::Epoch { .. })).unwrap();
     let line = place(
-        |told| matches!(told, ToRecorder::AddMessage { text, .. } if text.contains("not started")),
+        |received| matches!(received, ToRecorder::AddMessage { text, .. } if text.contains("not started")),
     );
-    assert!(line.unwrap() > epoch, "{told:?}");
+    assert!(line.unwrap() > epoch, "{received:?}");
 }
 
 #[wasm_bindgen_test]
@@ -57,25 +57,25 @@ async fn a_filter_is_sent_when_one_has_typed() {
             collapse: true,
         })
     };
-    assert_eq!(recorder.told().await, [filter("0x05", None)]);
+    assert_eq!(recorder.received().await, [filter("0x05", None)]);
 
     let list: web_sys::HtmlSelectElement = bench.find("combobox", "Log direction").unchecked_into();
     list.set_value("2");
     list.dispatch_event(&Event::new("change").unwrap()).unwrap();
-    assert_eq!(recorder.told().await, [filter("0x05", Some(Kind::Rx))]);
+    assert_eq!(recorder.received().await, [filter("0x05", Some(Kind::Rx))]);
 }
 
 #[wasm_bindgen_test]
 async fn collapsing_is_on_at_first_and_remembered() {
     let recorder = FakeRecorder::new("collapse");
     let bench = Bench::new("collapse").await;
-    let collapse = |told: &[ToRecorder]| match told {
+    let collapse = |received: &[ToRecorder]| match received {
         [.., ToRecorder::Filter(filter)] => Some(filter.collapse),
         _ => None,
     };
-    assert_eq!(collapse(&recorder.told().await), Some(true));
+    assert_eq!(collapse(&recorder.received().await), Some(true));
     bench.find("checkbox", "Collapse status polls").click();
-    assert_eq!(collapse(&recorder.told().await), Some(false));
+    assert_eq!(collapse(&recorder.received().await), Some(false));
     assert!(!motorlink::Preferences::load().collapse_polls);
     motorlink::Preferences::default().save();
 }
@@ -84,20 +84,21 @@ async fn collapsing_is_on_at_first_and_remembered() {
 async fn what_happens_on_the_page_is_logged() {
     let recorder = FakeRecorder::new("lines");
     let bench = Bench::with_motor("lines", Mode::Velocity).await;
-    let said = |told: Vec<ToRecorder>| -> Vec<(bool, String)> {
-        let said = told.into_iter().filter_map(|message| match message {
+    let said = |received: Vec<ToRecorder>| -> Vec<(bool, String)> {
+        let said = received.into_iter().filter_map(|message| match message {
             ToRecorder::AddMessage { error, text, .. } => Some((error, text)),
             _ => None,
         });
         said.collect()
     };
-    let told = recorder.told().await;
+    let received = recorder.received().await;
     assert!(
-        told.iter()
+        received
+            .iter()
             .any(|message| matches!(message, ToRecorder::Epoch { unix_ms } if *unix_ms > 1e12))
     );
     assert_eq!(
-        said(told),
+        said(received),
         [(false, "Connected to Virtual motor".to_owned())]
     );
     // Refused by the page already.
@@ -108,7 +109,7 @@ async fn what_happens_on_the_page_is_logged() {
         })
         .await;
     press("2");
-    let said = said(recorder.told().await);
+    let said = said(recorder.received().await);
     let [(false, text)] = said.as_slice() else {
         panic!("{said:?}");
     };
@@ -119,10 +120,10 @@ async fn what_happens_on_the_page_is_logged() {
 async fn a_long_log_is_cleared_after_a_question_only() {
     let (recorder, bench, _style) = page("clear", 1_001).await;
     bench.click("Clear");
-    assert_eq!(recorder.told().await, []);
+    assert_eq!(recorder.received().await, []);
     bench.find("alertdialog", "Clear the packet log");
     bench.click("Clear 1\u{202F}001 entries");
-    assert_eq!(recorder.told().await, [ToRecorder::Clear]);
+    assert_eq!(recorder.received().await, [ToRecorder::Clear]);
     assert!(
         bench
             .find_all("alertdialog", "Clear the packet log")
@@ -137,7 +138,7 @@ async fn a_long_log_is_cleared_after_a_question_only() {
     recorder.log(5);
     bench.until("rows", || rows(&bench).len() == 5).await;
     bench.click("Clear");
-    assert_eq!(recorder.told().await, [ToRecorder::Clear]);
+    assert_eq!(recorder.received().await, [ToRecorder::Clear]);
 }
 
 /// The next file that the page saves: its name, and what is in it.
@@ -196,12 +197,12 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     let (recorder, bench, _style) = page("export", 10).await;
     let saved = Saved::watch();
     bench.click("Export CSV");
-    assert_eq!(recorder.told().await, [ToRecorder::ExportLog]);
+    assert_eq!(recorder.received().await, [ToRecorder::ExportLog]);
     bench.find("button", "Cancel export");
     let other = bench.find("button", "Export telemetry CSV");
     assert!(other.has_attribute("disabled"));
     let what = Export::Log;
-    recorder.say(&FromRecorder::Exporting {
+    recorder.post(&FromRecorder::Exporting {
         what,
         done: 5,
         of: 10,
@@ -214,7 +215,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     let parts = Array::of1(&JsValue::from_str("time,elapsed_s\r\n"));
     let file = Blob::new_with_str_sequence(&parts).unwrap();
     let name = "motorlink-log.csv".to_owned();
-    recorder.say_with(
+    recorder.post_with_file(
         &FromRecorder::Exported {
             what,
             name,
@@ -232,10 +233,10 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
         (name.as_str(), text.as_str()),
         ("motorlink-log.csv", "time,elapsed_s\r\n")
     );
-    let told = recorder.told().await;
+    let received = recorder.received().await;
     assert!(
-        matches!(&told[..], [ToRecorder::AddMessage { text, .. }] if text.contains("10 rows")),
-        "{told:?}"
+        matches!(&received[..], [ToRecorder::AddMessage { text, .. }] if text.contains("10 rows")),
+        "{received:?}"
     );
 
     bench.click("Export CSV");
@@ -246,10 +247,10 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
         .await;
     bench.click("Cancel export");
     assert_eq!(
-        recorder.told().await,
+        recorder.received().await,
         [ToRecorder::ExportLog, ToRecorder::CancelExport]
     );
-    recorder.say(&FromRecorder::NotExported {
+    recorder.post(&FromRecorder::NotExported {
         what,
         cancelled: true,
     });
@@ -268,17 +269,17 @@ async fn the_recording_says_what_it_holds() {
         rolling: 6_012,
         ..RecordingStatus::default()
     };
-    recorder.say(&FromRecorder::Recording(status));
+    recorder.post(&FromRecorder::Recording(status));
     let words = || bench.text("status", "Recorded").replace('\u{202F}', " ");
     bench
         .until("the samples", || words() == "Last 10 min: 6 012 samples")
         .await;
     bench.click("Record telemetry");
-    assert_eq!(recorder.told().await, [ToRecorder::Record(true)]);
+    assert_eq!(recorder.received().await, [ToRecorder::Record(true)]);
     status.recording = true;
     status.recorded = 6_650;
     status.recorded_ms = 133_000;
-    recorder.say(&FromRecorder::Recording(status));
+    recorder.post(&FromRecorder::Recording(status));
     bench
         .until("the time", || {
             words() == "Recording: 00:02:13, 6 650 samples"
@@ -291,7 +292,7 @@ async fn the_recording_says_what_it_holds() {
     bench.click("Record telemetry");
     bench.click("Export telemetry CSV");
     assert_eq!(
-        recorder.told().await,
+        recorder.received().await,
         [ToRecorder::Record(false), ToRecorder::ExportTelemetry]
     );
 }
@@ -299,7 +300,7 @@ async fn the_recording_says_what_it_holds() {
 #[wasm_bindgen_test]
 async fn a_dead_recorder_is_told_and_driving_goes_on() {
     let (recorder, bench, _style) = page("dead", 10).await;
-    recorder.say(&FromRecorder::Died);
+    recorder.post(&FromRecorder::Died);
     bench
         .until("the words", || {
             bench.text("region", "Notices").contains("packet log")

@@ -23,7 +23,7 @@ pub async fn page(name: &str, entries: usize) -> (FakeRecorder, Bench, Style) {
                     .is_some_and(|row| row.number() + 1 == entries)
         })
         .await;
-    recorder.told().await;
+    recorder.received().await;
     (recorder, bench, style)
 }
 

@@ -125,7 +125,7 @@ async fn what_is_read_does_not_move_when_old_rows_give_way() {
     scroll_by(&bench, -5_000.0).await;
     let (before, top) = (numbers(&bench), rows(&bench)[0].top());
     for _ in 0..3 {
-        recorder.give_way(100);
+        recorder.drop_oldest(100);
         pause(400).await;
         assert_eq!(numbers(&bench), before);
         assert!((rows(&bench)[0].top() - top).abs() < 0.5);

@@ -1,4 +1,4 @@
-//! The page in a browser, with a worker that only writes down what it is told.
+//! The page in a browser, with a worker that only writes down what it is received.
 #![cfg(test)]
 #![cfg(target_arch = "wasm32")]
 

@@ -1,4 +1,4 @@
-//! What an operator does, and what the worker is told by it.
+//! What an operator does, and what the worker is received by it.
 
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker,
@@ -10,7 +10,7 @@ use web_sys::Event;
 
 use crate::{
     bench::{Bench, document, motor, press},
-    tools::{id, tell},
+    tools::{id, report},
 };
 
 const ID: MotorId = MotorId::FIRST;
@@ -40,12 +40,12 @@ async fn a_stop_before_there_is_a_worker_stands_once_there_is() {
 #[wasm_bindgen_test]
 async fn a_ping_is_answered() {
     let bench = Bench::new("ping").await;
-    bench.told().await;
-    bench.say(&ToPage::Ping);
-    let told = bench.told().await;
+    bench.received().await;
+    bench.post(&ToPage::Ping);
+    let received = bench.received().await;
     assert!(
-        matches!(told.as_slice(), [ToWorker::Pong { .. }]),
-        "{told:?}"
+        matches!(received.as_slice(), [ToWorker::Pong { .. }]),
+        "{received:?}"
     );
 }
 
@@ -146,7 +146,7 @@ async fn a_question_about_a_motor_does_not_outlive_its_connection_or_its_choice(
         bench.click("Start");
         let asked = || bench.find_all("alertdialog", "High current").len() == 1;
         bench.until("the question", asked).await;
-        tell(&bench, |update| {
+        report(&bench, |update| {
             update.motors = vec![motor(Mode::Current, Activity::Idle)];
             match way {
                 "unplugged" => update.connection = Connection::Reconnecting(Adapter::Virtual),

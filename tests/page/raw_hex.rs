@@ -14,7 +14,7 @@ use web_sys::{Event, HtmlElement, HtmlInputElement};
 
 use crate::{
     bench::{Bench, document, motor, press},
-    tools::{open, tell, until_enabled},
+    tools::{open, report, until_enabled},
 };
 
 const QUERY: &str = "01 74 00 00 00 00 00 00 00 04";
@@ -126,7 +126,7 @@ async fn a_query_is_sent_at_once_and_its_answer_is_shown() {
             "No reply within 8.0 ms.",
         ),
     ] {
-        tell(&bench, |update| {
+        report(&bench, |update| {
             update.raw = Some(RawStatus {
                 frame: frame(QUERY),
                 count: 1,
@@ -186,7 +186,7 @@ async fn consent_to_one_frame_lets_no_other_through() {
     until_asked(&bench, QUESTION).await;
     bench.click("Send it");
     assert_eq!(bench.commands().await, [once(DRIVE)]);
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.motors = vec![motor(Mode::Current, Activity::Idle)];
     });
     bench
@@ -222,7 +222,7 @@ async fn a_high_current_is_asked_about_each_time() {
     assert_eq!(bench.commands().await, [once(high)]);
     for _ in 0..2 {
         let refusal = Refusal::NeedsConsent(CurrentTarget::new(30_000).unwrap());
-        tell(&bench, |update| {
+        report(&bench, |update| {
             let command = once(high);
             update.notices = vec![Notice::Refused { command, refusal }];
         });
@@ -244,7 +244,7 @@ async fn a_refusal_that_comes_after_a_stop_asks_nothing() {
     bench.click("Send it");
     press("Escape");
     let refusal = Refusal::NeedsConsent(CurrentTarget::new(30_000).unwrap());
-    tell(&bench, |update| {
+    report(&bench, |update| {
         let command = once(DRIVE);
         update.notices = vec![Notice::Refused { command, refusal }];
     });
@@ -267,7 +267,7 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
     let repeat = Repeat::Times { count: 0, interval };
     assert_eq!(bench.commands().await, [sent(QUERY, repeat, Consent::None)]);
     bench.find("tab", "Velocity").click();
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.raw = Some(RawStatus {
             frame: frame(QUERY),
             count: 0,
@@ -327,7 +327,7 @@ async fn a_frame_that_is_typed_beside_the_textbox_drives_nothing() {
 #[wasm_bindgen_test]
 async fn the_key_for_a_stop_works_beside_a_repeated_frame() {
     let bench = raw_hex("key-stop").await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.raw = Some(RawStatus {
             frame: frame(DRIVE),
             count: 0,

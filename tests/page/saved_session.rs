@@ -20,9 +20,9 @@ const SESSION: SavedSession = SavedSession {
 async fn offered(name: &str) -> (FakeRecorder, Bench) {
     let recorder = FakeRecorder::new(name);
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    recorder.told().await;
+    recorder.received().await;
     assert!(bench.find_all("button", "Restore session").is_empty());
-    recorder.say(&FromRecorder::SavedSessionFound(SESSION));
+    recorder.post(&FromRecorder::SavedSessionFound(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
@@ -47,12 +47,12 @@ async fn a_kept_session_is_offered_in_words_and_restored_once() {
     assert!(words.contains("packets, 3 min recorded"), "{words}");
     bench.click("Restore session");
     bench.click("Restore session");
-    let told = recorder.told().await;
-    assert_eq!(told, [ToRecorder::Restore]);
+    let received = recorder.received().await;
+    assert_eq!(received, [ToRecorder::Restore]);
     let words = bench.text("status", "Previous session");
     assert!(words.contains("Restoring"), "{words}");
     assert!(bench.commands().await.is_empty(), "nothing is driven");
-    recorder.say(&FromRecorder::Restored);
+    recorder.post(&FromRecorder::Restored);
     until_nothing_is_offered(&bench).await;
 }
 
@@ -61,9 +61,9 @@ async fn a_kept_session_is_forgotten_or_left() {
     let (recorder, bench) = offered("kept-forgotten").await;
     bench.click("Delete session");
     until_nothing_is_offered(&bench).await;
-    let told = recorder.told().await;
-    assert!(told.contains(&ToRecorder::Forget), "{told:?}");
-    recorder.say(&FromRecorder::SavedSessionFound(SESSION));
+    let received = recorder.received().await;
+    assert!(received.contains(&ToRecorder::Forget), "{received:?}");
+    recorder.post(&FromRecorder::SavedSessionFound(SESSION));
     bench
         .until("the offer", || {
             !bench.find_all("button", "Restore session").is_empty()
@@ -71,18 +71,18 @@ async fn a_kept_session_is_forgotten_or_left() {
         .await;
     bench.click("Dismiss previous session");
     until_nothing_is_offered(&bench).await;
-    assert!(recorder.told().await.is_empty());
+    assert!(recorder.received().await.is_empty());
 }
 
 #[wasm_bindgen_test]
 async fn a_browser_without_room_is_a_line_of_the_log() {
     let recorder = FakeRecorder::new("kept-no-room");
     let _bench = Bench::with_motor("kept-no-room", Mode::Velocity).await;
-    recorder.told().await;
-    recorder.say(&FromRecorder::NotSaved(NotSaved::NoRoom));
-    let told = recorder.told().await;
-    let is_line = |told: &ToRecorder| matches!(told, ToRecorder::AddMessage { error: true, text, .. } if text.contains("storage is full"));
-    assert!(told.iter().any(is_line), "{told:?}");
+    recorder.received().await;
+    recorder.post(&FromRecorder::NotSaved(NotSaved::NoRoom));
+    let received = recorder.received().await;
+    let is_line = |received: &ToRecorder| matches!(received, ToRecorder::AddMessage { error: true, text, .. } if text.contains("storage is full"));
+    assert!(received.iter().any(is_line), "{received:?}");
 }
 
 #[wasm_bindgen_test]
@@ -98,7 +98,7 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
         recording: true,
         ..RecordingStatus::default()
     };
-    recorder.say(&FromRecorder::Recording(status));
+    recorder.post(&FromRecorder::Recording(status));
     bench.open("Settings").await;
     let button = bench.find("button", "Delete all data");
     bench
@@ -106,7 +106,7 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
         .await;
     let title = button.get_attribute("title").unwrap();
     assert!(title.contains("Stop the recording"), "{title}");
-    recorder.say(&FromRecorder::Recording(RecordingStatus::default()));
+    recorder.post(&FromRecorder::Recording(RecordingStatus::default()));
     bench
         .until("the button", || !button.has_attribute("disabled"))
         .await;
@@ -116,15 +116,15 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
             !bench.find_all("button", "Delete").is_empty()
         })
         .await;
-    recorder.told().await;
+    recorder.received().await;
     bench.click("Delete");
-    let told = recorder.told().await;
-    assert!(told.contains(&ToRecorder::Erase), "{told:?}");
+    let received = recorder.received().await;
+    assert!(received.contains(&ToRecorder::Erase), "{received:?}");
     let storage = web_sys::window().unwrap().local_storage().unwrap().unwrap();
     let kept = |name: &str| storage.get_item(name).unwrap();
     assert_eq!(kept("motorlink.theme"), None);
     assert_eq!(kept("motorlink.fleet"), None);
-    recorder.say(&FromRecorder::Erased { all: true });
+    recorder.post(&FromRecorder::Erased { all: true });
     bench
         .until("words", || {
             bench.text("status", "Setup").contains("Deleted")

@@ -13,7 +13,7 @@ use web_sys::{DataTransfer, Event, EventInit, File, HtmlInputElement, HtmlSelect
 
 use crate::{
     bench::{Bench, document, motor},
-    tools::{standing, tell},
+    tools::{report, standing},
 };
 
 const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm115", "command_rate_hz": 120,
@@ -29,7 +29,7 @@ fn storage() -> Storage {
 /// A page with two motors of which nothing is remembered, and the open panel.
 async fn page(name: &str) -> Bench {
     let bench = Bench::with_motor(name, Mode::Velocity).await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.motors = vec![standing(1), standing(2)];
     });
     bench.click("Drive together");
@@ -95,19 +95,19 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let model: HtmlSelectElement = bench.find("combobox", "Model").unchecked_into();
     model.set_value(Model::M0601.key());
     bench.enter_into("textbox", "Name of 0x01", "Typed");
-    bench.told().await;
+    bench.received().await;
 
     let words = import(&bench, ROVER).await;
     assert_eq!(
         words,
         "Imported: model, command rate, keep driving while hidden, ramp, limits, 2 motors."
     );
-    let told = [
+    let received = [
         Command::SetRate(CommandRate::new(120).unwrap()),
         Command::SetRamp(Ramp::new(300).ok()),
         Command::SetLimits(Limits::new(330, 2_700, 60).unwrap()),
     ];
-    assert_eq!(bench.commands().await, told);
+    assert_eq!(bench.commands().await, received);
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");
@@ -133,7 +133,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
 async fn a_file_that_does_not_fit_changes_nothing() {
     forget();
     let bench = page("setup-refused").await;
-    bench.told().await;
+    bench.received().await;
     let before = kept();
     let file = ROVER.replace("\"right\"", "\"up\"");
     assert_eq!(
@@ -144,12 +144,12 @@ async fn a_file_that_does_not_fit_changes_nothing() {
     assert!(words.contains("line 3, column 1"), "{words}");
     assert_eq!(kept(), before);
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "");
-    let told = bench.told().await;
+    let received = bench.received().await;
     assert!(
-        !told
+        !received
             .iter()
-            .any(|told| matches!(told, ToWorker::Command { .. })),
-        "{told:?}"
+            .any(|received| matches!(received, ToWorker::Command { .. })),
+        "{received:?}"
     );
     forget();
 }

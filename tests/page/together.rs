@@ -14,7 +14,7 @@ use web_sys::{
 
 use crate::{
     bench::{Bench, press, text_of},
-    tools::{id, standing, tell, until_enabled},
+    tools::{id, report, standing, until_enabled},
 };
 
 const PAD: (&str, &str) = ("application", "Drive pad");
@@ -32,7 +32,7 @@ async fn rover(name: &str) -> Bench {
     storage().set_item("motorlink.fleet", fleet).unwrap();
     let bench = Bench::with_motor(name, Mode::Velocity).await;
     storage().remove_item("motorlink.fleet").unwrap();
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.motors = vec![standing(1), standing(2)];
     });
     bench.click("Drive together");
@@ -106,7 +106,7 @@ fn entered(control: &EventTarget) {
     control.dispatch_event(&input).unwrap();
 }
 
-/// What both wheels are told, as they count it.
+/// What both wheels are received, as they count it.
 fn parts(first: i32, second: i32) -> GroupSetpoints {
     let speed = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
     GroupSetpoints::new(&[(id(1), speed(first)), (id(2), speed(second))]).unwrap()
@@ -128,7 +128,7 @@ fn adjust(first: i32, second: i32) -> Command {
 
 /// The bus tells that it does this with both.
 fn both(bench: &Bench, activity: Activity) {
-    tell(bench, |update| {
+    report(bench, |update| {
         update.motors = [1, 2].map(standing).into();
         for motor in &mut update.motors {
             motor.activity = activity;
@@ -191,7 +191,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
         consent: Consent::None,
     };
     assert_eq!(bench.commands().await, [drive]);
-    tell(&bench, |update| {
+    report(&bench, |update| {
         let mut motor = standing(2);
         motor.activity = Activity::Driven {
             setpoint: setpoint(-100),
@@ -244,7 +244,7 @@ async fn a_right_wheel_alone_is_asked_and_read_with_the_other_sign() {
     bench
         .until("the side to be free", || !side.disabled())
         .await;
-    // It is refused for half a second behind a start, of which the worker may not have told yet.
+    // It is refused for half a second behind a start, of which the worker may not have received yet.
     bench
         .until("the other sign", || {
             side.set_value("left");
@@ -457,7 +457,7 @@ async fn a_refusal_ends_the_hold() {
     for command in [start(100, -100), adjust(50, -50)] {
         pointer(&bench, "pointerdown", 0.0, 1.0);
         assert_eq!(bench.commands().await, [start(100, -100)]);
-        tell(&bench, |update| {
+        report(&bench, |update| {
             update.motors = vec![standing(1), standing(2)];
             update.notices = vec![Notice::Refused {
                 command,
@@ -555,7 +555,7 @@ async fn a_ramp_set_to_0_while_disconnected_stays_0_on_connect() {
     bench.enter("Ramp", "200").focus().unwrap();
     press("Enter");
     let connection = |connection| {
-        tell(&bench, |update| {
+        report(&bench, |update| {
             update.motors = vec![standing(1), standing(2)];
             update.connection = connection;
         });

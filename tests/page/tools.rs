@@ -45,7 +45,7 @@ fn now() -> Instant {
 }
 
 /// The worker tells this, with motor 0x01 connected but for what is changed.
-pub fn tell(bench: &Bench, change: impl FnOnce(&mut Update)) {
+pub fn report(bench: &Bench, change: impl FnOnce(&mut Update)) {
     let mut update = Update {
         now: now(),
         connection: Connection::Connected(Adapter::Virtual),
@@ -58,7 +58,7 @@ pub fn tell(bench: &Bench, change: impl FnOnce(&mut Update)) {
         notices: vec![],
     };
     change(&mut update);
-    bench.say(&ToPage::Update(update));
+    bench.post(&ToPage::Update(update));
 }
 
 /// Opens a tab of a page with a motor.
@@ -97,7 +97,7 @@ fn scanned(found: &[u8]) -> Notice {
 
 /// The bus scans, and then tells whom it has found.
 async fn scan(bench: &Bench, found: &[u8]) {
-    tell(bench, |update| update.job = Some(scanning()));
+    report(bench, |update| update.job = Some(scanning()));
     let words = || {
         bench
             .find("progressbar", "Scan")
@@ -106,7 +106,7 @@ async fn scan(bench: &Bench, found: &[u8]) {
     bench
         .until("the scan to be seen", || words().unwrap().contains("118"))
         .await;
-    tell(bench, |update| update.notices = vec![scanned(found)]);
+    report(bench, |update| update.notices = vec![scanned(found)]);
     bench
         .until("its end to be seen", || {
             words().unwrap().contains("No scan")
@@ -115,7 +115,7 @@ async fn scan(bench: &Bench, found: &[u8]) {
 }
 
 /// Wishes for ID 5, and the bus finds these motors.
-async fn wish(bench: &Bench, found: &[u8]) {
+async fn request_id(bench: &Bench, found: &[u8]) {
     bench.enter("New ID", "5");
     until_enabled(bench, "Set ID").await;
     bench.click("Set ID");
@@ -146,7 +146,7 @@ async fn a_scan_shows_how_far_it_is_and_can_be_cancelled() {
         bench.commands().await,
         [Command::IdQuery, Command::FullScan]
     );
-    tell(&bench, |update| update.job = Some(scanning()));
+    report(&bench, |update| update.job = Some(scanning()));
     until_enabled(&bench, "Cancel").await;
     let progress = bench.find("progressbar", "Scan");
     assert_eq!(progress.get_attribute("aria-valuenow").unwrap(), "118");
@@ -167,7 +167,7 @@ async fn a_scan_shows_how_far_it_is_and_can_be_cancelled() {
 #[wasm_bindgen_test]
 async fn a_click_on_a_motor_that_was_found_chooses_it() {
     let bench = id_manager("choose").await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.motors = vec![standing(1), standing(2)];
     });
     let list = bench.find("list", "Motors found");
@@ -176,10 +176,10 @@ async fn a_click_on_a_motor_that_was_found_chooses_it() {
     let second: HtmlElement = buttons().item(1).unwrap().unchecked_into();
     assert!(second.text_content().unwrap().contains("0x02"));
     second.focus().unwrap();
-    bench.told().await;
+    bench.received().await;
     second.click();
-    let told = bench.told().await;
-    assert_eq!(told, [ToWorker::Select(id(2))]);
+    let received = bench.received().await;
+    assert_eq!(received, [ToWorker::Select(id(2))]);
     bench
         .until("the motor to be chosen", || {
             let chosen = list.query_selector("[aria-pressed=true]").unwrap();
@@ -195,7 +195,7 @@ async fn a_click_on_a_motor_that_was_found_chooses_it() {
 #[wasm_bindgen_test]
 async fn several_answers_at_once_offer_the_full_scan() {
     let bench = id_manager("garbled").await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.notices = vec![Notice::IdQueryEnded(IdQueryOutcome::Garbled)];
     });
     bench
@@ -209,7 +209,7 @@ async fn several_answers_at_once_offer_the_full_scan() {
 #[wasm_bindgen_test]
 async fn what_a_scan_finds_is_on_the_board_for_those_who_are_elsewhere() {
     let bench = Bench::with_motor("elsewhere", Mode::Velocity).await;
-    tell(&bench, |update| update.notices = vec![scanned(&[1, 2])]);
+    report(&bench, |update| update.notices = vec![scanned(&[1, 2])]);
     let board = || bench.text("region", "Notices");
     bench
         .until("a notice", || board().contains("2 motors found"))
@@ -224,7 +224,7 @@ async fn what_a_scan_finds_is_on_the_board_for_those_who_are_elsewhere() {
 #[wasm_bindgen_test]
 async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
     let bench = id_manager("set-id").await;
-    wish(&bench, &[1]).await;
+    request_id(&bench, &[1]).await;
     bench
         .until("the question", || {
             bench.find_all(QUESTION.0, QUESTION.1).len() == 1
@@ -244,7 +244,7 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
 
     let outcome = IdChangeOutcome::Changed;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.motors = vec![standing(5)];
         update.notices = vec![Notice::IdChangeEnded { from, to, outcome }];
     });
@@ -253,14 +253,14 @@ async fn an_id_is_set_once_after_a_scan_with_one_motor_and_a_question() {
             result(&bench).contains("Motor 0x01 now has ID 0x05")
         })
         .await;
-    assert!(bench.told().await.contains(&ToWorker::Select(id(5))));
+    assert!(bench.received().await.contains(&ToWorker::Select(id(5))));
     motorlink::Preferences::default().save();
 }
 
 #[wasm_bindgen_test]
 async fn two_motors_are_named_and_nothing_is_asked() {
     let bench = id_manager("two").await;
-    wish(&bench, &[1, 2]).await;
+    request_id(&bench, &[1, 2]).await;
     assert!(result(&bench).contains("2 motors found (0x01, 0x02)"));
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
     assert_eq!(bench.commands().await, []);
@@ -289,7 +289,7 @@ async fn a_stop_or_another_tab_ends_the_wish_for_an_id() {
 #[wasm_bindgen_test]
 async fn a_stop_closes_the_question() {
     let bench = id_manager("stop-question").await;
-    wish(&bench, &[1]).await;
+    request_id(&bench, &[1]).await;
     bench
         .until("the question", || {
             bench.find_all(QUESTION.0, QUESTION.1).len() == 1
@@ -329,7 +329,7 @@ async fn an_id_that_no_motor_may_get_is_refused_at_the_field() {
 async fn a_change_of_loop_tears_nobody_out_of_a_tool() {
     for tab in ["ID Manager", "Raw Hex"] {
         let bench = open(&format!("torn-{}", tab.len()), tab).await;
-        tell(&bench, |update| {
+        report(&bench, |update| {
             let mode = Mode::Current;
             update.motors = vec![motor(mode, Activity::Idle)];
             update.notices = vec![Notice::ModeSwitched { id: id(1), mode }];

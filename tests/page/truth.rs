@@ -9,7 +9,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::{
     bench::{Bench, document, motor, performance},
-    tools::tell,
+    tools::report,
 };
 
 #[allow(
@@ -44,7 +44,7 @@ fn figures() -> String {
 #[wasm_bindgen_test]
 async fn a_disconnected_motor_shows_no_figures_and_no_zero() {
     let bench = Bench::with_motor("truth-disconnected", Mode::Velocity).await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.samples = vec![answer()];
         update.motors[0].temperature = Some((now(), Celsius::new(41)));
     });
@@ -54,7 +54,7 @@ async fn a_disconnected_motor_shows_no_figures_and_no_zero() {
     bench
         .until("the speed", || figures().contains("0 rpm"))
         .await;
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.connection = Connection::Disconnected;
         update.motors.clear();
         update.samples = vec![answer()];
@@ -73,13 +73,13 @@ async fn a_disconnected_motor_shows_no_figures_and_no_zero() {
 async fn no_motor_answers_is_withdrawn_when_one_does() {
     let bench = Bench::with_motor("truth-answers", Mode::Velocity).await;
     let notices = || bench.text("region", "Notices");
-    tell(&bench, |update| {
+    report(&bench, |update| {
         update.notices = vec![Notice::IdQueryEnded(IdQueryOutcome::NoReply)];
     });
     bench
         .until("the alert", || notices().contains("No motors found"))
         .await;
-    tell(&bench, |update| update.samples = vec![answer()]);
+    report(&bench, |update| update.samples = vec![answer()]);
     bench
         .until("it to go", || !notices().contains("No motors found"))
         .await;

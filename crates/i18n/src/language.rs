@@ -1,4 +1,4 @@
-//! The languages, and which is spoken.
+//! The languages, and the current one.
 
 use std::cell::Cell;
 
@@ -15,10 +15,10 @@ pub enum Language {
 }
 
 impl Language {
-    /// All, in the order in which they are offered.
+    /// All languages, in the order of the list.
     pub const ALL: [Self; 3] = [Self::English, Self::Chinese, Self::German];
 
-    /// As its speakers call it.
+    /// Its own name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Language {
         }
     }
 
-    /// The two letters by which it is remembered, asked for in an address, and found among files.
+    /// The two letters in preferences, addresses and file names.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -48,8 +48,8 @@ impl Language {
         }
     }
 
-    /// The language of a tag of BCP 47, such as `de`, `zh-CN` or `en-GB`. Who reads Chinese in any script
-    /// is given the one that there is.
+    /// The language of a BCP 47 tag, such as `de`, `zh-CN` or `en-GB`. Any Chinese tag gives Simplified
+    /// Chinese.
     #[must_use]
     pub fn from_tag(tag: &str) -> Option<Self> {
         let language = tag.split('-').next().unwrap_or_default();
@@ -58,7 +58,7 @@ impl Language {
             .find(|known| known.key().eq_ignore_ascii_case(language))
     }
 
-    /// Between whole and fraction.
+    /// The decimal mark.
     #[must_use]
     pub const fn decimal_mark(self) -> char {
         match self {
@@ -69,18 +69,18 @@ impl Language {
 }
 
 thread_local! {
-    static SPOKEN: Cell<Language> = const { Cell::new(Language::English) };
+    static LANGUAGE: Cell<Language> = const { Cell::new(Language::English) };
 }
 
-/// Has this thread speak a language from now on. A page and each of its workers are a thread.
-pub fn speak(language: Language) {
-    SPOKEN.set(language);
+/// Sets the language of this thread. The page and each of its workers are a thread.
+pub fn set_language(language: Language) {
+    LANGUAGE.set(language);
 }
 
-/// The language that this thread speaks; English at first.
+/// The language of this thread; English at first.
 #[must_use]
-pub fn spoken() -> Language {
-    SPOKEN.get()
+pub fn current_language() -> Language {
+    LANGUAGE.get()
 }
 
 #[cfg(test)]

@@ -1,16 +1,16 @@
-//! What the page says, in each of its languages.
+//! Translations of the page's texts.
 //!
-//! The English stands where it is said, in [`tr!`]; the translations stand in `locales/*.po`, which any
-//! editor of gettext's files opens. That a message is among them, and that what is to be filled in is
-//! there and is used, is checked when the code is compiled; that all are translated, when it is built for
-//! release. The English is in the program. The page fetches the file of another language when it is chosen. `cargo xtask translations` brings the files up to date with the code.
+//! The English text is in the code, in [`tr!`]; the translations are in `locales/*.po`, in the format of
+//! gettext. The compiler checks that each message exists there and that its placeholders match. A release
+//! build checks that all are translated. The program contains English; the page fetches the file of another
+//! language when it is chosen. `cargo xtask translations` updates the files from the code.
 //!
 //! ```
-//! use motorlink_i18n::{Language, speak, tr};
+//! use motorlink_i18n::{Language, set_language, tr};
 //!
 //! assert_eq!(tr!("Help"), "Help");
 //! assert_eq!(tr!("No reply from motor {id}", id = 7), "No reply from motor 7");
-//! speak(Language::German);
+//! set_language(Language::German);
 //! assert_eq!(tr!("Help"), "Hilfe");
 //! ```
 
@@ -20,22 +20,21 @@ pub mod terms;
 
 use std::fmt::{Display, Write};
 
-pub use language::{Language, speak, spoken};
+pub use language::{Language, current_language, set_language};
 #[cfg(feature = "embedded")]
 pub use table::file;
 #[doc(hidden)]
-pub use table::{check_places, number_of, said, text};
-pub use table::{give, given, has};
+pub use table::{check_places, number_of, text, translated};
+pub use table::{has, load_texts, loaded_texts};
 
-/// Words in the language that is [`spoken`] now.
+/// A text in the [`current_language`].
 ///
-/// Words alone are a `&'static str`; words with places in braces that are to be filled are a `String`. A
-/// word that needs another translation elsewhere has a context: `tr!("Current" as "electric")`.
+/// A text without placeholders is a `&'static str`, one with placeholders in braces a `String`. A word that
+/// needs another translation elsewhere has a context: `tr!("Current" as "electric")`.
 ///
 /// # Compile errors
 ///
-/// Where `locales/*.po` do not hold the message, and where the places in braces and what is to be filled
-/// in are not the same.
+/// If `locales/*.po` do not have the message, or if the placeholders and the given values differ.
 #[macro_export]
 macro_rules! tr {
     ($text:literal $(as $context:literal)?) => {
@@ -72,7 +71,7 @@ macro_rules! value {
     };
 }
 
-/// The message of a number with its places filled.
+/// The message of a number with its placeholders filled.
 #[doc(hidden)]
 #[must_use]
 pub fn filled(number: usize, values: &[(&str, &dyn Display)]) -> String {
@@ -96,11 +95,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_come_in_the_language_that_is_spoken() {
+    fn texts_are_in_the_current_language() {
         assert_eq!(tr!("Help"), "Help");
-        speak(Language::German);
+        set_language(Language::German);
         assert_eq!(tr!("Help"), "Hilfe");
-        speak(Language::Chinese);
+        set_language(Language::Chinese);
         assert_eq!(tr!("Help"), "帮助");
     }
 
@@ -108,7 +107,7 @@ mod tests {
     fn places_are_filled_wherever_a_language_has_them() {
         let id = 7;
         assert_eq!(tr!("No reply from motor {id}", id), "No reply from motor 7");
-        speak(Language::Chinese);
+        set_language(Language::Chinese);
         let said = tr!("No reply from motor {id}", id = "0x07");
         assert!(said.contains("0x07") && !said.contains('{'), "{said}");
     }
@@ -116,9 +115,9 @@ mod tests {
     #[test]
     fn one_word_has_a_translation_in_each_context() {
         assert_eq!(tr!("Current" as "electric"), "Current");
-        speak(Language::German);
+        set_language(Language::German);
         assert_eq!(tr!("Current" as "electric"), "Strom");
-        assert_eq!(said("Current"), "Strom");
-        assert_eq!(said("+100"), "+100");
+        assert_eq!(translated("Current"), "Strom");
+        assert_eq!(translated("+100"), "+100");
     }
 }

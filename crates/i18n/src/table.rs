@@ -1,20 +1,20 @@
-//! The messages by number. The numbers exist while the code is compiled; at run time there are the texts.
+//! The messages by number. Numbers are assigned at compile time; texts are looked up at run time.
 
 use std::cell::RefCell;
 
-use crate::language::{Language, spoken};
+use crate::language::{Language, current_language};
 
 include!(concat!(env!("OUT_DIR"), "/keys.rs"));
 
-/// The messages in the order of their numbers, with a NUL between two.
+/// The messages in the order of their numbers, separated by NUL.
 const ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en.txt"));
 
 thread_local! {
-    /// The messages of each language, by its place in `Language::ALL`.
+    /// The messages of each language, by its index in `Language::ALL`.
     static TEXTS: RefCell<[Option<Box<[&'static str]>>; 3]> = const { RefCell::new([const { None }; 3]) };
 }
 
-/// The file of a language: its messages in the order of their numbers, with a NUL between two. For the build,
+/// The file of a language: its messages in the order of their numbers, separated by NUL. For the build,
 /// which writes the files, and for tests.
 #[cfg(feature = "embedded")]
 #[must_use]
@@ -26,7 +26,7 @@ pub const fn file(language: Language) -> &'static str {
     }
 }
 
-/// The file of a language, where it is in the program.
+/// The file of a language, if the program contains it.
 const fn embedded(language: Language) -> Option<&'static str> {
     #[cfg(feature = "embedded")]
     let text = Some(file(language));
@@ -38,34 +38,34 @@ const fn embedded(language: Language) -> Option<&'static str> {
     text
 }
 
-/// Whether the messages of a language are in the program, or were [`give`]n.
+/// Whether the messages of a language are in the program or were loaded by [`load_texts`].
 #[must_use]
 pub fn has(language: Language) -> bool {
     embedded(language).is_some()
         || TEXTS.with_borrow(|texts| texts.get(language as usize).is_some_and(Option::is_some))
 }
 
-/// Takes in the file of a language. It stays for the life of the thread. `false` where the file has another number of messages than this program: it is of another version, or not
-/// ours. Nothing changes then.
+/// Loads the file of a language, for the life of the thread. Returns false and changes nothing if the file has
+/// another number of messages than this program: it is of another version.
 #[must_use]
-pub fn give(language: Language, file: String) -> bool {
+pub fn load_texts(language: Language, file: String) -> bool {
     if file.split('\0').count() != KEYS.len() {
         return false;
     }
-    keep(language, file.leak());
+    store(language, file.leak());
     true
 }
 
-/// The file of a language that was [`give`]n, to give it to a worker; `None` where it is in the program.
+/// The loaded file of a language, to send it to a worker; `None` if the program contains it.
 #[must_use]
-pub fn given(language: Language) -> Option<String> {
+pub fn loaded_texts(language: Language) -> Option<String> {
     if embedded(language).is_some() {
         return None;
     }
     TEXTS.with_borrow(|texts| Some(texts.get(language as usize)?.as_ref()?.join("\0")))
 }
 
-fn keep(language: Language, file: &'static str) {
+fn store(language: Language, file: &'static str) {
     TEXTS.with_borrow_mut(|texts| {
         if let Some(messages) = texts.get_mut(language as usize) {
             *messages = Some(file.split('\0').collect());
@@ -73,11 +73,11 @@ fn keep(language: Language, file: &'static str) {
     });
 }
 
-/// The message of a number in the language that is spoken, or in English where that language is not there.
+/// The message of a number in the current language, or in English if that language is not loaded.
 #[must_use]
 pub fn text(number: usize) -> &'static str {
-    let language = if has(spoken()) {
-        spoken()
+    let language = if has(current_language()) {
+        current_language()
     } else {
         Language::English
     };
@@ -90,14 +90,14 @@ pub fn text(number: usize) -> &'static str {
     if let Some(message) = find() {
         return message;
     }
-    keep(language, embedded(language).unwrap_or_default());
+    store(language, embedded(language).unwrap_or_default());
     find().unwrap_or_default()
 }
 
-/// What a message of the code reads in the language that is spoken, in whatever context; a text that is none
-/// of them stays. For tests that press a button by its English name.
+/// The translation of an English message into the current language, in any context; other texts do not change.
+/// For tests that press a button by its English name.
 #[must_use]
-pub fn said(english: &str) -> &str {
+pub fn translated(english: &str) -> &str {
     let is_it = |key: &&str| key.rsplit('\u{4}').next() == Some(english);
     match KEYS.iter().position(is_it) {
         Some(number) => text(number),
@@ -105,11 +105,11 @@ pub fn said(english: &str) -> &str {
     }
 }
 
-/// The number of a message, while the code is compiled.
+/// The number of a message, at compile time.
 ///
 /// # Panics
 ///
-/// Where no file of translations holds the message.
+/// If no file of translations has the message.
 #[must_use]
 #[allow(
     clippy::panic,
@@ -150,11 +150,11 @@ const fn compared(left: &[u8], right: &[u8]) -> i32 {
     }
 }
 
-/// Whether a message has exactly these places, while the code is compiled.
+/// Checks at compile time that a message has exactly these placeholders.
 ///
 /// # Panics
 ///
-/// Where one is missing on either side.
+/// If one is missing on either side.
 #[allow(
     clippy::panic,
     clippy::indexing_slicing,
@@ -180,7 +180,7 @@ pub const fn check_places(text: &str, names: &[&str]) {
     );
 }
 
-/// Whether this name and the brace behind it stand here.
+/// Whether this name and a closing brace follow here.
 #[allow(
     clippy::indexing_slicing,
     reason = "evaluated by the compiler, whose error it becomes"

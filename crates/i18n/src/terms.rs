@@ -1,17 +1,17 @@
-//! The terms of the protocol in the language that is spoken. Its own crate says them in English, for other
-//! programs; in English the two say the same.
+//! The terms of the protocol in the current language. `motorlink-protocol` has them in English for other
+//! programs; the English here is the same.
 
 use motorlink_protocol::{
     Current, Detail, Drive, Explained, Fault, Faults, Mode, MotorIdError, NotAssignable, Position,
     Reply, ReplyError, Request, RequestError, Rpm, UnknownMode,
 };
 
-use crate::{spoken, tr};
+use crate::{current_language, tr};
 
 /// A number with the decimal mark of the language.
 #[must_use]
 pub fn in_language(number: String) -> String {
-    match spoken().decimal_mark() {
+    match current_language().decimal_mark() {
         '.' => number,
         mark => number.replace('.', &mark.to_string()),
     }
@@ -53,7 +53,7 @@ pub fn faults(faults: Faults) -> String {
     named.join(", ")
 }
 
-/// Why a number is no motor's ID.
+/// Why a number is not a valid motor ID.
 #[must_use]
 pub fn no_motor_id(error: MotorIdError) -> &'static str {
     match error {
@@ -68,7 +68,7 @@ pub fn not_assignable(NotAssignable: NotAssignable) -> &'static str {
     tr!("200 (0xC8) is reserved for the ID query: use another ID.")
 }
 
-/// A frame in words.
+/// The explanation of a frame.
 #[must_use]
 pub fn explained(explained: Explained) -> String {
     match explained {
@@ -80,7 +80,7 @@ pub fn explained(explained: Explained) -> String {
             request: Err(error),
             ..
         } => no_request(error),
-        Explained::Received(Ok(reply)) => heard(&reply),
+        Explained::Received(Ok(reply)) => received(&reply),
         Explained::Received(Err(error)) => no_reply(error),
     }
 }
@@ -118,7 +118,7 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
     }
 }
 
-fn heard(reply: &Reply) -> String {
+fn received(reply: &Reply) -> String {
     let Reply { speed, current, .. } = reply;
     let current = in_language(current.to_string());
     let mut said = format!("{speed}, {current}");

@@ -55,7 +55,7 @@ impl fmt::Display for Explained {
                 request: Err(error),
                 ..
             } => error.fmt(f),
-            Self::Received(Ok(reply)) => heard(f, reply),
+            Self::Received(Ok(reply)) => received(f, reply),
             Self::Received(Err(error)) => error.fmt(f),
         }
     }
@@ -88,7 +88,7 @@ fn driven(f: &mut fmt::Formatter<'_>, drive: Drive, mode: Option<Mode>) -> fmt::
     }
 }
 
-fn heard(f: &mut fmt::Formatter<'_>, reply: &Reply) -> fmt::Result {
+fn received(f: &mut fmt::Formatter<'_>, reply: &Reply) -> fmt::Result {
     match reply.detail {
         Detail::Drive { position } => write!(f, "{}, {}, {position}", reply.speed, reply.current)?,
         Detail::Query {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use motorlink_bus::{JunkBytes, LineEventKind};
-use motorlink_i18n::{Language, spoken, terms, tr};
+use motorlink_i18n::{Language, current_language, terms, tr};
 use motorlink_messages::recorder::Row;
 use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_received, explain_sent};
 
@@ -18,7 +18,7 @@ use crate::{
 pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
     // A million entries are searched while the user waits, mostly in English: this path allocates no
     // string per part.
-    if spoken() == Language::English {
+    if current_language() == Language::English {
         return push_english(out, entry, texts);
     }
     match &entry.content {
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn every_entry_is_in_the_current_language() {
-        motorlink_i18n::speak(Language::German);
+        motorlink_i18n::set_language(Language::German);
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
         let asked = Some(Layout::Drive);
         assert_eq!(

@@ -242,9 +242,9 @@ impl Recorder {
                 let language = Language::from_tag(&language).unwrap_or_default();
                 if let Some(texts) = texts {
                     // Texts of another version are refused; the rows stay in English then.
-                    let _ = motorlink_i18n::give(language, texts);
+                    let _ = motorlink_i18n::load_texts(language, texts);
                 }
-                motorlink_i18n::speak(language);
+                motorlink_i18n::set_language(language);
                 // In the new language, the search may match other entries.
                 self.log.filter(&self.filter);
             }

@@ -10,7 +10,7 @@
 //! | `legend` | what is compared, and which colour is whose |
 //! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
-//! | `spoken` | the values in words |
+//! | `description` | the values in words |
 //! | `watchers` | size, sight and theme |
 //! | `picture` | the PNG |
 //!
@@ -19,13 +19,13 @@
 pub(crate) mod axes;
 pub(crate) mod compared;
 pub(crate) mod controls;
+pub(crate) mod description;
 pub(crate) mod legend;
 pub(crate) mod overlay;
 pub(crate) mod picture;
 pub mod plot;
 pub(crate) mod pointer;
 pub(crate) mod reading;
-pub(crate) mod spoken;
 pub(crate) mod stage;
 pub(crate) mod state;
 pub(crate) mod text;

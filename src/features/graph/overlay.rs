@@ -40,7 +40,7 @@ pub(crate) fn rows() -> String {
 }
 
 /// What a row says, which is one of a trace or of the motor in a place.
-pub(crate) enum Said {
+pub(crate) enum CrosshairValue {
     Trace(Trace, String),
     Motor(usize, String),
 }
@@ -111,17 +111,17 @@ impl Overlay {
         &mut self,
         (x, width): (f64, f64),
         when: String,
-        values: Vec<Said>,
+        values: Vec<CrosshairValue>,
         by_keys: bool,
     ) {
         self.aloud
             .set(if by_keys { "polite" } else { "off" }.to_owned());
         self.when.set(when);
         let mut shown = vec![false; self.rows.len()];
-        for said in values {
-            let (place, text) = match said {
-                Said::Trace(trace, text) => (trace.place(), text),
-                Said::Motor(place, text) => (Trace::ALL.len() + place, text),
+        for value in values {
+            let (place, text) = match value {
+                CrosshairValue::Trace(trace, text) => (trace.place(), text),
+                CrosshairValue::Motor(place, text) => (Trace::ALL.len() + place, text),
             };
             if let (Some(row), Some(shown)) = (self.rows.get_mut(place), shown.get_mut(place)) {
                 row.value.set(text);

@@ -4,7 +4,7 @@ use motorlink_messages::protocol::Instant;
 
 use crate::{
     features::graph::{
-        overlay::Said,
+        overlay::CrosshairValue,
         plot::{
             columns::Grid,
             comparison::{Subject, marked},
@@ -52,30 +52,30 @@ impl Stage {
             Subject::Motor { mirror, .. } => marked(when, *mirror),
             Subject::Compared(_) => when,
         };
-        let said = said(history, subject, Instant::from_micros(at_us));
+        let values = values_at(history, subject, Instant::from_micros(at_us));
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
         let place = (
             self.layout.x(column),
             f64::from(self.layout.width) / self.layout.ratio,
         );
-        self.overlay.show(place, when, said, by_keys);
+        self.overlay.show(place, when, values, by_keys);
     }
 }
 
 /// What the crosshair reads at a moment.
-fn said(history: &History, subject: &Subject, at: Instant) -> Vec<Said> {
+fn values_at(history: &History, subject: &Subject, at: Instant) -> Vec<CrosshairValue> {
     match subject {
         Subject::Motor { id, mirror, traces } => {
             let values = |track| crosshair::values(track, *mirror, at);
             let values = history.track(*id).map(values);
             let values = values.unwrap_or_default();
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
-            on.map(|trace| Said::Trace(trace, values.text(trace)))
+            on.map(|trace| CrosshairValue::Trace(trace, values.text(trace)))
                 .collect()
         }
         Subject::Compared(comparison) => crosshair::compared(history, comparison, at)
             .into_iter()
-            .map(|(place, _, value)| Said::Motor(place, value))
+            .map(|(place, _, value)| CrosshairValue::Motor(place, value))
             .collect(),
     }
 }

@@ -10,6 +10,7 @@ use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 use crate::{
     features::graph::{
         axes::Axes,
+        description::Description,
         legend::Legend,
         overlay::Overlay,
         plot::{
@@ -21,7 +22,6 @@ use crate::{
             ticks,
             view::View,
         },
-        spoken::Spoken,
         state::Chart,
         traces::TraceCanvas,
         watchers::{self, Watchers},
@@ -64,7 +64,7 @@ pub(crate) struct Stage {
     pub(crate) lines: TraceCanvas,
     pub(crate) overlay: Overlay,
     legend: Legend,
-    spoken: Spoken,
+    description: Description,
     pub(crate) palette: Palette,
     pub(crate) layout: Layout,
     scene: Option<Scene>,
@@ -139,7 +139,7 @@ impl Stage {
             lines: TraceCanvas::of(canvas(".graph-lines")?)?,
             overlay: Overlay::of(place)?,
             legend: Legend::of(&place.parent_element()?)?,
-            spoken: Spoken::of(find("#graph-words")?),
+            description: Description::of(find("#graph-words")?),
             palette: Palette::default(),
             layout: Layout::default(),
             scene: None,
@@ -196,14 +196,14 @@ impl Stage {
                 self.stopwatch.stop();
             }
             self.show_crosshair(chart, view, grid, history, &subject, now_us);
-            let said = self
-                .spoken
-                .say(chart, view, history, &subject, now_us, frame_ms);
+            let next = self
+                .description
+                .update(chart, view, history, &subject, now_us, frame_ms);
             chart.asleep.set(view.is_live() && scene.grid.is_none());
             match scene.grid {
                 Some(grid) if view.is_live() => next_column(grid, now_us),
                 Some(grid) if !scene.settled => after(grid.right_us() + SETTLED_AFTER_US, now_us),
-                _ => said,
+                _ => next,
             }
         })
     }

@@ -196,8 +196,8 @@ impl Groups {
         });
     }
 
-    pub(crate) fn pad_let_go(self, by: By) {
-        self.with_pad(|pad| pad.let_go(by));
+    pub(crate) fn release_pad(self, by: By) {
+        self.with_pad(|pad| pad.release(by));
     }
 
     pub(crate) fn pad_arrow(self, key: &str, is_down: bool) {
@@ -211,7 +211,7 @@ impl Groups {
     }
 
     /// Looks at gamepads from now on, or no more.
-    pub(crate) fn look_at_gamepads(self, looks: bool) {
+    pub(crate) fn set_gamepads_enabled(self, looks: bool) {
         self.gamepad.set_value(looks);
         if !looks {
             self.gamepad_unplugged();
@@ -221,7 +221,7 @@ impl Groups {
 
     /// Whichever it was: one that is held has to be pressed anew.
     pub(crate) fn gamepad_unplugged(self) {
-        self.with_pad(DrivePad::look_away);
+        self.with_pad(DrivePad::stop_polling_gamepads);
     }
 
     pub(crate) fn wake_pad(self) {
@@ -242,11 +242,11 @@ impl Groups {
             && document().has_focus().unwrap_or(false);
         let unseen_ms = now_ms - self.gamepads_seen_ms.get_value();
         if !looks || unseen_ms > GAMEPAD_UNSEEN_MAX_MS {
-            self.with_pad(DrivePad::look_away);
+            self.with_pad(DrivePad::stop_polling_gamepads);
         }
         if looks {
             self.gamepads_seen_ms.set_value(now_ms);
-            for (place, seen) in (0..GAMEPADS_MAX).zip(gamepads::look()) {
+            for (place, seen) in (0..GAMEPADS_MAX).zip(gamepads::poll()) {
                 self.with_pad(|pad| pad.gamepad(place, seen, &|| self.pad_limit()));
             }
         }
@@ -282,7 +282,7 @@ impl Groups {
     }
 
     /// Takes in whether the group still drives, behind all notices of one message.
-    pub(crate) fn look_at_group(self) {
+    pub(crate) fn check_group(self) {
         let group = self.group.get_value();
         if group.members.is_empty() {
             return;

@@ -10,7 +10,7 @@ use crate::features::groups::pad::{GAMEPADS_MAX, Stick};
 const DEAD_MAN: u32 = 0;
 
 /// Of each place whether the button is down, and the left stick; `None` where there is no gamepad.
-pub(crate) fn look() -> [Option<(bool, Stick)>; GAMEPADS_MAX as usize] {
+pub(crate) fn poll() -> [Option<(bool, Stick)>; GAMEPADS_MAX as usize] {
     let mut seen = [None; GAMEPADS_MAX as usize];
     // A page that may not look at gamepads has none.
     let Ok(gamepads) = window().navigator().get_gamepads() else {

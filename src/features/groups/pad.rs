@@ -147,7 +147,7 @@ impl DrivePad {
     }
 
     /// The stick is let go.
-    pub(crate) fn let_go(&mut self, by: By) -> Option<Order> {
+    pub(crate) fn release(&mut self, by: By) -> Option<Order> {
         self.down.retain(|down| *down != by);
         let held = self.held.filter(|held| held.by == by);
         held.and_then(|_| self.end())
@@ -163,7 +163,7 @@ impl DrivePad {
             return self.leave();
         }
         if !self.arrows.contains(&true) {
-            return self.let_go(By::Keys);
+            return self.release(By::Keys);
         }
         let [up, down, left, right] = self.arrows.map(|is_down| f64::from(u8::from(is_down)));
         self.press(By::Keys, Stick::new(right - left, up - down), allowed)
@@ -187,14 +187,14 @@ impl DrivePad {
             Some((true, stick)) => self.press(by, stick, &|| None),
             Some((false, _)) => {
                 self.rested |= bit;
-                self.let_go(by)
+                self.release(by)
             }
-            None => self.let_go(by),
+            None => self.release(by),
         }
     }
 
     /// The gamepads are looked at no more.
-    pub(crate) fn look_away(&mut self) -> Option<Order> {
+    pub(crate) fn stop_polling_gamepads(&mut self) -> Option<Order> {
         self.rested = 0;
         self.down.retain(|by| !matches!(by, By::Gamepad(_)));
         let held = self.held.filter(|held| matches!(held.by, By::Gamepad(_)));

@@ -66,8 +66,8 @@ fn a_press_starts_moves_adjust_once_a_frame_and_letting_go_stops() {
     pad.steer(FINGER, HALF);
     assert_eq!(pad.frame(), Some(Order::Adjust(straight(50))));
     assert_eq!(pad.frame(), None);
-    assert_eq!(pad.let_go(FINGER), Some(Order::Stop));
-    assert_eq!(pad.let_go(FINGER), None, "once");
+    assert_eq!(pad.release(FINGER), Some(Order::Stop));
+    assert_eq!(pad.release(FINGER), None, "once");
     pad.steer(FINGER, AHEAD);
     assert_eq!(pad.frame(), None);
 }
@@ -93,7 +93,7 @@ fn a_hold_that_has_ended_is_not_taken_up_by_a_move() {
         assert_eq!(end(&mut pad), order, "{way}");
         pad.steer(FINGER, HALF);
         assert_eq!(pad.frame(), None, "{way}");
-        assert_eq!(pad.let_go(FINGER), None, "{way}");
+        assert_eq!(pad.release(FINGER), None, "{way}");
         let again = pad.press(FINGER, HALF, &yes);
         assert_eq!(again, Some(Order::Start(straight(50))), "{way}");
     }
@@ -163,7 +163,7 @@ fn a_pointer_that_is_pressed_twice_stops_and_starts_nothing() {
     let mut pad = held();
     assert_eq!(pad.press(FINGER, HALF, &yes), Some(Order::Stop));
     assert_eq!(pad.frame(), None);
-    assert_eq!(pad.let_go(FINGER), None);
+    assert_eq!(pad.release(FINGER), None);
     assert!(pad.press(FINGER, HALF, &yes).is_some());
 }
 
@@ -174,8 +174,8 @@ fn who_presses_second_has_nothing_even_when_the_first_lets_go() {
     assert_eq!(pad.press(By::Pointer(2), HALF, &yes), None);
     pad.steer(By::Pointer(2), HALF);
     assert_eq!(pad.frame(), None);
-    assert_eq!(pad.let_go(By::Pointer(2)), None);
-    assert_eq!(pad.let_go(FINGER), Some(Order::Stop));
+    assert_eq!(pad.release(By::Pointer(2)), None);
+    assert_eq!(pad.release(FINGER), Some(Order::Stop));
     assert_eq!(pad.arrow("ArrowLeft", true, &yes), None);
     assert_eq!(pad.frame(), None);
 }
@@ -206,12 +206,12 @@ fn a_button_that_is_down_when_it_is_first_seen_starts_nothing() {
     }
     pad.gamepad(0, up, &yes);
     assert!(pad.gamepad(0, down, &yes).is_some());
-    assert_eq!(pad.look_away(), Some(Order::Stop));
+    assert_eq!(pad.stop_polling_gamepads(), Some(Order::Stop));
     for _ in 0..3 {
         assert_eq!(pad.gamepad(0, down, &yes), None, "held all the while");
     }
     pad.gamepad(0, up, &yes);
-    assert_eq!(pad.look_away(), None);
+    assert_eq!(pad.stop_polling_gamepads(), None);
     assert_eq!(pad.gamepad(0, down, &yes), None, "pressed unseen");
     // Held when the bus ended it.
     pad.gamepad(0, up, &yes);

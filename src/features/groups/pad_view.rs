@@ -67,7 +67,7 @@ const HEARD: [&str; 12] = [
 const FIRST_BUTTON: u16 = 1;
 
 /// Has the pad work from now on.
-pub(crate) fn keep_working(groups: Groups) {
+pub(crate) fn attach_handlers(groups: Groups) {
     let frames = Frames::new(move |now_ms| groups.pad_frame(now_ms));
     groups.waker.set_value(Some(Box::new(frames.waker())));
     StoredValue::new_local(frames);
@@ -92,7 +92,7 @@ pub(crate) fn keep_working(groups: Groups) {
     // Without the pad nobody holds it, and its box stands empty when it is back.
     on_cleanup(move || {
         groups.leave_pad();
-        groups.look_at_gamepads(false);
+        groups.set_gamepads_enabled(false);
     });
 }
 
@@ -153,7 +153,7 @@ fn on_event(groups: Groups, event: &Event) {
         "gamepaddisconnected" => groups.gamepad_unplugged(),
         "change" if id == GAMEPAD => {
             let input = element.as_ref().and_then(|element| element.dyn_ref());
-            groups.look_at_gamepads(input.is_some_and(HtmlInputElement::checked));
+            groups.set_gamepads_enabled(input.is_some_and(HtmlInputElement::checked));
         }
         _ => {}
     }
@@ -168,7 +168,7 @@ fn on_event(groups: Groups, event: &Event) {
 fn on_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
     let by = By::Pointer(event.pointer_id());
     match (event.type_().as_str(), pad) {
-        ("pointerup" | "pointercancel" | "lostpointercapture", _) => groups.pad_let_go(by),
+        ("pointerup" | "pointercancel" | "lostpointercapture", _) => groups.release_pad(by),
         ("pointerdown", Some(pad)) if event.button() == 0 => {
             // Without capture the window hears the end all the same.
             let _ = pad.set_pointer_capture(event.pointer_id());
@@ -179,7 +179,7 @@ fn on_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
             groups.pad_pressed(by, stick(&pad, event));
         }
         // It came up where nobody heard of it.
-        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => groups.pad_let_go(by),
+        ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => groups.release_pad(by),
         ("pointermove", Some(pad)) => groups.pad_steered(by, stick(&pad, event)),
         _ => {}
     }

@@ -45,8 +45,8 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
     });
     let start_blocked_by = Signal::derive(move || blocked.get().or_else(|| groups.speed.trouble()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
-    keep_rows(groups);
-    pad_view::keep_working(groups);
+    update_rows(groups);
+    pad_view::attach_handlers(groups);
     panel_of_drawer(
         page.drawer,
         Drawer::Together,
@@ -94,7 +94,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
 }
 
 /// Keeps a row a motor, and hears what is changed there.
-fn keep_rows(groups: Groups) {
+fn update_rows(groups: Groups) {
     let page = groups.page;
     let fleet = page.motors.fleet;
     let ids = memo(move || {

@@ -29,7 +29,7 @@ pub(crate) struct LineCard {
 
 impl LineCard {
     /// Takes in what the worker has told last, not as mirrored motors are shown.
-    pub(crate) fn look(&mut self, session: &Session, id: MotorId) {
+    pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
         if self.id != Some(id) {
             *self = Self {
                 id: Some(id),
@@ -108,7 +108,7 @@ mod tests {
     fn what_was_not_seen_has_no_frame() {
         assert!(LineCard::default().frames().iter().all(Option::is_none));
         let mut card = LineCard::default();
-        card.look(&Session::default(), ID);
+        card.update(&Session::default(), ID);
         assert!(card.frames().iter().all(Option::is_none));
     }
 
@@ -116,9 +116,9 @@ mod tests {
     fn replies_of_real_motors_come_back_to_the_byte() {
         let mut card = LineCard::default();
         let drive = "01 02 02 CD 00 64 17 CF 00 8F";
-        card.look(&told(drive, Layout::Drive), ID);
+        card.update(&told(drive, Layout::Drive), ID);
         let query = "01 02 00 0A 00 00 20 F6 00 4A";
-        card.look(&told(query, Layout::Query), ID);
+        card.update(&told(query, Layout::Query), ID);
         let [driven, asked, _, drive_reply, query_reply] = card.frames();
         assert_eq!(driven, None, "nobody drove it");
         let (frame, words) = asked.unwrap();
@@ -138,9 +138,9 @@ mod tests {
         session.motors[0].activity = Activity::Driven {
             setpoint: Setpoint::velocity(speed),
         };
-        card.look(&session, ID);
+        card.update(&session, ID);
         session.motors[0].activity = Activity::Switching { to: Mode::Current };
-        card.look(&session, ID);
+        card.update(&session, ID);
         let [driven, _, switched, ..] = card.frames();
         assert_eq!(
             driven.unwrap().0,
@@ -150,7 +150,7 @@ mod tests {
             switched.unwrap().0,
             "01 A0 00 00 00 00 00 00 00 01".to_owned()
         );
-        card.look(&session, MotorId::new(9).unwrap());
+        card.update(&session, MotorId::new(9).unwrap());
         assert!(card.frames().iter().all(Option::is_none));
     }
 }

@@ -164,7 +164,7 @@ fn show_frames(page: Page, open: Memo<bool>, loaded: RwSignal<Loaded>, article: 
     effect(move || {
         page.shown.track();
         let id = page.selected.get();
-        page.latest.with_value(|session| card.look(session, id));
+        page.latest.with_value(|session| card.update(session, id));
         if open.get()
             && matches!(loaded.get(), Loaded::In(_))
             && let Some(article) = article.get_untracked()

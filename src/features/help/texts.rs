@@ -4,7 +4,7 @@ use motorlink_i18n::tr;
 
 /// The language of the help, by the name of its file in `public/help/`.
 pub(crate) fn help_language() -> &'static str {
-    motorlink_i18n::spoken().key()
+    motorlink_i18n::current_language().key()
 }
 
 pub(crate) fn loading() -> &'static str {

@@ -76,7 +76,7 @@ impl Tour {
 
     /// Takes in what is. Another motor, or none, is another wheel: what was confirmed and seen says
     /// nothing of it.
-    pub(crate) fn look(&mut self, session: &Session, id: MotorId) {
+    pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
         let connected = matches!(session.connection, Connection::Connected(_));
         let motor = connected.then_some(id);
         if self.motor != motor {
@@ -139,7 +139,7 @@ mod tests {
     }
 
     fn step(tour: &mut Tour, session: &Session) -> Step {
-        tour.look(session, ID);
+        tour.update(session, ID);
         tour.step(session, ID)
     }
 
@@ -180,7 +180,7 @@ mod tests {
         let mut session = at(0, false);
         let other = MotorId::new(9).unwrap();
         session.motors[0].id = other;
-        tour.look(&session, other);
+        tour.update(&session, other);
         assert_eq!(tour.step(&session, other), Step::Free);
         tour.free = true;
         session.connection = Connection::Disconnected;

@@ -63,7 +63,7 @@ pub(crate) fn TourNotice(
     tour: RwSignal<Tour>,
     on_action: OnTourAction,
 ) -> impl IntoView {
-    keep_working(page, tour, on_action);
+    attach_handlers(page, tour, on_action);
     let wanted = move || tour.with(|tour| tour.wanted);
     view! {
         <div
@@ -104,7 +104,7 @@ fn markup() -> String {
 }
 
 /// Has it show where a person is, and its controls work, from now on.
-fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction) {
+fn attach_handlers(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction) {
     on_window("click", move |event| {
         on_event(page, tour_state, on_action, &event);
     });
@@ -113,7 +113,7 @@ fn keep_working(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction)
         let id = page.selected.get();
         let mut tour = tour_state.get();
         let was = tour;
-        page.shown.with(|session| tour.look(session, id));
+        page.shown.with(|session| tour.update(session, id));
         if tour != was {
             tour_state.set(tour);
         }

@@ -78,7 +78,7 @@ impl Ids {
             .latest
             .with_value(|session| scan_blocked_by(session).is_none())
         {
-            self.change_ids(|ids| ids.wish_for(to));
+            self.change_ids(|ids| ids.request(to));
             self.page.command(Command::FullScan);
         }
     }
@@ -87,9 +87,9 @@ impl Ids {
     pub(crate) fn set_id_with_more(self) {
         let may_scan = |session: &Session| scan_blocked_by(session).is_none();
         if self.page.latest.with_value(may_scan) {
-            let mut wished = false;
-            self.change_ids(|ids| wished = ids.wish_for_more());
-            if wished {
+            let mut requested = false;
+            self.change_ids(|ids| requested = ids.request_more());
+            if requested {
                 self.page.command(Command::FullScan);
             }
         }
@@ -133,10 +133,10 @@ impl Ids {
     }
 
     /// Takes in whether the bus scans, behind all notices of one message.
-    pub(crate) fn look_at_survey(self) {
+    pub(crate) fn check_scan(self) {
         self.page.latest.with_value(|session| {
             let job = session.job.as_ref();
-            self.manager.maybe_update(|ids| ids.look(job));
+            self.manager.maybe_update(|ids| ids.update(job));
         });
     }
 

@@ -1,4 +1,4 @@
-//! Scans, and the way to a new ID: wished, proved, agreed to, done.
+//! Scans, and the way to a new ID: requested, proved, agreed to, done.
 //!
 //! A new ID is heard by every motor on the line, so it is only set after a full scan has found one
 //! motor and nothing else, and a person has agreed. Whatever comes between (Cancel, a stop, another
@@ -21,8 +21,8 @@ use crate::model::{
 
 /// How far an ID change has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Wish {
-    /// None is wished for.
+enum Stage {
+    /// None is requested for.
     #[default]
     None,
     /// A full scan was asked for, to prove that one motor is there.
@@ -41,9 +41,9 @@ enum Wish {
 /// What the tab `ID Manager` shows but the motors' readings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct IdManager {
-    wish: Wish,
+    stage: Stage,
     /// How the last scan or change ended.
-    said: Option<NoticeText>,
+    result: Option<NoticeText>,
     /// What to try next, where a motor has kept its ID.
     more: Option<(AssignableId, SetIdFrames)>,
     /// Who was found by the last full scan.
@@ -51,21 +51,21 @@ pub(crate) struct IdManager {
 }
 
 impl IdManager {
-    /// A person asks who is there, by the ID query or a full scan. What was wished for before is
+    /// A person asks who is there, by the ID query or a full scan. What was requested for before is
     /// moot.
     pub(crate) fn scan(&mut self) {
-        self.wish = Wish::None;
-        self.said = None;
+        self.stage = Stage::None;
+        self.result = None;
         self.more = None;
     }
 
     /// A person wants the only motor to have this ID. The full scan has to be asked for now.
-    pub(crate) fn wish_for(&mut self, to: AssignableId) {
+    pub(crate) fn request(&mut self, to: AssignableId) {
         self.begin(to, SetIdFrames::default());
     }
 
     /// The same once more, with more frames. Returns whether there is something to repeat.
-    pub(crate) fn wish_for_more(&mut self) -> bool {
+    pub(crate) fn request_more(&mut self) -> bool {
         let more = self.more;
         if let Some((to, frames)) = more {
             self.begin(to, frames);
@@ -74,9 +74,9 @@ impl IdManager {
     }
 
     fn begin(&mut self, to: AssignableId, frames: SetIdFrames) {
-        self.said = None;
+        self.result = None;
         self.more = None;
-        self.wish = Wish::Proving {
+        self.stage = Stage::Proving {
             to,
             frames,
             scanning: false,
@@ -90,8 +90,8 @@ impl IdManager {
 
     /// What is to be asked of a person now.
     pub(crate) const fn question(&self) -> Option<IdChange> {
-        match self.wish {
-            Wish::Asking(change) => Some(change),
+        match self.stage {
+            Stage::Asking(change) => Some(change),
             _ => None,
         }
     }
@@ -99,7 +99,7 @@ impl IdManager {
     /// A person agrees. The command to send, once.
     pub(crate) fn agree(&mut self) -> Option<Command> {
         let change = self.question()?;
-        self.wish = Wish::Setting(change);
+        self.stage = Stage::Setting(change);
         let IdChange { from, to, frames } = change;
         Some(Command::SetId { from, to, frames })
     }
@@ -107,8 +107,8 @@ impl IdManager {
     /// A person does not want it any more, or turns to something else. A change that the bus is at
     /// goes on, or is ended by the bus itself; it says so in either case.
     pub(crate) fn give_up(&mut self) {
-        if !matches!(self.wish, Wish::Setting(_)) {
-            self.wish = Wish::None;
+        if !matches!(self.stage, Stage::Setting(_)) {
+            self.stage = Stage::None;
         }
     }
 
@@ -121,11 +121,11 @@ impl IdManager {
     pub(crate) fn on_notice(&mut self, notice: &Notice) {
         match notice {
             Notice::IdQueryEnded(outcome) => {
-                self.said = Some(scan_texts::of_id_query(*outcome));
+                self.result = Some(scan_texts::of_id_query(*outcome));
             }
             Notice::ScanEnded(report) => self.scan_ended(report),
             Notice::IdChangeEnded { from, to, outcome } => {
-                self.wish = Wish::None;
+                self.stage = Stage::None;
                 if *outcome == IdChangeOutcome::Changed {
                     self.found = vec![to.id()];
                 }
@@ -133,13 +133,13 @@ impl IdManager {
                     IdChangeOutcome::Kept { frames } => frames.more().map(|more| (*to, more)),
                     _ => None,
                 };
-                self.said = Some(scan_texts::of_id_change(*from, *to, *outcome));
+                self.result = Some(scan_texts::of_id_change(*from, *to, *outcome));
             }
             Notice::Refused { command, .. } | Notice::TooLate(command)
                 if scan_texts::is_survey(*command) =>
             {
-                self.wish = Wish::None;
-                self.said = notice_texts::of_notice(notice);
+                self.stage = Stage::None;
+                self.result = notice_texts::of_notice(notice);
             }
             Notice::StopBegan(reason) if concerns_all(*reason) => self.give_up(),
             _ => {}
@@ -148,30 +148,30 @@ impl IdManager {
 
     fn scan_ended(&mut self, report: &ScanReport) {
         self.found.clone_from(&report.found);
-        let said = match self.wish {
+        let result = match self.stage {
             // It was asked for before the wish, and ours is still to come; or the wish is fulfilled.
-            Wish::Proving {
+            Stage::Proving {
                 scanning: false, ..
             }
-            | Wish::Setting(_) => return,
-            Wish::Proving { to, frames, .. } => {
+            | Stage::Setting(_) => return,
+            Stage::Proving { to, frames, .. } => {
                 if let Some(from) = proved(report).filter(|from| *from != to.id()) {
-                    self.wish = Wish::Asking(IdChange { from, to, frames });
+                    self.stage = Stage::Asking(IdChange { from, to, frames });
                     return;
                 }
                 scan_texts::of_no_proof(report, to)
             }
             // Also another scan than the one that was agreed to be enough.
-            Wish::None | Wish::Asking(_) => scan_texts::of_scan(report),
+            Stage::None | Stage::Asking(_) => scan_texts::of_scan(report),
         };
-        self.wish = Wish::None;
-        self.said = Some(said);
+        self.stage = Stage::None;
+        self.result = Some(result);
     }
 
     /// Takes in whether the bus scans, after all notices of the same message. Returns whether that
     /// is news.
-    pub(crate) fn look(&mut self, job: Option<&JobStatus>) -> bool {
-        let Wish::Proving { scanning, .. } = &mut self.wish else {
+    pub(crate) fn update(&mut self, job: Option<&JobStatus>) -> bool {
+        let Stage::Proving { scanning, .. } = &mut self.stage else {
             return false;
         };
         match (&scanning, job.is_some()) {
@@ -181,7 +181,7 @@ impl IdManager {
             }
             // It has ended and nobody said how.
             (true, false) => {
-                self.wish = Wish::None;
+                self.stage = Stage::None;
                 true
             }
             _ => false,
@@ -189,24 +189,24 @@ impl IdManager {
     }
 
     /// What the tab says: what goes on, how the last ended, or what can be done here.
-    pub(crate) fn words(&self) -> NoticeText {
-        match (&self.wish, &self.said) {
-            (Wish::Proving { to, .. } | Wish::Asking(IdChange { to, .. }), _) => calm(
+    pub(crate) fn message(&self) -> NoticeText {
+        match (&self.stage, &self.result) {
+            (Stage::Proving { to, .. } | Stage::Asking(IdChange { to, .. }), _) => calm(
                 tr!(
                     "Before setting ID {id}: full scan to confirm a single motor",
                     id = to.id()
                 ),
                 tr!("Running motors are stopped first. You confirm before the ID changes."),
             ),
-            (Wish::Setting(IdChange { from, to, frames }), _) => calm(
+            (Stage::Setting(IdChange { from, to, frames }), _) => calm(
                 tr!("Changing motor {from} to ID {to}", from, to = to.id()),
                 &tr!(
                     "Keep the power on: {count} frames are sent, then both IDs are queried.",
                     count = frames.count()
                 ),
             ),
-            (Wish::None, Some(said)) => said.clone(),
-            (Wish::None, None) => calm(
+            (Stage::None, Some(result)) => result.clone(),
+            (Stage::None, None) => calm(
                 tr!("Find motors").to_owned(),
                 tr!(
                     "Scan sends one query to all: enough for a single motor. Full scan queries all \
@@ -218,7 +218,7 @@ impl IdManager {
 
     /// Whether the full scan is what to press next.
     pub(crate) fn offers_full_scan(&self) -> bool {
-        let remedy = self.said.as_ref().and_then(|said| said.remedy);
+        let remedy = self.result.as_ref().and_then(|said| said.remedy);
         remedy == Some(Remedy::FullScan)
     }
 

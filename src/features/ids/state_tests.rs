@@ -13,16 +13,16 @@ const SCANNING: JobStatus = JobStatus::Scanning {
 /// The bus is seen scanning.
 fn proving(to: u8) -> IdManager {
     let mut ids = IdManager::default();
-    ids.wish_for(new_id(to));
-    assert!(ids.look(Some(&SCANNING)));
-    assert!(!ids.look(Some(&SCANNING)), "once");
+    ids.request(new_id(to));
+    assert!(ids.update(Some(&SCANNING)));
+    assert!(!ids.update(Some(&SCANNING)), "once");
     ids
 }
 
 /// The bus has told this, and scans no more.
 fn ended(ids: &mut IdManager, report: ScanReport) {
     ids.on_notice(&Notice::ScanEnded(report));
-    ids.look(None);
+    ids.update(None);
 }
 
 fn asking() -> IdManager {
@@ -59,11 +59,11 @@ fn one_motor_found_alone_is_asked_about_and_set_once() {
     assert_eq!(ids.agree(), Some(set_id(SetIdFrames::Five)));
     assert_eq!(ids.agree(), None, "a second click sets nothing");
     assert_eq!(ids.question(), None);
-    assert!(ids.words().title.contains("to ID 0x05"));
+    assert!(ids.message().title.contains("to ID 0x05"));
 
     let outcome = IdChangeOutcome::Changed;
     ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
-    assert_eq!(ids.words().title, "Motor 0x01 now has ID 0x05");
+    assert_eq!(ids.message().title, "Motor 0x01 now has ID 0x05");
     assert_eq!(ids.found(), [id(5)]);
 }
 
@@ -83,7 +83,7 @@ fn whatever_else_is_found_is_refused_with_the_reason() {
         let mut ids = proving(5);
         ended(&mut ids, report);
         assert_eq!(ids.question(), None, "{why}");
-        assert!(ids.words().title.contains(why), "{}", ids.words().title);
+        assert!(ids.message().title.contains(why), "{}", ids.message().title);
     }
 }
 
@@ -105,7 +105,7 @@ fn every_end_of_the_change_ends_the_wish_and_is_said() {
         let mut ids = setting();
         ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         let words = scan_texts::of_id_change(from, to, outcome);
-        assert_eq!(ids.words(), words, "{outcome:?}");
+        assert_eq!(ids.message(), words, "{outcome:?}");
         ended(&mut ids, report(&[1], &[]));
         assert_eq!(ids.question(), None, "{outcome:?}");
     }
@@ -115,14 +115,14 @@ fn every_end_of_the_change_ends_the_wish_and_is_said() {
 fn a_scan_that_ends_after_a_cancelled_wish_asks_nothing() {
     for begin in [proving as fn(u8) -> IdManager, |to| {
         let mut ids = IdManager::default();
-        ids.wish_for(new_id(to));
+        ids.request(new_id(to));
         ids
     }] {
         let mut ids = begin(5);
         ids.give_up();
         ended(&mut ids, report(&[1], &[]));
         assert_eq!(ids.question(), None);
-        assert!(ids.words().title.starts_with("Full scan: motor 0x01"));
+        assert!(ids.message().title.starts_with("Full scan: motor 0x01"));
     }
 }
 
@@ -130,14 +130,14 @@ fn a_scan_that_ends_after_a_cancelled_wish_asks_nothing() {
 fn a_report_of_a_scan_from_before_the_wish_proves_nothing() {
     let mut ids = IdManager::default();
     ids.scan();
-    ids.wish_for(new_id(5));
+    ids.request(new_id(5));
     // In one message: the old scan has ended, and the one that was asked for has begun.
     ids.on_notice(&Notice::ScanEnded(report(&[1], &[])));
     assert_eq!(ids.question(), None);
-    assert!(ids.look(Some(&SCANNING)));
+    assert!(ids.update(Some(&SCANNING)));
     ended(&mut ids, report(&[1, 2], &[]));
     assert_eq!(ids.question(), None);
-    assert!(ids.words().title.contains("2 motors found"));
+    assert!(ids.message().title.contains("2 motors found"));
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn a_lost_port_forgets_everything() {
 #[test]
 fn a_scan_that_vanishes_without_a_report_leaves_nothing_pending() {
     let mut ids = proving(5);
-    assert!(ids.look(None));
+    assert!(ids.update(None));
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
 }
@@ -193,9 +193,9 @@ fn a_scan_that_vanishes_without_a_report_leaves_nothing_pending() {
 #[test]
 fn a_refused_command_ends_the_wish_and_says_why() {
     let mut ids = IdManager::default();
-    ids.wish_for(new_id(5));
+    ids.request(new_id(5));
     ids.on_notice(&refused(Command::FullScan, Refusal::JobRunning));
-    assert!(ids.words().advice[0].contains("bus scan is running"));
+    assert!(ids.message().advice[0].contains("bus scan is running"));
     ended(&mut ids, report(&[1], &[]));
     assert_eq!(ids.question(), None);
 
@@ -206,7 +206,10 @@ fn a_refused_command_ends_the_wish_and_says_why() {
     ] {
         let mut ids = setting();
         ids.on_notice(&notice);
-        assert!(!ids.words().title.contains("Changing motor"), "{notice:?}");
+        assert!(
+            !ids.message().title.contains("Changing motor"),
+            "{notice:?}"
+        );
     }
 
     // What another part of the page asked for is not ours.
@@ -238,27 +241,27 @@ fn a_motor_that_kept_its_id_is_offered_more_frames_up_to_a_bound() {
     let mut ids = setting();
     let (from, to) = (id(1), new_id(5));
     for (sent, more) in [(5, Some(10)), (10, Some(20)), (20, Some(40)), (40, None)] {
-        assert!(ids.words().advice[0].contains(&format!("{sent} frames")));
+        assert!(ids.message().advice[0].contains(&format!("{sent} frames")));
         assert_eq!(ids.offers_more(), None, "while it is being set");
         let frames = frames_of(sent);
         let outcome = IdChangeOutcome::Kept { frames };
         ids.on_notice(&Notice::IdChangeEnded { from, to, outcome });
         assert_eq!(ids.offers_more().map(SetIdFrames::count), more);
-        let said = ids.words().advice.join(" ");
+        let said = ids.message().advice.join(" ");
         assert!(said.contains(&format!("{sent} frames in a row")), "{said}");
         let Some(more) = more else {
             assert!(!said.contains("Or press Send"), "{said}");
             break;
         };
         assert!(said.contains(&format!("Send {more} frames")), "{said}");
-        assert!(ids.wish_for_more());
+        assert!(ids.request_more());
         assert_eq!((ids.question(), ids.offers_more()), (None, None));
-        assert!(ids.look(Some(&SCANNING)), "it is proved once more");
+        assert!(ids.update(Some(&SCANNING)), "it is proved once more");
         ended(&mut ids, report(&[1], &[]));
         assert_eq!(ids.question().map(|asked| asked.frames.count()), Some(more));
         assert!(ids.agree().is_some());
     }
-    assert!(!ids.wish_for_more());
+    assert!(!ids.request_more());
 }
 
 #[test]
@@ -276,7 +279,7 @@ fn more_frames_are_offered_after_a_verified_failure_only() {
         assert_eq!(ids.offers_more(), None, "{outcome:?}");
     }
     let ends: [fn(&mut IdManager); 3] = [IdManager::scan, IdManager::disconnected, |ids| {
-        ids.wish_for(new_id(6));
+        ids.request(new_id(6));
     }];
     for end in ends {
         let mut ids = setting();

@@ -80,7 +80,7 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                 />
             </div>
             <Progress />
-            <Said ids />
+            <ScanResult ids />
             <FoundList ids />
             <div class="new-id">
                 <NumberField
@@ -144,19 +144,19 @@ fn Progress() -> impl IntoView {
 
 /// How the last scan or change ended, or what can be done here.
 #[component]
-fn Said(ids: Ids) -> impl IntoView {
+fn ScanResult(ids: Ids) -> impl IntoView {
     let page = ids.page;
     let unconnected = page.of_motor(|session, _| stop_blocked_by(session));
-    let words = memo(move || ids.manager.with(IdManager::words));
-    let of_words = move |read: fn(&NoticeText) -> String| dynamic(move || words.with(read));
+    let message = memo(move || ids.manager.with(IdManager::message));
+    let of_message = move |read: fn(&NoticeText) -> String| dynamic(move || message.with(read));
     let title = move || {
-        let words = || words.with(|words| words.title.clone());
-        unconnected.get().unwrap_or_else(words)
+        let message = || message.with(|message| message.title.clone());
+        unconnected.get().unwrap_or_else(message)
     };
     view! {
         <div
-            class=of_words(|words| {
-                let tone = match words.tone {
+            class=of_message(|message| {
+                let tone = match message.tone {
                     Tone::Calm => "tool-words",
                     Tone::Warning => "tool-words warning",
                     Tone::Error => "tool-words error",
@@ -167,7 +167,7 @@ fn Said(ids: Ids) -> impl IntoView {
             aria-label=tr!("Scan result")
         >
             <p class="notice-title">{dynamic(title)}</p>
-            <p class="notice-advice">{of_words(|words| words.advice.join(" "))}</p>
+            <p class="notice-advice">{of_message(|message| message.advice.join(" "))}</p>
         </div>
     }
 }

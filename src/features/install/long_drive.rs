@@ -17,7 +17,7 @@ pub(crate) struct LongDrive {
 
 impl LongDrive {
     /// Counts the time since the last look, and says whether it has become long.
-    pub(crate) fn look(&mut self, now_ms: f64, drives: bool, hidden: bool) -> bool {
+    pub(crate) fn update(&mut self, now_ms: f64, drives: bool, hidden: bool) -> bool {
         let since_ms = self.looked.map_or(0.0, |looked_ms| now_ms - looked_ms);
         self.looked = Some(now_ms);
         if drives && since_ms <= LOOK_MS_MAX {
@@ -37,7 +37,7 @@ mod tests {
         let mut drive = LongDrive::default();
         let mut now_ms = 5_000.0;
         while now_ms < 3_600_000.0 {
-            if drive.look(now_ms, drives, hidden) {
+            if drive.update(now_ms, drives, hidden) {
                 return Some((now_ms - 5_000.0) / 1_000.0);
             }
             now_ms += every_ms;

@@ -128,7 +128,7 @@ impl Install {
 
     /// Advises those who drive for long in a tab, once: a browser may discard a hidden tab, and never the
     /// window of an installed page. Called every second, or as often as a hidden page's timers come.
-    pub(crate) fn look_whether_to_advise(self) {
+    pub(crate) fn advise_if_long(self) {
         let drives = self
             .page
             .latest
@@ -136,7 +136,7 @@ impl Install {
         let hidden = document().visibility_state() == VisibilityState::Hidden;
         let long = self
             .driven
-            .try_update_value(|driven| driven.look(page_now_ms(), drives, hidden));
+            .try_update_value(|driven| driven.update(page_now_ms(), drives, hidden));
         if long == Some(true)
             && self.state.get_untracked() == Installation::Offered
             && remembered(ADVISED).is_none()

@@ -40,15 +40,15 @@ impl Log {
         let filter = self.feed.try_update_value(|feed| feed.refilter(change));
         if let Some(filter) = filter.flatten() {
             self.page.recorder.post(&filter);
-            self.look();
+            self.request_rows();
         }
     }
 
     /// Asks for the rows that are seen now, where they are others than before.
-    pub(crate) fn look(self) {
-        let look = self.feed.try_update_value(LogFeed::look);
-        if let Some(look) = look.flatten() {
-            self.page.recorder.post(&look);
+    pub(crate) fn request_rows(self) {
+        let request = self.feed.try_update_value(LogFeed::request);
+        if let Some(request) = request.flatten() {
+            self.page.recorder.post(&request);
         }
     }
 
@@ -66,7 +66,7 @@ impl Log {
         self.page.dialog.set(None);
         if let Some(clear) = self.feed.try_update_value(LogFeed::clear) {
             self.page.recorder.post(&clear);
-            self.look();
+            self.request_rows();
         }
     }
 
@@ -76,7 +76,7 @@ impl Log {
             if follow {
                 feed.view.follow();
             } else {
-                feed.view.let_go();
+                feed.view.stop_following();
             }
             feed.wake();
         });
@@ -108,11 +108,13 @@ impl Log {
     }
 
     /// The log's entries are put into words by the recorder.
-    pub(crate) fn speak(self, language: Language) {
-        let speak = self.feed.try_update_value(|feed| feed.speak(language));
+    pub(crate) fn set_language(self, language: Language) {
+        let speak = self
+            .feed
+            .try_update_value(|feed| feed.set_language(language));
         if let Some(speak) = speak {
             self.page.recorder.post(&speak);
-            self.look();
+            self.request_rows();
         }
     }
 
@@ -121,7 +123,7 @@ impl Log {
         let again = self.feed.try_update_value(|feed| feed.take(rows));
         if let Some(filter) = again.flatten() {
             self.page.recorder.post(&filter);
-            self.look();
+            self.request_rows();
         }
     }
 

@@ -74,8 +74,8 @@ impl LogFeed {
     }
 
     /// The rows to ask for now, where they are not those that were asked for last.
-    pub(crate) fn look(&mut self) -> Option<ToRecorder> {
-        let window = self.view.look(self.asked)?;
+    pub(crate) fn request(&mut self) -> Option<ToRecorder> {
+        let window = self.view.window_to_request(self.asked)?;
         self.asked = Some(window);
         Some(ToRecorder::Show(window))
     }
@@ -94,11 +94,11 @@ impl LogFeed {
 
     /// Puts entries into words in another language, and counts them anew: what is searched for may be in
     /// others now.
-    pub(crate) fn speak(&mut self, language: Language) -> ToRecorder {
+    pub(crate) fn set_language(&mut self, language: Language) -> ToRecorder {
         self.begin_anew();
         ToRecorder::SetLanguage {
             language: language.key().to_owned(),
-            texts: motorlink_i18n::given(language),
+            texts: motorlink_i18n::loaded_texts(language),
         }
     }
 
@@ -247,16 +247,16 @@ mod tests {
         let mut feed = LogFeed::default();
         feed.view.resize(600, 220);
         feed.take(page(0, 0..100));
-        assert!(feed.look().is_some());
-        assert_eq!(feed.look(), None);
-        feed.view.let_go();
-        assert!(feed.look().is_some());
+        assert!(feed.request().is_some());
+        assert_eq!(feed.request(), None);
+        feed.view.stop_following();
+        assert!(feed.request().is_some());
         feed.refilter(|filter| filter.collapse = true);
         let newest = Window {
             first: None,
             rows: 24,
         };
-        assert_eq!(feed.look(), Some(ToRecorder::Show(newest)));
+        assert_eq!(feed.request(), Some(ToRecorder::Show(newest)));
         assert!(feed.state().following);
     }
 }

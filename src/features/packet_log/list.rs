@@ -49,7 +49,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                 return Next::Woken;
             };
             log.show();
-            log.look();
+            log.request_rows();
             if behind {
                 Next::After(IN_HAND_MS - idle_ms)
             } else {

@@ -108,7 +108,7 @@ impl LogView {
     }
 
     /// Stays at the rows that are seen.
-    pub(crate) fn let_go(&mut self) {
+    pub(crate) fn stop_following(&mut self) {
         if self.is_following() {
             self.read_at(self.top_px());
         }
@@ -206,7 +206,7 @@ impl LogView {
 
     /// Which rows to ask the recorder for, where those asked for before do not do any more: what is
     /// seen, and as much again above and below, so that a short way is there at once.
-    pub(crate) fn look(&self, asked: Option<Window>) -> Option<Window> {
+    pub(crate) fn window_to_request(&self, asked: Option<Window>) -> Option<Window> {
         let seen = (u64::from(self.height_px / self.row_px) + 2).max(ROWS_MIN);
         let window = match self.place {
             Place::Newest => Window {

@@ -179,7 +179,7 @@ fn a_narrow_list_has_rows_of_two_lines_and_keeps_its_first_row() {
 #[test]
 fn what_is_asked_for_is_more_than_what_is_seen_and_not_asked_for_twice() {
     let mut view = list(0, 1_000);
-    let newest = view.look(None).unwrap();
+    let newest = view.window_to_request(None).unwrap();
     assert_eq!(
         newest,
         Window {
@@ -189,38 +189,38 @@ fn what_is_asked_for_is_more_than_what_is_seen_and_not_asked_for_twice() {
     );
     view.set_rows(0, 1_100);
     settle(&mut view);
-    assert_eq!(view.look(Some(newest)), None);
+    assert_eq!(view.window_to_request(Some(newest)), None);
 
     scroll_by(&mut view, -2_200);
-    let there = view.look(Some(newest)).unwrap();
+    let there = view.window_to_request(Some(newest)).unwrap();
     assert_eq!((there.first, there.rows), (Some(978), 36));
     scroll_by(&mut view, -100);
     assert_eq!(
-        view.look(Some(there)),
+        view.window_to_request(Some(there)),
         None,
         "it is within what was asked for"
     );
     scroll_by(&mut view, -100);
-    assert!(view.look(Some(there)).is_some());
+    assert!(view.window_to_request(Some(there)).is_some());
 }
 
 #[test]
 fn near_the_ends_of_the_log_nothing_is_asked_for_over_and_over() {
     let mut view = list(300, 1_000);
     view.scrolled(0);
-    let window = view.look(None).unwrap();
+    let window = view.window_to_request(None).unwrap();
     assert_eq!(window.first, Some(300));
-    assert_eq!(view.look(Some(window)), None);
+    assert_eq!(view.window_to_request(Some(window)), None);
     scroll_by(&mut view, 15_000);
-    let window = view.look(Some(window)).unwrap();
+    let window = view.window_to_request(Some(window)).unwrap();
     view.set_rows(301, 1_001);
-    assert_eq!(view.look(Some(window)), None);
+    assert_eq!(view.window_to_request(Some(window)), None);
 }
 
 #[test]
 fn a_list_without_a_height_asks_for_a_few_rows_and_no_list_for_too_many() {
     let mut view = LogView::default();
-    let rows = |view: &LogView| view.look(None).unwrap().rows;
+    let rows = |view: &LogView| view.window_to_request(None).unwrap().rows;
     assert_eq!(rows(&view), 16);
     view.resize(600, 100_000);
     assert_eq!(rows(&view), Window::ROWS_MAX);

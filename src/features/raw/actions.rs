@@ -36,7 +36,7 @@ pub(crate) struct Raw {
     /// Why the last one was not sent.
     pub(crate) refused: RwSignal<Option<String>>,
     /// The last one that was given to the bus, until a stop makes it moot.
-    awaited: StoredValue<Option<RawOrder>>,
+    pending: StoredValue<Option<RawOrder>>,
     /// What the operator was asked about last, and meant. Of another frame, or of this one where it
     /// means something else, nothing was agreed.
     agreed: StoredValue<Option<(RawOrder, Mode)>>,
@@ -51,19 +51,19 @@ impl Raw {
             count: Target::new(FIRST_COUNT),
             interval: Target::new(FIRST_INTERVAL_MS),
             refused: RwSignal::new(None),
-            awaited: StoredValue::new(None),
+            pending: StoredValue::new(None),
             agreed: StoredValue::new(None),
         }
     }
 
     /// A stop: a refusal that comes late asks nothing any more.
-    pub(crate) fn await_nothing(self) {
-        self.awaited.set_value(None);
+    pub(crate) fn forget_pending(self) {
+        self.pending.set_value(None);
     }
 
     /// The port is closed or lost: nothing was agreed for the next.
     pub(crate) fn forget(self) {
-        self.await_nothing();
+        self.forget_pending();
         self.agreed.set_value(None);
     }
 
@@ -108,7 +108,7 @@ impl Raw {
     pub(crate) fn send_order(self, order: RawOrder, consent: Consent) {
         let RawOrder { frame, repeat } = order;
         self.refused.set(None);
-        self.awaited.set_value(Some(order));
+        self.pending.set_value(Some(order));
         self.page.command(Command::SendRaw {
             frame,
             repeat,
@@ -118,7 +118,7 @@ impl Raw {
 
     /// Sends the frame no more, and stops what it may have moved.
     pub(crate) fn stop_raw(self) {
-        self.await_nothing();
+        self.forget_pending();
         self.page.command(Command::StopRaw);
     }
 
@@ -146,11 +146,11 @@ impl Raw {
             _ => return,
         };
         let order = RawOrder { frame, repeat };
-        let awaited = self.awaited.get_value() == Some(order);
+        let pending = self.pending.get_value() == Some(order);
         match refusal {
             // Asked about each time, unless a stop came between.
             Refusal::NeedsConsent(current)
-                if awaited && self.page.dialog.get_untracked().is_none() =>
+                if pending && self.page.dialog.get_untracked().is_none() =>
             {
                 self.page
                     .dialog

@@ -54,7 +54,7 @@ pub(crate) fn of_forgotten(session: &SavedSession) -> String {
 }
 
 /// A line of the log.
-pub(crate) fn of_not_kept(why: NotSaved) -> Line {
+pub(crate) fn of_not_saved(why: NotSaved) -> Line {
     let why = match why {
         NotSaved::NoRoom => tr!("the browser storage is full"),
         NotSaved::Failed => tr!("the browser storage failed"),
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn a_session_that_is_not_kept_says_why_and_what_to_do() {
         for why in [NotSaved::NoRoom, NotSaved::Failed] {
-            let line = of_not_kept(why);
+            let line = of_not_saved(why);
             assert!(line.error && line.text.contains("is not stored"));
             assert!(line.text.contains("export"));
         }

@@ -51,7 +51,7 @@ pub(crate) fn is_hidden(saved: SavedSession) -> bool {
 /// The offer, among the notices.
 #[component]
 pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
-    keep_working(saved);
+    attach_handlers(saved);
     view! {
         <div
             class="notice kept"
@@ -62,7 +62,7 @@ pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
 }
 
 /// Has it show what there is, and its buttons work, from now on.
-fn keep_working(saved: SavedSession) {
+fn attach_handlers(saved: SavedSession) {
     on_window("click", move |event| on_event(saved, &event));
     effect(move || {
         let offer = saved.offer.get();

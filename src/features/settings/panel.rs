@@ -113,7 +113,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
             entry::TEMPERATURE_LIMIT,
         ),
     ];
-    keep_working(settings, install);
+    attach_handlers(settings, install);
     panel_of_drawer(
         page.drawer,
         Drawer::Settings,
@@ -134,7 +134,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
 }
 
 /// Has the buttons work from now on.
-fn keep_working(settings: Settings, install: &'static InstallButton) {
+fn attach_handlers(settings: Settings, install: &'static InstallButton) {
     let page = settings.page;
     for name in ["click", "change"] {
         on_window(name, move |event| on_event(settings, install, &event));

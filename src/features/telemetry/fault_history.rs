@@ -80,7 +80,7 @@ impl FaultHistory {
 
     /// Ends the active faults of a motor that has fallen silent, or with `None` of every motor: whether
     /// they are still there is unknown. Returns whether anything changed.
-    pub(crate) fn end_of_silent(&mut self, id: Option<MotorId>) -> bool {
+    pub(crate) fn end_unknown(&mut self, id: Option<MotorId>) -> bool {
         let mut changed = false;
         for record in &mut self.motors {
             if id.is_none_or(|id| id == record.id) {

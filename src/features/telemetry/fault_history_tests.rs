@@ -15,7 +15,7 @@ fn with(faults: &[Fault]) -> Faults {
 }
 
 /// Name, when it came, and how it ended.
-fn told(history: &FaultHistory, id: MotorId) -> Vec<(String, f64, End)> {
+fn entries(history: &FaultHistory, id: MotorId) -> Vec<(String, f64, End)> {
     let of = history.of(id);
     of.iter()
         .map(|one| (one.name(), one.came_ms, one.end))
@@ -35,7 +35,7 @@ fn a_fault_of_a_single_reply_is_kept_with_both_its_times() {
     for at_ms in [6.0, 8.0] {
         assert!(!history.on_report(ID, Faults::NONE, at_ms), "no news");
     }
-    assert_eq!(told(&history, ID), [stall(2.0, End::Gone(4.0))]);
+    assert_eq!(entries(&history, ID), [stall(2.0, End::Gone(4.0))]);
     assert!(history.has_unseen(ID));
 }
 
@@ -47,12 +47,12 @@ fn two_faults_that_overlap_come_and_go_each_by_itself() {
     history.on_report(ID, with(&[Fault::OverTemperature]), 3.0);
     let heat = |end| ("over-temperature".to_owned(), 2.0, end);
     assert_eq!(
-        told(&history, ID),
+        entries(&history, ID),
         [heat(End::Active), stall(1.0, End::Gone(3.0))]
     );
     history.on_report(ID, Faults::NONE, 4.0);
     assert_eq!(
-        told(&history, ID),
+        entries(&history, ID),
         [heat(End::Gone(4.0)), stall(1.0, End::Gone(3.0))]
     );
 }
@@ -63,7 +63,7 @@ fn what_is_still_there_stands_before_what_came_later_and_went() {
     history.on_report(ID, with(&[Fault::Stall]), 1.0);
     history.on_report(ID, with(&[Fault::Stall, Fault::Sensor]), 2.0);
     history.on_report(ID, with(&[Fault::Stall]), 3.0);
-    assert_eq!(told(&history, ID)[0], stall(1.0, End::Active));
+    assert_eq!(entries(&history, ID)[0], stall(1.0, End::Active));
 }
 
 #[test]
@@ -74,9 +74,9 @@ fn seen_while_it_is_there_a_fault_stays_until_it_goes() {
     assert!(!history.has_unseen(ID));
     assert!(!history.mark_seen(ID), "nothing more to be seen");
     assert!(!history.on_report(ID, with(&[Fault::Stall]), 2.0));
-    assert_eq!(told(&history, ID), [stall(1.0, End::Active)]);
+    assert_eq!(entries(&history, ID), [stall(1.0, End::Active)]);
     assert!(history.on_report(ID, Faults::NONE, 3.0));
-    assert_eq!(told(&history, ID), []);
+    assert_eq!(entries(&history, ID), []);
     // The next is news again.
     history.on_report(ID, with(&[Fault::Stall]), 4.0);
     assert!(history.has_unseen(ID));
@@ -87,9 +87,9 @@ fn what_has_ended_is_forgotten_once_seen_and_not_before() {
     let mut history = FaultHistory::default();
     history.on_report(ID, with(&[Fault::Stall]), 1.0);
     history.on_report(ID, Faults::NONE, 2.0);
-    assert_eq!(told(&history, ID).len(), 1);
+    assert_eq!(entries(&history, ID).len(), 1);
     assert!(history.mark_seen(ID));
-    assert_eq!(told(&history, ID), []);
+    assert_eq!(entries(&history, ID), []);
 }
 
 #[test]
@@ -97,23 +97,23 @@ fn the_faults_of_another_motor_are_its_own() {
     let mut history = FaultHistory::default();
     history.on_report(other(), with(&[Fault::Stall]), 1.0);
     history.on_report(ID, Faults::NONE, 2.0);
-    assert_eq!(told(&history, ID), []);
+    assert_eq!(entries(&history, ID), []);
     assert!(!history.has_unseen(ID));
     assert!(!history.mark_seen(ID));
-    assert_eq!(told(&history, other()), [stall(1.0, End::Active)]);
+    assert_eq!(entries(&history, other()), [stall(1.0, End::Active)]);
 }
 
 #[test]
 fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
     let mut history = FaultHistory::default();
     history.on_report(ID, with(&[Fault::Stall]), 1.0);
-    assert!(!history.end_of_silent(Some(other())));
-    assert!(history.end_of_silent(None));
-    assert!(!history.end_of_silent(Some(ID)));
-    assert_eq!(told(&history, ID), [stall(1.0, End::Unknown)]);
+    assert!(!history.end_unknown(Some(other())));
+    assert!(history.end_unknown(None));
+    assert!(!history.end_unknown(Some(ID)));
+    assert_eq!(entries(&history, ID), [stall(1.0, End::Unknown)]);
     history.on_report(ID, with(&[Fault::Stall]), 9.0);
     assert_eq!(
-        told(&history, ID),
+        entries(&history, ID),
         [stall(9.0, End::Active), stall(1.0, End::Unknown)]
     );
 }
@@ -122,7 +122,7 @@ fn of_a_motor_that_is_heard_no_more_the_end_is_not_known() {
 fn a_bit_without_a_name_is_kept_by_its_number() {
     let mut history = FaultHistory::default();
     history.on_report(ID, Faults::from_byte(0x20), 1.0);
-    assert_eq!(told(&history, ID)[0].0, "bit 0x20");
+    assert_eq!(entries(&history, ID)[0].0, "bit 0x20");
 }
 
 #[test]
@@ -138,13 +138,13 @@ fn the_record_is_bounded_and_says_how_many_gave_way() {
         );
         history.on_report(ID, with(&[Fault::OverTemperature]), at_ms + 0.7);
     }
-    let told = told(&history, ID);
-    assert_eq!(told.len(), FaultHistory::KEPT_MAX);
+    let entries = entries(&history, ID);
+    assert_eq!(entries.len(), FaultHistory::KEPT_MAX);
     assert_eq!(
-        told[0].0, "over-temperature",
+        entries[0].0, "over-temperature",
         "what is still there does not give way"
     );
-    assert_eq!(told[1], stall(29.2, End::Gone(29.7)));
+    assert_eq!(entries[1], stall(29.2, End::Gone(29.7)));
     assert_eq!(history.dropped(ID), 31 - FaultHistory::KEPT_MAX);
     history.mark_seen(ID);
     assert_eq!(history.dropped(ID), 0);

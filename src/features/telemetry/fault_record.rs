@@ -111,7 +111,7 @@ mod tests {
         history.on_report(ID, Faults::NONE, 16.0);
         assert_eq!(told(&history), ["Last: stall, 13:02:11 – 13:02:16"]);
         history.on_report(ID, HOT, 20.0);
-        history.end_of_silent(None);
+        history.end_unknown(None);
         assert_eq!(
             told(&history),
             [

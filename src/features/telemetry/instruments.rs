@@ -40,7 +40,7 @@ pub(crate) fn sparkline_markup() -> String {
 
 /// Draws the instruments with every newly shown state, which comes ten times a second while the page
 /// is seen.
-pub(crate) fn keep_drawing(readings: Readings, section: NodeRef<html::Section>) {
+pub(crate) fn draw_on_change(readings: Readings, section: NodeRef<html::Section>) {
     effect(move || {
         let Some(section) = section.get() else { return };
         let Some(mut instruments) = Instruments::of(&section) else {

@@ -47,7 +47,7 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
         position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
     });
     let section = NodeRef::<html::Section>::new();
-    instruments::keep_drawing(readings, section);
+    instruments::draw_on_change(readings, section);
     view! {
         <section class="telemetry" aria-label=tr!("Telemetry") node_ref=section>
             <ReadOut

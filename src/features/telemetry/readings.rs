@@ -103,7 +103,6 @@ impl Readings {
     }
 
     pub(crate) fn end_faults_of_silent(self, id: Option<MotorId>) {
-        self.faults
-            .maybe_update(|history| history.end_of_silent(id));
+        self.faults.maybe_update(|history| history.end_unknown(id));
     }
 }

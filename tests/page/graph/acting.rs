@@ -8,7 +8,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Blob, Element, Event, HtmlCanvasElement, ImageBitmap, Response};
 
 use super::{
-    bench, canvas, colour_of, context, graph, is_drawn, name, pixels, rows_of, steady, tell,
+    bench, canvas, colour_of, context, graph, is_drawn, name, pixels, report, rows_of, steady,
 };
 use crate::{
     bench::{document, pause, press},
@@ -36,7 +36,7 @@ async fn the_graph_and_its_controls_are_found_by_their_names() {
 #[wasm_bindgen_test]
 async fn keys_zoom_pan_and_still_stop_and_drive() {
     let bench = bench("graph-keys").await;
-    tell(&bench, steady(40_000, 100));
+    report(&bench, steady(40_000, 100));
     graph(&bench).focus().unwrap();
     press("+");
     bench
@@ -70,7 +70,7 @@ async fn keys_zoom_pan_and_still_stop_and_drive() {
 #[wasm_bindgen_test]
 async fn while_paused_the_arrow_keys_read_values() {
     let bench = bench("graph-crosshair").await;
-    tell(&bench, steady(40_000, 123));
+    report(&bench, steady(40_000, 123));
     bench.until("a line", || is_drawn(&canvas(&bench))).await;
     bench.click("Pause");
     bench
@@ -92,7 +92,7 @@ async fn while_paused_the_arrow_keys_read_values() {
 #[wasm_bindgen_test]
 async fn a_change_of_language_keeps_the_crosshair() {
     let bench = bench("graph-language").await;
-    tell(&bench, steady(40_000, 123));
+    report(&bench, steady(40_000, 123));
     bench.until("a line", || is_drawn(&canvas(&bench))).await;
     bench.click("Pause");
     bench
@@ -126,7 +126,7 @@ async fn the_newest_values_are_there_in_words() {
     let words = words.query_selector("#graph-words").unwrap().unwrap();
     // They are not said anew more often than every few seconds.
     for _ in 0..60 {
-        tell(&bench, steady(100, 123));
+        report(&bench, steady(100, 123));
         pause(100).await;
         let said = words.text_content().unwrap_or_default();
         if said == "Now: speed +123 rpm, current 0.00 A, target –." {
@@ -139,7 +139,7 @@ async fn the_newest_values_are_there_in_words() {
 #[wasm_bindgen_test]
 async fn the_picture_is_a_png_with_a_background() {
     let bench = bench("graph-png").await;
-    tell(&bench, steady(9_000, 100));
+    report(&bench, steady(9_000, 100));
     let canvas = canvas(&bench);
     bench.until("a line", || is_drawn(&canvas)).await;
 

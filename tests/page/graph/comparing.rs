@@ -5,7 +5,7 @@ use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, EventInit, HtmlElement, HtmlInputElement, HtmlSelectElement, Storage};
 
-use super::{Page, bench, canvas, graph, name, rows_of, steady, tell};
+use super::{Page, bench, canvas, graph, name, report, rows_of, steady};
 use crate::{
     bench::{pause, press, text_of},
     tools::id,
@@ -32,7 +32,7 @@ fn run(bench: &Page, count: u8, long_ms: u64) {
             sample.reply.id = id(of);
             sample.reply.speed = Rpm::new(30 * i16::from(of));
         }
-        tell(bench, samples);
+        report(bench, samples);
     }
 }
 

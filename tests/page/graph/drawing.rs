@@ -6,7 +6,8 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::Event;
 
 use super::{
-    Pretence, bench, canvas, colour_of, context, is_drawn, name, rows_of, steady, tell, wipe,
+    PropertyOverride, bench, canvas, colour_of, context, is_drawn, name, report, rows_of, steady,
+    wipe,
 };
 use crate::bench::{document, pause};
 
@@ -18,7 +19,7 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
     let mut samples = steady(9_000, 100);
     let middle = samples.len() / 2;
     samples[middle].reply.speed = Rpm::new(300);
-    tell(&bench, samples);
+    report(&bench, samples);
     bench
         .until("a line", || !rows_of(&canvas, speed, 20).is_empty())
         .await;
@@ -34,7 +35,7 @@ async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike(
 async fn a_trace_that_is_switched_off_is_gone() {
     let bench = bench("graph-traces").await;
     let canvas = canvas(&bench);
-    tell(&bench, steady(9_000, 100));
+    report(&bench, steady(9_000, 100));
     let speed = colour_of(&bench, "border-right-color");
     let seen = || !rows_of(&canvas, speed, 20).is_empty();
     bench.until("the line", seen).await;
@@ -52,7 +53,7 @@ async fn on_a_screen_of_twice_the_density_the_canvas_has_twice_the_pixels() {
     let (width, height) = (canvas.width(), canvas.height());
     let shown = canvas.get_bounding_client_rect().width();
     let window: JsValue = web_sys::window().unwrap().into();
-    let density = Pretence::new(&window, "devicePixelRatio", &2.into());
+    let density = PropertyOverride::new(&window, "devicePixelRatio", &2.into());
     let resize = || {
         let resize = Event::new("resize").unwrap();
         web_sys::window().unwrap().dispatch_event(&resize).unwrap();
@@ -73,17 +74,17 @@ async fn on_a_screen_of_twice_the_density_the_canvas_has_twice_the_pixels() {
 async fn a_hidden_page_draws_nothing_and_loses_nothing() {
     let bench = bench("graph-hidden").await;
     let canvas = canvas(&bench);
-    tell(&bench, steady(5_000, 100));
+    report(&bench, steady(5_000, 100));
     bench.until("a line", || is_drawn(&canvas)).await;
     let changed = || {
         let changed = Event::new("visibilitychange").unwrap();
         document().dispatch_event(&changed).unwrap();
     };
-    let hidden = Pretence::new(&document().into(), "hidden", &true.into());
+    let hidden = PropertyOverride::new(&document().into(), "hidden", &true.into());
     changed();
     wipe(&canvas);
     for _ in 0..5 {
-        tell(&bench, steady(20, 300));
+        report(&bench, steady(20, 300));
         pause(100).await;
     }
     assert!(!is_drawn(&canvas));
@@ -103,7 +104,7 @@ async fn a_hidden_page_draws_nothing_and_loses_nothing() {
 async fn a_paused_graph_stands_still_and_goes_on_where_the_time_is() {
     let bench = bench("graph-paused").await;
     let canvas = canvas(&bench);
-    tell(&bench, steady(5_000, 100));
+    report(&bench, steady(5_000, 100));
     bench.until("a line", || is_drawn(&canvas)).await;
     bench.click("Pause");
     bench
@@ -115,7 +116,7 @@ async fn a_paused_graph_stands_still_and_goes_on_where_the_time_is() {
     pause(700).await;
     wipe(&canvas);
     for _ in 0..4 {
-        tell(&bench, steady(20, 100));
+        report(&bench, steady(20, 100));
         pause(100).await;
     }
     assert!(!is_drawn(&canvas));
@@ -135,7 +136,7 @@ async fn without_news_an_empty_graph_is_not_drawn() {
     assert!(is_drawn(&canvas));
     pause(400).await;
     assert!(is_drawn(&canvas), "somebody has drawn, and wiped before");
-    tell(&bench, steady(1_000, 100));
+    report(&bench, steady(1_000, 100));
     let speed = colour_of(&bench, "border-right-color");
     bench
         .until("a line", || !rows_of(&canvas, speed, 2).is_empty())
@@ -146,7 +147,7 @@ async fn without_news_an_empty_graph_is_not_drawn() {
 async fn another_theme_has_other_colours() {
     let bench = bench("graph-theme").await;
     let canvas = canvas(&bench);
-    tell(&bench, steady(9_000, 100));
+    report(&bench, steady(9_000, 100));
     let drawn = || {
         let speed = colour_of(&bench, "border-right-color");
         !rows_of(&canvas, speed, 20).is_empty()

@@ -56,8 +56,8 @@ async fn bench(name: &str) -> Page {
     document().head().unwrap().append_child(&style).unwrap();
     let bench = Bench::with_motor(name, Mode::Velocity).await;
     let time_origin_ms = performance().time_origin() - WORKER_AGE_MS;
-    bench.say(&ToPage::Hello { time_origin_ms });
-    bench.told().await;
+    bench.post(&ToPage::Hello { time_origin_ms });
+    bench.received().await;
     Page { bench, style }
 }
 
@@ -66,7 +66,7 @@ fn performance() -> web_sys::Performance {
 }
 
 /// The worker of these tests is this much older than their page, so that a page that has just begun
-/// can be told of what was before.
+/// can be received of what was before.
 const WORKER_AGE_MS: f64 = 50_000.0;
 
 #[allow(
@@ -94,8 +94,8 @@ fn sample(at_ms: u64, rpm: i16) -> Sample {
     }
 }
 
-fn tell(bench: &Bench, samples: Vec<Sample>) {
-    bench.say(&ToPage::Update(Update {
+fn report(bench: &Bench, samples: Vec<Sample>) {
+    bench.post(&ToPage::Update(Update {
         now: Instant::from_millis(now_ms()),
         connection: Connection::Connected(Adapter::Virtual),
         halted: false,
@@ -191,12 +191,12 @@ fn name(bench: &Bench) -> String {
 }
 
 /// A property that the browser has by itself, as the test wants it; gone again when dropped.
-struct Pretence {
+struct PropertyOverride {
     of: JsValue,
     property: &'static str,
 }
 
-impl Pretence {
+impl PropertyOverride {
     fn new(of: &JsValue, property: &'static str, value: &JsValue) -> Self {
         let how = Object::new();
         Reflect::set(&how, &"value".into(), value).unwrap();
@@ -210,7 +210,7 @@ impl Pretence {
     }
 }
 
-impl Drop for Pretence {
+impl Drop for PropertyOverride {
     fn drop(&mut self) {
         let object: &Object = self.of.unchecked_ref();
         Reflect::delete_property(object, &self.property.into()).unwrap();

@@ -14,12 +14,12 @@ async fn restored_samples_are_drawn_at_their_times() {
     let canvas = canvas(&bench);
     let speed = colour_of(&bench, "border-right-color");
     let time_origin_ms = performance().time_origin() + performance().now();
-    bench.say(&ToPage::Hello { time_origin_ms });
-    recorder.say(&FromRecorder::Restored);
-    recorder.told().await;
+    bench.post(&ToPage::Hello { time_origin_ms });
+    recorder.post(&FromRecorder::Restored);
+    recorder.received().await;
     assert!(rows_of(&canvas, speed, 1).is_empty());
     let samples = (0..4_000).step_by(20).map(|at_ms| sample(at_ms, 100));
-    recorder.say(&FromRecorder::Past {
+    recorder.post(&FromRecorder::Past {
         zero_us: -20_000_000,
         samples: samples.collect(),
     });

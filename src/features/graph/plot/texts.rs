@@ -57,7 +57,7 @@ pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> S
     };
     let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
     let words: Vec<String> = on
-        .map(|trace| format!("{} {}", trace.spoken_name(), values.text(trace)))
+        .map(|trace| format!("{} {}", trace.name_in_sentence(), values.text(trace)))
         .collect();
     tr!("{when}: {values}.", when, values = words.join(", "))
 }
@@ -76,7 +76,7 @@ pub(crate) fn compared_sentence(
     tr!(
         "{when}: {trace}: {values}.",
         when,
-        trace = comparison.trace.spoken_name(),
+        trace = comparison.trace.name_in_sentence(),
         values = words.join(", ")
     )
 }

@@ -43,7 +43,7 @@ impl Trace {
     }
 
     /// Before its value within a sentence.
-    pub(crate) fn spoken_name(self) -> &'static str {
+    pub(crate) fn name_in_sentence(self) -> &'static str {
         match self {
             Self::Speed => tr!("speed"),
             Self::Current => tr!("current" as "electric"),

@@ -14,7 +14,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use end_to_end::{Bench, Line, Page, Scheme, Usb, View, WAIT_MAX, wait_until};
-use motorlink_i18n::{Language, said, speak};
+use motorlink_i18n::{Language, set_language, translated};
 
 fn main() -> ExitCode {
     let dir = env::args()
@@ -40,7 +40,7 @@ fn take(dir: &Path) -> Result<()> {
     spinning(Path::new("docs/spinning.webp"))?;
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
     for (language, schemes) in PICTURES {
-        speak(*language);
+        set_language(*language);
         for (name, view) in VIEWS {
             for scheme in *schemes {
                 let prefix = match language {
@@ -152,9 +152,9 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
     page.look(view)?;
     pause(500);
     album.shot(&page, "empty")?;
-    page.click("button", said("Virtual motor"))?;
-    page.wait_for_text("status", said("Connection"), |text| {
-        text.contains(said("Connected"))
+    page.click("button", translated("Virtual motor"))?;
+    page.wait_for_text("status", translated("Connection"), |text| {
+        text.contains(translated("Connected"))
     })?;
     // Something for the graph to show.
     for (button, speed) in [
@@ -164,7 +164,7 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
         ("+100", "100"),
     ] {
         page.click("button", button)?;
-        page.wait_for_text("output", said("Speed"), |text| text.contains(speed))?;
+        page.wait_for_text("output", translated("Speed"), |text| text.contains(speed))?;
         pause(2_000);
     }
     album.shot(&page, "spinning")?;
@@ -172,13 +172,13 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
     page.press("Escape")?;
     pause(800);
     album.shot(&page, "stopped")?;
-    page.click("button", said("Release"))?;
+    page.click("button", translated("Release"))?;
     for tab in ["Current", "Position"] {
-        page.click("tab", said(tab))?;
+        page.click("tab", translated(tab))?;
         pause(300);
         album.shot(&page, &tab.to_lowercase())?;
     }
-    page.click("button", said("Help"))?;
+    page.click("button", translated("Help"))?;
     pause(300);
     album.shot(&page, "help")
 }
@@ -188,15 +188,15 @@ fn the_panels(album: &Album, view: View) -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open(&album.address())?;
     page.look(view)?;
-    page.click("button", said("Virtual motor"))?;
-    page.wait_for_text("status", said("Connection"), |text| {
-        text.contains(said("Connected"))
+    page.click("button", translated("Virtual motor"))?;
+    page.wait_for_text("status", translated("Connection"), |text| {
+        text.contains(translated("Connected"))
     })?;
     for panel in ["Drive together", "Link", "Settings"] {
-        page.click("button", said(panel))?;
+        page.click("button", translated(panel))?;
         pause(500);
         album.shot(&page, &panel.to_lowercase().replace(' ', "-"))?;
-        page.click("button", said("Close the panel"))?;
+        page.click("button", translated("Close the panel"))?;
     }
     Ok(())
 }
@@ -207,16 +207,18 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     let _adapter = bench.plug(Line::with_motors(&[1, 2, 7]), Usb::default())?;
     let page = bench.open(&album.address())?;
     page.look(view)?;
-    page.click("button", said("Connect"))?;
-    page.wait_for_text("status", said("Connection"), |text| {
-        text.contains(said("Connected"))
+    page.click("button", translated("Connect"))?;
+    page.wait_for_text("status", translated("Connection"), |text| {
+        text.contains(translated("Connected"))
     })?;
-    page.click("tab", said("ID Manager"))?;
-    page.click("button", said("Full scan"))?;
-    page.wait_for_text("list", said("Motors found"), |text| text.contains("0x07"))?;
+    page.click("tab", translated("ID Manager"))?;
+    page.click("button", translated("Full scan"))?;
+    page.wait_for_text("list", translated("Motors found"), |text| {
+        text.contains("0x07")
+    })?;
     album.shot(&page, "scanning")?;
     wait_until("the end of the scan", WAIT_MAX, || {
-        let cancel = page.find("button", said("Cancel"))?;
+        let cancel = page.find("button", translated("Cancel"))?;
         Ok(if cancel.disabled {
             Ok(())
         } else {
@@ -225,14 +227,14 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     })?;
     pause(300);
     album.shot(&page, "id-manager")?;
-    page.click("tab", said("Raw Hex"))?;
-    page.find("textbox", said("Frame bytes"))?
+    page.click("tab", translated("Raw Hex"))?;
+    page.find("textbox", translated("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
     // On a busy machine an answer may be late, and is said to be none.
     wait_until("an answer", WAIT_MAX, || {
-        page.click("button", said("Send"))?;
+        page.click("button", translated("Send"))?;
         pause(300);
-        let answer = page.text("output", said("Reply"))?;
+        let answer = page.text("output", translated("Reply"))?;
         Ok(if answer.contains("0x01") {
             Ok(())
         } else {

@@ -7,7 +7,7 @@ use std::fs;
 use crate::fixture::{open_panel, wait_until_enabled};
 use anyhow::{Context, Result};
 use end_to_end::{Bench, Page, Scheme, View, artefacts};
-use motorlink_i18n::{Language, said, speak};
+use motorlink_i18n::{Language, set_language, translated};
 
 /// What is read or said on a Chinese page and is English: words in small letters that follow each other.
 const ENGLISH: &str = r#"(() => {
@@ -58,12 +58,12 @@ struct Judge {
 
 impl Judge {
     fn open(bench: &Bench, language: Language, schemes: &'static [Scheme]) -> Result<Self> {
-        speak(language);
+        set_language(language);
         let axe = fs::read_to_string(artefacts::axe()?)?;
         let page = bench.open(&format!("/?lang={}", language.key()))?;
         // `void`: what it gives cannot cross.
         page.evaluate(&format!("{axe}; void 0"))?;
-        page.find("button", said("Connect"))?;
+        page.find("button", translated("Connect"))?;
         Ok(Self {
             page,
             language,
@@ -109,12 +109,12 @@ impl Judge {
     }
 
     fn click(&self, role: &str, name: &str) -> Result<()> {
-        self.page.click(role, said(name))
+        self.page.click(role, translated(name))
     }
 
     fn panels(&mut self, when: &str) -> Result<()> {
         for panel in ["Link", "Drive together", "Settings"] {
-            open_panel(&self.page, said(panel))?;
+            open_panel(&self.page, translated(panel))?;
             self.screen(&format!("{panel} {when}"))?;
             self.click("button", "Close the panel")?;
         }
@@ -131,7 +131,8 @@ impl Judge {
     fn connected(&mut self) -> Result<()> {
         self.click("button", "Virtual motor")?;
         let reported = |text: &str| text.chars().any(char::is_alphabetic);
-        self.page.wait_for_text("output", said("Mode"), reported)?;
+        self.page
+            .wait_for_text("output", translated("Mode"), reported)?;
         self.click("button", "+100")?;
         self.wait_for_speed("100")?;
         // Before axe: it holds a page up for so long that its motors are stopped, as they should be.
@@ -147,7 +148,9 @@ impl Judge {
         self.dead_line()?;
         self.page.press("Escape")?;
         self.page
-            .wait_for_text("alertdialog", said("Stopped"), |text| text.contains("0x01"))?;
+            .wait_for_text("alertdialog", translated("Stopped"), |text| {
+                text.contains("0x01")
+            })?;
         self.screen("Stopped")?;
         self.click("button", "Release")?;
         self.click("button", "Disconnect")?;
@@ -156,11 +159,12 @@ impl Judge {
 
     /// The doctor has found something, and what is known of the motor is old.
     fn dead_line(&mut self) -> Result<()> {
-        open_panel(&self.page, said("Link"))?;
+        open_panel(&self.page, translated("Link"))?;
         self.page
-            .choose(said("Simulated fault"), said("No replies"))?;
-        let old = |text: &str| text.contains(said("No data"));
-        self.page.wait_for_text("output", said("Motion"), old)?;
+            .choose(translated("Simulated fault"), translated("No replies"))?;
+        let old = |text: &str| text.contains(translated("No data"));
+        self.page
+            .wait_for_text("output", translated("Motion"), old)?;
         let known = self
             .page
             .evaluate("document.querySelector('.twin-figures').innerText")?;
@@ -171,23 +175,24 @@ impl Judge {
         self.screen("Link, the line dead")?;
         self.click("button", "Close the panel")?;
         self.screen("desk, the line dead")?;
-        open_panel(&self.page, said("Link"))?;
-        self.page.choose(said("Simulated fault"), said("None"))?;
+        open_panel(&self.page, translated("Link"))?;
         self.page
-            .wait_for_text("output", said("Motion"), |text| !old(text))?;
+            .choose(translated("Simulated fault"), translated("None"))?;
+        self.page
+            .wait_for_text("output", translated("Motion"), |text| !old(text))?;
         self.click("button", "Close the panel")
     }
 
     fn wait_for_speed(&self, rpm: &str) -> Result<()> {
         let is_it = |text: &str| text.trim_start_matches(['+', ' ']).starts_with(rpm);
         self.page
-            .wait_for_text("output", said("Speed"), is_it)
+            .wait_for_text("output", translated("Speed"), is_it)
             .map(drop)
     }
 
     fn question(&mut self) -> Result<()> {
-        open_panel(&self.page, said("Settings"))?;
-        wait_until_enabled(&self.page, "button", said("Delete all data"), true)?;
+        open_panel(&self.page, translated("Settings"))?;
+        wait_until_enabled(&self.page, "button", translated("Delete all data"), true)?;
         self.click("button", "Delete all data")?;
         self.screen("question")
     }

@@ -19,24 +19,24 @@ use crate::{
 };
 
 /// They change this often at most: faster, they would be read aloud over one another.
-const SAID_EVERY_MS: f64 = 3_000.0;
+const UPDATE_PERIOD_MS: f64 = 3_000.0;
 
 /// The text that describes the graph.
-pub(crate) struct Spoken {
+pub(crate) struct Description {
     text: Text,
-    said_ms: f64,
+    updated_ms: f64,
 }
 
-impl Spoken {
+impl Description {
     pub(crate) fn of(element: Element) -> Self {
         Self {
             text: Text::of(element),
-            said_ms: f64::NEG_INFINITY,
+            updated_ms: f64::NEG_INFINITY,
         }
     }
 
     /// Says the newest values in view, unless it has said some just now. When it has to be asked again.
-    pub(crate) fn say(
+    pub(crate) fn update(
         &mut self,
         chart: Chart,
         view: View,
@@ -45,11 +45,11 @@ impl Spoken {
         now_us: u64,
         frame_ms: f64,
     ) -> Next {
-        let due_ms = self.said_ms + SAID_EVERY_MS - frame_ms;
+        let due_ms = self.updated_ms + UPDATE_PERIOD_MS - frame_ms;
         if due_ms > 0.0 {
             return Next::After(due_ms);
         }
-        self.said_ms = frame_ms;
+        self.updated_ms = frame_ms;
         let at = Instant::from_micros(view.right_us(now_us));
         let when = if view.is_live() {
             tr!("Now").to_owned()
