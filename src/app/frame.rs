@@ -1,4 +1,4 @@
-//! What stands in the place of a section until its part is there, and when it does not arrive.
+//! The placeholder of a section until its part is loaded, or if loading fails.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -13,16 +13,16 @@ use crate::{
     },
 };
 
-/// The state of a part that is not there.
+/// The state of a part that is not loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Absent {
-    /// On its way.
+    /// It is being loaded.
     Loading,
-    /// It did not arrive.
+    /// Loading failed.
     Missing,
 }
 
-/// The frame of a section. `retry` fetches its part again.
+/// The placeholder of a section. `retry` loads its part again.
 pub(crate) fn frame(
     frame: Frame,
     features: Features,

@@ -1,4 +1,4 @@
-//! What is always visible: the line to the motor, and STOP.
+//! The header, which is always visible: connection and STOP.
 
 use leptos::prelude::*;
 use motorlink_i18n::{Language, tr};
@@ -21,7 +21,7 @@ use crate::{
     ui::reactive::{dynamic, handler},
 };
 
-/// The combobox by which the language is chosen.
+/// The combobox of the language.
 const LANGUAGE: &str = "language";
 
 #[component]
@@ -58,14 +58,14 @@ const BRAND: &str = r#"<svg class="logo" viewBox="0 0 24 24" width="26" height="
 
 const GLOBE: &str = "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zM3.5 9h17M3.5 15h17M12 3c5 5 5 13 0 18M12 3c-5 5-5 13 0 18";
 
-/// A drawing on a button, of this path.
+/// An icon of a button, drawn by this path.
 fn glyph(path: &str) -> String {
     format!(
         r#"<svg viewBox="0 0 24 24" width="18" height="18" aria-hidden="true"><path d="{path}" fill="none" stroke="currentColor" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round"/></svg>"#
     )
 }
 
-/// Combobox `Language`: it lies, unseen, over a globe.
+/// Combobox `Language`: it is invisible and covers a globe icon.
 #[component]
 fn LanguageChoice(features: Features) -> impl IntoView {
     let page = features.page;
@@ -83,8 +83,8 @@ fn LanguageChoice(features: Features) -> impl IntoView {
                 on:change=handler(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         features.choose_language(language);
-                        // By then the page is another, and the focus is to be where it was; but not while
-                        // something turns: S and K would pick from the list instead of stopping it.
+                        // The page is drawn anew, and the focus returns to the list; but not while a wheel
+                        // turns, because S and K would select from the list instead of stopping it.
                         let turns = page.latest.with_value(|session| session.active_motors().next().is_some());
                         if !turns {
                             request_animation_frame(|| focus(LANGUAGE));

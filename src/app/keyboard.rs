@@ -1,4 +1,4 @@
-//! The keyboard: keys that work wherever the focus is, and focus that does not get in their way.
+//! The keyboard: keys that work anywhere on the page.
 
 use std::{cell::Cell, rc::Rc};
 
@@ -24,7 +24,7 @@ pub(crate) fn listen(features: Features) {
             }
         });
     }
-    // Of elements that lose the focus too: a release that is heard without its press stops.
+    // Events of elements that lose the focus too: a release without its press stops.
     on_window("blur", move |event| {
         if event
             .target()
@@ -61,8 +61,8 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
         return;
     }
     let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
-    // While a dialog asks for attention, nothing is driven behind it; nor beside a textbox that takes
-    // hex digits, most of which are keys that drive.
+    // Keys do not drive while a dialog is open, nor beside the textbox for hex digits, most of which
+    // are drive keys.
     if goes_down
         && !event.repeat()
         && let Some(action) = key_action(&key, modified, focus())
@@ -80,7 +80,7 @@ fn focus() -> Focus {
     };
     match focused.tag_name().as_str() {
         "TEXTAREA" => Focus::Text,
-        // The focus is on an option while a list is open that the page draws itself.
+        // In an open list that the page draws itself, the focus is on an option.
         "SELECT" | "OPTION" => Focus::List,
         "INPUT" => match focused.dyn_ref::<HtmlInputElement>() {
             Some(input) => match input.type_().as_str() {
@@ -90,15 +90,15 @@ fn focus() -> Focus {
             },
             None => Focus::Text,
         },
-        // A tab has nothing that Space could press: it is chosen by being focused.
+        // Space does not press a tab: focusing a tab selects it.
         "BUTTON" if focused.get_attribute("role").as_deref() == Some("tab") => Focus::Free,
         "BUTTON" | "A" | "SUMMARY" => Focus::Button,
         _ => Focus::Free,
     }
 }
 
-/// A button that was clicked with the mouse gives up the focus, so that the next Space stops all
-/// motors at a standstill too and does not press it again. One that is reached by Tab keeps it.
+/// Removes the focus from a button that was clicked with the mouse, so that the next Space stops all
+/// motors instead of pressing the button again. A button reached by Tab keeps the focus.
 #[allow(clippy::needless_pass_by_value, reason = "the signature of a listener")]
 fn blur_clicked_button(event: Event) {
     let by_pointer = event
@@ -111,7 +111,7 @@ fn blur_clicked_button(event: Event) {
     if by_pointer
         && let Some(button) = button.and_then(|button| button.dyn_into::<HtmlElement>().ok())
     {
-        // It has it only if it took it; a click gives no focus in every browser.
+        // Not every browser focuses a clicked button.
         let _ = button.blur();
     }
 }

@@ -1,5 +1,4 @@
-//! Which language the page speaks: the one that the address names, or the one chosen here, or the browser's
-//! own.
+//! The language of the page: from the address, the stored choice or the browser.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::{Language, has, load_texts, set_language};
@@ -13,16 +12,16 @@ use crate::{
     },
 };
 
-/// The name by which the choice is remembered.
+/// The key of the stored choice.
 pub(crate) const STORED_AS: &str = "language";
 
-/// The first that is known of what the address, the memory and the browser name, in this order.
+/// The first supported language of these tags, or English.
 pub(crate) fn first_known<'a>(tags: impl IntoIterator<Item = &'a str>) -> Language {
     let mut known = tags.into_iter().filter_map(Language::from_tag);
     known.next().unwrap_or_default()
 }
 
-/// The language that the address, the memory or the browser asks for, in this order.
+/// The language from the address, the stored choice or the browser, in this order.
 pub(crate) fn preferred() -> Language {
     let mut tags: Vec<String> = parameter("lang").into_iter().collect();
     tags.extend(remembered(STORED_AS));
@@ -33,8 +32,7 @@ pub(crate) fn preferred() -> Language {
     first_known(tags.iter().map(String::as_str))
 }
 
-/// Has the page speak this language from now on. What is said already stays as it was said: notices, and
-/// the lines of the log that are the page's own.
+/// Sets the language of the page. Existing notices and messages in the log are not translated.
 pub(crate) fn use_language(language: Language) {
     set_language(language);
     if let Some(root) = document().document_element() {
@@ -42,7 +40,7 @@ pub(crate) fn use_language(language: Language) {
     }
 }
 
-/// Fetches the texts of a language unless they are there. `false` where they cannot be had.
+/// Fetches the texts of a language unless they are loaded. Returns false if that fails.
 pub(crate) async fn fetch(language: Language) -> bool {
     if has(language) {
         return true;
@@ -57,8 +55,8 @@ pub(crate) async fn fetch(language: Language) -> bool {
 }
 
 impl Features {
-    /// Draws the page in another language, once its texts are there. Driving goes on: the worker knows nothing
-    /// of it.
+    /// Draws the page in another language, once its texts are loaded. Driving continues: the worker does not
+    /// depend on the language.
     pub(crate) fn choose_language(self, language: Language) {
         if has(language) {
             self.change_language(language);
@@ -69,7 +67,7 @@ impl Features {
                 self.change_language(language);
             } else {
                 self.page.notify(of_missing_language(language));
-                // The list shows the language of the page again.
+                // Reset the list to the language of the page.
                 self.page.language.notify();
             }
         });

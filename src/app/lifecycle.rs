@@ -1,4 +1,4 @@
-//! The page is hidden, frozen, closed; its tab says what turns.
+//! Handles a hidden, frozen or closed page; the title shows what turns.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -16,14 +16,14 @@ use crate::{
     },
 };
 
-/// How long a page that goes holds its last handler while a wheel turns. The worker lives no longer
-/// than that handler, and a wheel braked from 100 rpm needs about 200 ms of frames; nothing
-/// asynchronous survives the handler, so this is a busy wait, and bounded.
+/// How long the last handler of a closing page runs while a wheel turns. The worker ends with that handler,
+/// and braking a wheel from 100 rpm takes about 200 ms of frames. Nothing asynchronous survives the
+/// handler, so this is a bounded busy wait.
 const LAST_FRAMES_MS: f64 = 250.0;
 
 const TITLE: &str = "MotorLink";
 
-/// Stops what is driven when the page goes, and where the operator wants it, when it is hidden.
+/// Stops the motors when the page is closed, and if the operator wants it, when it is hidden.
 pub(crate) fn watch(features: Features) {
     on_window("pagehide", move |_| leave(features));
     on_window("freeze", move |_| leave(features));
@@ -61,7 +61,7 @@ fn visibility_changed(features: Features) {
     }
 }
 
-/// `● +100 rpm - MotorLink` while a motor is driven: what turns is seen though the page is not.
+/// `● +100 rpm - MotorLink` while a motor is driven, so that a hidden page shows what turns.
 fn title(session: &Session) -> String {
     let said = |motor: &MotorStatus| match motor.activity {
         Activity::Driven { setpoint } => Some(format::goal(setpoint)),

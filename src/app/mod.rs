@@ -40,10 +40,10 @@ use crate::{
     ui::reactive::effect,
 };
 
-/// How often the page checks that the worker lives; a hidden page's timers may come less often.
+/// How often the page checks that the worker runs; browsers slow down the timers of a hidden page.
 const CHECK_WORKER_EVERY: Duration = Duration::from_secs(1);
 
-/// Shows the page, in the language that the person wants.
+/// Shows the page in the preferred language.
 pub fn start() {
     let wanted = language::preferred();
     if has(wanted) {
@@ -51,14 +51,14 @@ pub fn start() {
     } else {
         // Leptos itself starts with the page.
         wasm_bindgen_futures::spawn_local(async move {
-            // Where its file is missing the page is in English.
+            // If its file is missing, the page is in English.
             let _ = language::fetch(wanted).await;
             mount_to_body(App);
         });
     }
 }
 
-/// The page: starts the worker and shows the desk.
+/// The page: starts the worker and mounts the sections.
 #[component]
 #[must_use]
 pub fn App() -> impl IntoView {
@@ -75,10 +75,10 @@ pub fn App() -> impl IntoView {
     }
     effect(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
 
-    // First of all: a stop that is asked for before there is a worker stands once there is one.
+    // First of all: a stop that is pressed before the worker runs takes effect once it runs.
     keyboard::listen(features);
     lifecycle::watch(features);
-    // The workers start last: on two cores they would take half of the time in which the page comes.
+    // The workers start last: on two cores they would take half of the loading time.
     let complete = RwSignal::new(false);
     effect(move || {
         if complete.get() {
@@ -124,7 +124,7 @@ fn wants_virtual_motor() -> bool {
 
 fn show_theme(theme: Theme) {
     if let Some(root) = document().document_element() {
-        // The style sheet follows the system where no theme is named.
+        // Without a theme, the style sheet follows the system.
         let _ = match theme {
             Theme::System => root.remove_attribute("data-theme"),
             Theme::Light | Theme::Dark | Theme::Contrast => {

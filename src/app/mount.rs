@@ -5,10 +5,10 @@ use std::any::Any;
 use leptos::{prelude::*, tachys::view::Mountable};
 use web_sys::HtmlElement;
 
-/// Keeps a section alive.
+/// Keeps a section mounted.
 pub(crate) type Mounted = (Owner, Box<dyn Any>);
 
-/// Mounts a section behind what the place holds already.
+/// Mounts a section after the existing content of the place.
 pub(crate) fn mount<V: IntoView + 'static>(
     place: &HtmlElement,
     section: impl FnOnce() -> V + 'static,
@@ -22,7 +22,7 @@ pub(crate) fn mount<V: IntoView + 'static>(
     mount_boxed(Box::new(build))
 }
 
-/// All sections share the code of this.
+/// All sections share this code.
 fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
     let owner = Owner::new();
     let view = owner.with(build);
@@ -31,13 +31,13 @@ fn mount_boxed(build: Box<dyn FnOnce() -> Box<dyn Any>>) -> Mounted {
 
 /// Where the sections of a part are mounted, in the order of the sections.
 pub(crate) struct Hosts {
-    /// Of the page: the sections get their contexts from it.
+    /// The owner of the page, with the contexts of the sections.
     pub(crate) owner: Owner,
     pub(crate) elements: Vec<HtmlElement>,
 }
 
 impl Hosts {
-    /// Mounts the next section in the place of its frame.
+    /// Mounts the next section in place of its placeholder.
     pub(crate) fn mount<V: IntoView + 'static>(
         &mut self,
         section: impl FnOnce() -> V + 'static,

@@ -1,9 +1,9 @@
-//! The page put together, section by section.
+//! Mounts the page, section by section.
 //!
 //! A browser compiles the code of a section when it first runs. On a phone all sections at once would block the page
-//! for a second. So each section is mounted in a turn of its own. The header comes first and can be used at once. The
-//! frame in index.html covers the rest until all of it is there, so nothing shifts. Behind the first paint come the
-//! sections of the other parts, each in the place that its frame keeps free.
+//! for a second. So each section is mounted in its own turn of the event loop. The header comes first and can be used
+//! at once. The frame in index.html covers the rest until it is complete, so nothing shifts. The sections of the other
+//! parts follow after the first paint, each in the place that its placeholder reserves.
 
 use std::{
     pin::Pin,
@@ -49,7 +49,7 @@ impl Places {
         }
     }
 
-    /// `None` once the page is gone, or before the section that has the place.
+    /// `None` after the page is closed, or before the section with that place is mounted.
     fn element(self, place: Place) -> Option<HtmlElement> {
         Some(match place {
             Place::Top => self.top.get_untracked()?.into(),
@@ -64,7 +64,7 @@ impl Places {
     }
 }
 
-/// A section whose part is not there yet.
+/// A section whose part is not loaded yet.
 struct Waiting {
     part: Part,
     host: HtmlElement,
@@ -72,18 +72,18 @@ struct Waiting {
     _frame: Mounted,
 }
 
-/// What the page is put together with.
+/// The state of mounting.
 #[derive(Clone, Copy)]
 struct Assembly {
     features: Features,
     places: Places,
-    /// Of the page; weak, because it owns this value.
+    /// The owner of the page; weak, because it owns this value.
     owner: StoredValue<WeakOwner>,
-    /// Sections and frames that were added, counted in the order of `SECTIONS`.
+    /// Number of mounted sections and placeholders, in the order of `SECTIONS`.
     added: StoredValue<usize>,
     sections: StoredValue<Vec<Mounted>, LocalStorage>,
     waiting: StoredValue<Vec<Waiting>, LocalStorage>,
-    /// Counts the languages: an older round ends when the language changes.
+    /// Number of the current round: a change of language begins another round.
     round: StoredValue<u32>,
     complete: RwSignal<bool>,
     /// Whether sections wait for their parts.
@@ -95,8 +95,8 @@ impl Assembly {
         self.round.try_get_value() != Some(round)
     }
 
-    /// Adds the next section, or its frame. `None` when the page is gone or in another language, and when all are
-    /// there.
+    /// Adds the next section or its placeholder. `None` if the page is closed or in another language, or if all are
+    /// mounted.
     fn add_next(self, round: u32) -> Option<()> {
         if self.is_over(round) {
             return None;
@@ -133,7 +133,7 @@ impl Assembly {
         Some(())
     }
 
-    /// Adds the others, each in a turn of its own, and then shows the page.
+    /// Adds the others, each in its own turn, and then shows the page.
     fn add_others(self, round: u32) {
         if self.add_next(round).is_some() {
             in_the_next_turn(move || self.add_others(round));
@@ -146,7 +146,7 @@ impl Assembly {
         }
     }
 
-    /// Mounts the sections of the parts that are there at once, and fetches the others.
+    /// Mounts the sections of loaded parts at once, and fetches the other parts.
     fn mount_parts(self, round: u32) {
         for part in Part::ALL {
             let mut fetch: Pin<Box<dyn Future<Output = ()>>> = Box::pin(self.fetch(part, round));
@@ -157,11 +157,11 @@ impl Assembly {
         }
     }
 
-    /// Fetches the parts one after the other, each when the page has nothing else to do.
+    /// Fetches the parts one after the other, each when the page is idle.
     fn fetch_parts(self, round: u32) {
         spawn_local(async move {
             for part in Part::ALL {
-                // A hidden page has nothing else to do, and its timers come once a second.
+                // A hidden page is idle, and its timers run once a second.
                 if !document().hidden() {
                     sleep(Duration::ZERO).await;
                 }
@@ -177,7 +177,7 @@ impl Assembly {
         spawn_local(async move { self.fetch(part, round).await });
     }
 
-    /// Fetches a part, and mounts its sections in the places of their frames.
+    /// Fetches a part, and mounts its sections in place of their placeholders.
     async fn fetch(self, part: Part, round: u32) {
         let states = self.of_part(part, |waiting| waiting.state);
         for state in &states {
@@ -233,19 +233,19 @@ fn has_focus(host: &HtmlElement) -> bool {
     focused.is_some_and(|element| host.contains(Some(&element)))
 }
 
-/// The frame that had the focus is gone.
+/// Restores the focus after a placeholder that had it was removed.
 fn focus_first(host: &HtmlElement) {
     let first = host.query_selector("button, input, select, [tabindex]");
     if let Some(first) = first.ok().flatten()
         && let Ok(first) = first.dyn_into::<HtmlElement>()
     {
-        // An element that refuses leaves the focus where the browser puts it.
+        // If the element cannot be focused, the browser decides.
         let _ = first.focus();
     }
 }
 
-/// The page without its sections, which come one by one until it is `complete`, and again in another language. As
-/// a view that changes they would need, for every element, the code that changes it: a fifth of the whole program.
+/// The page without its sections, which are mounted one by one until it is `complete`, and again in another
+/// language. As a reactive view, every element would need update code: a fifth of the whole program.
 pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl IntoView {
     let places = Places::default();
     let assembly = Assembly {
@@ -262,19 +262,19 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
     let begin = move || {
         let round = assembly.round.get_value() + 1;
         assembly.round.set_value(round);
-        // First the old ones, with all that listens for them.
+        // First remove the old ones with their listeners.
         assembly.sections.set_value(Vec::new());
         assembly.waiting.set_value(Vec::new());
         assembly.added.set_value(0);
         assembly.partial.set(true);
         places.clear();
         if assembly.complete.get_untracked() {
-            // STOP is out of reach until it is back.
+            // STOP cannot be pressed until it is mounted again.
             while assembly.add_next(round).is_some() {}
             assembly.mount_parts(round);
         } else {
             if round > 1 {
-                // The language was chosen in the header. Its STOP is back at once.
+                // The language was chosen in the header, which is mounted first.
                 let _ = assembly.add_next(round);
             }
             in_the_next_turn(move || assembly.add_others(round));
@@ -299,8 +299,8 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
     }
 }
 
-/// Does this in the next turn of the page's own, for the same owner if there is one; at once where nobody sees
-/// the page, since timers come once a second then.
+/// Runs a function in the next turn of the event loop, for the same owner if there is one. On a hidden page it
+/// runs at once, because timers run once a second then.
 pub(crate) fn in_the_next_turn(act: impl FnOnce() + 'static) {
     if document().hidden() {
         act();

@@ -1,4 +1,4 @@
-//! The parts of the program that come behind the first paint. Each is a file of its own (`cargo xtask build`).
+//! The parts of the program that are loaded after the first paint. Each is a separate file (`cargo xtask build`).
 #![cfg_attr(
     feature = "parts",
     allow(unsafe_code, reason = "the call into a part, made by wasm_split")
@@ -29,10 +29,10 @@ use crate::{
     },
 };
 
-/// A part. More and smaller parts weigh more together: what several parts use is a file for each set of them.
+/// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The rest of the desk: notices, motor strip, current and position tabs, packet log, graph, recording.
+    /// The rest of the main view: notices, motor strip, current and position tabs, packet log, graph, recording.
     Desk,
     /// ID manager, raw frames and the panels of the drawer.
     Tools,
@@ -47,11 +47,11 @@ impl Part {
     /// All, in the order in which they are fetched.
     pub(crate) const ALL: [Self; 3] = [Self::Desk, Self::Tools, Self::Help];
 
-    /// Fetches the part unless it is there, and mounts its sections.
+    /// Fetches the part unless it is loaded, and mounts its sections.
     ///
     /// # Errors
     ///
-    /// When its file does not arrive. It is fetched again the next time.
+    /// If its file cannot be fetched. The next call tries again.
     pub(crate) async fn mount(
         self,
         hosts: Hosts,
@@ -65,7 +65,7 @@ impl Part {
     }
 }
 
-/// Puts the code of a function, and all that only this code uses, into a part. Without the feature `parts`, as in
+/// Moves the code of a function, and all code that only it uses, into a part. Without the feature `parts`, as in
 /// tests, all code is in one program.
 macro_rules! in_part {
     ($part:ident: fn $name:ident($hosts:ident, $features:ident) $sections:expr) => {
@@ -90,7 +90,7 @@ macro_rules! in_part {
     };
 }
 
-// The order is that of `SECTIONS`.
+// In the order of `SECTIONS`.
 in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),

@@ -1,4 +1,4 @@
-//! What the page asks before it does what cannot be taken back by a stop, or what needs care.
+//! Questions before actions that a stop cannot undo, or that need care.
 
 use motorlink_i18n::tr;
 use motorlink_messages::bus::Repeat;
@@ -8,19 +8,19 @@ use crate::{
     ui::format,
 };
 
-/// A question in words.
+/// The texts of a question.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Question {
     /// The dialog's accessible name.
     pub(crate) name: &'static str,
     pub(crate) title: String,
-    /// What will happen, a paragraph a line.
+    /// What will happen, one paragraph per line.
     pub(crate) words: String,
-    /// What the button of consent reads.
+    /// The label of the confirm button.
     pub(crate) yes: String,
 }
 
-/// What a dialog asks; `None` where it asks nothing.
+/// The question of a dialog, if it has one.
 pub(crate) fn question(dialog: Dialog) -> Option<Question> {
     Some(match dialog {
         Dialog::Help(_) => return None,

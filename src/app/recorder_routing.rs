@@ -14,7 +14,7 @@ use crate::{
 };
 
 impl Features {
-    /// Starts the recorder and lays the line from the worker that owns the port.
+    /// Starts the recorder and connects it to the port worker.
     pub(crate) fn start_recorder(self) {
         let started = RecorderLink::spawn(
             move |message, file| self.on_recorder_message(message, file),
@@ -31,7 +31,7 @@ impl Features {
         });
         self.page.recorder.link.set_value(Some(recorder));
         if self.page.worker.state.get_untracked() == WorkerState::Dead {
-            // No worker tells its epoch, and the page's moments are on its own clock.
+            // Without a port worker, times are on the page's clock.
             self.page.set_epoch(page_origin_ms());
         }
         let collapse = self
@@ -85,7 +85,7 @@ impl Features {
         }
     }
 
-    /// The recorder has failed: the log is lost, and nothing else.
+    /// Handles a failed recorder: the log is lost, and nothing else.
     fn recorder_lost(self) {
         let recorder = &self.page.recorder;
         if !recorder.alive.get_untracked() {
@@ -101,7 +101,7 @@ impl Features {
         recorder.recording.set(RecordingStatus::default());
         recorder.exporting.set(None);
         self.saved_session.offer.set(Offer::None);
-        // Where the other worker has failed too, the page says that instead.
+        // If the port worker has failed too, the page reports that instead.
         if self.page.worker.state.get_untracked() != WorkerState::Dead {
             self.page.notify(recorder_texts::of_dead_recorder());
         }

@@ -41,7 +41,7 @@ impl Features {
                 self.page.send_limits();
             }
             ToPage::Died => self.worker_lost(),
-            // Answered where it arrives.
+            // The link answers it.
             ToPage::Ping => {}
             ToPage::Update(update) => self.update(&update),
         }
@@ -62,10 +62,10 @@ impl Features {
         self.page
             .notices
             .maybe_update(|board| board.review(|until| review(until, update)));
-        // Before a lost connection has them forgotten.
         self.page.governor.update_value(|governor| {
             set_frame_rate(governor.look(update.now, update.line.as_ref()))
         });
+        // Before a lost connection clears them.
         self.readings.keep_samples(update);
         self.readings.feed_twin(update);
         if update.connection != before {
@@ -80,7 +80,7 @@ impl Features {
             .history
             .update_value(|history| history.take(update));
         self.follow_loop();
-        // Readings wait for the next tenth of a second; a state does not.
+        // Readings are shown every tenth of a second, changes of state at once.
         let changed = self.page.latest.with_value(|latest| {
             self.page
                 .shown
@@ -138,9 +138,9 @@ impl Features {
             }
             Notice::ModeSwitched { id, mode } if *id == selected => self.page.follow(*mode),
             Notice::MotorSilent(id) => self.readings.end_faults_of_silent(Some(*id)),
-            // It may be back before the page was told that it was gone.
+            // It may be back before the page learned of the loss.
             Notice::AdapterLost { .. } => self.page.withdraw_question(),
-            // The bus ends a stop in the velocity loop, whatever was asked for before.
+            // The bus ends a stop in the velocity loop.
             Notice::StopBegan(reason) if *reason != StopReason::OneMotor => {
                 self.page.loops.asked.set(None);
             }
@@ -149,7 +149,7 @@ impl Features {
         self.ids.notice(notice);
         self.raw.notice(notice);
         self.groups.notice(notice);
-        // What the open tab says itself is not said twice.
+        // The open tab already shows it.
         let said_by_tab = match self.page.loops.tab.get_untracked() {
             Tab::IdManager => belongs_to_id_manager(notice),
             Tab::RawHex => belongs_to_raw_editor(notice),
@@ -170,7 +170,7 @@ impl Features {
         }
     }
 
-    /// Once after connecting, the tab is that of the motor's loop.
+    /// Opens the tab of the motor's loop, once after connecting.
     fn follow_loop(self) {
         if !self.page.loops.tab_to_follow.get_value() {
             return;
@@ -183,7 +183,7 @@ impl Features {
         }
     }
 
-    /// Looks whether the worker lives. Called once a second.
+    /// Checks whether the worker still runs. Called once a second.
     pub(crate) fn check_worker(self) {
         let pings = self.page.worker.state.get_untracked() == WorkerState::Running
             && self
@@ -197,16 +197,16 @@ impl Features {
         }
     }
 
-    /// The worker has failed: nothing more comes from it, and no frame leaves.
+    /// Handles a failed worker: it sends no more messages and no more frames.
     pub(crate) fn worker_lost(self) {
-        // First of all: a worker that reports an error may live and drive on, and what is said here must be true.
+        // First of all: a worker that reports an error may still run and drive, but the notice says that it does not.
         self.page.worker.link.with_value(|link| {
             if let Some(link) = link {
                 link.end();
             }
         });
         if self.page.worker.state.get_untracked() == WorkerState::Starting {
-            // It has told no epoch, and the page's moments are on its own clock.
+            // It has sent no epoch, so times are on the page's clock.
             self.page.set_epoch(page_origin_ms());
         }
         let mut driven = false;
@@ -227,7 +227,7 @@ impl Features {
         self.ids.disconnected();
         self.page.notices.update(|board| {
             board.close_line();
-            // Nobody tells any more how the stop ends.
+            // The end of the stop will not be reported.
             board.withdraw_all(|topic| matches!(topic, Topic::Setpoint(_)));
         });
         self.page.notify(notice_texts::of_dead_worker(driven));

@@ -1,7 +1,7 @@
-//! The sections of the page: panels, tabs and dialogs, in the order in which they stand.
+//! The sections of the page: panels, tabs and dialogs, in order.
 //!
-//! What a person needs to connect, drive, watch and stop is in the program. Every other section is in a part of
-//! the program that is fetched behind the first paint.
+//! The main program has the sections to connect, drive, watch and stop. All others are in parts that are
+//! fetched after the first paint.
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::Mode;
@@ -24,7 +24,7 @@ use crate::{
 };
 use web_sys::HtmlElement;
 
-/// Where sections are mounted, in the order in which they stand on the page.
+/// The places of sections, in the order of the page.
 #[derive(Clone, Copy)]
 pub(crate) enum Place {
     Top,
@@ -34,19 +34,19 @@ pub(crate) enum Place {
     Dialogs,
 }
 
-/// The code of a section.
+/// Where the code of a section is.
 #[derive(Clone, Copy)]
 pub(crate) enum Section {
-    /// In the program itself.
+    /// In the main program.
     Now(fn(HtmlElement, Features) -> Mounted),
-    /// In a part that is fetched. The frame stands in its place until it is there.
+    /// In a part. The placeholder is shown until it is loaded.
     Later(Part, Frame),
 }
 
-/// What stands in the place of a section until its part is there.
+/// The placeholder of a section until its part is loaded.
 #[derive(Clone, Copy)]
 pub(crate) enum Frame {
-    /// A panel of the desk, by its class.
+    /// A panel of the main view, by its class.
     Panel(&'static str),
     /// A panel of the tabs.
     Tab(Tab),
@@ -54,7 +54,7 @@ pub(crate) enum Frame {
     Drawer(Drawer),
     /// The help.
     Help,
-    /// Nothing: it appears when there is something to show.
+    /// None: the section appears when it has something to show.
     Nothing,
 }
 

@@ -1,4 +1,4 @@
-//! To which motors the same has happened, so that one notice names all of them.
+//! Which motors are affected by the same event, so that one notice names all of them.
 
 use motorlink_messages::{
     bus::{Activity, MotorStatus},

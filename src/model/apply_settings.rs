@@ -19,7 +19,7 @@ impl Page {
         }
     }
 
-    /// Tells the bus the rate; each port that is opened has a new bus.
+    /// Sends the rate to the bus; each opened port has a new bus.
     pub(crate) fn send_rate(self) {
         let rate = self.preferences.with_untracked(|chosen| chosen.rate);
         if self.is_connected() {
@@ -27,7 +27,7 @@ impl Page {
         }
     }
 
-    /// Takes the limits that were entered. Each is in its range.
+    /// Applies the entered limits. Each is in its range.
     pub(crate) fn set_limits(self) {
         let whole = |target: Target| u16::try_from(target.get_untracked()).unwrap_or(0);
         let limits = Limits::new(
@@ -55,8 +55,7 @@ impl Page {
         }
     }
 
-    /// The bus of a port that was opened has the ramp of the port before: what was entered meanwhile counts,
-    /// also if that is none.
+    /// Sends the entered ramp to the bus of a new port, which has the ramp of the previous port.
     pub(crate) fn send_ramp(self) {
         self.command(Command::SetRamp(self.settings.entered_ramp()));
     }

@@ -1,4 +1,4 @@
-//! What is sent to the worker, and what a person is told.
+//! Commands to the worker, and notices to the user.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -15,8 +15,8 @@ use crate::{
     ui::clock::{act_ms, page_now_ms},
 };
 
-/// The worker tells the effect of a command with the next frame of the screen; on a delayed page that may
-/// take a few.
+/// The worker reports the effect of a command with the next frame of the screen; on a slow page it may take a
+/// few frames.
 const TOLD_WITHIN_MS: f64 = 500.0;
 
 impl Page {
@@ -28,7 +28,7 @@ impl Page {
         });
     }
 
-    /// Asks the bus for what an operator wants.
+    /// Sends a command of the operator to the bus.
     pub(crate) fn command(self, command: Command) {
         let mirror = |id| self.motors.fleet.with_untracked(|fleet| fleet.mirror(id));
         if matches!(
@@ -43,15 +43,15 @@ impl Page {
         });
     }
 
-    /// Why no motor can change its side now, whatever is shown of it: the effect of the last command may not
-    /// have been told yet, and a question may be open that has the sign of now.
+    /// Why no motor can change its side now: the effect of the last command may not be known yet, and an open
+    /// question has the present sign.
     pub(crate) fn side_changes_blocked_by(self) -> Option<String> {
         let just_asked = self.has_just_started();
         let asks = self.dialog.with_untracked(Option::is_some);
         (just_asked || asks).then(|| tr!("A motor is starting. Try again in a moment.").to_owned())
     }
 
-    /// Whether anything is driven, moves by what was driven, or may have been started a moment ago.
+    /// Whether any motor is driven, still moves, or may have been started a moment ago.
     pub(crate) fn is_anything_driven(self) -> bool {
         self.has_just_started() || self.latest.with_value(Session::is_anything_driven)
     }
@@ -60,18 +60,18 @@ impl Page {
         page_now_ms() - self.worker.started_ms.get_value() < TOLD_WITHIN_MS
     }
 
-    /// Posts a notice and writes a line into the log.
+    /// Shows a notice and adds it to the log.
     pub(crate) fn notify(self, text: NoticeText) {
         self.notify_until(self.now(), text, Until::Dismissed);
     }
 
-    /// The same about something that happened a moment ago, and is true until then.
+    /// The same for an event at `at`; the notice is withdrawn when `until` occurs.
     pub(crate) fn notify_until(self, at: Instant, text: NoticeText, until: Until) {
         self.log(at, log_lines::of_notice(&text));
         self.notices.update(|board| board.post_until(text, until));
     }
 
-    /// Says why a command was not sent.
+    /// Shows why a command was not sent.
     pub(crate) fn refuse(self, title: String, reason: String) {
         self.notify(NoticeText {
             topic: Topic::Command,
@@ -83,7 +83,7 @@ impl Page {
         });
     }
 
-    /// This moment on the worker's clock.
+    /// The current time on the worker's clock.
     pub(crate) fn now(self) -> Instant {
         self.worker.clock.get_value().instant(page_now_ms())
     }

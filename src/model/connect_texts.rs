@@ -1,4 +1,4 @@
-//! The texts about ports: their state, and why one did not open.
+//! Texts about ports: their state, and connection errors.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{ConnectError, Connection};
@@ -37,7 +37,7 @@ fn failed_briefly(error: ConnectError) -> &'static str {
     }
 }
 
-/// What a failed connection says at length.
+/// The notice of a failed connection.
 pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
     let port = |title, advice| {
         NoticeText::new(Topic::Port, Tone::Error, title, advice)
@@ -94,7 +94,7 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
     }
 }
 
-/// What went wrong with choosing a port.
+/// The notice if no port could be chosen.
 pub(crate) fn of_pick_trouble(trouble: PickTrouble) -> NoticeText {
     let port = |tone, title, advice| {
         NoticeText::new(Topic::Port, tone, title, advice).explained_at(HelpTopic::NoPortInList)

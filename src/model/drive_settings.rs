@@ -1,4 +1,4 @@
-//! Rate, limits and ramp: entered here, remembered by the browser, sent to the bus.
+//! Rate, limits and ramp: entered here, stored by the browser, sent to the bus.
 
 use motorlink_messages::bus::Ramp;
 
@@ -7,13 +7,13 @@ use crate::{
     ui::target::Target,
 };
 
-/// Under this name the browser keeps the ramp.
+/// The storage key of the ramp.
 pub(crate) const RAMP_STORED_AS: &str = "ramp";
 
-/// The speed of the first start and of the keys F and B: half of what the motor runs without load.
+/// The speed of the first start and of the keys F and B: half of the no-load speed.
 pub(crate) const FIRST_SPEED_RPM: i32 = 100;
 
-/// What was entered last, always in range.
+/// The last entered values, always in range.
 #[derive(Clone, Copy)]
 pub(crate) struct DriveSettings {
     /// Drive frames a second.

@@ -1,5 +1,4 @@
-//! Who is who among the motors: their names, their sides and which of them drive together, as this
-//! browser remembers it for each ID.
+//! The names and sides of the motors and which of them drive together, stored by the browser for each ID.
 
 use motorlink_i18n::tr;
 use std::fmt::Write;
@@ -17,16 +16,16 @@ use crate::{
     ui::escape::escaped,
 };
 
-/// As many characters as a chip of the strip has room for.
+/// The characters that fit into a chip of the motor strip.
 pub(crate) const NAME_MAX: usize = 16;
 
-/// Under this name the browser keeps it.
+/// The storage key.
 const STORED_AS: &str = "fleet";
 
 /// On which side of a vehicle a motor sits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Side {
-    /// Nobody has said.
+    /// Not set.
     #[default]
     None,
     /// It turns forward at what it counts as positive speeds.
@@ -38,7 +37,7 @@ pub(crate) enum Side {
 impl Side {
     pub(crate) const ALL: [Self; 3] = [Self::None, Self::Left, Self::Right];
 
-    /// The name to remember it by.
+    /// The stored value.
     pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -51,7 +50,7 @@ impl Side {
         Self::ALL.into_iter().find(|side| side.key() == key)
     }
 
-    /// How a person counts the speed and current of a motor on this side.
+    /// The sign of speed and current of a motor on this side.
     pub(crate) const fn mirror(self) -> Mirror {
         match self {
             Self::None | Self::Left => Mirror::Straight,
@@ -59,8 +58,7 @@ impl Side {
         }
     }
 
-    /// Of this side's wheels, in rpm as the motor counts it: + is counter-clockwise, seen from its
-    /// face.
+    /// The speed of this side's wheels, in rpm of the motor: + is counter-clockwise, seen from its face.
     const fn rpm(self, wheels: Wheels) -> i32 {
         match self {
             Self::None | Self::Left => wheels.left,
@@ -69,13 +67,13 @@ impl Side {
     }
 }
 
-/// What is remembered of one motor.
+/// The stored settings of one motor.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Member {
     /// At most [`NAME_MAX`] characters, none of them a control character.
     name: String,
     pub(crate) side: Side,
-    /// Whether it drives together with others.
+    /// Whether it is in the group.
     pub(crate) drives: bool,
 }
 
@@ -84,43 +82,43 @@ impl Member {
         &self.name
     }
 
-    /// Whether this is a name as it stands.
+    /// Whether this is a valid name.
     pub(crate) fn is_name(text: &str) -> bool {
         text.chars().nth(NAME_MAX).is_none() && !text.chars().any(char::is_control)
     }
 
-    /// Takes what a person typed as far as it is a name.
+    /// Makes a valid name of the typed text.
     pub(crate) fn set_name(&mut self, typed: &str) {
         let characters = typed.chars().filter(|character| !character.is_control());
         self.name = characters.take(NAME_MAX).collect();
     }
 }
 
-/// Motors that drive together, with their sides.
+/// The motors of the group, with their sides.
 pub(crate) type GroupMembers = Vec<(MotorId, Side)>;
 
-/// What is remembered of all motors, in the order of IDs.
+/// The stored settings of all motors, in the order of IDs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Fleet(Vec<(MotorId, Member)>);
 
 impl Fleet {
-    /// Every motor of which something is remembered.
+    /// Every motor with stored settings.
     pub(crate) fn members(&self) -> impl Iterator<Item = &(MotorId, Member)> {
         self.0.iter()
     }
 
-    /// What is remembered of this motor.
+    /// The stored settings of this motor.
     pub(crate) fn member(&self, id: MotorId) -> Option<&Member> {
         let mut members = self.0.iter();
         members.find(|(other, _)| *other == id).map(|(_, it)| it)
     }
 
-    /// How a person counts this motor's speed and current.
+    /// The sign of this motor's speed and current.
     pub(crate) fn mirror(&self, id: MotorId) -> Mirror {
         self.side(id).mirror()
     }
 
-    /// On which side it sits.
+    /// Its side.
     pub(crate) fn side(&self, id: MotorId) -> Side {
         let side = self.member(id).map(|member| member.side);
         side.unwrap_or_default()
@@ -136,7 +134,7 @@ impl Fleet {
         }
     }
 
-    /// Motors that are selected to drive together, with their sides.
+    /// The motors that are selected for the group, with their sides.
     pub(crate) fn group_members(&self) -> GroupMembers {
         let driving = self.0.iter().filter(|(_, member)| member.drives);
         driving.map(|(id, member)| (*id, member.side)).collect()
@@ -184,7 +182,7 @@ impl Fleet {
     }
 }
 
-/// The setpoints with which the vehicle's wheels turn at these speeds.
+/// The setpoints for these speeds of the vehicle's wheels.
 pub(crate) fn group_setpoints(
     members: &[(MotorId, Side)],
     wheels: Wheels,
@@ -197,8 +195,8 @@ pub(crate) fn group_setpoints(
     GroupSetpoints::new(&setpoints)
 }
 
-/// The rows of the panel `Drive together` as HTML: those who have answered, and those who are to drive
-/// though they have not.
+/// The rows of the panel `Drive together` as HTML: the motors that have answered, and the selected ones that
+/// have not.
 pub(crate) fn rows_html(found: &[MotorId], fleet: &Fleet) -> String {
     let mut html = String::new();
     for id in listed(found, fleet) {
@@ -238,7 +236,7 @@ pub(crate) fn rows_html(found: &[MotorId], fleet: &Fleet) -> String {
     html
 }
 
-/// Whose rows there are.
+/// The motors with a row.
 pub(crate) fn listed(found: &[MotorId], fleet: &Fleet) -> Vec<MotorId> {
     let mut ids = found.to_vec();
     ids.extend(fleet.group_members().into_iter().map(|(id, _)| id));

@@ -1,7 +1,7 @@
-//! Whether a control applies now, and the reason to show where it does not.
+//! Whether a control can be used now, and the reason if it cannot.
 //!
-//! The bus decides what is driven and refuses what must not be; these are its rules as far as a
-//! person can know them beforehand, so that a button shows the reason before it is pressed.
+//! The bus decides and refuses. The guards repeat those of its rules that the page can check beforehand, so that
+//! a button shows the reason before it is pressed.
 
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
@@ -50,7 +50,7 @@ fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
     }
 }
 
-/// What the motor does now that must end first.
+/// What the motor has to finish first.
 fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
     match activity {
         Activity::Stopping { .. } => Some(terms::refusal(Refusal::Stopping(id))),
@@ -122,7 +122,7 @@ pub(crate) fn steer_blocked_by(session: &Session, members: &GroupMembers) -> Opt
     })
 }
 
-/// Why this motor's side cannot be changed now: a setpoint that stands would turn with it.
+/// Why this motor's side cannot be changed now: it would reverse an active setpoint.
 pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<String> {
     let active = session.motor(id).is_some_and(is_active);
     active.then(|| {
@@ -155,12 +155,12 @@ pub(crate) fn switch_blocked_by(session: &Session, id: MotorId, mode: Mode) -> O
     check_position_switch(id, speed).err().map(terms::refusal)
 }
 
-/// Why this motor cannot be stopped on its own. Stop all motors has no such reason, ever.
+/// Why this motor cannot be stopped by its own button. "Stop all motors" can always be pressed.
 pub(crate) fn stop_blocked_by(session: &Session) -> Option<String> {
     blocked_by_connection(session.connection).map(str::to_owned)
 }
 
-/// Why a scan cannot start. Driven motors are no reason: the scan stops them first.
+/// Why a scan cannot start. Driven motors do not prevent it: the scan stops them first.
 pub(crate) fn scan_blocked_by(session: &Session) -> Option<String> {
     if let Some(reason) = blocked_by_connection(session.connection) {
         return Some(reason.to_owned());
@@ -193,7 +193,7 @@ pub(crate) fn import_blocked_by(session: &Session, pad_is_held: bool) -> Option<
     Some(tr!("Motor {id} is in use. Stop it first.", id = motor.id))
 }
 
-/// Whether a port is open, being opened, or waited for.
+/// Whether a port is open, is being opened, or is expected back.
 pub(crate) fn is_in_use(connection: Connection) -> bool {
     match connection {
         Connection::Disconnected | Connection::Failed(_) => false,

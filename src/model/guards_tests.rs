@@ -1,4 +1,4 @@
-//! What may be pressed, and why not.
+//! Which controls can be used, and the reasons.
 
 use motorlink_messages::{
     bus::JobStatus,

@@ -1,4 +1,4 @@
-//! What the help speaks of: every place in it that something on the page leads to.
+//! The places in the help that the page links to.
 
 use motorlink_i18n::tr;
 use motorlink_messages::bus::{Refusal, WithdrawReason};
@@ -56,7 +56,7 @@ impl HelpTopic {
         Self::Install,
     ];
 
-    /// As the files of the help have it.
+    /// Its `id` in the files.
     pub(crate) const fn id(self) -> &'static str {
         match self {
             Self::Wiring => "wiring",
@@ -88,7 +88,7 @@ impl HelpTopic {
         Self::ALL.into_iter().find(|topic| topic.id() == id)
     }
 
-    /// What a button reads that leads to this place.
+    /// The label of a button that opens this place.
     pub(crate) fn link(self) -> String {
         tr!("Help: {topic}", topic = self.title())
     }
@@ -120,7 +120,7 @@ impl HelpTopic {
         }
     }
 
-    /// Where the help says more about a refused command.
+    /// The place in the help about a refused command.
     pub(crate) const fn of_refusal(refusal: Refusal) -> Option<Self> {
         Some(match refusal {
             Refusal::NotAnswering(_) | Refusal::PageSilent => Self::NoAnswer,
@@ -131,12 +131,12 @@ impl HelpTopic {
             Refusal::FaultActive { .. } => Self::Faults,
             Refusal::AboveSpeedLimit(_) | Refusal::TooHot { .. } => Self::StoppedByItself,
             Refusal::NotProvedAlone => Self::TwoMotorsOneId,
-            // These say all there is to say.
+            // Their texts need no more explanation.
             _ => return None,
         })
     }
 
-    /// Where the help says more about a setpoint that was taken back.
+    /// The place in the help about a withdrawn setpoint.
     pub(crate) const fn of_withdrawal(reason: WithdrawReason) -> Self {
         match reason {
             WithdrawReason::Silent => Self::NoAnswer,

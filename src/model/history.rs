@@ -1,5 +1,5 @@
-//! What every motor has reported and what it was asked for, over the last minutes: plain buffers,
-//! fed with every reply, read by whatever draws.
+//! The reports and setpoints of every motor over the last minutes, in plain buffers: written with every reply,
+//! read by the drawing code.
 
 use std::{collections::VecDeque, rc::Rc, time::Duration};
 
@@ -9,41 +9,40 @@ use motorlink_messages::{
     protocol::{Celsius, Current, Detail, Instant, MotorId, Reply, Rpm, Setpoint},
 };
 
-/// How long anything is kept.
+/// How long points are kept.
 const KEPT_FOR: Duration = Duration::from_secs(600);
 
-/// Points that are kept of one motor. No line carries more in ten minutes: ten bytes each way take
-/// 868 us at 115200 baud, so there are at most 576 replies a second, of all motors together. 5.5 MB.
+/// Maximal points per motor. A line carries no more in ten minutes: ten bytes each way take 868 us at
+/// 115200 baud, so all motors together send at most 576 replies a second. 5.5 MB.
 const POINTS_MAX: usize = 600 * 576;
 
-/// Changes of a goal that are kept of one motor: one with every frame of the screen for ten minutes,
-/// as of somebody who never lets go of a slider. 600 KB.
+/// Maximal changes of the goal per motor: one per frame of the screen for ten minutes, as with a slider that
+/// is dragged all the time. 600 KB.
 const GOALS_MAX: usize = 600 * 60;
 
-/// Beginnings of connections that are kept: one a second for ten minutes.
+/// Maximal number of connections: one a second for ten minutes.
 const CUTS_MAX: usize = 600;
 
-/// The worker's zero on the clock of the page's history: a thousand million seconds, so that a session of
-/// before has its place there too, and microseconds are exact in a double.
+/// The worker's zero on the clock of the history: a thousand million seconds, so that earlier sessions have
+/// positive times, and microseconds are exact in a double.
 pub(crate) const ZERO_US: u64 = 1_000_000_000_000_000;
 
-/// Where a motor says nothing for longer than this, nobody knows what it did meanwhile. It is asked
-/// ten times a second.
+/// A longer time without a reply is a gap: what the motor did is unknown. It is queried ten times a second.
 const GAP_US: u64 = 1_000_000;
 
-/// One reply, as far as it can be drawn.
+/// The drawn values of one reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Point {
     /// When its last byte was read, on the history's clock.
     pub(crate) at: Instant,
     pub(crate) speed: Rpm,
     pub(crate) current: Current,
-    /// The angle, and the temperature where the reply holds one.
+    /// The angle, and the temperature if the reply has one.
     pub(crate) detail: Detail,
 }
 
 impl Point {
-    /// 0 to 360, as finely as the reply has it.
+    /// 0 to 360, in the resolution of the reply.
     pub(crate) fn degrees(&self) -> Option<f32> {
         match self.detail {
             Detail::Drive { position } => Some(position.degrees()),
@@ -60,14 +59,14 @@ impl Point {
     }
 }
 
-/// From when on a motor was asked for what; `None` is for nothing.
+/// A goal, from this time on; `None` if the motor is not driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct GoalChange {
     pub(crate) at: Instant,
     pub(crate) goal: Option<Setpoint>,
 }
 
-/// What is kept of one motor, oldest first.
+/// The history of one motor, oldest first.
 #[derive(Debug, Default)]
 pub(crate) struct Track {
     points: VecDeque<Point>,
@@ -83,15 +82,15 @@ impl Track {
         self.points.back()
     }
 
-    /// The points of a stretch of time, and one on either side of it, where the lines begin and end
-    /// that cross its edges. In two pieces, of which the second goes on where the first ends.
+    /// The points within a period, and one point on either side, for the lines that cross its edges. In two
+    /// consecutive slices.
     pub(crate) fn between(&self, from: Instant, to: Instant) -> [&[Point]; 2] {
         let first = self.points.partition_point(|point| point.at < from);
         let end = self.points.partition_point(|point| point.at < to);
         let end = (end + 1).min(self.points.len());
         let first = first.saturating_sub(1).min(end);
         let (older, newer) = self.points.as_slices();
-        // Of a piece that does not reach so far, nothing.
+        // Empty for a slice outside of the period.
         let part = |piece: &'_ [Point], begins: usize| {
             let at = |place: usize| place.saturating_sub(begins).min(piece.len());
             at(first)..at(end)
@@ -103,7 +102,7 @@ impl Track {
         ]
     }
 
-    /// The points before a moment, latest first, and those from it on, oldest first.
+    /// The points before a time, latest first, and those from it on, oldest first.
     pub(crate) fn around(
         &self,
         at: Instant,
@@ -112,13 +111,13 @@ impl Track {
         (self.points.range(..place).rev(), self.points.range(place..))
     }
 
-    /// What the motor was asked for at a moment.
+    /// The goal at a time.
     pub(crate) fn goal_at(&self, at: Instant) -> Option<Setpoint> {
         let place = self.goals.partition_point(|change| change.at <= at);
         self.goals.get(place.checked_sub(1)?)?.goal
     }
 
-    /// The changes of the goal in a stretch of time, and the one before it.
+    /// The changes of the goal within a period, and the one before it.
     pub(crate) fn goals_between(
         &self,
         from: Instant,
@@ -129,7 +128,7 @@ impl Track {
         self.goals.range(first.saturating_sub(1)..end)
     }
 
-    /// Replies come in the order in which they were read; an older one is passed over.
+    /// Adds a reply. Replies arrive in order of time; an older one is skipped.
     fn take(&mut self, point: Point) {
         if self.newest().is_some_and(|newest| point.at < newest.at) {
             return;
@@ -146,7 +145,7 @@ impl Track {
         }
     }
 
-    /// Points of before are taken in from the newest on; one that is not older is passed over.
+    /// Adds a restored point. They arrive newest first; one that is not older is skipped.
     fn recall(&mut self, point: Point) {
         let is_older = self.oldest().is_none_or(|oldest| point.at <= oldest.at);
         let is_kept = self
@@ -165,7 +164,7 @@ impl Track {
             self.goals.pop_front();
         }
         self.goals.push_back(GoalChange { at, goal });
-        // The last of the old ones still says what was asked for when the kept time begins.
+        // The last of the old ones is the goal at the start of the kept time.
         while self
             .goals
             .get(1)
@@ -176,25 +175,25 @@ impl Track {
     }
 }
 
-/// What is kept of every motor.
+/// The history of every motor.
 #[derive(Default)]
 pub(crate) struct History {
-    /// The worker's zero on the clock of everything in here, in microseconds.
+    /// The worker's zero on the clock of the history, in microseconds.
     zero_us: u64,
-    /// Counts what was taken in of before.
+    /// Number of restored parts.
     recalled: u32,
     tracks: Vec<(MotorId, Track)>,
-    /// The first reply of every connection but the first: nothing joins it to what was before.
+    /// The first reply of every later connection: lines do not join across it.
     cuts: VecDeque<Instant>,
     /// Whether the next reply is the first of a connection.
     cut_pending: bool,
     connected: bool,
-    /// Wakes what draws, which sleeps while there is nothing to draw.
+    /// Wakes the animation loop, which sleeps while nothing changes.
     wake: Option<Rc<dyn Fn()>>,
 }
 
 impl History {
-    /// A history with room for what was before the worker.
+    /// A history with room for restored sessions.
     pub(crate) fn with_past() -> Self {
         Self {
             zero_us: ZERO_US,
@@ -202,12 +201,12 @@ impl History {
         }
     }
 
-    /// A moment of the worker on the clock of the history.
+    /// Converts a time of the worker to the clock of the history.
     const fn at(&self, instant: Instant) -> Instant {
         Instant::from_micros(self.zero_us.saturating_add(instant.as_micros()))
     }
 
-    /// What comes by [`recall`](Self::recall) is of before: nothing joins it to what there is.
+    /// Begins restoring by [`recall`](Self::recall): lines do not join restored and present points.
     pub(crate) fn begin_past(&mut self) {
         let oldest = self.tracks.iter().filter_map(|(_, track)| track.oldest());
         if let Some(oldest) = oldest.map(|point| point.at).min() {
@@ -215,8 +214,8 @@ impl History {
         }
     }
 
-    /// Takes in samples of before, each part older than the last; oldest first in itself. The zero of their
-    /// times is so much later than the worker's.
+    /// Adds restored samples: each part is older than the one before, and oldest first in itself. The zero of
+    /// their times is this much later than the worker's.
     pub(crate) fn recall(&mut self, zero_us: i64, samples: &[Sample]) {
         for Sample { at, reply } in samples.iter().rev() {
             let at_us = self.at(*at).as_micros().saturating_add_signed(zero_us);
@@ -229,12 +228,12 @@ impl History {
         }
     }
 
-    /// Changes when something of before was taken in.
+    /// Changes whenever samples were restored.
     pub(crate) const fn recalled(&self) -> u32 {
         self.recalled
     }
 
-    /// Takes in what the worker says.
+    /// Adds an update of the worker.
     pub(crate) fn take(&mut self, update: &Update) {
         let now = self.at(update.now);
         if !matches!(update.connection, Connection::Connected(_)) {
@@ -259,7 +258,7 @@ impl History {
         }
     }
 
-    /// The connection has ended: nothing is asked of any motor.
+    /// The connection has ended: no motor has a goal.
     pub(crate) fn end(&mut self, at: Instant) {
         if self.connected {
             self.connected = false;
@@ -270,7 +269,7 @@ impl History {
         }
     }
 
-    /// Calls `wake` whenever replies came. It must not touch the history.
+    /// Calls `wake` whenever replies were added. It must not access the history.
     pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
         self.wake = Some(wake);
     }
@@ -287,9 +286,9 @@ impl History {
         reported.map(|(id, _)| *id).collect()
     }
 
-    /// Whether nothing is known of the time between two replies that follow each other.
+    /// Whether there is a gap between two consecutive replies.
     pub(crate) fn is_gap(&self, from: Instant, to: Instant) -> bool {
-        // In whole microseconds: this is asked for every reply of every frame that is drawn.
+        // In whole microseconds, because it is called for every reply in every drawn frame.
         to.as_micros().saturating_sub(from.as_micros()) > GAP_US
             || (!self.cuts.is_empty() && self.is_cut(from, to))
     }
@@ -317,13 +316,13 @@ impl History {
         }
     }
 
-    /// Does this with what is kept of a motor; of one that is new, with nothing.
-    fn on_track(&mut self, id: MotorId, act: impl FnOnce(&mut Track)) {
+    /// Calls `change` with the history of a motor, which is empty for a new one.
+    fn on_track(&mut self, id: MotorId, change: impl FnOnce(&mut Track)) {
         if let Some((_, track)) = self.tracks.iter_mut().find(|(of, _)| *of == id) {
-            act(track);
+            change(track);
         } else {
             let mut track = Track::default();
-            act(&mut track);
+            change(&mut track);
             self.tracks.push((id, track));
         }
     }
@@ -338,12 +337,12 @@ fn point(at: Instant, reply: &Reply) -> Point {
     }
 }
 
-/// What a motor is asked for while this is done with it. A stop is a goal too: it asks for the brake.
+/// The goal of an activity. The goal of a stop is the brake.
 fn goal(activity: Activity) -> Option<Setpoint> {
     match activity {
         Activity::Driven { setpoint } => Some(setpoint),
         Activity::Stopping { .. } => Some(Setpoint::Brake),
-        // What a person wrote byte by byte may be anything.
+        // A raw frame may have any setpoint.
         Activity::Idle | Activity::Switching { .. } | Activity::DrivenRaw => None,
     }
 }

@@ -1,4 +1,4 @@
-//! What is kept, and for how long.
+//! What the history keeps, and for how long.
 
 use motorlink_messages::{
     Adapter,
@@ -31,7 +31,7 @@ pub(crate) fn sample(id: MotorId, at_ms: u64, rpm: i16) -> Sample {
     }
 }
 
-/// What the worker says while a port is open.
+/// An update of the worker while a port is open.
 pub(crate) fn update(now_ms: u64, samples: Vec<Sample>, motors: Vec<MotorStatus>) -> Update {
     Update {
         now: Instant::from_millis(now_ms),
@@ -147,7 +147,7 @@ fn ten_minutes_at_full_rate_are_kept_and_the_oldest_give_way() {
     assert!(track.points.len() >= 300_000 && track.points.len() <= POINTS_MAX);
 }
 
-/// Where the oldest have given way, what is kept lies in two pieces.
+/// After the oldest points were dropped, the ring buffer has two slices.
 #[test]
 fn a_stretch_of_time_may_lie_in_two_pieces() {
     let mut track = Track::default();

@@ -1,4 +1,4 @@
-//! Which key does what.
+//! The functions of the keys.
 
 use motorlink_messages::protocol::Mode;
 
@@ -18,7 +18,7 @@ pub(crate) enum Focus {
 /// A key that stops all motors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StopKey {
-    /// While anything is driven, and always where the focus is on nothing that Space acts on.
+    /// While anything is driven; at any time if Space does not act on the focused element.
     Space,
     /// Always.
     Escape,
@@ -35,18 +35,18 @@ impl StopKey {
     }
 }
 
-/// What is known when a key that stops goes down or comes up.
+/// The state when a stop key is pressed or released.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scene {
     /// Where the focus is.
     pub(crate) focus: Focus,
-    /// Whether anything is driven, or moves by what was driven.
+    /// Whether anything is driven or still moves.
     pub(crate) driven: bool,
-    /// Whether the worker has told that all motors are stopped.
+    /// Whether the worker has reported "Stop all motors".
     pub(crate) halted: bool,
 }
 
-/// What is done with the event of a key that stops.
+/// What to do with the event of a stop key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reaction {
     /// All motors are stopped, and the focused control does not get the key.
@@ -57,25 +57,25 @@ pub(crate) enum Reaction {
     Pass,
 }
 
-/// The keys that stop, each from its press to its release.
+/// The stop keys, each from press to release.
 ///
-/// A browser presses a focused button when Space comes up. So the release goes where the press went: what
-/// stopped a wheel presses nothing, though the wheel stands by then.
+/// A browser presses a focused button when Space is released. So a release is handled like its press: a key
+/// that stopped a wheel presses nothing, although the wheel stands still by then.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StopKeys {
     space: Press,
     escape: Press,
 }
 
-/// Where the press of a key went.
+/// How the press of a key was handled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Press {
-    /// The key is up, or went down where the page did not hear it.
+    /// The key is up, or the page did not get its press.
     #[default]
     Unheard,
-    /// To the focused control.
+    /// The focused control got it.
     Passed,
-    /// To the stop.
+    /// It stopped the motors.
     Taken,
 }
 
@@ -93,14 +93,14 @@ impl StopKeys {
         };
         if stops {
             *press = Press::Taken;
-            // A key held down is one press, as long as the first was heard.
+            // A held key is one press, if the page got the first event.
             return if repeat && scene.halted {
                 Reaction::Take
             } else {
                 Reaction::Stop
             };
         }
-        // A key that repeats was pressed for something else, unless its press went here.
+        // A repeated key whose press the page did not get was pressed for something else.
         if repeat && *press != Press::Passed && scene.focus != Focus::Text {
             *press = Press::Taken;
             return Reaction::Take;
@@ -109,8 +109,8 @@ impl StopKeys {
         Reaction::Pass
     }
 
-    /// The key comes up. A press that the page did not hear stops now: an open list of the browser's own
-    /// keeps the press of Escape to itself.
+    /// The key is released. If the page did not get the press, it stops now: an open list of the browser does
+    /// not pass on the press of Escape.
     pub(crate) fn up(&mut self, key: StopKey, scene: Scene) -> Reaction {
         let text = key == StopKey::Space && scene.focus == Focus::Text;
         match std::mem::take(self.press(key)) {
@@ -128,7 +128,7 @@ impl StopKeys {
     }
 }
 
-/// What a key asks for that does not stop all motors.
+/// The function of a key other than a stop key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum KeyAction {
     /// Drive forward at the preset.
@@ -148,7 +148,7 @@ pub(crate) enum KeyAction {
 }
 
 impl KeyAction {
-    /// Whether a wheel may start by it, or a motor change its loop.
+    /// Whether it may start a wheel or change the loop of a motor.
     pub(crate) const fn drives(self) -> bool {
         match self {
             Self::Forward | Self::Backward | Self::Preset(_) | Self::Switch(_) => true,
@@ -157,7 +157,7 @@ impl KeyAction {
     }
 }
 
-/// What a key asks for here, with `modified` where Ctrl, Alt or Meta is down.
+/// The function of a key at this focus; `modified` if Ctrl, Alt or Meta is down.
 pub(crate) fn key_action(key: &str, modified: bool, focus: Focus) -> Option<KeyAction> {
     // Ctrl+C copies, Ctrl+F finds.
     if modified || matches!(focus, Focus::List | Focus::Text) {

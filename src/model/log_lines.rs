@@ -1,4 +1,4 @@
-//! The lines of the packet log that are the page's own: what happened between the frames.
+//! The messages of the page in the packet log.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -17,16 +17,16 @@ use crate::{
     ui::format,
 };
 
-/// A line of the log.
+/// A message for the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Line {
-    /// Whether something went wrong.
+    /// Whether it is an error.
     pub(crate) error: bool,
     /// One line.
     pub(crate) text: String,
 }
 
-/// A line about nothing wrong.
+/// A message that is no error.
 pub(crate) fn calm(text: impl Into<String>) -> Line {
     Line {
         error: false,
@@ -34,8 +34,8 @@ pub(crate) fn calm(text: impl Into<String>) -> Line {
     }
 }
 
-/// What the notice board says, without its advice; but where a command was not done, the advice is
-/// the reason.
+/// The message of a notice, without its advice; but with the advice if that is the reason why a command was
+/// not sent.
 pub(crate) fn of_notice(words: &NoticeText) -> Line {
     let refused = words.topic == Topic::Command && words.tone == Tone::Warning;
     let text = if refused {
@@ -49,7 +49,7 @@ pub(crate) fn of_notice(words: &NoticeText) -> Line {
     }
 }
 
-/// What an update tells but in notices: the port, and motors that begin to be driven or switched.
+/// The messages of an update without its notices: the port, and motors that start to be driven or switched.
 pub(crate) fn of_update(before: &Session, update: &Update) -> Vec<Line> {
     let mut lines = Vec::new();
     lines.extend(of_connection(before.connection, update.connection));
@@ -71,12 +71,12 @@ fn of_connection(before: Connection, after: Connection) -> Option<Line> {
         }
         Connection::Disconnected => Some(calm(tr!("Disconnected"))),
         Connection::Connecting => Some(calm(tr!("Opening the port"))),
-        // The notice board says these.
+        // These are notices.
         Connection::Reconnecting(_) | Connection::Failed(_) => None,
     }
 }
 
-/// Each new setpoint is to be read in the frames; here stands when driving begins.
+/// The start of driving. Later setpoints are in the frames.
 fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option<Line> {
     let driven_before = matches!(before, Some(Activity::Driven { .. }));
     match after {
@@ -97,7 +97,7 @@ fn of_activity(id: MotorId, before: Option<Activity>, after: Activity) -> Option
     }
 }
 
-/// A notice that the notice board does not show.
+/// A notice that the page does not show.
 pub(crate) fn of_quiet_notice(notice: &Notice) -> Option<Line> {
     Some(match notice {
         Notice::ModeSwitched { id, mode } => calm(tr!(
@@ -122,7 +122,7 @@ fn of_stop_begun(reason: StopReason) -> Line {
     }
 }
 
-/// A stop that every motor has confirmed; the others are on the notice board.
+/// A stop that every motor has confirmed; other stops are notices.
 fn of_stop_ended(report: &StopReport) -> Line {
     let motors: Vec<MotorId> = report.motors.iter().map(|motor| motor.id).collect();
     if motors.is_empty() {

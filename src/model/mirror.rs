@@ -1,10 +1,9 @@
-//! A motor that is mounted mirrored, as one on the right side of a vehicle: what an operator asks of it
-//! and reads of it has the other sign on the wire.
+//! Reverses the sign of speed and current for motors that are mounted mirrored, such as those on the right
+//! side of a vehicle.
 //!
-//! It is applied where the page reads what the worker has told, in [`Session::with_mirroring`] and where
-//! points of the history are drawn, and where a command leaves, in [`to_wire`]. The digital twin, the
-//! packet log, raw frames and recordings are as the motor counts: they are of the wire or of what is
-//! seen.
+//! It is applied to the worker's state in [`Session::with_mirroring`], to drawn points of the history, and to
+//! commands in [`to_wire`]. The digital twin, the packet log, raw frames and recordings have the signs of the
+//! wire.
 //!
 //! [`Session::with_mirroring`]: crate::model::snapshot::Session::with_mirroring
 
@@ -13,13 +12,13 @@ use motorlink_messages::{
     protocol::{Current, CurrentTarget, MotorId, Rpm, Setpoint, SpeedTarget},
 };
 
-/// How an operator counts a motor's speed and current. Either way is its own way back.
+/// The sign of a motor's speed and current for the operator. Applying it twice has no effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Mirror {
-    /// As the motor does: + is counter-clockwise, seen from its face.
+    /// As on the wire: + is counter-clockwise, seen from the motor's face.
     #[default]
     Straight,
-    /// The other way: + is clockwise, seen from its face.
+    /// Reversed: + is clockwise, seen from the motor's face.
     Mirrored,
 }
 
@@ -42,7 +41,7 @@ impl Mirror {
         }
     }
 
-    /// An angle stays: it is where the wheel stands. So does the brake.
+    /// Angles and the brake do not change.
     pub(crate) fn setpoint(self, setpoint: Setpoint) -> Setpoint {
         match (self, setpoint) {
             (
@@ -55,7 +54,7 @@ impl Mirror {
                 speed: SpeedTarget::clamped(-i32::from(speed.rpm())),
                 acceleration,
             },
-            // As large one way as the other, so that no current is out of range by it.
+            // The range is symmetric, so the result is in range.
             (Self::Mirrored, Setpoint::Current(target)) => {
                 Setpoint::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
             }
@@ -73,8 +72,8 @@ impl Mirror {
     }
 }
 
-/// What goes to the bus of a command of an operator. Motors that drive together are told as each of them
-/// counts already: see [`crate::model::fleet::group_setpoints`].
+/// The command for the bus. Setpoints of a group already have the signs of the wire: see
+/// [`crate::model::fleet::group_setpoints`].
 pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
     match command {
         Command::Drive {
@@ -138,7 +137,7 @@ mod tests {
         }
     }
 
-    /// What a reply can hold at most has no counterpart of the other sign.
+    /// The most negative value of a reply has no positive counterpart.
     #[test]
     fn the_ends_of_what_a_reply_can_hold_are_mirrored_too() {
         let mirror = Mirror::Mirrored;

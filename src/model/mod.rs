@@ -1,4 +1,4 @@
-//! What the page knows, and what features share.
+//! The state of the page that features share.
 
 pub(crate) mod affected;
 pub(crate) mod apply_settings;

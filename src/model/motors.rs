@@ -1,4 +1,4 @@
-//! Which motor is chosen, and who is who.
+//! The selected motor, and the fleet.
 
 use leptos::prelude::*;
 use motorlink_messages::{
@@ -22,7 +22,7 @@ impl Page {
         }
         let together = self.motors.driven_together.get_value();
         let others: Vec<MotorId> = self.latest.with_value(|session| {
-            // Those that drive together do so whichever of them is looked at.
+            // A group drives on, whichever of its motors is selected.
             let driven = session.active_motors().filter(|motor| {
                 !matches!(motor.activity, Activity::Stopping { .. })
                     && !together.contains(&motor.id)
@@ -41,7 +41,7 @@ impl Page {
         self.select(id);
     }
 
-    /// Turns the page to a motor.
+    /// Shows another motor.
     pub(crate) fn select(self, id: MotorId) {
         self.withdraw_question();
         self.selected.set(id);
@@ -58,12 +58,12 @@ impl Page {
         self.motors.fleet.with_untracked(Fleet::save);
     }
 
-    /// Takes another fleet in the place of the one there is.
+    /// Replaces the fleet.
     pub(crate) fn replace_fleet(self, fleet: Fleet) {
         fleet.save();
         self.motors.fleet.set(fleet);
         self.motors.replaced.update(|times| *times += 1);
-        // What is shown of it may have another sign from now on.
+        // Its values may have another sign from now on.
         self.show();
     }
 }

@@ -1,5 +1,5 @@
-//! The notices that stand: one a topic, so that the board is bounded and a fault that repeats does
-//! not push out the others.
+//! The current notices: one per topic, so that their number is bounded and a repeated fault does not remove
+//! the others.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -9,57 +9,57 @@ use motorlink_messages::{
 
 use crate::model::help_topic::HelpTopic;
 
-/// What makes a notice untrue.
+/// When a notice is no longer true.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Until {
-    /// Nothing: it says what happened.
+    /// Never: it reports an event, and the user dismisses it.
     #[default]
     Dismissed,
-    /// Any motor answers.
+    /// When any motor answers.
     AnyAnswer,
-    /// Each of these motors answers again, or is not asked any more.
+    /// When each of these motors answers again or is no longer queried.
     Answers(Vec<MotorId>),
-    /// This motor reports this loop.
+    /// When this motor reports this loop.
     Loop(MotorId, Mode),
-    /// None of these motors is driven or being stopped.
+    /// When none of these motors is driven or being stopped.
     AtRest {
         motors: Vec<MotorId>,
-        /// Whose setpoint was withdrawn, and why: it is said in other words then.
+        /// The motor whose setpoint was withdrawn, and why, for the changed text.
         withdrawn: Option<(MotorId, WithdrawReason)>,
     },
-    /// One of these motors is driven again.
+    /// When one of these motors is driven again.
     Driven(Vec<MotorId>),
-    /// Each of these motors has reported standstill; with the replies in a row that did.
+    /// When each of these motors has reported standstill; with the number of such replies in a row.
     Standstill(Vec<(StopOutcome, u8)>),
 }
 
-/// What becomes of a notice.
+/// What to do with a notice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Fate {
-    /// It is still true.
+    /// Keep it: it is still true.
     Stands,
-    /// It is not.
+    /// Withdraw it.
     Over,
-    /// This is true instead.
+    /// Replace it.
     Becomes(NoticeText, Until),
 }
 
-/// What a notice is about. A new one takes the place of an older one on the same topic.
+/// The topic of a notice. A new notice replaces an older one on the same topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
     /// Opening and keeping the port.
     Port,
-    /// Bytes that came in damaged.
+    /// Damaged bytes.
     Line,
-    /// Who answered the ID query.
+    /// The result of the ID query.
     Answer,
-    /// Who does not answer.
+    /// Motors that do not answer.
     Silence,
-    /// A command that was not carried out.
+    /// A refused command.
     Command,
-    /// A setpoint that was taken back.
+    /// A withdrawn setpoint.
     Setpoint(MotorId),
-    /// A loop that was not taken.
+    /// A failed mode switch.
     Loop(MotorId),
     /// A stop that was not confirmed.
     Stop,
@@ -71,22 +71,22 @@ pub(crate) enum Topic {
     Worker,
     /// The worker that keeps the log.
     Recorder,
-    /// A file that was asked for.
+    /// An export.
     Export,
-    /// Another version of the page.
+    /// A new version of the page.
     NewVersion,
     /// The page as an installed program.
     Installing,
 }
 
-/// How a notice is meant.
+/// The severity of a notice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
-    /// Something to know.
+    /// Information.
     Calm,
-    /// Something to do.
+    /// A warning: the user has to do something.
     Warning,
-    /// Something went wrong.
+    /// An error.
     Error,
 }
 
@@ -95,13 +95,13 @@ pub(crate) enum Tone {
 pub(crate) enum Remedy {
     /// Opens the picker without a filter.
     ShowAllPorts,
-    /// Asks every address who is there.
+    /// Starts a full scan.
     FullScan,
     /// Loads the page again.
     Reload,
     /// Loads its new version.
     TakeNewVersion,
-    /// Has the browser ask whether it is to be installed.
+    /// Opens the browser's question to install the page.
     Install,
 }
 
@@ -117,17 +117,17 @@ impl Remedy {
     }
 }
 
-/// A notice in words.
+/// The texts of a notice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct NoticeText {
     pub(crate) topic: Topic,
     pub(crate) tone: Tone,
     /// What happened.
     pub(crate) title: String,
-    /// What to do, a line each.
+    /// What to do, one line each.
     pub(crate) advice: Vec<String>,
     pub(crate) remedy: Option<Remedy>,
-    /// Where the help says more.
+    /// The place in the help.
     pub(crate) help: Option<HelpTopic>,
 }
 
@@ -143,7 +143,7 @@ impl NoticeText {
         }
     }
 
-    /// The same, with the place in the help that says more.
+    /// The same, with a place in the help.
     #[must_use]
     pub(crate) fn explained_at(self, topic: HelpTopic) -> Self {
         Self {
@@ -153,17 +153,16 @@ impl NoticeText {
     }
 }
 
-/// A notice that stands.
+/// A shown notice.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Posted {
-    /// Tells it from all others of this page's life.
+    /// Its unique number.
     pub(crate) number: u32,
     pub(crate) words: NoticeText,
     until: Until,
 }
 
-/// The notices. Each keeps its slot for as long as it stands, so that the page changes nothing but
-/// what is new.
+/// The notices. Each keeps its slot while it is shown, so that only new ones change the page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NoticeBoard {
     slots: [Option<Posted>; Self::SLOTS],
@@ -171,17 +170,17 @@ pub(crate) struct NoticeBoard {
 }
 
 impl NoticeBoard {
-    /// More would not be read.
+    /// Maximal number; nobody would read more.
     pub(crate) const SLOTS: usize = 5;
 
-    /// Posts what happened: it stands until a person dismisses it, or something else is said on its topic.
+    /// Posts a notice that stays until the user dismisses it or another one on its topic replaces it.
     pub(crate) fn post(&mut self, words: NoticeText) {
         self.post_until(words, Until::Dismissed);
     }
 
-    /// Posts what is true until then.
+    /// Posts a notice that is true until then.
     pub(crate) fn post_until(&mut self, words: NoticeText, until: Until) {
-        // The same again is no news: it keeps its number, and a screen reader is not told twice.
+        // A repeated notice keeps its number, so that a screen reader does not announce it again.
         let mut posted = self.slots.iter_mut().flatten();
         if let Some(same) = posted.find(|posted| posted.words == words) {
             same.until = until;
@@ -208,12 +207,12 @@ impl NoticeBoard {
         self.withdraw_all(|other| other == topic);
     }
 
-    /// Withdraws what is said on all of these topics.
+    /// Withdraws the notices on all of these topics.
     pub(crate) fn withdraw_all(&mut self, topics: impl Fn(Topic) -> bool) {
         self.take_down(|posted| topics(posted.words.topic));
     }
 
-    /// Withdraws what is said of a line that is closed now.
+    /// Withdraws the notices about a closed line.
     pub(crate) fn close_line(&mut self) {
         self.withdraw_all(|topic| {
             matches!(
@@ -223,7 +222,7 @@ impl NoticeBoard {
         });
     }
 
-    /// Asks of every notice whether it is still true. Says whether any is not.
+    /// Applies `fate` to every notice. Returns whether any changed.
     pub(crate) fn review(&mut self, mut fate: impl FnMut(&mut Until) -> Fate) -> bool {
         let mut changed = false;
         for slot in &mut self.slots {

@@ -1,5 +1,4 @@
-//! Which notices are still true. What is no longer true is withdrawn without a press, or is said as what
-//! it has become.
+//! Which notices are still true. A notice that is no longer true is withdrawn or replaced.
 
 use motorlink_messages::{
     Notice, Update,
@@ -14,11 +13,11 @@ use crate::model::{
     snapshot::{Session, is_active},
 };
 
-/// So many replies in a row that report 0 rpm are a standstill, as for the bus: one may have been measured
-/// as a reversing wheel passed zero.
+/// Consecutive replies of 0 rpm that confirm a standstill, as in the bus: a single one may be from a wheel that
+/// reverses.
 const STANDSTILL_REPLIES: u8 = 3;
 
-/// What makes the words of this notice untrue.
+/// When this notice is no longer true.
 pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
     match notice {
         Notice::IdQueryEnded(IdQueryOutcome::NoReply) => Until::AnyAnswer,
@@ -37,7 +36,7 @@ pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
     }
 }
 
-/// Looks at what the worker says: is this still true?
+/// Whether a notice is still true after an update of the worker.
 pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
     let motor = |id: &MotorId| update.motors.iter().find(|motor| motor.id == *id);
     let over = match until {
@@ -86,7 +85,7 @@ fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Fate {
             .iter()
             .filter(|sample| sample.reply.id == motor.id);
         for sample in of_motor {
-            // Whatever follows a standstill is another motion.
+            // Any motion after a standstill is a new one.
             if *still < STANDSTILL_REPLIES {
                 let stands = sample.reply.speed.magnitude() == 0;
                 *still = if stands { *still + 1 } else { 0 };

@@ -1,4 +1,4 @@
-//! What the board says while things change.
+//! The notices while the state changes.
 
 use motorlink_messages::{
     Adapter, Connection,
@@ -18,7 +18,7 @@ fn id(number: u8) -> MotorId {
     MotorId::new(number).unwrap()
 }
 
-/// A page that hears of motors 1 to 4.
+/// A page with motors 1 to 4.
 struct Scenario {
     session: Session,
     board: NoticeBoard,
@@ -70,7 +70,7 @@ impl Scenario {
         titles
     }
 
-    /// As the page takes an update in. Gives the titles of what stands then.
+    /// Applies an update as the page does. Returns the titles of the notices.
     fn update(&mut self, notices: &[Notice]) -> Vec<String> {
         self.session.apply(&self.update);
         let update = &self.update;

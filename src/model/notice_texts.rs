@@ -1,4 +1,4 @@
-//! What the page says when something happened: what it was, and what to do.
+//! The texts of notices: what happened, and what to do.
 
 use motorlink_i18n::{Language, tr};
 use motorlink_messages::{
@@ -16,12 +16,12 @@ use crate::model::{
     terms,
 };
 
-/// What the worker tells; `None` where the page shows it in another way.
+/// The text of a worker's notice; `None` if the page shows it in another way.
 pub(crate) fn of_notice(notice: &Notice) -> Option<NoticeText> {
     of_notice_in(notice, &Session::default())
 }
 
-/// The same while motors are in this state: it names all of those to which the same happened.
+/// The same, with all affected motors.
 pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeText> {
     Some(match notice {
         Notice::Refused { command, refusal } => of_refusal(*command, *refusal)?,
@@ -74,7 +74,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
             )],
         )
         .explained_at(HelpTopic::DamagedBytes),
-        // Shown where the motor, its loop and the stop are shown.
+        // Other parts of the page show these.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ModeSwitched { .. }
         | Notice::MotorBack(_)
@@ -86,7 +86,7 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
 pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
     match notice {
         Notice::ModeSwitched { id, .. } => Some(Topic::Loop(*id)),
-        // A motor that is silent is told by its ID.
+        // A silent motor is identified by its ID.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ScanEnded(_)
         | Notice::MotorSilent(_) => Some(Topic::Answer),
@@ -95,8 +95,7 @@ pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
 }
 
 fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
-    // A drag that outlasts its motor's drive is no mistake of anybody, and a current that has to
-    // be confirmed is asked about.
+    // A drag that outlasts a drive is no error, and for a high current the page asks.
     if matches!(
         command,
         Command::Adjust { .. } | Command::AdjustGroup { .. } | Command::Forget(_)
@@ -206,7 +205,7 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
         .explained_at(HelpTopic::of_withdrawal(reason))
 }
 
-/// The same when the stop is over: what was true then, as what was.
+/// The same after the stop, in the past tense.
 pub(crate) fn of_ended_drive(
     id: MotorId,
     reason: WithdrawReason,
@@ -270,7 +269,7 @@ pub(crate) fn of_unconfirmed(motors: impl Iterator<Item = StopOutcome>) -> Notic
 fn of_unconfirmed_motor(motor: StopOutcome) -> String {
     let speed = motor
         .speed
-        // Without a sign, which a mirrored motor has the other way round.
+        // Without a sign, because a mirrored motor has the opposite one.
         .map_or_else(
             || tr!("speed unknown").to_owned(),
             |speed| format!("{} rpm", speed.magnitude()),

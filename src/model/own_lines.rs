@@ -1,4 +1,4 @@
-//! The page's own lines in the packet log.
+//! Adds the messages of the page to the packet log.
 
 use leptos::prelude::*;
 use motorlink_messages::{protocol::Instant, recorder::ToRecorder};
@@ -8,16 +8,16 @@ use crate::{
     model::{log_lines::Line, page::Page, recorder::Recorder},
 };
 
-/// Lines that are kept until there is a recorder: more than a person brings about in that second.
+/// Messages that wait until the recorder runs: more than a user can cause in that second.
 const EARLY_LINES_MAX: usize = 32;
 
 impl Page {
-    /// The recorder, for as long as the page lives.
+    /// The recorder.
     pub(crate) fn recorder(self) -> &'static Recorder {
         &self.parts().recorder
     }
 
-    /// The wall clock at the zero of every [`Instant`]. From now on lines have their place in the log.
+    /// Sets the wall clock at [`Instant::ZERO`], so that messages can be added to the log.
     pub(crate) fn set_epoch(self, unix_ms: f64) {
         self.recorder.post(&ToRecorder::Epoch { unix_ms });
         let early = self.recorder.early_lines.lock();
@@ -28,7 +28,7 @@ impl Page {
         }
     }
 
-    /// Writes a line of the page's own into the log.
+    /// Adds a message to the log.
     pub(crate) fn log(self, at: Instant, line: Line) {
         if let Ok(mut early) = self.recorder.early_lines.lock()
             && let Some(early) = early.as_mut()

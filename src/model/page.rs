@@ -1,13 +1,13 @@
-//! What the page knows and all features share: the motors, the lines to the workers, the notices, the settings.
+//! The state that all features share: motors, links to the workers, notices, settings.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `page` | what there is |
-//! | `commands` | what is sent to the worker, and what a person is told |
-//! | `motors` | which motor is chosen, and who is who |
+//! | `page` | the state itself |
+//! | `commands` | commands to the worker, and notices to the user |
+//! | `motors` | the selected motor, and the fleet |
 //! | `drive_settings` | rate, limits and ramp |
-//! | `recorder` | the log and the recording, kept by another worker |
-//! | `setup_actions` | the setup, read from here and applied here |
+//! | `recorder` | the recorder as the page sees it |
+//! | `setup_actions` | reads and applies the setup |
 
 use std::ops::Deref;
 
@@ -32,7 +32,7 @@ use crate::{
     ui::{drawer::Drawer, reactive::memo},
 };
 
-/// A frame that a person wants to be sent, and how often.
+/// A raw frame to send, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RawOrder {
     pub(crate) frame: Frame,
@@ -51,24 +51,24 @@ pub(crate) struct IdChange {
 /// The open dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialog {
-    /// The help, at one of its places.
+    /// The help, at this place.
     Help(Option<HelpTopic>),
-    /// The question whether so high a current is meant.
+    /// The question about a high current.
     HighCurrent {
-        /// The motor that it was asked for.
+        /// The motor.
         id: MotorId,
         /// The current.
         target: CurrentTarget,
     },
-    /// The question whether all of the log is to be forgotten, and how many entries that are.
+    /// The question whether to clear the log, with its number of entries.
     ClearLog(u64),
-    /// The question whether everything that the browser keeps is to be erased.
+    /// The question whether to delete all stored data.
     EraseKept,
-    /// The question whether the only motor is to have another ID.
+    /// The question whether to change the ID of the only motor.
     ChangeId(IdChange),
-    /// The question whether a frame is to be sent that can move a wheel.
+    /// The question whether to send a frame that can move a wheel.
     Hazard(RawOrder),
-    /// The question whether so high a current is meant in a frame that a person wrote.
+    /// The question about a high current in a raw frame.
     HighRawCurrent {
         /// The frame.
         order: RawOrder,
@@ -90,10 +90,10 @@ impl Dialog {
     }
 }
 
-/// What concerns more than one feature. The app passes it on, since no feature knows another.
+/// A message that concerns more than one feature. The app delivers it, because features do not use each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Change {
-    /// Another motor was chosen, or none: what was read of the last says nothing of it.
+    /// Another motor was selected: readings of the previous one are not valid for it.
     Motor,
     /// A question was declined or withdrawn.
     Declined,
@@ -101,15 +101,15 @@ pub(crate) enum Change {
     Tab(Tab),
 }
 
-/// The worker that owns the port, as the page sees it.
+/// The port worker as the page sees it.
 #[derive(Clone, Copy)]
 pub(crate) struct Worker {
     pub(crate) link: StoredValue<Option<WorkerLink>, LocalStorage>,
     pub(crate) state: RwSignal<WorkerState>,
     pub(crate) clock: StoredValue<Clock>,
-    /// Whether a person has stopped all motors before there was a link.
+    /// Whether the user pressed STOP before the link was ready.
     pub(crate) stopped_early: StoredValue<bool>,
-    /// What a person has asked to connect to before there was a link.
+    /// The connection that the user requested before the link was ready.
     pub(crate) connect_early: StoredValue<Option<ToWorker>>,
     /// When a wheel was started last, on the page's clock.
     pub(crate) started_ms: StoredValue<f64>,
@@ -119,28 +119,27 @@ pub(crate) struct Worker {
 #[derive(Clone, Copy)]
 pub(crate) struct Motors {
     pub(crate) fleet: RwSignal<Fleet>,
-    /// Counts how often the fleet was replaced as a whole, rather than changed by its rows.
+    /// Number of times that the whole fleet was replaced.
     pub(crate) replaced: RwSignal<u32>,
-    /// The motors that were started together last, until they are known not to drive any more.
+    /// The last started group, until it is known that it no longer drives.
     pub(crate) driven_together: StoredValue<Vec<MotorId>>,
     /// Whether the drive pad drives.
     pub(crate) steered: RwSignal<bool>,
 }
 
-/// Which loop is shown, and which is asked for.
+/// The shown and the requested loop.
 #[derive(Clone, Copy)]
 pub(crate) struct Loops {
     pub(crate) tab: RwSignal<Tab>,
     /// Set on connecting until the tab has followed the motor's loop.
     pub(crate) tab_to_follow: StoredValue<bool>,
-    /// The loop that the operator asked for last, until a stop or another motor makes it moot.
+    /// The last requested loop, until a stop or a change of motor.
     pub(crate) asked: RwSignal<Option<Mode>>,
 }
 
 type OnChange = Box<dyn Fn(Change)>;
 
-/// A pointer, so that it weighs nothing in the hundreds of closures that hold it. A page has one, for as long
-/// as it lives.
+/// A pointer, so that the hundreds of closures that hold it stay small. There is one, for the life of the page.
 #[derive(Clone, Copy)]
 pub(crate) struct Page(&'static Parts);
 
@@ -152,14 +151,14 @@ impl Deref for Page {
     }
 }
 
-/// What a page consists of.
+/// The parts of the state.
 pub(crate) struct Parts {
     pub(crate) worker: Worker,
     pub(crate) recorder: Recorder,
-    /// The newest state, as the motors count. It changes with every message and is no signal.
+    /// The newest state with the signs of the wire. It changes with every message and is no signal.
     pub(crate) latest: StoredValue<Session>,
-    /// The state as it is shown, as a person counts: at most once a frame, and ten times a second for
-    /// readings alone.
+    /// The shown state with the operator's signs. Updated at most once per frame of the screen; for readings alone,
+    /// ten times a second.
     pub(crate) shown: RwSignal<Session>,
     pub(crate) history: StoredValue<History, LocalStorage>,
     /// Decides how often the page draws.
@@ -170,7 +169,7 @@ pub(crate) struct Parts {
     pub(crate) settings: DriveSettings,
     pub(crate) notices: RwSignal<NoticeBoard>,
     pub(crate) preferences: RwSignal<Preferences>,
-    /// The language of the page, which is drawn anew when it changes.
+    /// The language; the page is drawn again when it changes.
     pub(crate) language: RwSignal<Language>,
     pub(crate) dialog: RwSignal<Option<Dialog>>,
     /// The open panel of the drawer.
@@ -223,7 +222,7 @@ impl Page {
         self.0
     }
 
-    /// From now on, `act` passes on what concerns more than one feature.
+    /// Sets the function that delivers changes to the features.
     pub(crate) fn on_change(self, act: impl Fn(Change) + 'static) {
         self.on_change.set_value(Some(Box::new(act)));
     }
@@ -236,7 +235,7 @@ impl Page {
         });
     }
 
-    /// The newest state as a person counts it, with its ages as they are now.
+    /// The newest state with the operator's signs and current ages.
     pub(crate) fn present(self) -> Session {
         let latest = Session {
             now: self.now(),
@@ -251,7 +250,7 @@ impl Page {
         self.shown.set(self.present());
     }
 
-    /// Shows the tab of the loop that the motor has, or is to have.
+    /// Opens the tab of the motor's current or requested loop.
     pub(crate) fn follow(self, mode: Mode) {
         self.loops.tab.update(|tab| *tab = tab.following(mode));
     }
@@ -261,13 +260,13 @@ impl Page {
         self.loops.tab.set(tab);
     }
 
-    /// Closes the open question with a no.
+    /// Declines the open question.
     pub(crate) fn decline(self) {
         self.dialog.set(None);
         self.announce(Change::Declined);
     }
 
-    /// Withdraws a question about motors: another is looked at, or they may be others on this connection.
+    /// Withdraws a question about motors, because the selection or the connection has changed.
     pub(crate) fn withdraw_question(self) {
         let open = self.dialog.get_untracked();
         if open.is_some_and(Dialog::is_about_motors) {
@@ -275,13 +274,13 @@ impl Page {
         }
     }
 
-    /// Changes what this browser remembers.
+    /// Changes the stored preferences.
     pub(crate) fn prefer(self, change: impl FnOnce(&mut Preferences)) {
         self.preferences.update(change);
         self.preferences.with_untracked(Preferences::save);
     }
 
-    /// A part of the shown state of the chosen motor, which changes only when that part does.
+    /// A derived value of the selected motor, which changes only if the value differs.
     pub(crate) fn of_motor<T>(
         self,
         read: impl Fn(&Session, MotorId) -> T + Send + Sync + 'static,

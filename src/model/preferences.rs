@@ -1,5 +1,4 @@
-//! What the page remembers in this browser. A browser that keeps nothing, or keeps garbage, is one
-//! with nothing remembered.
+//! The stored preferences. Missing or invalid values have their defaults.
 
 use motorlink_messages::{
     UsbId,
@@ -30,7 +29,7 @@ impl Model {
         }
     }
 
-    /// The name to remember it by.
+    /// The stored value.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -49,7 +48,7 @@ impl Model {
 /// The colours of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Theme {
-    /// As the system has it.
+    /// As in the system.
     #[default]
     System,
     /// Dark on light.
@@ -61,7 +60,7 @@ pub enum Theme {
 }
 
 impl Theme {
-    /// The value of `data-theme`, and the name to remember it by.
+    /// The value of `data-theme`, which is also stored.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -72,7 +71,7 @@ impl Theme {
         }
     }
 
-    /// The next in the round of the theme button.
+    /// The next theme of the theme button.
     #[must_use]
     pub const fn next(self) -> Self {
         match self {
@@ -90,10 +89,10 @@ impl Theme {
     }
 }
 
-/// Everything remembered.
+/// All preferences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preferences {
-    /// The motor chosen last.
+    /// The last selected motor.
     pub motor: MotorId,
     /// Its make.
     pub model: Model,
@@ -127,11 +126,11 @@ impl Default for Preferences {
 }
 
 impl Preferences {
-    /// From a store of texts.
+    /// Reads them from a key-value store.
     pub fn from_store(lookup: impl Fn(&str) -> Option<String>) -> Self {
         let default = Self::default();
         let number = |name| lookup(name).and_then(|text| text.parse::<u16>().ok());
-        // What is yes or no is yes at first.
+        // The default of a switch is on.
         let yes = |name| lookup(name).is_none_or(|text| text != "no");
         Self {
             motor: lookup("motor")
@@ -155,7 +154,7 @@ impl Preferences {
         }
     }
 
-    /// As texts by name, what [`Preferences::from_store`] reads.
+    /// The keys and values that [`Preferences::from_store`] reads.
     #[must_use]
     pub fn to_store(&self) -> [(&'static str, String); 8] {
         let adapter = self.adapter.map(|usb| usb.to_string());
@@ -172,14 +171,14 @@ impl Preferences {
         ]
     }
 
-    /// What this browser remembers.
+    /// Loads them from the browser's storage.
     #[must_use]
     pub fn load() -> Self {
         let storage = storage();
         Self::from_store(|name| storage.as_ref()?.get_item(&key(name)).ok()?)
     }
 
-    /// Has this browser remember it. One that cannot is not complained about: the page works.
+    /// Stores them. A browser that cannot store them is not an error.
     pub fn save(&self) {
         if let Some(storage) = storage() {
             for (name, text) in self.to_store() {
@@ -189,19 +188,19 @@ impl Preferences {
     }
 }
 
-/// What this browser remembers under a name of its own.
+/// A single stored value.
 pub(crate) fn remembered(name: &str) -> Option<String> {
     storage()?.get_item(&key(name)).ok()?
 }
 
-/// Has this browser remember it.
+/// Stores a single value.
 pub(crate) fn remember(name: &str, text: &str) {
     if let Some(storage) = storage() {
         let _ = storage.set_item(&key(name), text);
     }
 }
 
-/// Has this browser forget all of it, whatever its name.
+/// Removes all stored values of the page.
 pub(crate) fn forget_all() {
     let Some(storage) = storage() else { return };
     let length = storage.length().unwrap_or_default();
@@ -212,7 +211,7 @@ pub(crate) fn forget_all() {
     }
 }
 
-/// Before every name, because all pages of an origin share one store.
+/// The prefix of every key, because all pages of an origin share one store.
 const PREFIX: &str = "motorlink.";
 
 fn storage() -> Option<web_sys::Storage> {

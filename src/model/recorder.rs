@@ -1,4 +1,4 @@
-//! The worker that keeps the packet log and the recording, as the page sees it.
+//! The recorder as the page sees it.
 
 use std::sync::Mutex;
 
@@ -18,11 +18,11 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Exporting {
     pub(crate) what: Export,
-    /// How much of it is written.
+    /// Its progress.
     pub(crate) per_mille: u64,
 }
 
-/// The recorder, and what it has told of itself.
+/// The recorder and its state.
 pub(crate) struct Recorder {
     pub(crate) link: StoredValue<Option<RecorderLink>, LocalStorage>,
     /// Whether it runs, or is being started.
@@ -30,7 +30,7 @@ pub(crate) struct Recorder {
     pub(crate) recording: RwSignal<RecordingStatus>,
     /// The file that is being written; one at a time.
     pub(crate) exporting: RwSignal<Option<Exporting>>,
-    /// Lines of the log on the page's clock, until the worker's clock is known.
+    /// Messages with times of the page's clock, until the worker's clock is known.
     pub(crate) early_lines: Mutex<Option<Vec<(Instant, Line)>>>,
 }
 
@@ -53,7 +53,7 @@ impl Recorder {
         });
     }
 
-    /// Starts to write a file, or cancels the one that is being written.
+    /// Starts an export, or cancels the current one.
     pub(crate) fn export_or_cancel(&self, what: Export) {
         if self.exporting.get_untracked().is_some() {
             self.post(&ToRecorder::CancelExport);
@@ -66,13 +66,13 @@ impl Recorder {
         });
     }
 
-    /// How much of this file is written, while it is.
+    /// The progress of this file while it is written.
     pub(crate) fn per_mille(&self, what: Export) -> Option<u64> {
         let exporting = self.exporting.get().filter(|one| one.what == what);
         exporting.map(|one| one.per_mille)
     }
 
-    /// Why this file cannot be exported now, unless because of what is in it.
+    /// Why this file cannot be exported now, apart from its content.
     pub(crate) fn export_blocked_by(&self, what: Export) -> Option<String> {
         if !self.alive.get() {
             return Some(no_recorder().to_owned());

@@ -1,4 +1,4 @@
-//! The texts about the recorder and its files.
+//! Texts about the recorder and its files.
 
 use motorlink_i18n::tr;
 use motorlink_messages::recorder::Export;
@@ -8,7 +8,7 @@ use crate::model::{
     notice_board::{NoticeText, Tone, Topic},
 };
 
-/// Why nothing can be done with the log any more.
+/// Why the log cannot be used any more.
 pub(crate) fn no_recorder() -> &'static str {
     tr!("The packet log has stopped. Reload the page to restart it.")
 }
@@ -27,7 +27,7 @@ pub(crate) fn of_dead_recorder() -> NoticeText {
     .explained_at(HelpTopic::Troubleshooting)
 }
 
-/// A file was asked for and there is nothing to write into it.
+/// There is nothing to export.
 pub(crate) fn of_nothing_to_export(what: Export) -> NoticeText {
     let (title, advice) = match what {
         Export::Log => (

@@ -1,4 +1,4 @@
-//! What scans and ID changes say when they end: what was found, and what to do.
+//! Texts about the results of scans and ID changes.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -15,7 +15,7 @@ use crate::{
     ui::format::in_language,
 };
 
-/// More IDs than these are counted, not named.
+/// More IDs than this are counted instead of named.
 const NAMED_MAX: usize = 8;
 
 /// Why an ID is only changed on a bus with one motor.
@@ -30,7 +30,7 @@ fn text(tone: Tone, title: impl Into<String>, advice: &[&str]) -> NoticeText {
         title: title.into(),
         advice: advice.iter().map(|line| (*line).to_owned()).collect(),
         remedy: None,
-        // What goes wrong with a scan is that nobody answers, or too many.
+        // A scan fails if no motor or too many motors answer.
         help: match tone {
             _ if advice == wiring() => Some(HelpTopic::NoAnswer),
             Tone::Calm => None,
@@ -48,7 +48,7 @@ pub(crate) fn belongs_to_id_manager(notice: &Notice) -> bool {
     }
 }
 
-/// Whether this command asks who is there or changes an ID.
+/// Whether this command is a scan, an ID query or an ID change.
 pub(crate) const fn is_survey(command: Command) -> bool {
     matches!(
         command,
@@ -56,7 +56,7 @@ pub(crate) const fn is_survey(command: Command) -> bool {
     )
 }
 
-/// Who answered the ID query.
+/// The result of the ID query.
 pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> NoticeText {
     let said = match outcome {
         IdQueryOutcome::One(id) => text(
@@ -97,7 +97,7 @@ pub(crate) fn of_id_query(outcome: IdQueryOutcome) -> NoticeText {
     }
 }
 
-/// How a full scan ended.
+/// The result of a full scan.
 pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
     let found = found(&report.found);
     if !report.complete {
@@ -138,7 +138,7 @@ pub(crate) fn of_scan(report: &ScanReport) -> NoticeText {
     )
 }
 
-/// A full scan that was to prove that one motor is there has not proved it.
+/// A full scan before an ID change did not prove that there is only one motor.
 pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
     let unchanged = |why: &str| tr!("The ID was not changed: {why}", why);
     if !report.complete {
@@ -176,7 +176,7 @@ pub(crate) fn of_no_proof(report: &ScanReport, to: AssignableId) -> NoticeText {
     }
 }
 
-/// How an ID change ended.
+/// The result of an ID change.
 pub(crate) fn of_id_change(
     from: MotorId,
     to: AssignableId,
@@ -270,7 +270,7 @@ pub(crate) fn of_id_change(
     }
 }
 
-/// How far a scan or ID change is.
+/// The progress of a scan or ID change.
 pub(crate) fn of_progress(job: Option<&JobStatus>) -> String {
     match job {
         None => tr!("No scan running. A scan stops all motors first.").to_owned(),
@@ -278,7 +278,7 @@ pub(crate) fn of_progress(job: Option<&JobStatus>) -> String {
         Some(JobStatus::Scanning {
             asked, of, left_ms, ..
         }) => {
-            // Rounded up: nobody minds a scan that is over sooner.
+            // Rounded up: a scan may end sooner than shown.
             let left = left_ms.div_ceil(1_000).max(1);
             tr!("{asked} of {of}, about {left} s left", asked, of, left)
         }
@@ -326,7 +326,7 @@ fn tenths_of_a_second(millis: u32) -> String {
     in_language(format!("{}.{} s", tenths / 10, tenths % 10))
 }
 
-/// What to check where nobody answers, in the order in which it is mostly the reason.
+/// What to check if no motor answers, the most frequent cause first.
 pub(crate) fn wiring() -> [&'static str; 4] {
     [
         tr!("Is the motor's 18 V supply on?"),

@@ -1,10 +1,10 @@
-//! The setup: who is who among the motors, and how they are driven. Kept in this browser, and written
-//! and read as one JSON file.
+//! The setup: the fleet and the drive settings. Stored in the browser, and exported and imported as one JSON
+//! file.
 //!
 //! | field | what it is | allowed |
 //! |---|---|---|
 //! | `motorlink_setup` | the version of this table; must be there | 1 |
-//! | `model` | the motor's make | `"m0601"`, `"ddsm115"` |
+//! | `model` | the motor's model | `"m0601"`, `"ddsm115"` |
 //! | `command_rate_hz` | drive frames a second | 1 to 500 |
 //! | `keep_driving_while_hidden` | whether a hidden page goes on driving | `true`, `false` |
 //! | `ramp_rpm_per_s` | by how much a commanded speed may grow in a second | 0 (no ramp) to 10000 |
@@ -17,12 +17,11 @@
 //! | `motors[].side` | `"none"` where it is left out | `"none"`, `"left"`, `"right"` |
 //! | `motors[].drives_together` | `false` where it is left out | `true`, `false` |
 //!
-//! What is left out beside the motors' own fields is left as it is when the file is taken. Any other
-//! field, and any field twice, is refused: what a page does not know, it must not pass over in silence.
-//! The file is UTF-8 and has at most [`SETUP_BYTES_MAX`] bytes.
+//! A missing field at the top level leaves its setting unchanged. Any other field, and any field twice, is
+//! refused, because a page must not silently ignore what it does not know. The file is UTF-8 and has at most
+//! [`SETUP_BYTES_MAX`] bytes.
 //!
-//! Theme, adapter, the motor that is looked at and what the log shows are one person's at one desk, and
-//! no part of it.
+//! Theme, adapter, selected motor and log filters are personal, and not part of it.
 
 mod error;
 mod reading;
@@ -34,11 +33,11 @@ use motorlink_messages::bus::CommandRate;
 pub use self::error::{Misfit, SETUP_BYTES_MAX, SetupError};
 use crate::model::{fleet::Fleet, preferences::Model};
 
-/// Of the table above. Fields may be added to a version only where a page that does not know them may
+/// The version of the table above. A field may be added to a version only if pages that do not know it may
 /// refuse the file.
 const VERSION: u16 = 1;
 
-/// A setup, as far as a file has it.
+/// The settings that a file has.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Setup {
     pub(crate) model: Option<Model>,
@@ -56,7 +55,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Reads a file, all of it before anything of it is taken.
+    /// Reads a complete file before any of it is applied.
     ///
     /// # Errors
     /// [`SetupError`] names the place that does not fit, and what is allowed there.
@@ -64,7 +63,7 @@ impl Setup {
         reading::read(file)
     }
 
-    /// As a file, a line a motor.
+    /// The file, one line per motor.
     #[must_use]
     pub fn to_json(&self) -> String {
         // Writing into a String cannot fail.
@@ -110,7 +109,7 @@ impl Setup {
     }
 }
 
-// It plays with chance, which has no source of its own in a browser.
+// proptest needs a source of randomness, which the browser build lacks.
 #[cfg(test)]
 #[cfg(not(target_arch = "wasm32"))]
 #[path = "setup_tests.rs"]

@@ -1,11 +1,11 @@
-//! The setup, read from the page and applied to it.
+//! Reads the setup from the page and applies it.
 
 use leptos::prelude::*;
 
 use crate::model::{page::Page, setup::Setup};
 
 impl Page {
-    /// What is set now.
+    /// The current setup.
     pub(crate) fn setup(self) -> Setup {
         let preferences = self.preferences.get_untracked();
         Setup {
@@ -20,7 +20,7 @@ impl Page {
         }
     }
 
-    /// Nothing of it starts or stops a wheel.
+    /// Applies a setup. That starts and stops no wheel.
     pub(crate) fn take_setup(self, setup: Setup) {
         self.prefer(|preferences| {
             preferences.model = setup.model.unwrap_or(preferences.model);

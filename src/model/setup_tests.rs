@@ -1,4 +1,4 @@
-//! A setup as a file: there and back, and every way in which a file does not fit.
+//! A setup as a file: round trips, and every kind of invalid file.
 
 use motorlink_messages::{
     bus::{Limits, Ramp},
@@ -48,7 +48,7 @@ fn rover() -> Setup {
     }
 }
 
-/// Why this file is refused, in the words that a person reads.
+/// The text of the error for this file.
 fn refused(file: &str) -> String {
     match Setup::from_json(file.as_bytes()) {
         Ok(setup) => panic!("{file} was read as {setup:?}"),
@@ -314,7 +314,7 @@ proptest! {
         let end = (place + cut).min(file.len());
         file.splice(place..end, put);
         match Setup::from_json(&file) {
-            // What was taken is a setup: it can be given to somebody else.
+            // An imported setup can be exported again.
             Ok(setup) => {
                 let again = Setup::from_json(setup.to_json().as_bytes()).unwrap();
                 prop_assert_eq!(again.to_json(), setup.to_json());

@@ -1,4 +1,4 @@
-//! What the worker has told, kept as plain data: the newest state of everything.
+//! The newest state that the worker has reported, as plain data.
 
 use std::time::Duration;
 
@@ -16,50 +16,49 @@ use motorlink_messages::{
 
 use crate::model::{fleet::Fleet, mirror::Mirror};
 
-/// Everything that the page shows but the entered targets.
+/// Everything that the page shows, except for the entered targets.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Session {
-    /// The moment it is looked at, on the worker's clock: ages are counted from here.
+    /// The time for which ages are computed, on the worker's clock.
     pub(crate) now: Instant,
     /// The state of the port.
     pub(crate) connection: Connection,
-    /// Whether Stop all motors stands.
+    /// Whether "Stop all motors" is in effect.
     pub(crate) halted: bool,
-    /// Every motor that is asked for telemetry.
+    /// Every queried motor.
     pub(crate) motors: Vec<MotorStatus>,
-    /// The scan or ID change that is under way.
+    /// The running scan or ID change.
     pub(crate) job: Option<JobStatus>,
     /// The last frame of the raw editor.
     pub(crate) raw: Option<RawStatus>,
-    /// How the line works; `None` while no port is open.
+    /// The status of the line; `None` while no port is open.
     pub(crate) line: Option<LineStatus>,
-    /// The last Stop all motors, while it stands.
+    /// The last "Stop all motors", while it is in effect.
     pub(crate) stop: Option<StopRecord>,
-    /// Whose speed and current have the other sign here than the motor reports; nobody's in what the
-    /// worker has told.
+    /// The motors whose speed and current have the reversed sign here; none in the state of the worker.
     pub(crate) mirrored: Vec<MotorId>,
 }
 
-/// How Stop all motors goes.
+/// The progress of "Stop all motors".
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct StopRecord {
     /// Why.
     pub(crate) reason: StopReason,
-    /// How it ended; `None` while it goes on.
+    /// The result; `None` while it is running.
     pub(crate) outcomes: Option<Vec<StopOutcome>>,
 }
 
-/// A value and how old it is.
+/// A value and its age.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Reading<T> {
-    /// What was reported.
+    /// The reported value.
     pub(crate) value: T,
-    /// Since then.
+    /// Its age.
     pub(crate) age: Duration,
 }
 
 impl<T> Reading<T> {
-    /// Whether it still says what is.
+    /// Whether it is recent enough to be shown as current.
     pub(crate) fn is_fresh(&self) -> bool {
         self.age <= FRESH_FOR
     }
@@ -72,7 +71,7 @@ impl<T> Reading<T> {
     }
 }
 
-/// An angle, as finely as it is known.
+/// An angle in its known resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Angle {
     /// From a drive reply.
@@ -107,8 +106,7 @@ impl Default for Session {
 }
 
 impl Session {
-    /// Takes in what the worker says. Its notices are the caller's to show; those about a stop are
-    /// kept here too.
+    /// Applies an update of the worker. The caller shows its notices; those about a stop are also stored here.
     pub(crate) fn apply(&mut self, update: &Update) {
         self.now = update.now;
         self.connection = update.connection;
@@ -139,8 +137,7 @@ impl Session {
         }
     }
 
-    /// Reverses the sign of speed, current and setpoint of mirrored motors, which the worker reports as the
-    /// motors count them.
+    /// Reverses the sign of speed, current and setpoint of mirrored motors.
     pub(crate) fn with_mirroring(mut self, fleet: &Fleet) -> Self {
         for motor in &mut self.motors {
             let mirror = fleet.mirror(motor.id);
@@ -166,9 +163,9 @@ impl Session {
         }
     }
 
-    /// Whether anything differs that a person must see at once rather than with the next reading.
+    /// Whether anything differs that has to be shown at once.
     pub(crate) fn differs_in_state(&self, other: &Self) -> bool {
-        // As the motors count, in whichever way both are counted.
+        // Compared with the signs of the wire.
         let outline = |session: &Self, motor: &MotorStatus| {
             let reply = motor.last.map(|sample| sample.reply);
             (
@@ -200,13 +197,12 @@ impl Session {
         answered.map(|motor| motor.id).collect()
     }
 
-    /// Motors that are driven, switched or being stopped: a page that closes must not leave them so.
+    /// Motors that are driven, switched or being stopped; they have to be stopped when the page closes.
     pub(crate) fn active_motors(&self) -> impl Iterator<Item = &MotorStatus> {
         self.motors.iter().filter(|motor| is_active(motor))
     }
 
-    /// Whether anything is driven, or moves by what was driven: a wheel that coasts, or whose last speed is
-    /// not known to be over.
+    /// Whether anything is driven or may still move: a wheel that coasts, or whose standstill is unknown.
     pub(crate) fn is_anything_driven(&self) -> bool {
         let turns = |motor: &MotorStatus| {
             let speed = motor.last.map(|sample| sample.reply.speed);
@@ -249,7 +245,7 @@ impl Session {
         Some(Reading { value, age })
     }
 
-    /// The fine angle while it is fresh, else whichever is newer.
+    /// The fine angle while it is recent, else the newer one.
     pub(crate) fn angle(&self, id: MotorId) -> Option<Reading<Angle>> {
         let fine = self.motor(id)?.position.map(|(at, position)| Reading {
             value: Angle::Fine(position),
@@ -273,7 +269,7 @@ pub(crate) fn is_active(motor: &MotorStatus) -> bool {
     !matches!(motor.activity, Activity::Idle)
 }
 
-/// Whether a stop for this reason is one of all motors.
+/// Whether a stop for this reason stops all motors.
 pub(crate) fn concerns_all(reason: StopReason) -> bool {
     !matches!(
         reason,

@@ -1,4 +1,4 @@
-//! The state that the worker tells, as the page reads it.
+//! The state that the worker reports, as the page reads it.
 
 use motorlink_messages::{
     Adapter,

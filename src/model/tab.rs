@@ -10,7 +10,7 @@ pub(crate) enum Tab {
     Loop(Mode),
     /// Finds motors and changes their IDs.
     IdManager,
-    /// Sends frames that a person writes.
+    /// Sends raw frames.
     RawHex,
 }
 
@@ -24,7 +24,7 @@ impl Tab {
         Self::RawHex,
     ];
 
-    /// In the names of elements.
+    /// Its name in element ids.
     pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::Loop(Mode::Velocity) => "velocity",
@@ -35,7 +35,7 @@ impl Tab {
         }
     }
 
-    /// As it reads.
+    /// Its label.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Loop(Mode::Velocity) => tr!("Velocity"),
@@ -46,12 +46,12 @@ impl Tab {
         }
     }
 
-    /// Whether it is none to drive in.
+    /// Whether it is a tool.
     pub(crate) const fn is_tool(self) -> bool {
         !matches!(self, Self::Loop(_))
     }
 
-    /// The tab when the motor's loop has become this one. Nobody is torn out of a tool.
+    /// The tab after a change of the motor's loop. An open tool stays open.
     pub(crate) const fn following(self, mode: Mode) -> Self {
         match self {
             Self::Loop(_) => Self::Loop(mode),

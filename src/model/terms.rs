@@ -1,5 +1,4 @@
-//! The terms of the bus in the language that is spoken. Its own crate says them in English, for other
-//! programs.
+//! The terms of the bus in the current language. `motorlink-bus` has them in English for other programs.
 
 pub(crate) use motorlink_i18n::terms::*;
 use motorlink_i18n::tr;
@@ -16,7 +15,7 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
     match adapter {
         Adapter::Virtual => tr!("Virtual motor").to_owned(),
         Adapter::Serial(None) => tr!("Serial port").to_owned(),
-        // By its make, which is a name.
+        // Named by its manufacturer.
         named @ Adapter::Serial(Some(_)) => named.to_string(),
     }
 }
@@ -24,7 +23,7 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
 /// An exceeded limit, with the reported value.
 pub(crate) fn exceeded_limit(exceeded: ExceededLimit) -> String {
     match exceeded {
-        // Without a sign, which a mirrored motor has the other way round.
+        // Without a sign, because a mirrored motor has the opposite one.
         ExceededLimit::Speed { reached, limit } => tr!(
             "{reached} rpm, above your limit of {limit} rpm",
             reached = reached.magnitude(),
@@ -43,7 +42,7 @@ pub(crate) fn exceeded_limit(exceeded: ExceededLimit) -> String {
     }
 }
 
-/// Why motors cannot be driven as one.
+/// Why motors cannot be driven as a group.
 pub(crate) fn not_together(why: GroupError) -> String {
     match why {
         GroupError::Empty => tr!("No motor is selected.").to_owned(),
@@ -55,7 +54,7 @@ pub(crate) fn not_together(why: GroupError) -> String {
     }
 }
 
-/// Why the bus does not do what was asked.
+/// Why the bus refuses a command.
 pub(crate) fn refusal(refusal: Refusal) -> String {
     match refusal {
         Refusal::Halted => tr!("All motors are stopped. Press Release to drive again.").to_owned(),

@@ -10,13 +10,13 @@ use motorlink_messages::{
     protocol::{AssignableId, MotorId, MotorIdError},
 };
 
-/// Stands for a new ID that nobody has entered yet; no motor has it.
+/// The value while no new ID is entered; no motor has it.
 pub(crate) const NO_NEW_ID: i32 = 0;
 
-/// 35 minutes at the shortest interval; who wants more repeats until stopped.
+/// 35 minutes at the shortest interval. For more, the frame can be repeated until stopped.
 const COUNT_MAX: i32 = 1_000_000;
 
-/// The ID that a motor is to be given, decimal or in hex with 0x.
+/// The new ID of a motor, decimal or in hex with 0x.
 pub(crate) const NEW_ID: Entry = Entry {
     min: MotorId::FIRST.get() as i32,
     max: MotorId::LAST.get() as i32,
@@ -64,7 +64,7 @@ pub(crate) const INTERVAL: Entry = Entry {
     page: 10.0,
 };
 
-/// By how much a commanded speed changes in a second, in rpm; 0 is no bound.
+/// The ramp in rpm per second; 0 is none.
 pub(crate) const RAMP: Entry = Entry {
     min: 0,
     max: Ramp::MAX as i32,

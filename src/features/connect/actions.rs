@@ -1,4 +1,4 @@
-//! From a press of Connect to a message that names ports.
+//! From a press of Connect to the message to the worker.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_messages::{PortRef, ToWorker};
@@ -15,7 +15,7 @@ pub(crate) struct Connect {
 }
 
 impl Connect {
-    /// Opens the ports that were permitted before, and the picker where there is none.
+    /// Opens a permitted port, or the picker if there is none.
     pub(crate) fn connect(self) {
         let last = self
             .page
@@ -30,7 +30,7 @@ impl Connect {
         });
     }
 
-    /// Opens the picker, whatever was permitted before.
+    /// Opens the picker.
     pub(crate) fn choose_port(self, filtered: bool) {
         spawn_local(self.pick_and_open(filtered));
     }
@@ -58,7 +58,7 @@ impl Connect {
         self.ask_to_connect(ToWorker::ConnectSerial { candidates, wanted });
     }
 
-    /// The header can be used before the worker is there, which then begins with what was asked for last.
+    /// Sends the last request that was made before the worker was ready.
     fn ask_to_connect(self, to: ToWorker) {
         if self.page.worker.link.with_value(Option::is_some) {
             self.page.post(&to);

@@ -49,7 +49,7 @@ pub(crate) fn ConnectionState() -> impl IntoView {
     }
 }
 
-/// As the style sheet names it.
+/// Its class.
 const fn key(connection: Connection) -> &'static str {
     match connection {
         Connection::Disconnected => "Disconnected",
@@ -64,7 +64,7 @@ const fn key(connection: Connection) -> &'static str {
 #[component]
 pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let page = connect.page;
-    // Then one disconnects.
+    // The other button is Disconnect then.
     let open = memo(move || page.shown.with(|session| is_in_use(session.connection)));
     let no_serial_reason = Signal::derive(move || serial_blocked_by(page.worker.state.get()));
     let connect_blocked_by = Signal::derive(move || {

@@ -1,4 +1,4 @@
-//! What an operator does, turned into commands.
+//! Turns actions of the operator into commands.
 
 use crate::{
     features::drive::one_stop::stop_of,
@@ -24,7 +24,7 @@ use motorlink_messages::{
 /// The motor's fastest acceleration, which is also its default.
 const FIRST_ACCELERATION: i32 = 1;
 
-/// What was entered last for each loop, always in range.
+/// The last entered values for each loop, always in range.
 #[derive(Clone, Copy)]
 pub(crate) struct Targets {
     /// In rpm.
@@ -38,7 +38,7 @@ pub(crate) struct Targets {
 }
 
 impl Targets {
-    /// What is entered for this loop.
+    /// The entered setpoint of this loop.
     pub(crate) fn setpoint(self, mode: Mode) -> Setpoint {
         match mode {
             Mode::Velocity => Setpoint::Velocity {
@@ -65,11 +65,11 @@ impl Targets {
     }
 }
 
-/// The tabs that drive the chosen motor, one for each loop.
+/// The tabs that drive the selected motor, one for each loop.
 #[derive(Clone, Copy)]
 pub(crate) struct Drive(&'static Parts);
 
-/// What the tabs consist of.
+/// The state of the tabs.
 pub(crate) struct Parts {
     pub(crate) page: Page,
     pub(crate) targets: Targets,
@@ -94,7 +94,7 @@ impl Drive {
         Self(Box::leak(Box::new(Parts { page, targets })))
     }
 
-    /// Drives the chosen motor to what is entered for this loop.
+    /// Drives the selected motor to the entered setpoint of this loop.
     pub(crate) fn start(self, mode: Mode) {
         self.drive(self.targets.setpoint(mode));
     }
@@ -104,8 +104,8 @@ impl Drive {
         self.start(Mode::Velocity);
     }
 
-    /// Drives the chosen motor, after a question where the setpoint needs one, and says why where
-    /// it cannot be driven.
+    /// Drives the selected motor. Asks first if the setpoint needs consent, and shows the reason if it cannot be
+    /// driven.
     pub(crate) fn drive(self, setpoint: Setpoint) {
         let id = self.page.selected.get_untracked();
         if let Some(reason) = drive_blocked_by(&self.page.present(), id, setpoint.mode()) {
@@ -137,7 +137,7 @@ impl Drive {
         self.page.follow(setpoint.mode());
     }
 
-    /// Gives a motor that is driven in this loop the entered target; starts nothing.
+    /// Adjusts a motor that is driven in this loop to the entered setpoint; starts nothing.
     pub(crate) fn adjust(self, mode: Mode) {
         let setpoint = self.targets.setpoint(mode);
         let id = self.page.selected.get_untracked();
@@ -145,7 +145,7 @@ impl Drive {
             let activity = session.motor(id).map(|motor| motor.activity);
             matches!(activity, Some(Activity::Driven { setpoint }) if setpoint.mode() == mode)
         });
-        // A drag does not reach a current that has to be asked about: Start does.
+        // A drag is not sent if the current needs consent; Start asks for it.
         if driven_so && needs_consent(setpoint) == Consent::None {
             self.page.command(Command::Adjust {
                 id,
@@ -155,7 +155,7 @@ impl Drive {
         }
     }
 
-    /// Stops the chosen motor as its loop allows: see [`stop_of`].
+    /// Stops the selected motor as its loop allows: see [`stop_of`].
     pub(crate) fn stop_motor(self, tab: Tab) {
         if let Some(reason) = stop_blocked_by(&self.page.present()) {
             self.page.refuse(tr!("Stop not sent").to_owned(), reason);

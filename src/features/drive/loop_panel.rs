@@ -9,8 +9,8 @@ use crate::{
     ui::{reactive::dynamic, tab_panel::tab_panel, target::Target},
 };
 
-/// The panel of a loop: what the motor reports and the switch, what the loop has of its own, and
-/// why it cannot drive now or else a hint, as HTML.
+/// The panel of a loop: the reported values, the mode switch, the controls of the loop, and the reason why it
+/// cannot drive now or a hint, as HTML.
 pub(crate) fn loop_panel(
     drive: Drive,
     mode: Mode,
@@ -29,13 +29,13 @@ pub(crate) fn loop_panel(
     )
 }
 
-/// Why the chosen motor cannot be driven in this loop now.
+/// Why the selected motor cannot be driven in this loop now.
 pub(crate) fn loop_blocked_by(page: Page, mode: Mode) -> Signal<Option<String>> {
     page.of_motor(move |session, id| drive_blocked_by(session, id, mode))
         .into()
 }
 
-/// The same, or what is wrong with what is entered.
+/// The same, or the error of the entered value.
 pub(crate) fn loop_start_blocked_by(
     page: Page,
     mode: Mode,
@@ -49,12 +49,12 @@ pub(crate) fn loop_start_blocked_by(
     })
 }
 
-/// The last lines of a tab: the reason why it cannot drive, for those who cannot point at a button
-/// to read its title, else what is good to know. One place for both, so that nothing moves.
+/// The last lines of a tab: the reason why it cannot drive, for users who cannot hover over a button, or else a
+/// hint. Both use one place, so that nothing moves.
 #[component]
 fn Foot(
     disabled_reason: Signal<Option<String>>,
-    /// What is good to know, as HTML.
+    /// The hint, as HTML.
     hint: String,
 ) -> impl IntoView {
     let blocked = move || disabled_reason.with(Option::is_some);

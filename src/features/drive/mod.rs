@@ -1,4 +1,4 @@
-//! What an operator asks of the motor: a tab for each loop, and one for each tool.
+//! The control panel: a tab for each loop, and one for each tool.
 
 pub(crate) mod actions;
 pub(crate) mod current;
@@ -44,7 +44,7 @@ pub(crate) fn ControlPanel() -> impl IntoView {
 fn TabButton(tab: Tab) -> impl IntoView {
     let page = use_page();
     let selected = move || page.loops.tab.get() == tab;
-    // It goes on when another tab is opened, so its own tells of it.
+    // A repeated frame continues when another tab is opened, so its tab shows that.
     let working = page.of_motor(move |session, _| match tab {
         Tab::Loop(_) => false,
         Tab::IdManager => session.job.is_some(),
@@ -85,7 +85,7 @@ fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
         page.open_tab(*tab);
         let tab = document().get_element_by_id(&tab_id(tab.key()));
         if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {
-            // A tab that cannot be focused is chosen all the same.
+            // The tab is selected even if it cannot be focused.
             let _ = tab.focus();
         }
     }

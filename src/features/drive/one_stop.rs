@@ -7,11 +7,11 @@ use motorlink_messages::{
 
 use crate::model::tab::Tab;
 
-/// How one motor is stopped: as its loop allows where it is driven, else by the brake.
+/// How to stop one motor: as its loop allows if it is driven, else by the brake.
 ///
-/// In the current loop that is 0 A, and the wheel coasts; in the position loop it holds the present
-/// angle. A motor that is not driven in one of these is left alone by their tabs; from a tool it is
-/// braked, since a frame that a person wrote may have moved it.
+/// In the current loop that is 0 A, and the wheel coasts; in the position loop it holds the present angle. The tabs
+/// of these loops do not stop a motor that they do not drive. A tool brakes it, because a raw frame may have moved
+/// it.
 pub(crate) fn stop_of(id: MotorId, activity: Option<Activity>, tab: Tab) -> Option<Command> {
     let mode = match activity {
         Some(Activity::Driven { setpoint }) => setpoint.mode(),

@@ -1,4 +1,4 @@
-//! How motors are driven, whichever the loop.
+//! The drive settings of all loops.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;

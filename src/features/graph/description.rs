@@ -1,4 +1,4 @@
-//! The values in words, for those who do not see the lines.
+//! The text that describes the graph for screen readers.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Instant;
@@ -18,7 +18,7 @@ use crate::{
     ui::animation::Next,
 };
 
-/// They change this often at most: faster, they would be read aloud over one another.
+/// Minimal time between updates: more frequent ones would interrupt the screen reader.
 const UPDATE_PERIOD_MS: f64 = 3_000.0;
 
 /// The text that describes the graph.
@@ -35,7 +35,7 @@ impl Description {
         }
     }
 
-    /// Says the newest values in view, unless it has said some just now. When it has to be asked again.
+    /// Updates the text with the newest values in view, at most once a period. Returns when to call it again.
     pub(crate) fn update(
         &mut self,
         chart: Chart,

@@ -1,4 +1,4 @@
-//! The crosshair: a line over the graph, and a box of one size with the values at it.
+//! The crosshair: a line over the graph, and a box of fixed size with the values.
 
 use std::fmt::Write;
 
@@ -14,16 +14,15 @@ use crate::{
     ui::attribute::Attribute,
 };
 
-/// Between the line and the box, in pixels of the style sheet.
+/// Distance between line and box, in CSS pixels.
 const BESIDE: f64 = 12.0;
 
-/// What stands in the img: the canvases, the lower one with axes, and the crosshair's line.
+/// The content of the graph: the canvases, the lower one with axes, and the line of the crosshair.
 pub(crate) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
                                <canvas class=\"graph-lines\"></canvas>\
                                <div class=\"graph-cross absent\"></div>";
 
-/// The rows of the box with the values: the time, one for each trace, and one for each motor that is
-/// compared.
+/// The rows of the box: the time, one row per trace, and one per compared motor.
 pub(crate) fn rows() -> String {
     let mut rows = "<p class=\"graph-when\"></p>".to_owned();
     let mut row = |class: &str, name: &str| {
@@ -39,7 +38,7 @@ pub(crate) fn rows() -> String {
     rows
 }
 
-/// What a row says, which is one of a trace or of the motor in a place.
+/// A value in the box: of a trace, or of the compared motor at a place.
 pub(crate) enum CrosshairValue {
     Trace(Trace, String),
     Motor(usize, String),
@@ -49,12 +48,12 @@ pub(crate) enum CrosshairValue {
 pub(crate) struct Overlay {
     line: HtmlElement,
     values: HtmlElement,
-    /// How wide the box is, in pixels of the style sheet. It changes with the style sheet only.
+    /// Width of the box in CSS pixels.
     values_width: f64,
     aloud: Attribute,
     when: Text,
     rows: Vec<Row>,
-    /// Which rows are.
+    /// Which rows are visible; `None` if the crosshair is hidden.
     shown: Option<Vec<bool>>,
 }
 
@@ -66,7 +65,7 @@ struct Row {
 }
 
 impl Overlay {
-    /// Finds the parts; `None` where the element does not hold them.
+    /// Finds the elements; `None` if one is missing.
     pub(crate) fn of(graph: &Element) -> Option<Self> {
         let find = |selector: &str| graph.query_selector(selector).ok().flatten();
         let html = |selector: &str| find(selector)?.dyn_into::<HtmlElement>().ok();
@@ -93,20 +92,20 @@ impl Overlay {
         })
     }
 
-    /// The graph has another size, and its box perhaps too.
+    /// Measures the box after a change of size.
     pub(crate) fn measure(&mut self) {
         self.values_width = f64::from(self.values.offset_width());
     }
 
-    /// The motor in a place has this name.
+    /// Sets the name of the motor at a place.
     pub(crate) fn name(&mut self, place: usize, name: &str) {
         if let Some(row) = self.rows.get_mut(Trace::ALL.len() + place) {
             row.name.set(format!("{name} "));
         }
     }
 
-    /// Shows the values at a place, in pixels of the style sheet from the left of a graph of this
-    /// width. Values that keys have brought here are read aloud.
+    /// Shows the values at a position, in CSS pixels from the left of a graph of this width. Values selected
+    /// by keys are announced to screen readers.
     pub(crate) fn show(
         &mut self,
         (x, width): (f64, f64),
@@ -128,7 +127,7 @@ impl Overlay {
                 *shown = true;
             }
         }
-        // On the side with more room, and never out of the graph.
+        // On the side with more room, within the graph.
         let left = if x > width / 2.0 {
             x - BESIDE - self.values_width
         } else {

@@ -1,4 +1,4 @@
-//! What the crosshair reads, where it stands.
+//! The values at the crosshair.
 
 use motorlink_messages::protocol::Instant;
 
@@ -62,7 +62,7 @@ impl Stage {
     }
 }
 
-/// What the crosshair reads at a moment.
+/// The values at a time.
 fn values_at(history: &History, subject: &Subject, at: Instant) -> Vec<CrosshairValue> {
     match subject {
         Subject::Motor { id, mirror, traces } => {

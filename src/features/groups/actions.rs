@@ -1,4 +1,4 @@
-//! What an operator does in the panel `Drive together`, and what the page does about it.
+//! Actions of the panel `Drive together`.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -24,31 +24,31 @@ use crate::{
     ui::{animation::Next, drawer::Drawer, target::Target},
 };
 
-/// A gamepad that was not looked at for so long may have been let go and pressed again meanwhile. As
-/// long as an act may be old that moves a wheel.
+/// A gamepad that was not polled for this long may have been released and pressed again meanwhile. The same
+/// time as the maximal age of a command that moves a wheel.
 const GAMEPAD_UNSEEN_MAX_MS: f64 = 500.0;
 
 /// Wakes the pad's frames.
 type Waker = Box<dyn Fn()>;
 
-/// The motors that were started together last, until they are known not to drive any more. What a
-/// person ticks meanwhile does not concern them.
+/// The last started group, until it is known that it no longer drives. Later changes of the selection do not
+/// change it.
 #[derive(Clone, Debug, Default)]
 struct Group {
     members: GroupMembers,
-    /// Whether all were seen driven since.
+    /// Whether all have been reported as driven since.
     seen_driven: bool,
 }
 
-/// The panel `Drive together`: what was entered, and the motors that drive together.
+/// The panel `Drive together`: the entered speed and the group.
 #[derive(Clone, Copy)]
 pub(crate) struct Groups {
     pub(crate) page: Page,
-    /// Of the group, in rpm; its magnitude is the pad's limit.
+    /// The speed of the group in rpm; its magnitude is the limit of the pad.
     pub(crate) speed: Target,
-    /// Whether gamepads are looked at.
+    /// Whether gamepads are polled.
     gamepad: StoredValue<bool>,
-    /// Where the stick is while it drives, and what was sent for it.
+    /// The stick while it drives, and the speeds that were sent.
     pub(crate) driving: RwSignal<Option<(Stick, Wheels)>>,
     pub(crate) waker: StoredValue<Option<Waker>, LocalStorage>,
     pad: StoredValue<DrivePad>,
@@ -76,7 +76,7 @@ impl Groups {
         self.group.set_value(group);
     }
 
-    /// Not while the motor is driven: the next adjustment would turn it round.
+    /// Refused while the motor is driven: the next adjustment would reverse it.
     pub(crate) fn set_side(self, id: MotorId, side: Side) {
         let reason = side_change_blocked_by(&self.page.present(), id)
             .or_else(|| self.page.side_changes_blocked_by());
@@ -86,11 +86,11 @@ impl Groups {
             return;
         }
         self.page.change_member(id, |member| member.side = side);
-        // What is shown of it may have another sign from now on.
+        // Its values may have another sign from now on.
         self.page.show();
     }
 
-    /// Drives all members to the entered speed, each in its direction.
+    /// Drives the group at the entered speed, each motor in its direction.
     pub(crate) fn start_together(self) {
         let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
         if let Some(reason) = group_drive_blocked_by(&self.page.present(), &members) {
@@ -102,14 +102,14 @@ impl Groups {
         self.begin_group(members, ahead(rpm));
     }
 
-    /// Gives a group that is driven the entered speed; starts nothing.
+    /// Adjusts a driven group to the entered speed; starts nothing.
     pub(crate) fn adjust_together(self) {
         if self.group.with_value(|group| group.seen_driven) {
             self.adjust_group(ahead(self.speed.get_untracked()));
         }
     }
 
-    /// Stops the group that drives, by one of its members, and those who are ticked.
+    /// Stops the driven group, by one of its members, and the selected motors.
     pub(crate) fn stop_together(self) {
         let ticked = self.page.motors.fleet.with_untracked(Fleet::group_members);
         let group = self.group.get_value().members;
@@ -150,7 +150,7 @@ impl Groups {
         }
     }
 
-    /// A stop of one stops all that drive with it.
+    /// A stop of one motor stops its whole group.
     fn stop_group(self) {
         let group = self.group.get_value();
         if let Some((id, _)) = group.members.first() {
@@ -159,7 +159,7 @@ impl Groups {
         self.set_group(Group::default());
     }
 
-    /// How fast the pad may drive now.
+    /// The maximal speed of the pad now.
     fn pad_limit(self) -> Option<i32> {
         let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
         let allowed = steer_blocked_by(&self.page.present(), &members).is_none();
@@ -205,12 +205,12 @@ impl Groups {
         self.wake_pad();
     }
 
-    /// The focus or the page is lost, or something lies over the pad.
+    /// The pad has lost the focus, or the page is hidden, or something covers the pad.
     pub(crate) fn leave_pad(self) {
         self.with_pad(DrivePad::leave);
     }
 
-    /// Looks at gamepads from now on, or no more.
+    /// Starts or stops polling gamepads.
     pub(crate) fn set_gamepads_enabled(self, looks: bool) {
         self.gamepad.set_value(looks);
         if !looks {
@@ -219,9 +219,9 @@ impl Groups {
         self.wake_pad();
     }
 
-    /// Whichever it was: one that is held has to be pressed anew.
+    /// Any gamepad may be the unplugged one, so all are released.
     pub(crate) fn gamepad_unplugged(self) {
-        self.with_pad(DrivePad::stop_polling_gamepads);
+        self.with_pad(DrivePad::release_gamepads);
     }
 
     pub(crate) fn wake_pad(self) {
@@ -232,17 +232,17 @@ impl Groups {
         });
     }
 
-    /// Once a frame: looks at the gamepads where that is wanted, and tells the bus what has changed.
+    /// Runs once per frame of the screen: polls the gamepads if they are enabled, and sends what has changed.
     pub(crate) fn pad_frame(self, now_ms: f64) -> Next {
         let looks = self.gamepad.get_value()
             && self.page.drawer.get_untracked() == Some(Drawer::Together)
             && self.page.dialog.with_untracked(Option::is_none)
             && document().visibility_state() == VisibilityState::Visible
-            // A gamepad is heard by every page and program; it drives where a person is.
+            // All pages and programs receive a gamepad; it drives only on the focused page.
             && document().has_focus().unwrap_or(false);
         let unseen_ms = now_ms - self.gamepads_seen_ms.get_value();
         if !looks || unseen_ms > GAMEPAD_UNSEEN_MAX_MS {
-            self.with_pad(DrivePad::stop_polling_gamepads);
+            self.with_pad(DrivePad::release_gamepads);
         }
         if looks {
             self.gamepads_seen_ms.set_value(now_ms);
@@ -258,7 +258,7 @@ impl Groups {
         }
     }
 
-    /// All motors are stopped, or no longer ours: nothing is held, and nobody is left to stop.
+    /// All motors are stopped or the connection is lost: ends the hold without another stop.
     pub(crate) fn forget(self) {
         self.set_group(Group::default());
         self.with_pad(|pad| {
@@ -267,7 +267,7 @@ impl Groups {
         });
     }
 
-    /// What the bus did not do ends the hold: it would go on with what was sent before.
+    /// A refused command ends the hold, because the motors would continue with the previous setpoints.
     pub(crate) fn notice(self, notice: &Notice) {
         let (Notice::Refused { command, .. } | Notice::TooLate(command)) = notice else {
             return;
@@ -281,7 +281,7 @@ impl Groups {
         }
     }
 
-    /// Takes in whether the group still drives, behind all notices of one message.
+    /// Updates whether the group still drives, after all notices of one message.
     pub(crate) fn check_group(self) {
         let group = self.group.get_value();
         if group.members.is_empty() {
@@ -302,7 +302,7 @@ impl Groups {
         } else if driven {
             self.group.update_value(|group| group.seen_driven = true);
         } else if group.seen_driven {
-            // The bus stops all where one does not go on; a hold says so once more.
+            // The bus stops the whole group if one motor stops; a hold sends a stop as well.
             self.with_pad(DrivePad::end);
             self.set_group(Group::default());
         }

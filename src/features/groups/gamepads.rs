@@ -1,4 +1,4 @@
-//! The gamepads of this browser, as far as a vehicle is driven by them.
+//! The gamepads that can drive a vehicle.
 
 use leptos::prelude::window;
 use wasm_bindgen::{JsCast, JsValue};
@@ -6,13 +6,13 @@ use web_sys::{Gamepad, GamepadButton};
 
 use crate::features::groups::pad::{GAMEPADS_MAX, Stick};
 
-/// The button that has to be held: the lowest one on the right of a standard gamepad.
+/// The button to hold: the lowest one on the right of a standard gamepad.
 const DEAD_MAN: u32 = 0;
 
-/// Of each place whether the button is down, and the left stick; `None` where there is no gamepad.
+/// For each place, whether the button is down, and the left stick; `None` without a gamepad.
 pub(crate) fn poll() -> [Option<(bool, Stick)>; GAMEPADS_MAX as usize] {
     let mut seen = [None; GAMEPADS_MAX as usize];
-    // A page that may not look at gamepads has none.
+    // A page without the permission has no gamepads.
     let Ok(gamepads) = window().navigator().get_gamepads() else {
         return seen;
     };

@@ -1,4 +1,4 @@
-//! Motors that drive together, and the drive pad.
+//! Groups of motors, and the drive pad.
 
 pub(crate) mod actions;
 pub(crate) mod gamepads;

@@ -1,21 +1,21 @@
-//! Hold to run: a vehicle of two sides is driven for as long as somebody holds a stick.
+//! Hold to run: a two-sided vehicle is driven only while a stick is held.
 //!
-//! The stick is a pointer on the pad, the arrow keys or a gamepad, and whoever presses first has it.
-//! A hold begins by a press and by nothing else. When it has ended, for whatever reason, the same
-//! stick has to be let go and pressed anew: a finger that still moves starts nothing.
+//! The stick is a pointer on the pad, the arrow keys or a gamepad; the first one pressed has control. Only a
+//! press starts a hold. After a hold has ended for any reason, the same stick has to be released and pressed
+//! again: a finger that still moves starts nothing.
 
 use crate::model::fleet::Wheels;
 
-/// Whatever is nearer to the middle, of the whole way, is the middle: no stick comes back exactly.
+/// The dead zone, as a part of the full travel: no stick returns exactly to the middle.
 const DEAD: f64 = 0.08;
 
-/// As many gamepads are looked at as browsers tell of.
+/// The number of gamepads that browsers support.
 pub(crate) const GAMEPADS_MAX: u8 = 4;
 
 /// The arrow keys, in the order of [`DrivePad::arrows`].
 const ARROWS: [&str; 4] = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 
-/// Where the stick is, each -1 to 1 of the way to the edge.
+/// The position of the stick, -1 to 1 on each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Stick {
     /// + is forward.
@@ -39,8 +39,8 @@ impl Stick {
         }
     }
 
-    /// The speeds of both sides. Where forward and turn together ask for more than there is, both
-    /// sides give way alike, so that the vehicle keeps its curve.
+    /// The speeds of both sides. If forward and turn together exceed the limit, both sides are scaled, so that the
+    /// vehicle keeps its curve.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "a part of the limit, which is a whole number"
@@ -56,7 +56,7 @@ impl Stick {
     }
 }
 
-/// Whose stick it is.
+/// The source of the stick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum By {
     /// A pointer with this number.
@@ -67,29 +67,29 @@ pub(crate) enum By {
     Gamepad(u8),
 }
 
-/// What the bus is to be told.
+/// A command for the bus.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
-    /// Drive all members.
+    /// Drive the group.
     Start(Wheels),
-    /// Drive them otherwise, if they are driven.
+    /// Adjust the group, if it is driven.
     Adjust(Wheels),
-    /// Stop them.
+    /// Stop the group.
     Stop,
 }
 
-/// Whether driving may begin now, and how fast at most, in rpm. Asked at a press only.
+/// The maximal speed in rpm if driving may begin now. Called only at a press.
 pub(crate) type Allowed<'a> = &'a dyn Fn() -> Option<i32>;
 
 /// The pad.
 #[derive(Debug, Default)]
 pub(crate) struct DrivePad {
     held: Option<Held>,
-    /// Keys and gamepads that have not been let go since they were pressed. A pointer is not among
-    /// them: its press is an event of its own, not a state.
+    /// Keys and gamepads that have not been released since they were pressed. Pointers are not among them: their
+    /// press is an event, not a state.
     down: Vec<By>,
     arrows: [bool; 4],
-    /// Gamepads that were seen with their button up, a bit each: only these can be pressed.
+    /// Gamepads whose button was up at a poll, one bit each: only these can be pressed.
     rested: u8,
 }
 
@@ -106,14 +106,14 @@ impl DrivePad {
         self.held.is_some()
     }
 
-    /// Where the stick is while it drives, and what was sent for it.
+    /// The stick while it drives, and the speeds that were sent.
     pub(crate) fn driving(&self) -> Option<(Stick, Wheels)> {
         self.held.map(|held| (held.stick, held.sent))
     }
 
-    /// The stick is pressed. It begins a hold if nobody else holds the pad and driving is allowed.
+    /// The stick is pressed. It starts a hold if no other stick holds the pad and driving is allowed.
     ///
-    /// A pointer that holds the pad was let go before it is pressed again, and that was not heard.
+    /// If the same pointer already holds the pad, its release was missed.
     pub(crate) fn press(&mut self, by: By, stick: Stick, allowed: Allowed) -> Option<Order> {
         if matches!(by, By::Pointer(_)) && self.held.is_some_and(|held| held.by == by) {
             return self.end();
@@ -139,23 +139,24 @@ impl DrivePad {
         Some(Order::Start(sent))
     }
 
-    /// The stick moves; [`DrivePad::frame`] tells the bus.
+    /// The stick moves; [`DrivePad::frame`] returns the command.
     pub(crate) fn steer(&mut self, by: By, moved: Stick) {
         if let Some(held) = self.held.as_mut().filter(|held| held.by == by) {
             held.stick = moved;
         }
     }
 
-    /// The stick is let go.
+    /// The stick is released.
     pub(crate) fn release(&mut self, by: By) -> Option<Order> {
         self.down.retain(|down| *down != by);
         let held = self.held.filter(|held| held.by == by);
         held.and_then(|_| self.end())
     }
 
-    /// An arrow key goes down or up; a key that repeats does neither.
+    /// An arrow key is pressed or released; repeats do not count.
     ///
-    /// One that goes down twice came up unheard, and others may have too: that is a release, not a press.
+    /// If a key is pressed twice, its release was missed, and others may have been missed too: that is a release,
+    /// not a press.
     pub(crate) fn arrow(&mut self, key: &str, is_down: bool, allowed: Allowed) -> Option<Order> {
         let place = ARROWS.iter().position(|arrow| *arrow == key)?;
         let was_down = std::mem::replace(self.arrows.get_mut(place)?, is_down);
@@ -169,9 +170,9 @@ impl DrivePad {
         self.press(By::Keys, Stick::new(right - left, up - down), allowed)
     }
 
-    /// A gamepad is looked at: whether its button is down, and its stick; `None` where there is none.
+    /// The state of a gamepad: whether its button is down, and its stick; `None` without a gamepad.
     ///
-    /// A button that is down when it is first seen was not pressed here, so it starts nothing.
+    /// A button that is down at the first poll was not pressed here, so it starts nothing.
     pub(crate) fn gamepad(
         &mut self,
         place: u8,
@@ -193,8 +194,8 @@ impl DrivePad {
         }
     }
 
-    /// The gamepads are looked at no more.
-    pub(crate) fn stop_polling_gamepads(&mut self) -> Option<Order> {
+    /// Releases all gamepads: a held one has to be pressed again.
+    pub(crate) fn release_gamepads(&mut self) -> Option<Order> {
         self.rested = 0;
         self.down.retain(|by| !matches!(by, By::Gamepad(_)));
         let held = self.held.filter(|held| matches!(held.by, By::Gamepad(_)));
@@ -212,20 +213,20 @@ impl DrivePad {
         Some(Order::Adjust(wheels))
     }
 
-    /// The hold is over though the stick may still be held: the bus refused it, or did not go on.
+    /// Ends the hold although the stick may still be held: the bus refused a command or stopped the group.
     pub(crate) fn end(&mut self) -> Option<Order> {
         self.held.take().map(|_| Order::Stop)
     }
 
-    /// The same where keys that come up will not be heard: the pad has lost the focus, or the page, or Meta
-    /// is down, with which macOS tells of no other key that comes up.
+    /// The same when releases of keys may be missed: the pad or the page has lost the focus, or Meta is down,
+    /// during which macOS reports no releases.
     pub(crate) fn leave(&mut self) -> Option<Order> {
         self.arrows = [false; 4];
         self.down.retain(|by| *by != By::Keys);
         self.end()
     }
 
-    /// All motors are stopped: the hold is over, and there is nobody left to stop.
+    /// All motors are stopped: ends the hold without another stop.
     pub(crate) fn stopped(&mut self) {
         self.held = None;
     }

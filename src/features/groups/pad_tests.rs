@@ -1,4 +1,4 @@
-//! Stories of the drive pad.
+//! Scenarios of the drive pad.
 
 use super::*;
 
@@ -72,7 +72,7 @@ fn a_press_starts_moves_adjust_once_a_frame_and_letting_go_stops() {
     assert_eq!(pad.frame(), None);
 }
 
-/// However a hold ends: what still moves starts nothing, and a new press does.
+/// However a hold ends: a stick that still moves starts nothing, a new press does.
 #[test]
 fn a_hold_that_has_ended_is_not_taken_up_by_a_move() {
     type Way = fn(&mut DrivePad) -> Option<Order>;
@@ -141,12 +141,12 @@ fn keys_that_are_held_when_the_bus_stops_start_nothing_by_another_key() {
     assert_eq!(pad.end(), Some(Order::Stop));
     assert_eq!(pad.arrow("ArrowLeft", true, &yes), None);
     assert_eq!(pad.frame(), None);
-    // Those that come up elsewhere are not heard, so a lost focus lets go of all.
+    // Releases elsewhere are missed, so a lost focus releases all keys.
     assert_eq!(pad.leave(), None);
     assert!(pad.arrow("ArrowUp", true, &yes).is_some());
 }
 
-/// Its release was not heard, so nobody knows what else was let go.
+/// Its release was missed, so others may have been missed too.
 #[test]
 fn a_key_that_goes_down_twice_stops_and_starts_nothing() {
     let mut pad = DrivePad::default();
@@ -206,12 +206,12 @@ fn a_button_that_is_down_when_it_is_first_seen_starts_nothing() {
     }
     pad.gamepad(0, up, &yes);
     assert!(pad.gamepad(0, down, &yes).is_some());
-    assert_eq!(pad.stop_polling_gamepads(), Some(Order::Stop));
+    assert_eq!(pad.release_gamepads(), Some(Order::Stop));
     for _ in 0..3 {
         assert_eq!(pad.gamepad(0, down, &yes), None, "held all the while");
     }
     pad.gamepad(0, up, &yes);
-    assert_eq!(pad.stop_polling_gamepads(), None);
+    assert_eq!(pad.release_gamepads(), None);
     assert_eq!(pad.gamepad(0, down, &yes), None, "pressed unseen");
     // Held when the bus ended it.
     pad.gamepad(0, up, &yes);

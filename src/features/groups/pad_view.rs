@@ -1,8 +1,7 @@
-//! The drive pad in the browser: a pointer, the arrow keys and gamepads, each for as long as it is
-//! held and seen.
+//! The drive pad in the browser: pointer, arrow keys and gamepads.
 //!
-//! It is HTML and one listener on the window: whatever ends a hold happens wherever the pointer is by
-//! then, and as a view it would weigh many times as much.
+//! It is HTML with listeners on the window: a hold may end with the pointer anywhere, and a view would be many
+//! times as large.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -47,7 +46,7 @@ pub(crate) fn markup() -> String {
     .concat()
 }
 
-/// What is listened to, on its way down from the window.
+/// The events to listen to, in the capture phase.
 const HEARD: [&str; 12] = [
     "pointerdown",
     "pointermove",
@@ -63,10 +62,10 @@ const HEARD: [&str; 12] = [
     "change",
 ];
 
-/// The bit of the first button among those of a pointer that are down; a finger has it too.
+/// The bit of the first button in `buttons` of a pointer event; a finger has it too.
 const FIRST_BUTTON: u16 = 1;
 
-/// Has the pad work from now on.
+/// Attaches the pad's animation loop and listeners.
 pub(crate) fn attach_handlers(groups: Groups) {
     let frames = Frames::new(move |now_ms| groups.pad_frame(now_ms));
     groups.waker.set_value(Some(Box::new(frames.waker())));
@@ -89,14 +88,14 @@ pub(crate) fn attach_handlers(groups: Groups) {
         }
         groups.wake_pad();
     });
-    // Without the pad nobody holds it, and its box stands empty when it is back.
+    // When the pad is removed, its hold ends and its checkbox is reset.
     on_cleanup(move || {
         groups.leave_pad();
         groups.set_gamepads_enabled(false);
     });
 }
 
-/// Shows where the stick is, and why it does not drive or what it is sent; one place for both.
+/// Shows the stick, and the sent speeds or the reason why it does not drive.
 fn show(groups: Groups, disabled_reason: Option<String>) {
     let driving = groups.driving.get();
     let (pad, words) = (
@@ -106,7 +105,7 @@ fn show(groups: Groups, disabled_reason: Option<String>) {
     let (Some(pad), Some(words)) = (pad, words) else {
         return;
     };
-    // They fail for names that are none, and these are ours.
+    // These fail only for invalid names.
     let mark = |name, value: &str| drop(pad.set_attribute(name, value));
     mark(
         "aria-disabled",
@@ -143,9 +142,9 @@ fn on_event(groups: Groups, event: &Event) {
     let on_pad = id == PAD;
     match event.type_().as_str() {
         "contextmenu" if on_pad => event.prevent_default(),
-        // The browser's menu keeps the keys to itself.
+        // The page gets no keys while the browser's menu is open.
         "contextmenu" => groups.leave_pad(),
-        // Elements that lose the focus are heard too: the pad itself counts, and the whole page.
+        // Blur events of elements arrive here too: those of the pad and of the page count.
         "blur" if on_pad || element.is_none() => groups.leave_pad(),
         "visibilitychange" if document().visibility_state() == VisibilityState::Hidden => {
             groups.leave_pad();
@@ -170,15 +169,15 @@ fn on_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
     match (event.type_().as_str(), pad) {
         ("pointerup" | "pointercancel" | "lostpointercapture", _) => groups.release_pad(by),
         ("pointerdown", Some(pad)) if event.button() == 0 => {
-            // Without capture the window hears the end all the same.
+            // Without pointer capture, the window still gets the end.
             let _ = pad.set_pointer_capture(event.pointer_id());
-            // A page that scrolled by it would move the pad under the pointer, and with it the stick.
+            // Scrolling would move the pad under the pointer, and so the stick.
             let options = FocusOptions::new();
             options.set_prevent_scroll(true);
             let _ = pad.focus_with_options(&options);
             groups.pad_pressed(by, stick(&pad, event));
         }
-        // It came up where nobody heard of it.
+        // Its release was missed.
         ("pointermove", _) if event.buttons() & FIRST_BUTTON == 0 => groups.release_pad(by),
         ("pointermove", Some(pad)) => groups.pad_steered(by, stick(&pad, event)),
         _ => {}
@@ -188,21 +187,21 @@ fn on_pointer(groups: Groups, event: &PointerEvent, pad: Option<HtmlElement>) {
 fn on_key(groups: Groups, event: &KeyboardEvent, on_pad: bool) {
     let key = event.key();
     let modified = event.ctrl_key() || event.alt_key();
-    // While Meta is down, macOS tells of no other key that comes up.
+    // While Meta is down, macOS reports no releases of other keys.
     if event.meta_key() || key == "Meta" {
         groups.leave_pad();
     } else if event.type_() == "keyup" {
         groups.pad_arrow(&key, false);
     } else if on_pad && key.starts_with("Arrow") && !modified {
         event.prevent_default();
-        // A key that repeats was pressed before, perhaps elsewhere.
+        // A repeated key was pressed before, perhaps elsewhere.
         if !event.repeat() {
             groups.pad_arrow(&key, true);
         }
     }
 }
 
-/// Where the pointer is, from the middle of the pad to its edges.
+/// The position of the pointer, from the middle of the pad to its edges.
 fn stick(pad: &HtmlElement, event: &PointerEvent) -> Stick {
     let place = pad.get_bounding_client_rect();
     let part = |at: f64, from: f64, size: f64| (at - from) / size * 2.0 - 1.0;
@@ -211,7 +210,7 @@ fn stick(pad: &HtmlElement, event: &PointerEvent) -> Stick {
     Stick::new(turn, -back)
 }
 
-/// A pointer's place is in whole pixels or finer, by the version of the browser's interface.
+/// A pointer's coordinates are integers or floats, depending on the browser.
 fn number(pixels: impl Into<f64>) -> f64 {
     pixels.into()
 }

@@ -28,7 +28,7 @@ use crate::{
 
 const ROWS: &str = "fleet";
 
-/// A list of a row a motor.
+/// A list with one row per motor.
 fn rows_markup() -> String {
     let name = tr!("Motors in the group");
     format!(r#"<ul class="fleet" id="fleet" role="list" aria-label="{name}"></ul>"#)
@@ -93,7 +93,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
     )
 }
 
-/// Keeps a row a motor, and hears what is changed there.
+/// Updates the rows and handles changes in them.
 fn update_rows(groups: Groups) {
     let page = groups.page;
     let fleet = page.motors.fleet;
@@ -101,7 +101,7 @@ fn update_rows(groups: Groups) {
         let found = page.shown.with(Session::found);
         fleet.with(|fleet| listed(&found, fleet))
     });
-    // Who is driven stays on its side.
+    // The side of a driven motor cannot change.
     let held = memo::<Vec<MotorId>>(move || {
         let held = |session: &Session| session.active_motors().map(|motor| motor.id).collect();
         page.shown.with(held)
@@ -112,7 +112,7 @@ fn update_rows(groups: Groups) {
         let wanted = (ids.get(), page.motors.replaced.get());
         let list = document().get_element_by_id(ROWS);
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
-            // What is in a row changes by the row itself, and somebody is typing there.
+            // A row updates its own content: the user may be typing there.
             if made.as_ref() != Some(&wanted) {
                 let html = fleet.with_untracked(|fleet| rows_html(&wanted.0, fleet));
                 replace_keeping_focus(&list, &html, "id");
@@ -130,7 +130,7 @@ fn update_rows(groups: Groups) {
     });
 }
 
-/// Says at each list of sides whether it can be used, and why not.
+/// Enables or disables each list of sides, with the reason.
 fn hold_sides(page: Page, ids: &[MotorId]) {
     for id in ids {
         let list = document().get_element_by_id(&format!("side-{}", id.get()));
@@ -144,7 +144,7 @@ fn hold_sides(page: Page, ids: &[MotorId]) {
     }
 }
 
-/// A control of a row has changed: `drive-1`, `name-1` or `side-1`.
+/// Handles a change of a row's control: `drive-1`, `name-1` or `side-1`.
 fn take_in(groups: Groups, control: &Element) {
     let page = groups.page;
     let name = control.id();

@@ -1,5 +1,4 @@
-//! The frames of the protocol card: the last of each kind that passed on the line between the page and
-//! the chosen motor.
+//! The frames of the protocol card: the last of each kind between the page and the selected motor.
 
 use motorlink_i18n::terms;
 use motorlink_messages::{
@@ -12,15 +11,15 @@ use motorlink_messages::{
 
 use crate::model::snapshot::Session;
 
-/// By which name each kind of frame stands in the help's files, in the order of [`LineCard::frames`].
+/// The names of the kinds of frames in the help's files, in the order of [`LineCard::frames`].
 pub(crate) const KINDS: [&str; 5] = ["drive", "query", "mode", "drive-reply", "query-reply"];
 
-/// What was seen of the chosen motor. Replies are kept as the motor counts, so their frames are what it
-/// sent, to the byte; requests are made again from what the bus says that it does.
+/// The last frames of the selected motor. Replies have the signs of the wire, so their frames are exact; requests
+/// are rebuilt from the state of the bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LineCard {
     id: Option<MotorId>,
-    /// What it is driven to. While a ramp bounds its growth, the frames on the line have less.
+    /// Its setpoint. While a ramp limits it, the frames on the line have a lower speed.
     setpoint: Option<Setpoint>,
     switched_to: Option<Mode>,
     drive_reply: Option<Reply>,
@@ -28,7 +27,7 @@ pub(crate) struct LineCard {
 }
 
 impl LineCard {
-    /// Takes in what the worker has told last, not as mirrored motors are shown.
+    /// Updates from the worker's state, with the signs of the wire.
     pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
         if self.id != Some(id) {
             *self = Self {
@@ -53,7 +52,7 @@ impl LineCard {
         }
     }
 
-    /// Each kind's frame and what it says, where there was one.
+    /// The last frame of each kind with its meaning, if there was one.
     pub(crate) fn frames(&self) -> [Option<(String, String)>; 5] {
         let sent = |request: Request, mode| {
             let frame = request.frame();
@@ -70,7 +69,7 @@ impl LineCard {
             [
                 self.setpoint
                     .map(|setpoint| sent(Request::drive(id, setpoint), Some(setpoint.mode()))),
-                // It has been asked if it has answered that.
+                // A reply to it implies the request.
                 self.query_reply.map(|_| sent(Request::Query { id }, None)),
                 self.switched_to
                     .map(|mode| sent(Request::SwitchMode { id, mode }, None)),
@@ -93,7 +92,7 @@ mod tests {
     use super::*;
     use crate::model::snapshot::tests::{ID, session, status};
 
-    /// A frame that a real motor spoke, as the session has it.
+    /// A session with a frame of a real motor.
     fn told(frame: &str, layout: Layout) -> Session {
         let frame: Frame = frame.parse().unwrap();
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));

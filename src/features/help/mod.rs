@@ -1,4 +1,4 @@
-//! The help. Its text is a file for each language in `public/help/`; here is the dialog around it.
+//! The help dialog. Its text is one file per language in `public/help/`.
 
 pub(crate) mod line_card;
 pub(crate) mod page;
@@ -30,16 +30,16 @@ use crate::{
     },
 };
 
-/// What there is of the help's page.
+/// The state of the help's content.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Loaded {
-    /// Nothing was asked for.
+    /// Not requested.
     Not,
-    /// It is under way.
+    /// Loading.
     Loading,
-    /// It did not come.
+    /// Loading failed.
     Failed,
-    /// It stands in the dialog, in this language.
+    /// Shown, in this language.
     In(&'static str),
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
     on_window("click", move |event| on_link_click(page, &event));
     focus_when(open, dialog);
     effect(move || {
-        // Another place may be asked for while it is open.
+        // Another place may be requested while it is open.
         page.dialog.track();
         if open.get() {
             load_or_show(page, article, loaded);
@@ -109,7 +109,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
     }
 }
 
-/// Whatever carries a topic leads to it: notices, the link doctor, the tour.
+/// Opens the help at the topic of a clicked element, in notices, the link doctor or the tour.
 fn on_link_click(page: Page, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let link = target.and_then(|target| target.closest("[data-help]").ok().flatten());
@@ -119,12 +119,12 @@ fn on_link_click(page: Page, event: &Event) {
     }
 }
 
-/// Once it is open: loads what is missing, or shows the place that was asked for.
+/// Loads the content if it is missing, or shows the requested place.
 fn load_or_show(page: Page, article: NodeRef<Div>, loaded: RwSignal<Loaded>) {
     let language = words::help_language();
     match loaded.get() {
         Loaded::In(there) if there == language => show_topic(page, article),
-        // The person says when it is tried again.
+        // The user decides when to try again.
         Loaded::Loading | Loaded::Failed => {}
         Loaded::Not | Loaded::In(_) => {
             loaded.set(Loaded::Loading);
@@ -139,7 +139,7 @@ fn load_or_show(page: Page, article: NodeRef<Div>, loaded: RwSignal<Loaded>) {
                     }
                     _ => Loaded::Failed,
                 };
-                // The article may be gone by now.
+                // The article may have been removed meanwhile.
                 let _ = loaded.try_set(now);
             });
         }
@@ -147,7 +147,7 @@ fn load_or_show(page: Page, article: NodeRef<Div>, loaded: RwSignal<Loaded>) {
 }
 
 fn show_topic(page: Page, article: NodeRef<Div>) {
-    // By then the dialog is shown and has taken the focus.
+    // By then the dialog is open and has the focus.
     request_animation_frame(move || {
         if let Some(Dialog::Help(Some(topic))) = page.dialog.get_untracked()
             && let Some(article) = article.try_get_untracked().flatten()
@@ -157,8 +157,8 @@ fn show_topic(page: Page, article: NodeRef<Div>) {
     });
 }
 
-/// Has the protocol card show the motor's own frames. They are looked at while the dialog is closed too:
-/// whoever opens it wants to see what passed just now.
+/// Shows the motor's real frames in the protocol card. They are recorded while the dialog is closed too, so that it
+/// shows the latest frames when it opens.
 fn show_frames(page: Page, open: Memo<bool>, loaded: RwSignal<Loaded>, article: NodeRef<Div>) {
     let mut card = LineCard::default();
     effect(move || {

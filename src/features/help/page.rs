@@ -1,4 +1,4 @@
-//! The help's page: fetched when it is wanted, because few visits need it and all would carry it.
+//! The help's content: fetched on request, because few visits need it.
 
 use leptos::task::spawn_local;
 use wasm_bindgen::JsCast;
@@ -7,17 +7,17 @@ use web_sys::{Element, HtmlElement};
 
 use crate::{features::help::line_card, link::files::text_of, model::help_topic::HelpTopic};
 
-/// Where a file has the drawing that is the same in every language.
+/// The placeholder of the drawing that all languages share.
 const DRAWING: &str = "<!-- wiring.svg -->";
 
-/// By which the style sheet knows a frame that is no example.
+/// The class of a real frame.
 const LIVE: &str = "frame live";
 
-/// The help in this language. Nothing where a file is missing or the network is.
+/// The help in this language; `None` if a file or the network is missing.
 pub(crate) async fn load(language: &str) -> Option<String> {
-    // Beside the page, wherever that lies.
+    // Relative to the page.
     let page = text_of(&format!("help/{language}.html")).await?;
-    // Some hosts send a page of their own where a file is missing.
+    // Some hosts send their own page for a missing file.
     if !page.contains(DRAWING) {
         return None;
     }
@@ -25,7 +25,7 @@ pub(crate) async fn load(language: &str) -> Option<String> {
     Some(page.replace(DRAWING, &drawing))
 }
 
-/// Shows this place and moves the focus there, so that reading goes on from it.
+/// Shows this place and moves the focus there, for screen readers.
 pub(crate) fn show(page: &Element, topic: HelpTopic) {
     let place = page.query_selector(&format!("#{}", topic.id()));
     if let Some(place) = place.ok().flatten()
@@ -36,13 +36,13 @@ pub(crate) fn show(page: &Element, topic: HelpTopic) {
     }
 }
 
-/// Does what was pressed on the page: goes to a place, or copies a command.
+/// Handles a click: goes to a place, or copies a command.
 pub(crate) fn press(page: &Element, event: &web_sys::Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let Some(target) = target else { return };
     let closest = |selector| target.closest(selector).ok().flatten();
     if let Some(link) = closest("a") {
-        // The address of the page stays what it is.
+        // The address of the page does not change.
         event.prevent_default();
         let id = link.get_attribute("href").unwrap_or_default();
         if let Some(topic) = HelpTopic::from_id(id.trim_start_matches('#')) {
@@ -53,7 +53,7 @@ pub(crate) fn press(page: &Element, event: &web_sys::Event) {
     }
 }
 
-/// Copies the command before this button, which then says so in the words that its file has for it.
+/// Copies the command before this button, and shows the button's text for "copied".
 fn copy(button: Element) {
     let Some(window) = web_sys::window() else {
         return;
@@ -65,7 +65,7 @@ fn copy(button: Element) {
         let text = command.text_content().unwrap_or_default();
         let copied = JsFuture::from(window.navigator().clipboard().write_text(&text));
         spawn_local(async move {
-            // A browser that refuses leaves the words to be copied by hand.
+            // If the browser refuses, the user can still copy the text by hand.
             if copied.await.is_ok() {
                 let said = button.get_attribute("data-copy");
                 button.set_text_content(said.as_deref());
@@ -76,7 +76,7 @@ fn copy(button: Element) {
     }
 }
 
-/// Puts the frames that were seen where the examples stand.
+/// Replaces the examples by real frames.
 pub(crate) fn fill(page: &Element, frames: &[Option<(String, String)>]) {
     for (kind, seen) in line_card::KINDS.iter().zip(frames) {
         let find = |what: &str| page.query_selector(&format!("[data-{what}={kind}]"));
@@ -88,7 +88,7 @@ pub(crate) fn fill(page: &Element, frames: &[Option<(String, String)>]) {
         let Some(example) = code.parent_element() else {
             continue;
         };
-        // The motor's own may be the same as the example.
+        // A real frame may equal the example.
         if code.text_content().as_ref() != Some(frame) || example.class_name() != LIVE {
             code.set_text_content(Some(frame));
             says.set_text_content(Some(words));

@@ -1,4 +1,4 @@
-//! The help in words, as far as they stand outside its files.
+//! Texts of the help outside of its files.
 
 use motorlink_i18n::tr;
 

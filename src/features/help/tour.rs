@@ -1,4 +1,4 @@
-//! The tour of the first minutes: which step of it is next, from what the session says. It drives nothing.
+//! The tour of the first minutes: computes the next step from the session. It drives nothing.
 
 use motorlink_messages::{Connection, bus::Activity, protocol::MotorId};
 
@@ -7,7 +7,7 @@ use crate::model::snapshot::{Reading, Session};
 /// The speed that the tour offers: slow enough to follow with the eye.
 pub(crate) const SPEED_RPM: i32 = 20;
 
-/// A wheel that is driven and turns at least so fast has spun.
+/// A driven wheel at this speed counts as spun.
 const SPINS_RPM: u16 = 10;
 
 /// A step of the tour.
@@ -15,23 +15,23 @@ const SPINS_RPM: u16 = 10;
 pub(crate) enum Step {
     /// Wire the motor and plug the adapter in.
     PlugIn,
-    /// Pick the adapter's port. No page can tell what is plugged in until a person has picked it, so
-    /// this is open together with the one before.
+    /// Pick the adapter's port. A page cannot see an adapter before the user has picked it, so this step is open
+    /// together with the previous one.
     PickPort,
     /// See the motor answer.
     Answer,
-    /// Make sure that the wheel turns freely; the person confirms it.
+    /// Make sure that the wheel turns freely; the user confirms it.
     Free,
     /// Spin it slowly.
     Spin,
     /// Stop it.
     Stop,
-    /// That was all.
+    /// The end of the tour.
     Done,
 }
 
 impl Step {
-    /// Those that there is something to do in.
+    /// The steps with a task.
     pub(crate) const ALL: [Self; 6] = [
         Self::PlugIn,
         Self::PickPort,
@@ -42,24 +42,24 @@ impl Step {
     ];
 }
 
-/// Who wants the tour.
+/// Whether the tour is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// Nobody: it was skipped, or has ended.
+    /// No: it was skipped or has ended.
     No,
-    /// Nobody has seen it yet: it is offered where it takes no room from anything else.
+    /// It is offered at a first visit, if nothing else needs the place.
     #[default]
     Offered,
-    /// A person has asked for it.
+    /// The user has opened it.
     Asked,
 }
 
-/// How far a person has come.
+/// The progress of the tour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tour {
     pub(crate) wanted: Wanted,
     motor: Option<MotorId>,
-    /// The person says that the wheel turns freely.
+    /// The user has confirmed that the wheel turns freely.
     pub(crate) free: bool,
     spun: bool,
     stopped: bool,
@@ -74,8 +74,7 @@ impl Tour {
         }
     }
 
-    /// Takes in what is. Another motor, or none, is another wheel: what was confirmed and seen says
-    /// nothing of it.
+    /// Updates the progress. After a change of the motor, the confirmation and the progress are reset.
     pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
         let connected = matches!(session.connection, Connection::Connected(_));
         let motor = connected.then_some(id);
@@ -97,7 +96,7 @@ impl Tour {
         }
     }
 
-    /// What is to be done next.
+    /// The next step.
     pub(crate) fn step(self, session: &Session, id: MotorId) -> Step {
         match session.connection {
             Connection::Disconnected => return Step::PlugIn,
@@ -107,7 +106,7 @@ impl Tour {
             Connection::Connected(_) => {}
         }
         if self.stopped {
-            // Whatever is done then is no part of it.
+            // Later actions are not part of the tour.
             Step::Done
         } else if session.mode(id).is_none_or(|mode| !mode.is_fresh()) {
             Step::Answer

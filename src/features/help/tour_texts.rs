@@ -1,4 +1,4 @@
-//! The tour in words.
+//! The texts of the tour.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
@@ -30,7 +30,7 @@ pub(crate) fn stop() -> &'static str {
     tr!("Stop the wheel")
 }
 
-/// A step by its name in the list.
+/// The name of a step in the list.
 pub(crate) fn name(step: Step) -> &'static str {
     match step {
         Step::PlugIn => tr!("Plug in"),
@@ -43,7 +43,7 @@ pub(crate) fn name(step: Step) -> &'static str {
     }
 }
 
-/// What there is to do in it.
+/// The task of a step.
 pub(crate) fn advice(step: Step, id: MotorId) -> String {
     let words = match step {
         Step::PlugIn => {
@@ -64,7 +64,7 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
     words.to_owned()
 }
 
-/// Where the help says more.
+/// The place in the help.
 pub(crate) const fn topic(step: Step) -> HelpTopic {
     match step {
         Step::PlugIn => HelpTopic::Wiring,

@@ -1,5 +1,4 @@
-//! The tour among the notices, in the place where it is said what comes next. As HTML, it weighs a tenth
-//! of a view.
+//! The tour among the notices, in the place of the next steps. As HTML, it is a tenth of the size of a view.
 
 use leptos::prelude::*;
 use motorlink_messages::protocol::{Mode, MotorId};
@@ -32,13 +31,13 @@ const SPIN: &str = "tour-spin";
 const STOP: &str = "tour-stop";
 const HELP: &str = "tour-help";
 
-/// Whether this browser has seen it.
+/// The tour at the start, which is offered unless this browser has stored that it was seen.
 pub(crate) fn remembered_tour() -> Tour {
     let seen = remembered(NAME).is_some();
     Tour::new(if seen { Wanted::No } else { Wanted::Offered })
 }
 
-/// What the tour has done; other features do it.
+/// The actions of the tour, which other features carry out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TourAction {
     PickPort,
@@ -48,7 +47,7 @@ pub(crate) enum TourAction {
     Stop,
 }
 
-/// What does it.
+/// The function that carries them out.
 pub(crate) type OnTourAction = &'static dyn Fn(TourAction);
 
 fn end_tour(tour: RwSignal<Tour>) {
@@ -75,7 +74,7 @@ pub(crate) fn TourNotice(
     }
 }
 
-/// The steps, what there is to do in the present one, and its controls.
+/// The steps, the task of the current one, and its controls.
 fn markup() -> String {
     let steps: String = Step::ALL
         .map(|step| format!("<li><span>{}</span></li>", tour_texts::name(step)))
@@ -103,7 +102,7 @@ fn markup() -> String {
     .concat()
 }
 
-/// Has it show where a person is, and its controls work, from now on.
+/// Attaches the updates and the handlers of the controls.
 fn attach_handlers(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourAction) {
     on_window("click", move |event| {
         on_event(page, tour_state, on_action, &event);
@@ -123,7 +122,7 @@ fn attach_handlers(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourActi
         let controls = Controls::now(page, id, tour);
         if shown.as_ref() != Some(&controls) {
             if controls.now == Step::Done {
-                // Who has done it need not skip it.
+                // A completed tour counts as seen.
                 remember(NAME, "seen");
             }
             show(&controls);
@@ -132,7 +131,7 @@ fn attach_handlers(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourActi
     });
 }
 
-/// What is shown of the tour.
+/// The shown state of the tour.
 #[derive(PartialEq)]
 struct Controls {
     now: Step,
@@ -189,7 +188,7 @@ fn show(controls: &Controls) {
     set(HELP, "data-help", topic.id());
 }
 
-/// Those before are done; of what is plugged in no page knows until its port is picked.
+/// The state of a step. The page cannot see a plugged-in adapter until its port is picked.
 fn mark_steps(now: Step) {
     let Some(list) = element(SAID).and_then(|said| said.previous_element_sibling()) else {
         return;
@@ -224,13 +223,13 @@ fn set_control(id: &str, shown: bool, disabled_reason: Option<&str>) {
 fn on_event(page: Page, tour: RwSignal<Tour>, on_action: OnTourAction, event: &Event) {
     let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
     let Some(target) = target else { return };
-    // At once: what is done counts from the moment of the press, which is known only while it is handled.
+    // At once: a command has the time of the press, which is known only while the event is handled.
     match target.id().as_str() {
         SKIP => end_tour(tour),
         PICK => on_action(TourAction::PickPort),
         VIRTUAL => on_action(TourAction::ConnectVirtual),
         SPIN => {
-            // The next press of Space is to stop the wheel, and not this button again.
+            // The next Space must stop the wheel, and not press this button again.
             if let Some(button) = target.dyn_ref::<HtmlElement>() {
                 let _ = button.blur();
             }

@@ -1,4 +1,4 @@
-//! What an operator does in the tab `ID Manager`, and what the page does about it.
+//! Actions of the tab `ID Manager`.
 
 use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
@@ -24,7 +24,7 @@ use crate::{
 pub(crate) struct Ids {
     pub(crate) page: Page,
     pub(crate) manager: RwSignal<IdManager>,
-    /// The ID that a motor is to be given.
+    /// The new ID.
     pub(crate) new_id: Target,
 }
 
@@ -37,10 +37,10 @@ impl Ids {
         }
     }
 
-    /// Another tab is opened. Leaving the ID manager gives up the ID change.
+    /// Another tab is opened. Leaving the ID manager cancels the ID change.
     pub(crate) fn tab_opened(self, tab: Tab) {
         if tab == Tab::IdManager {
-            // It says so itself.
+            // It reports that itself.
             self.page
                 .notices
                 .update(|board| board.withdraw(Topic::Survey));
@@ -49,30 +49,30 @@ impl Ids {
         }
     }
 
-    /// Asks who is there, by the ID query.
+    /// Sends the ID query.
     pub(crate) fn scan(self) {
         self.change_ids(IdManager::scan);
         self.page.command(Command::IdQuery);
     }
 
-    /// Asks every address who is there.
+    /// Starts a full scan.
     pub(crate) fn full_scan(self) {
         self.change_ids(IdManager::scan);
         self.page.command(Command::FullScan);
     }
 
-    /// Ends a scan or an ID change, and whatever was to follow.
+    /// Ends a scan or an ID change.
     pub(crate) fn cancel_scan(self) {
         self.give_up();
         self.page.command(Command::CancelJob);
     }
 
-    /// Begins to give the only motor the entered ID: a full scan has to prove that it is one.
+    /// Starts to set the entered ID: first, a full scan has to prove that there is only one motor.
     pub(crate) fn set_id(self) {
         let Some(to) = assignable(self.new_id.get_untracked()) else {
             return;
         };
-        // One that runs now would be taken for ours.
+        // A running scan would be mistaken for ours.
         if self
             .page
             .latest
@@ -83,7 +83,7 @@ impl Ids {
         }
     }
 
-    /// Begins to send more frames to a motor that has kept its ID: with the same proof and question.
+    /// Starts to send more frames to a motor that has kept its ID, with the same proof and question.
     pub(crate) fn set_id_with_more(self) {
         let may_scan = |session: &Session| scan_blocked_by(session).is_none();
         if self.page.latest.with_value(may_scan) {
@@ -95,7 +95,7 @@ impl Ids {
         }
     }
 
-    /// The person has agreed to the ID change.
+    /// The user has confirmed the ID change.
     pub(crate) fn agree(self) {
         let mut command = None;
         self.change_ids(|ids| command = ids.agree());
@@ -116,7 +116,7 @@ impl Ids {
             .update(|board| board.withdraw(Topic::Survey));
     }
 
-    /// What the worker tells of scans and ID changes.
+    /// Handles notices about scans and ID changes.
     pub(crate) fn notice(self, notice: &Notice) {
         self.change_ids(|ids| ids.on_notice(notice));
         if let Notice::IdChangeEnded {
@@ -125,14 +125,14 @@ impl Ids {
             ..
         } = notice
         {
-            // The next one wants another ID than this.
+            // The next change needs another ID.
             self.new_id.set(NO_NEW_ID);
             self.page.prefer(|preferences| preferences.motor = to.id());
             self.page.select(to.id());
         }
     }
 
-    /// Takes in whether the bus scans, behind all notices of one message.
+    /// Updates the job of the bus, after all notices of one message.
     pub(crate) fn check_scan(self) {
         self.page.latest.with_value(|session| {
             let job = session.job.as_ref();
@@ -140,7 +140,7 @@ impl Ids {
         });
     }
 
-    /// The question is open as long as it stands.
+    /// Opens or closes the question.
     fn change_ids(self, change: impl FnOnce(&mut IdManager)) {
         self.manager.update(change);
         let asked = self.manager.with_untracked(IdManager::question);

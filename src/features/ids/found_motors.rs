@@ -1,4 +1,4 @@
-//! The list `Motors found`: who has answered, and what each reports.
+//! The list `Motors found`: the motors that have answered, and what each reports.
 
 use crate::model::{
     snapshot::{Reading, Session},
@@ -17,13 +17,13 @@ use motorlink_messages::{
 pub(crate) struct FoundMotor {
     id: MotorId,
     chosen: bool,
-    /// Its loop and what is wrong with it: nothing that changes all the time, so that a click finds
-    /// what it was aimed at.
+    /// Its loop and faults, but no values that change all the time, so that the list does not move under a
+    /// click.
     reports: String,
 }
 
-/// Everyone who has answered, to a scan or since, in the order of IDs. `kept` is who was found by the
-/// last full scan.
+/// All motors that have answered, in a scan or since, in the order of IDs. `kept` are those found by the last
+/// full scan.
 pub(crate) fn found_motors(
     session: &Session,
     kept: &[MotorId],
@@ -48,7 +48,7 @@ fn reports(session: &Session, id: MotorId) -> String {
     let Some(mode) = session.mode(id) else {
         return tr!("found by scan").to_owned();
     };
-    // Nobody else is asked while the bus is scanned.
+    // Other motors are not queried during a scan.
     if !mode.is_fresh() && session.job.is_none() {
         return tr!("not replying").to_owned();
     }
@@ -92,7 +92,7 @@ pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
     html
 }
 
-/// Why the only motor that is known needs no such ID.
+/// Why this ID is not needed, if the only known motor already has it.
 pub(crate) fn objection(session: &Session, to: AssignableId) -> Option<String> {
     let only = session.found() == [to.id()];
     only.then(|| terms::refusal(Refusal::SameId(to.id())))

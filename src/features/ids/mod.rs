@@ -1,4 +1,4 @@
-//! Scans, and the way to a new ID.
+//! Scans and ID changes.
 
 pub(crate) mod actions;
 pub(crate) mod found_motors;

@@ -1,8 +1,8 @@
-//! Scans, and the way to a new ID: requested, proved, agreed to, done.
+//! Scans, and the stages of an ID change: requested, proved, confirmed, done.
 //!
-//! A new ID is heard by every motor on the line, so it is only set after a full scan has found one
-//! motor and nothing else, and a person has agreed. Whatever comes between (Cancel, a stop, another
-//! tab, another scan, a lost port) ends the wish: a scan that ends after that opens no dialog.
+//! Every motor on the line obeys a set-ID frame. So an ID is only set after a full scan has found exactly one
+//! motor, and the user has confirmed it. Cancel, a stop, another tab, another scan or a lost port ends the
+//! request: a scan that ends later opens no dialog.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -19,52 +19,51 @@ use crate::model::{
     snapshot::concerns_all,
 };
 
-/// How far an ID change has come.
+/// The stage of an ID change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Stage {
-    /// None is requested for.
+    /// No ID change.
     #[default]
     None,
-    /// A full scan was asked for, to prove that one motor is there.
+    /// A full scan was requested, to prove that there is only one motor.
     Proving {
         to: AssignableId,
         frames: SetIdFrames,
-        /// Whether the bus was seen scanning since: a report of before proves nothing.
+        /// Whether the bus has reported this scan as running: an earlier report proves nothing.
         scanning: bool,
     },
-    /// One motor was found, and a person is asked.
+    /// One motor was found; the user is asked to confirm.
     Asking(IdChange),
-    /// A person has agreed, and the bus has been told.
+    /// The user has confirmed, and the command was sent.
     Setting(IdChange),
 }
 
-/// What the tab `ID Manager` shows but the motors' readings.
+/// The state of the tab `ID Manager`, without the readings of the motors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct IdManager {
     stage: Stage,
     /// How the last scan or change ended.
     result: Option<NoticeText>,
-    /// What to try next, where a motor has kept its ID.
+    /// The next try, if a motor has kept its ID.
     more: Option<(AssignableId, SetIdFrames)>,
-    /// Who was found by the last full scan.
+    /// The motors found by the last full scan.
     found: Vec<MotorId>,
 }
 
 impl IdManager {
-    /// A person asks who is there, by the ID query or a full scan. What was requested for before is
-    /// moot.
+    /// Begins an ID query or a full scan, which ends an ID change that was requested before.
     pub(crate) fn scan(&mut self) {
         self.stage = Stage::None;
         self.result = None;
         self.more = None;
     }
 
-    /// A person wants the only motor to have this ID. The full scan has to be asked for now.
+    /// Requests this ID for the only motor. The caller has to start a full scan.
     pub(crate) fn request(&mut self, to: AssignableId) {
         self.begin(to, SetIdFrames::default());
     }
 
-    /// The same once more, with more frames. Returns whether there is something to repeat.
+    /// Requests the same again with more frames. Returns whether there is something to repeat.
     pub(crate) fn request_more(&mut self) -> bool {
         let more = self.more;
         if let Some((to, frames)) = more {
@@ -83,12 +82,12 @@ impl IdManager {
         };
     }
 
-    /// How many frames may be sent, where a motor has kept its ID in spite of fewer.
+    /// Number of frames for the next try, if a motor has kept its ID.
     pub(crate) fn offers_more(&self) -> Option<SetIdFrames> {
         self.more.map(|(_, frames)| frames)
     }
 
-    /// What is to be asked of a person now.
+    /// The change that the user has to confirm.
     pub(crate) const fn question(&self) -> Option<IdChange> {
         match self.stage {
             Stage::Asking(change) => Some(change),
@@ -96,7 +95,7 @@ impl IdManager {
         }
     }
 
-    /// A person agrees. The command to send, once.
+    /// The user confirms. Returns the command to send, once.
     pub(crate) fn agree(&mut self) -> Option<Command> {
         let change = self.question()?;
         self.stage = Stage::Setting(change);
@@ -104,20 +103,20 @@ impl IdManager {
         Some(Command::SetId { from, to, frames })
     }
 
-    /// A person does not want it any more, or turns to something else. A change that the bus is at
-    /// goes on, or is ended by the bus itself; it says so in either case.
+    /// The user cancels or does something else. A change that the bus carries out continues, or the bus ends
+    /// it; the bus reports both.
     pub(crate) fn give_up(&mut self) {
         if !matches!(self.stage, Stage::Setting(_)) {
             self.stage = Stage::None;
         }
     }
 
-    /// The port was closed or lost, and everything that was known of the line with it.
+    /// The port was closed or lost: clears all that was known of the line.
     pub(crate) fn disconnected(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes in what the worker tells.
+    /// Handles a notice of the worker.
     pub(crate) fn on_notice(&mut self, notice: &Notice) {
         match notice {
             Notice::IdQueryEnded(outcome) => {
@@ -149,7 +148,7 @@ impl IdManager {
     fn scan_ended(&mut self, report: &ScanReport) {
         self.found.clone_from(&report.found);
         let result = match self.stage {
-            // It was asked for before the wish, and ours is still to come; or the wish is fulfilled.
+            // An earlier scan ended and ours has not begun, or the change is in progress.
             Stage::Proving {
                 scanning: false, ..
             }
@@ -161,15 +160,15 @@ impl IdManager {
                 }
                 scan_texts::of_no_proof(report, to)
             }
-            // Also another scan than the one that was agreed to be enough.
+            // Also a scan other than the one that the user confirms.
             Stage::None | Stage::Asking(_) => scan_texts::of_scan(report),
         };
         self.stage = Stage::None;
         self.result = Some(result);
     }
 
-    /// Takes in whether the bus scans, after all notices of the same message. Returns whether that
-    /// is news.
+    /// Updates the job of the bus, after all notices of the same message. Returns whether that changed
+    /// anything.
     pub(crate) fn update(&mut self, job: Option<&JobStatus>) -> bool {
         let Stage::Proving { scanning, .. } = &mut self.stage else {
             return false;
@@ -179,7 +178,7 @@ impl IdManager {
                 *scanning = true;
                 true
             }
-            // It has ended and nobody said how.
+            // It has ended without a notice.
             (true, false) => {
                 self.stage = Stage::None;
                 true
@@ -188,7 +187,7 @@ impl IdManager {
         }
     }
 
-    /// What the tab says: what goes on, how the last ended, or what can be done here.
+    /// The message of the tab: the current job, the last result, or what to do here.
     pub(crate) fn message(&self) -> NoticeText {
         match (&self.stage, &self.result) {
             (Stage::Proving { to, .. } | Stage::Asking(IdChange { to, .. }), _) => calm(
@@ -216,19 +215,19 @@ impl IdManager {
         }
     }
 
-    /// Whether the full scan is what to press next.
+    /// Whether a full scan is the next step.
     pub(crate) fn offers_full_scan(&self) -> bool {
         let remedy = self.result.as_ref().and_then(|said| said.remedy);
         remedy == Some(Remedy::FullScan)
     }
 
-    /// Who was found by the last full scan.
+    /// The motors found by the last full scan.
     pub(crate) fn found(&self) -> &[MotorId] {
         &self.found
     }
 }
 
-/// The one motor that is there, if this report proves it.
+/// The only motor on the bus, if this report proves it.
 fn proved(report: &ScanReport) -> Option<MotorId> {
     match (report.found.as_slice(), report.noisy.as_slice()) {
         ([only], []) if report.complete => Some(*only),

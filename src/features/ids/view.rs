@@ -114,7 +114,7 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
     )
 }
 
-/// Progressbar `Scan`, in its place while nothing is scanned.
+/// Progressbar `Scan`; it keeps its place when no scan is running.
 #[component]
 fn Progress() -> impl IntoView {
     let page = use_page();
@@ -142,7 +142,7 @@ fn Progress() -> impl IntoView {
     }
 }
 
-/// How the last scan or change ended, or what can be done here.
+/// The result of the last scan or change, or what to do here.
 #[component]
 fn ScanResult(ids: Ids) -> impl IntoView {
     let page = ids.page;

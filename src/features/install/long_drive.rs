@@ -1,26 +1,26 @@
-//! How long was driven: whether a tab is still the right place for it.
+//! Measures the driving time, to advise installing the page.
 
-/// An afternoon at the bench begins so.
+/// The driving time after which the advice is shown.
 const LONG_MS: f64 = 10.0 * 60_000.0;
-/// Who turns to other things while a wheel turns does so for longer than this.
+/// The time with a hidden page after which the advice is shown.
 const LONG_HIDDEN_MS: f64 = 60_000.0;
-/// A hidden page's timers come once a minute at least; what lasted longer was no driving but a machine asleep.
-const LOOK_MS_MAX: f64 = 90_000.0;
+/// A hidden page's timers run at least once a minute; after a longer gap the computer was asleep.
+const GAP_MS_MAX: f64 = 90_000.0;
 
 /// The time that was driven since the page was opened, all in milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct LongDrive {
-    looked: Option<f64>,
+    updated: Option<f64>,
     driven: f64,
     hidden: f64,
 }
 
 impl LongDrive {
-    /// Counts the time since the last look, and says whether it has become long.
+    /// Adds the time since the last call. Returns whether the driving time has become long.
     pub(crate) fn update(&mut self, now_ms: f64, drives: bool, hidden: bool) -> bool {
-        let since_ms = self.looked.map_or(0.0, |looked_ms| now_ms - looked_ms);
-        self.looked = Some(now_ms);
-        if drives && since_ms <= LOOK_MS_MAX {
+        let since_ms = self.updated.map_or(0.0, |last_ms| now_ms - last_ms);
+        self.updated = Some(now_ms);
+        if drives && since_ms <= GAP_MS_MAX {
             self.driven += since_ms;
             self.hidden += if hidden { since_ms } else { 0.0 };
         }
@@ -32,7 +32,7 @@ impl LongDrive {
 mod tests {
     use super::*;
 
-    /// When it becomes long, looked at so often for an hour.
+    /// When it becomes long, if it is updated at this interval for an hour.
     fn long_after_s(every_ms: f64, drives: bool, hidden: bool) -> Option<f64> {
         let mut drive = LongDrive::default();
         let mut now_ms = 5_000.0;

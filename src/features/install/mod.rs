@@ -1,7 +1,7 @@
-//! The page as a program of the browser's: kept for use without a network, installed, and advised to be.
+//! The page as an installed program: offline use, installation, and the advice to install.
 //!
-//! What only a browser's own promises and events know is in `boot/installed.js`; it tells of it
-//! by one event on the window, and is called by its global functions.
+//! `boot/installed.js` handles the browser's promises and events. It reports by one event on the window, and has
+//! global functions.
 
 pub(crate) mod long_drive;
 pub(crate) mod new_version;
@@ -33,23 +33,23 @@ pub(crate) enum Installation {
     /// The browser does not offer it.
     #[default]
     NotOffered,
-    /// It asks the person when it is told to.
+    /// The browser asks the user on request.
     Offered,
-    /// It has been done while the page was open.
+    /// It was installed while the page was open.
     Done,
 }
 
-/// Under which name the browser remembers that the advice was given.
+/// The storage key for "the advice was shown".
 const ADVISED: &str = "install-advised";
 
-/// What the page knows of it.
+/// The state of the installation.
 #[derive(Clone, Copy)]
 pub(crate) struct Install {
     page: Page,
     pub(crate) state: RwSignal<Installation>,
-    /// Whether a new version of the page waits to be taken.
+    /// Whether a new version of the page is available.
     pub(crate) new_version: RwSignal<bool>,
-    /// Whether it was taken: the page is still the old one, and its files are gone.
+    /// Whether it was activated: the page is still the old one, and its files are gone.
     pub(crate) taken: RwSignal<bool>,
     driven: StoredValue<LongDrive>,
 }
@@ -66,7 +66,7 @@ impl Install {
     }
 }
 
-/// Has the page kept, and hears what the browser says of it, from now on.
+/// Registers the service worker, and listens to its reports.
 pub(crate) fn watch(install: Install) {
     on_window("installation", move |event| {
         let detail = event
@@ -74,10 +74,10 @@ pub(crate) fn watch(install: Install) {
             .and_then(|event| event.detail().as_string());
         on_event(install, detail.as_deref().unwrap_or_default());
     });
-    // A page whose worker died needs its next version more than any other.
+    // A page whose worker failed needs the new version most.
     let works = memo(move || install.page.worker.state.get() != WorkerState::Starting);
     effect(move || {
-        // Only now: what is fetched to be kept must not hold up what is fetched to start.
+        // Only now: fetching files for offline use must not delay the start.
         if works.get() {
             call("keepOffline");
         }
@@ -98,7 +98,7 @@ fn on_event(install: Install, detail: &str) {
     }
 }
 
-/// Calls a function of the script, where there is one.
+/// Calls a function of the script, if it exists.
 pub(crate) fn call(name: &str) {
     let function = Reflect::get(&js_sys::global(), &name.into()).ok();
     let function = function.and_then(|function| function.dyn_into::<Function>().ok());
@@ -108,7 +108,7 @@ pub(crate) fn call(name: &str) {
 }
 
 impl Install {
-    /// Has the browser ask the person whether the page is to be installed.
+    /// Opens the browser's question to install the page.
     pub(crate) fn install(self) {
         self.page
             .notices
@@ -126,8 +126,8 @@ impl Install {
         }
     }
 
-    /// Advises those who drive for long in a tab, once: a browser may discard a hidden tab, and never the
-    /// window of an installed page. Called every second, or as often as a hidden page's timers come.
+    /// Shows the advice once after long driving in a tab: a browser may discard a hidden tab, but not the window of an
+    /// installed page. Called every second, or as often as a hidden page's timers run.
     pub(crate) fn advise_if_long(self) {
         let drives = self
             .page

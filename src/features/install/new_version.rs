@@ -1,4 +1,4 @@
-//! A new version of the page: announced, and taken when the person says so, never while a port is open.
+//! Offers a new version of the page; the user activates it, but never while a port is open.
 
 use leptos::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::{
 };
 
 impl Install {
-    /// Offers a version that waits whenever no port is open.
+    /// Offers an available version while no port is open.
     pub(crate) fn watch_versions(self) {
         let open = memo(move || {
             self.page
@@ -31,8 +31,7 @@ impl Install {
         });
     }
 
-    /// Loads the page anew when it was taken: not under a port that was opened meanwhile, but when that is
-    /// closed.
+    /// Reloads the page after the activation. If a port was opened meanwhile, waits until it is closed.
     pub(crate) fn reload_when_taken(self) {
         let open = memo(move || {
             self.page
@@ -46,9 +45,9 @@ impl Install {
         });
     }
 
-    /// Takes it, which loads the page anew.
+    /// Activates it, which reloads the page.
     pub(crate) fn take_new_version(self) {
-        // A port may have been opened since the offer was drawn.
+        // A port may have been opened since the offer was shown.
         let connection = self.page.latest.with_value(|session| session.connection);
         if is_in_use(connection) {
             self.page
@@ -59,7 +58,7 @@ impl Install {
         }
     }
 
-    /// Another tab has the page too, which may drive.
+    /// Another tab with the page is open and may drive.
     pub(crate) fn refuse_new_version_beside_others(self) {
         self.page
             .notices

@@ -1,4 +1,4 @@
-//! A new version of the page, in words.
+//! The texts about a new version of the page.
 
 use motorlink_i18n::tr;
 
@@ -11,7 +11,7 @@ fn take_it(tone: Tone, title: &str, advice: &str) -> NoticeText {
     }
 }
 
-/// It can be taken.
+/// It can be activated.
 pub(crate) fn is_ready() -> NoticeText {
     take_it(
         Tone::Calm,
@@ -20,7 +20,7 @@ pub(crate) fn is_ready() -> NoticeText {
     )
 }
 
-/// It cannot be taken while a port is open.
+/// It cannot be activated while a port is open.
 pub(crate) fn not_while_open() -> NoticeText {
     take_it(
         Tone::Warning,
@@ -29,7 +29,7 @@ pub(crate) fn not_while_open() -> NoticeText {
     )
 }
 
-/// It cannot be taken while another tab has the page.
+/// It cannot be activated while another tab has the page open.
 pub(crate) fn not_beside_others() -> NoticeText {
     take_it(
         Tone::Warning,

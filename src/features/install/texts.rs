@@ -1,4 +1,4 @@
-//! The page as an installed program, in words.
+//! The texts about installing the page.
 
 use motorlink_i18n::tr;
 
@@ -12,12 +12,12 @@ pub(crate) fn installed() -> &'static str {
 pub(crate) fn not_offered() -> &'static str {
     tr!("This browser does not offer installation here. Check the browser menu.")
 }
-/// What the button does.
+/// The hint of the button.
 pub(crate) fn hint() -> &'static str {
     tr!("Opens in its own window, like other apps")
 }
 
-/// For those who drive for long in a tab.
+/// The advice after long driving in a tab.
 pub(crate) fn advice() -> NoticeText {
     NoticeText {
         remedy: Some(Remedy::Install),

@@ -1,4 +1,4 @@
-//! The chips of the strip: who has answered, and what each reports.
+//! The chips of the strip: the motors that have answered, and what each reports.
 
 use motorlink_i18n::tr;
 use std::fmt::Write;
@@ -16,14 +16,14 @@ use crate::{
     },
 };
 
-/// What stands behind each name of [`FIGURES`], in the same order.
+/// The labels of [`FIGURES`], in the same order.
 pub(crate) const FIGURES: [&str; 5] = ["speed", "current", "temperature", "faults", "age"];
 
 /// A figure of a chip.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Figure {
     pub(crate) text: String,
-    /// How the style sheet names what it looks like.
+    /// Its class.
     pub(crate) look: &'static str,
 }
 
@@ -42,7 +42,7 @@ impl Figure {
     }
 }
 
-/// All that does not change with every report, as HTML.
+/// The content that does not change with every report, as HTML.
 pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) -> String {
     let mut html = String::new();
     for id in found {
@@ -89,7 +89,7 @@ pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) ->
     html
 }
 
-/// What a chip shows of a motor now, in the order of [`FIGURES`].
+/// The present values of a chip, in the order of [`FIGURES`].
 pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     let speed = session.speed(id);
     let age = speed.map(|reading| reading.age);
@@ -116,7 +116,7 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     ]
 }
 
-/// `OK`, or the byte: its names have no room here, and the card of the chosen motor has them.
+/// `OK`, or the fault byte: the names do not fit here, and the card of the selected motor has them.
 fn brief(faults: Faults) -> String {
     if faults.is_none() {
         "OK".to_owned()

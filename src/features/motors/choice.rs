@@ -1,4 +1,4 @@
-//! Which motor, and of which make.
+//! The selection of the motor and its model.
 
 use std::fmt::Write;
 
@@ -11,12 +11,12 @@ use crate::{
     ui::reactive::{dynamic, handler, memo},
 };
 
-/// Combobox `Motor`: those that have answered first, then every other ID.
+/// Combobox `Motor`: first the motors that have answered, then every other ID.
 #[component]
 pub(crate) fn MotorChoice() -> impl IntoView {
     let page = use_page();
     let found = memo(move || page.shown.with(Session::found));
-    // A browser gives each of 254 options its style, which holds the page up while it starts.
+    // A browser styles each of 254 options, which would delay the start of the page.
     let wanted = RwSignal::new(false);
     view! {
         <label class="labelled">
@@ -39,8 +39,8 @@ pub(crate) fn MotorChoice() -> impl IntoView {
     }
 }
 
-/// The list as HTML, with every ID or only those that are seen while it is closed. As elements of the view,
-/// 254 of them would be watched one by one.
+/// The list as HTML, with every ID or only those needed while it is closed. As a view, each of 254 options would be
+/// reactive.
 fn options(found: &[MotorId], selected: MotorId, every: bool) -> String {
     let others = MotorId::all().filter(|id| !found.contains(id) && (every || *id == selected));
     let mut html = String::new();
@@ -91,7 +91,7 @@ pub(crate) fn ModelChoice() -> impl IntoView {
                 aria-label=tr!("Model")
                 class="select model-select"
                 inner_html=options
-                // Behind the options, of which it chooses one.
+                // After the options, because it selects one of them.
                 prop:value=dynamic(move || page.preferences.with(|chosen| chosen.model.key()))
                 on:change=handler(move |event| {
                     if let Some(model) = Model::from_key(&event_target_value(&event)) {
@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(html.matches("<option ").count(), 254);
         assert_eq!(html.matches(" selected").count(), 1);
         assert!(!options(&[], two, true).contains("Found"));
-        // Closed it shows one.
+        // A closed list shows one option.
         let closed = options(&[two], MotorId::FIRST, false);
         assert_eq!(closed.matches("<option ").count(), 2);
         assert_eq!(closed.matches(" selected").count(), 1);

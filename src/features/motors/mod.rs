@@ -1,4 +1,4 @@
-//! Which motors there are, and which of them is chosen.
+//! The found motors, and the selection.
 
 pub(crate) mod chips;
 pub(crate) mod choice;

@@ -1,4 +1,4 @@
-//! Region `Motors`: every motor that was found, at a glance, and the way to what concerns them all.
+//! Region `Motors`: an overview of all found motors, and the buttons that concern all of them.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -28,7 +28,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
         let fleet = page.motors.fleet;
         found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))
     });
-    // The chips are made when there are other ones; what they read is written into them.
+    // The chips are created when the set of motors changes; their values are written into them.
     Effect::new(move |before: Option<Chips>| {
         let mut chips = before.unwrap_or_default();
         let row = document().get_element_by_id(CHIPS);
@@ -62,14 +62,14 @@ pub(crate) fn MotorStrip() -> impl IntoView {
     }
 }
 
-/// The chips that are there, and what is written in them.
+/// The present chips and their values.
 #[derive(Default)]
 struct Chips {
     html: String,
     chips: Vec<(MotorId, [Place; 5])>,
 }
 
-/// Where a figure stands.
+/// The element of a value.
 #[derive(Default)]
 struct Place {
     element: Option<Element>,
@@ -112,7 +112,7 @@ impl Place {
             element.set_text_content(Some(&figure.text));
         }
         if self.written.look != figure.look {
-            // It fails for names that are none, and this is ours.
+            // It fails only for invalid names.
             let _ = element.set_attribute("data-look", figure.look);
         }
         self.written = figure;

@@ -1,4 +1,4 @@
-//! What happened that a person should know of, and what to do next.
+//! The notices, and the next steps for the user.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -21,16 +21,16 @@ use crate::{
     },
 };
 
-/// What a notice's button does; other features do it.
+/// The action of a notice's button, which other features carry out.
 pub(crate) type OnRemedy = &'static dyn Fn(Remedy);
 
-/// The notices in a place of their own, so that nothing moves when one comes; while there is none
-/// it says what comes next, for a first visit as a tour.
+/// The place of the notices, which is reserved so that nothing moves. Without a notice it shows the next steps, or
+/// the tour at a first visit.
 #[component]
 pub(crate) fn Notices(
-    /// Whether nothing beside the notices wants the place.
+    /// Whether nothing else needs the place.
     is_alone: Signal<bool>,
-    /// Whether the tour takes the place of the next steps.
+    /// Whether the tour is shown instead of the next steps.
     is_tour_shown: Signal<bool>,
     on_remedy: OnRemedy,
     saved_session: impl IntoView + 'static,
@@ -136,7 +136,7 @@ fn Slot(place: usize, on_remedy: OnRemedy) -> impl IntoView {
     }
 }
 
-/// What a person can do next, the first step first.
+/// The next steps for the user, in order.
 fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
     let steps: &[&str] = match session.connection {
         Connection::Disconnected | Connection::Failed(_) => &[

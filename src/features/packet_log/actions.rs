@@ -1,4 +1,4 @@
-//! What an operator does with the packet log.
+//! Actions of the packet log.
 
 use leptos::prelude::*;
 use motorlink_i18n::Language;
@@ -13,16 +13,16 @@ use crate::{
     model::page::{Dialog, Page},
 };
 
-/// As many entries are not forgotten without a question.
+/// From this number of entries on, clearing asks first.
 const ASKED_ABOVE: u64 = 1000;
 
 /// The packet log.
 #[derive(Clone, Copy)]
 pub(crate) struct Log {
     pub(crate) page: Page,
-    /// The rows at hand. They change thirty times a second and are no signal.
+    /// The received rows. They change thirty times a second and are no signal.
     pub(crate) feed: StoredValue<LogFeed, LocalStorage>,
-    /// What is said of the log; it changes when the list does, at most once a frame.
+    /// The counts of the log; updated with the list, at most once per frame of the screen.
     pub(crate) state: RwSignal<LogState>,
 }
 
@@ -44,7 +44,7 @@ impl Log {
         }
     }
 
-    /// Asks for the rows that are seen now, where they are others than before.
+    /// Requests the visible rows, if they differ from the last request.
     pub(crate) fn request_rows(self) {
         let request = self.feed.try_update_value(LogFeed::request);
         if let Some(request) = request.flatten() {
@@ -52,7 +52,7 @@ impl Log {
         }
     }
 
-    /// Forgets the log, after a question where it is long.
+    /// Clears the log, after a question if it is long.
     pub(crate) fn ask_to_clear(self) {
         let kept = self.state.with_untracked(|log| log.kept);
         if kept > ASKED_ABOVE {
@@ -70,7 +70,7 @@ impl Log {
         }
     }
 
-    /// Stays with the newest rows, or where it is.
+    /// Follows the newest rows, or stays.
     pub(crate) fn follow(self, follow: bool) {
         self.feed.update_value(|feed| {
             if follow {
@@ -82,8 +82,7 @@ impl Log {
         });
     }
 
-    /// The scroll bar was moved, or the list was given another size, which moves it too. Whether a
-    /// person did it.
+    /// Handles a move of the scroll bar, also by a change of size. Returns whether the user moved it.
     pub(crate) fn scrolled(self, scroller: &HtmlElement) -> bool {
         let receive = |feed: &mut LogFeed| {
             let place_px = scroll_px(scroller);
@@ -99,7 +98,7 @@ impl Log {
         self.feed.try_update_value(receive).unwrap_or(false)
     }
 
-    /// Says of the log what it is now.
+    /// Updates the counts.
     pub(crate) fn show(self) {
         let state = self.feed.with_value(LogFeed::state);
         if self.state.get_untracked() != state {
@@ -107,7 +106,7 @@ impl Log {
         }
     }
 
-    /// The log's entries are put into words by the recorder.
+    /// Sets the language of the entries, which the recorder writes.
     pub(crate) fn set_language(self, language: Language) {
         let speak = self
             .feed
@@ -118,7 +117,7 @@ impl Log {
         }
     }
 
-    /// A page of rows has come.
+    /// Handles received rows.
     pub(crate) fn take(self, rows: LogPage) {
         let again = self.feed.try_update_value(|feed| feed.take(rows));
         if let Some(filter) = again.flatten() {
@@ -127,7 +126,7 @@ impl Log {
         }
     }
 
-    /// Every entry has another number now: a session was restored, or all of them were erased.
+    /// The rows were renumbered: a session was restored, or all data was deleted.
     pub(crate) fn renumbered(self) {
         self.feed.update_value(LogFeed::renumbered);
     }

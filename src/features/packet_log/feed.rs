@@ -1,5 +1,5 @@
-//! What the page has of the packet log: the rows that it asked for, which of them are seen, and
-//! which entries the log is to show. Plain data; the list draws from it once a frame.
+//! The page's part of the packet log: the received rows, the visible ones, and the filter. Plain data; the list
+//! draws it once per frame of the screen.
 
 use std::rc::Rc;
 
@@ -8,50 +8,49 @@ use motorlink_messages::recorder::{Filter, LogPage, Row, ToRecorder, Window};
 
 use crate::features::packet_log::view::LogView;
 
-/// Everything about the log that stands outside the list.
+/// The counts and the state of the log, outside of the list.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LogState {
-    /// Entries that are kept, shown or not.
+    /// Entries in the log, visible or not.
     pub(crate) kept: u64,
-    /// Those that are not shown because they are routine.
+    /// Entries hidden because they are routine.
     pub(crate) collapsed: u64,
-    /// Entries that gave way to newer ones.
+    /// Entries dropped for newer ones.
     pub(crate) gone: u64,
-    /// How far the filter has come; 1000 when it is through.
+    /// The progress of the filter; 1000 when done.
     pub(crate) filtered_per_mille: u16,
-    /// Entries that are shown.
+    /// Visible entries.
     pub(crate) shown: u64,
-    /// Whether the list stays with the newest.
+    /// Whether the list follows the newest.
     pub(crate) following: bool,
-    /// What has come since it does not.
+    /// Rows added since it stopped following.
     pub(crate) new_rows: u64,
 }
 
-/// The rows at hand and the place in the log.
+/// The received rows and the position in the log.
 #[derive(Default)]
 pub(crate) struct LogFeed {
     pub(crate) view: LogView,
     page: LogPage,
-    /// What was asked for last.
+    /// The last requested rows.
     asked: Option<Window>,
     filter: Filter,
-    /// The generation in which the last change of the filter or clearing will be answered.
+    /// The generation of the answers to the last change of the filter or clearing.
     generation: u32,
-    /// Answers in a row from before that.
+    /// Consecutive answers of an earlier generation.
     stale: u8,
-    /// Wakes the list, which sleeps while nothing changes.
+    /// Wakes the list's animation loop, which sleeps while nothing changes.
     wake: Option<Rc<dyn Fn()>>,
-    /// The same with the next step of what goes with the data.
+    /// The same, with the next update of readings.
     wake_in_step: Option<Rc<dyn Fn()>>,
 }
 
-/// So many answers in a row from before the last change, which is a second of them, and the recorder
-/// has not heard of it.
+/// After this number of outdated answers, a second of them, the recorder has missed the change.
 const STALE_MAX: u8 = 30;
 
 impl LogFeed {
-    /// Takes in rows and counts. An answer from before the last change of the filter is none; where
-    /// nothing else comes, the recorder is told of the filter once more, by what is given back.
+    /// Handles received rows and counts. An answer from before the last change of the filter is ignored; after
+    /// too many of them, this returns the filter, to send it again.
     pub(crate) fn take(&mut self, page: LogPage) -> Option<ToRecorder> {
         let ahead = page.generation.wrapping_sub(self.generation);
         if ahead > u32::MAX / 2 {
@@ -73,14 +72,14 @@ impl LogFeed {
         None
     }
 
-    /// The rows to ask for now, where they are not those that were asked for last.
+    /// The request for the visible rows, if it differs from the last one.
     pub(crate) fn request(&mut self) -> Option<ToRecorder> {
         let window = self.view.window_to_request(self.asked)?;
         self.asked = Some(window);
         Some(ToRecorder::Show(window))
     }
 
-    /// Changes which entries are shown; what to tell the recorder of it.
+    /// Sets the filter; returns the message for the recorder.
     pub(crate) fn refilter(&mut self, change: impl FnOnce(&mut Filter)) -> Option<ToRecorder> {
         let mut filter = self.filter.clone();
         change(&mut filter);
@@ -92,8 +91,7 @@ impl LogFeed {
         Some(ToRecorder::Filter(filter))
     }
 
-    /// Puts entries into words in another language, and counts them anew: what is searched for may be in
-    /// others now.
+    /// Sets the language of the entries. The rows are renumbered, because the search may match others.
     pub(crate) fn set_language(&mut self, language: Language) -> ToRecorder {
         self.begin_anew();
         ToRecorder::SetLanguage {
@@ -102,23 +100,23 @@ impl LogFeed {
         }
     }
 
-    /// Which entries are shown.
+    /// The filter.
     pub(crate) fn filter(&self) -> &Filter {
         &self.filter
     }
 
-    /// Forgets every entry.
+    /// Clears the log.
     pub(crate) fn clear(&mut self) -> ToRecorder {
         self.begin_anew();
         ToRecorder::Clear
     }
 
-    /// The recorder has numbered the rows anew by itself.
+    /// The recorder has renumbered the rows by itself.
     pub(crate) fn renumbered(&mut self) {
         self.begin_anew();
     }
 
-    /// The rows are numbered anew, so a place among the old ones is none.
+    /// The rows are renumbered, so old positions are invalid.
     fn begin_anew(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.asked = None;
@@ -126,7 +124,7 @@ impl LogFeed {
         self.wake();
     }
 
-    /// The recorder is gone, and the log with it.
+    /// The recorder has failed, and the log is lost.
     pub(crate) fn lose(&mut self) {
         self.page = LogPage::default();
         self.view.set_rows(0, 0);
@@ -134,7 +132,7 @@ impl LogFeed {
         self.wake();
     }
 
-    /// A row, where it is at hand.
+    /// A row, if it was received.
     pub(crate) fn row(&self, number: u64) -> Option<&Row> {
         let first = self.page.rows.first()?.number;
         let place = usize::try_from(number.checked_sub(first)?).ok()?;
@@ -142,7 +140,7 @@ impl LogFeed {
         (row.number == number).then_some(row)
     }
 
-    /// What is said of the log.
+    /// The counts of the log.
     pub(crate) fn state(&self) -> LogState {
         LogState {
             kept: self.page.kept,
@@ -155,8 +153,7 @@ impl LogFeed {
         }
     }
 
-    /// Calls `wake` when a person changes something, `wake_in_step` when there is something new. They must
-    /// not touch the feed.
+    /// Calls `wake` after a change by the user, `wake_in_step` after new data. They must not access the feed.
     pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>, wake_in_step: Rc<dyn Fn()>) {
         self.wake = Some(wake);
         self.wake_in_step = Some(wake_in_step);

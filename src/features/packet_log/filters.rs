@@ -1,4 +1,4 @@
-//! Which entries the log shows, and whether it follows the newest.
+//! The controls of the filter, and whether the list follows the newest.
 
 use std::{fmt::Write, time::Duration};
 
@@ -12,8 +12,7 @@ use crate::{
     ui::reactive::{dynamic, handler, memo},
 };
 
-/// A filter is sent when nothing has been typed for so long: each one has a million entries looked
-/// at anew.
+/// A filter is sent after this pause in typing, because each one filters a million entries.
 const TYPED_OUT: Duration = Duration::from_millis(150);
 
 /// The kinds as the list `Log direction` has them. The value of each is its place.
@@ -41,7 +40,7 @@ fn kind_name(kind: Option<Kind>) -> &'static str {
 pub(crate) fn Filters(log: Log) -> impl IntoView {
     let page = log.page;
     let found = memo(move || page.shown.with(Session::found));
-    // What was chosen before stands in the controls when they are made anew.
+    // The controls show the present filter when they are created again.
     let filter = log.feed.with_value(|feed| feed.filter().clone());
     let id = RwSignal::new(filter.id);
     let typed = StoredValue::new(0_u32);
@@ -113,7 +112,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
     }
 }
 
-/// Sends what is typed once the person pauses.
+/// Sends the text after a pause in typing.
 fn type_in(log: Log, typed: StoredValue<u32>, text: String) {
     let Some(mine) = typed.try_update_value(|count| {
         *count = count.wrapping_add(1);
@@ -131,7 +130,7 @@ fn type_in(log: Log, typed: StoredValue<u32>, text: String) {
     );
 }
 
-/// All, the motors that have answered, and the one that is chosen.
+/// All, the motors that have answered, and the selected one.
 fn id_options(found: &[MotorId], chosen: Option<MotorId>) -> String {
     let mut html = format!("<option value=\"\">{}</option>", tr!("All IDs"));
     let gone = chosen.filter(|id| !found.contains(id));

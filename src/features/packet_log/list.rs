@@ -1,4 +1,4 @@
-//! The list `Packets`: hears the scroll bar, and paints once a frame while anything changes.
+//! The list `Packets`: handles the scroll bar, and draws once per frame of the screen while anything changes.
 
 use std::rc::Rc;
 
@@ -18,7 +18,7 @@ use crate::{
     },
 };
 
-/// A person who has not moved the scroll bar for so long, in milliseconds, has it in hand no more.
+/// The user has released the scroll bar if it has not moved for this time, in milliseconds.
 const IN_HAND_MS: f64 = 250.0;
 
 /// Log `Packets` and button `Jump to newest`.
@@ -28,7 +28,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
     let extent = NodeRef::<Div>::new();
     let rows = NodeRef::<Div>::new();
     let touched_ms = StoredValue::new(f64::NEG_INFINITY);
-    // Dropped with the component, and with them every frame and call that is still to come.
+    // Dropped with the component, which cancels pending frames and calls.
     let frames = StoredValue::new_local(None::<Frames>);
     let size = StoredValue::new_local(None::<SizeWatch>);
 
@@ -38,7 +38,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             return;
         };
         let scroller: HtmlElement = scroller.into();
-        // The view may be that of a list that was here before.
+        // The view may be from an earlier list.
         log.feed.update_value(|feed| feed.view.mounted());
         size.set_value(SizeWatch::of(&scroller, log));
         let mut painter = Painter::new(scroller, extent.into(), rows.into());
@@ -89,7 +89,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                 tabindex="0"
                 node_ref=scroller
                 on:scroll=handler(scroll)
-                // Before the list begins to move, and be it by a key that is only now pressed.
+                // Before the list starts to move, for example by a key.
                 on:keydown=handler(move |_| touch())
                 on:wheel=handler(move |_| touch())
                 on:pointerdown=handler(move |_| touch())
@@ -115,7 +115,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
     }
 }
 
-/// Tells the log every size of the list, from the first on.
+/// Reports the size of the list to the log, now and after changes.
 struct SizeWatch {
     observer: ResizeObserver,
     _on_size: Closure<dyn FnMut()>,

@@ -1,4 +1,4 @@
-//! The packet log: what was said on the line, to the millisecond.
+//! The packet log: the events of the line, to the millisecond.
 
 pub(crate) mod actions;
 pub(crate) mod feed;

@@ -1,8 +1,8 @@
-//! Puts the rows that are seen on the page.
+//! Draws the visible rows.
 //!
-//! There are as many elements as rows fit into the list, in their order. When the log moves by three
-//! rows, three elements go to the other end and get other texts; the rest is not touched, which is
-//! cheap and keeps what a person has marked in them.
+//! There are as many elements as rows fit into the list, in order. When the log moves by three rows, three
+//! elements move to the other end and get new texts. The others do not change, which is cheap and keeps the
+//! user's text selection.
 
 use std::collections::VecDeque;
 
@@ -12,11 +12,11 @@ use crate::features::packet_log::{feed::LogFeed, slot::Slot, view::LogView};
 
 /// The list's elements.
 pub(crate) struct Painter {
-    /// What scrolls.
+    /// The scrolling element.
     scroller: HtmlElement,
-    /// What it scrolls over: as tall as the log.
+    /// The scrolled element: as tall as the log.
     extent: HtmlElement,
-    /// The rows; it stays in sight however the scroller scrolls.
+    /// The element of the rows; it stays in view.
     rows: HtmlElement,
     slots: VecDeque<Slot>,
     /// Number of the row in the first slot.
@@ -38,14 +38,13 @@ impl Painter {
         }
     }
 
-    /// Shows what the feed has. Whether the scroll bar has to follow yet: while a person drags
-    /// it, the scroll bar and the extent it scrolls over stay as they are: a browser that is scrolling there by
-    /// itself stops where that changes.
+    /// Draws the feed. Returns whether the scroll bar still has to be updated: while the user drags it, the bar and
+    /// its range stay as they are, because a change would interrupt smooth scrolling.
     pub(crate) fn paint(&mut self, feed: &mut LogFeed, is_dragged: bool) -> bool {
         let view = &mut feed.view;
         if self.two_lines != view.has_two_lines() {
             self.two_lines = !self.two_lines;
-            // A class that is set is never refused.
+            // Setting a class does not fail.
             let rows = self.rows.class_list();
             let _ = rows.toggle_with_force("two-lines", self.two_lines);
         }
@@ -65,12 +64,12 @@ impl Painter {
         is_dragged && behind
     }
 
-    /// Has the scroll bar and what it scrolls over follow the view.
+    /// Sets the scroll bar and its range from the view.
     fn follow(&self, view: &mut LogView) {
         if let Some(extent_px) = view.extent_to() {
             view.extends_over(extent_px);
             set_style(&self.extent, "height", &format!("{extent_px}px"));
-            // One that stood lower than there is anything now is moved by the browser.
+            // The browser moves a scroll bar that is beyond the new end.
             view.stands_at(scroll_px(&self.scroller));
         }
         if let Some(place_px) = view.scroll_to() {
@@ -79,7 +78,7 @@ impl Painter {
         }
     }
 
-    /// As many slots as rows are seen.
+    /// Creates or removes slots to match the number of visible rows.
     fn fit(&mut self, count: usize) {
         while self.slots.len() > count {
             if let Some(slot) = self.slots.pop_back() {
@@ -94,13 +93,13 @@ impl Painter {
         }
     }
 
-    /// Brings the slots that will have other rows to the end where these belong.
+    /// Moves the slots that get new rows to the end where these belong.
     fn turn_to(&mut self, first: u64) {
         let slots = u64::try_from(self.slots.len()).unwrap_or(0);
         if first.abs_diff(self.first) < slots {
             for _ in self.first..first {
                 if let Some(slot) = self.slots.pop_front() {
-                    // It fails for elements that cannot be there, and these can.
+                    // It fails only for elements that cannot be inserted.
                     let _ = self.rows.append_child(slot.element());
                     self.slots.push_back(slot);
                 }
@@ -127,7 +126,7 @@ impl Painter {
     }
 }
 
-/// Where the scroll bar stands, in whole pixels.
+/// The position of the scroll bar, in whole pixels.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::unnecessary_cast,
@@ -147,7 +146,7 @@ fn set_scroll_px(scroller: &HtmlElement, place_px: i32) {
 }
 
 fn set_style(element: &HtmlElement, name: &str, value: &str) {
-    // It fails for values that are none, and these are ours.
+    // It fails only for invalid values.
     let _ = element.style().set_property(name, value);
 }
 

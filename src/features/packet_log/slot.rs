@@ -1,4 +1,4 @@
-//! One row of the list: an element whose texts are set.
+//! One row of the list: an element with changing texts.
 
 use motorlink_i18n::tr;
 use motorlink_messages::recorder::{Kind, Row};
@@ -6,13 +6,13 @@ use web_sys::Element;
 
 use crate::ui::format::grouped;
 
-/// Spaces stand between the parts, so that a copied row reads well.
+/// The parts have spaces between them, so that a copied row is readable.
 const PARTS: &str = "<div class=\"packet\"><span class=\"packet-time\"></span> \
     <span class=\"packet-kind\"></span> <span class=\"packet-id\"></span> \
     <span class=\"packet-hex\"></span> <span class=\"packet-meaning\"></span> \
     <span class=\"packet-before\"></span></div>";
 
-/// A row that is on the page for as long as the list is as tall, with one content after the other.
+/// An element that shows different rows over time.
 pub(crate) struct Slot {
     element: Element,
     time: Element,
@@ -25,7 +25,7 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    /// An empty row behind the others.
+    /// Adds an empty row at the end.
     pub(crate) fn append_to(list: &Element) -> Option<Self> {
         list.insert_adjacent_html("beforeend", PARTS).ok()?;
         let element = list.last_element_child()?;
@@ -51,7 +51,7 @@ impl Slot {
         &self.element
     }
 
-    /// Shows a row, or nothing where it is not at hand yet. Touches the page only where it differs.
+    /// Shows a row, or nothing if it was not received yet. Changes only what differs.
     pub(crate) fn show(&mut self, row: Option<&Row>) {
         if self.shown.as_ref() == row {
             return;
@@ -78,7 +78,7 @@ impl Slot {
         self.id.set_text_content(Some(&row.id));
         self.hex.set_text_content(Some(&row.hex));
         self.meaning.set_text_content(Some(&row.meaning));
-        // A name that is set is never refused. The whole where the row is too narrow for it.
+        // Setting an attribute does not fail. It has the whole text, for a row that is too narrow.
         let _ = self.meaning.set_attribute("title", &row.meaning);
         let (before, title) = before(row.collapsed_before);
         self.before.set_text_content(Some(&before));
@@ -86,7 +86,8 @@ impl Slot {
     }
 }
 
-/// Class and label: told apart by more than colour. A row without bytes has its place for words.
+/// Class and label of a kind, so that kinds differ by more than colour. A row without bytes has more room for
+/// text.
 fn looks(row: &Row) -> (&'static str, &'static str) {
     match (row.kind, row.hex.is_empty()) {
         (Kind::Tx, _) => ("packet tx", "TX"),
@@ -97,7 +98,7 @@ fn looks(row: &Row) -> (&'static str, &'static str) {
     }
 }
 
-/// `+48`, and what it means; nothing for none.
+/// `+48` and its explanation; empty for zero.
 fn before(collapsed: u32) -> (String, String) {
     match collapsed {
         0 => (String::new(), String::new()),

@@ -4,7 +4,7 @@ use motorlink_i18n::tr;
 
 use crate::{features::packet_log::feed::LogState, ui::format::grouped};
 
-/// Two lines about the entries of the log: how many, and what became of the others.
+/// Two lines about the entries of the log: how many are visible, and how many are hidden or dropped.
 pub(crate) fn of_entries(log: &LogState) -> (String, String) {
     let entries = entries(log.kept);
     let mut others = Vec::new();
@@ -33,7 +33,7 @@ pub(crate) fn of_entries_at_length(log: &LogState) -> String {
     }
 }
 
-/// What stands in the place of rows while there are none; empty where there are some.
+/// The text instead of rows if there are none.
 pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     if !alive {
         tr!("The packet log has stopped. Motors keep running.")
@@ -48,7 +48,7 @@ pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     }
 }
 
-/// What clearing so many entries is called.
+/// The label for clearing this number of entries.
 pub(crate) fn of_clearing(entries: u64) -> String {
     tr!("Clear {entries}", entries = self::entries(entries))
 }

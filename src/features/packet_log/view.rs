@@ -1,48 +1,46 @@
-//! Which rows of a log of any length are seen: the arithmetic of the list `Packets`.
+//! Computes the visible rows of the list `Packets`, for a log of any length.
 //!
-//! Only the rows in view are elements. What is seen is kept as a place in the log, in pixels from
-//! row 0, and the scroll bar follows it: so what a person reads stays where it is when old rows give
-//! way above it, and on a scroll bar too coarse for the log a turn of the mouse wheel still moves by
-//! rows. The scroll bar tells only by how much it was moved, and may be behind the log for as long as
-//! a person has it in hand.
+//! Only the visible rows are elements. The position is stored in pixels from row 0 of the log, and the scroll bar
+//! follows it. So the rows on screen stay in place when old rows are dropped, and the mouse wheel moves by rows
+//! even if the scroll bar is too coarse for that. Only the distance of a scroll counts, and the bar may lag behind
+//! the log while the user drags it.
 
 use motorlink_messages::recorder::Window;
 
 /// Height of a row in pixels: what the style sheet gives `.packet`.
 pub(crate) const ROW_PX: u32 = 22;
 
-/// The same where a row has two lines.
+/// The same for rows of two lines.
 pub(crate) const TWO_LINE_ROW_PX: u32 = 42;
 
 /// Below this width of the list, in pixels, a row has two lines.
 const TWO_LINES_BELOW_PX: u32 = 480;
 
-/// The tallest that anything on a page is: Firefox ends at 17.9 million pixels, Chromium at 33.5.
-/// 22 pixels a row, it is reached by 360,000 rows.
+/// The maximal height of an element: Firefox allows 17.9 million pixels, Chromium 33.5. At 22 pixels per row,
+/// 360,000 rows reach it.
 const EXTENT_MAX_PX: u64 = 8_000_000;
 
-/// A scroll bar that moves by more of the list's heights than this was dragged, or its end was asked
-/// for by a key; by less, somebody reads on.
+/// A move by more list heights than this is a drag or a jump to an end; a smaller one is scrolling.
 const DRAGGED_BEYOND_HEIGHTS: u64 = 4;
 
-/// Rows that are asked for before the list has a height.
+/// Rows requested before the list has a height.
 const ROWS_MIN: u64 = 8;
 
-/// What part of the log is seen.
+/// The visible part of the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
-    /// The newest rows, whatever comes.
+    /// The newest rows; it follows new ones.
     Newest,
-    /// Where a person reads.
+    /// A fixed position.
     Reading {
         /// The upper edge, in pixels from row 0.
         top_px: u64,
-        /// Number behind the newest row when the person let go of it.
+        /// Number after the newest row when following stopped.
         newest_then: u64,
     },
 }
 
-/// The list and its place in the log.
+/// The list and its position in the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct LogView {
     row_px: u32,
@@ -50,9 +48,9 @@ pub(crate) struct LogView {
     oldest: u64,
     end: u64,
     place: Place,
-    /// How tall what is scrolled is on the page, in pixels.
+    /// Height of the scrolled element, in pixels.
     extent_px: u64,
-    /// Where the scroll bar is known to stand: one found there was moved by us, or not at all.
+    /// The known position of the scroll bar: if it is there, the user has not moved it.
     scroll_px: i32,
 }
 
@@ -71,13 +69,13 @@ impl Default for LogView {
 }
 
 impl LogView {
-    /// There is another list on the page, which has no size yet and scrolls over nothing.
+    /// The list was created again; it has no size yet.
     pub(crate) fn mounted(&mut self) {
         self.extent_px = 0;
         self.scroll_px = 0;
     }
 
-    /// The list has this size; what is at its upper edge stays there. Whether it was another.
+    /// Sets the size; the row at the upper edge stays. Returns whether the size changed.
     pub(crate) fn resize(&mut self, width_px: u32, height_px: u32) -> bool {
         let row_px = if width_px < TWO_LINES_BELOW_PX {
             TWO_LINE_ROW_PX
@@ -96,28 +94,28 @@ impl LogView {
         differs
     }
 
-    /// The log has these rows: the oldest, and the number behind the newest.
+    /// Sets the rows of the log: the oldest, and the number after the newest.
     pub(crate) fn set_rows(&mut self, oldest: u64, end: u64) {
         self.oldest = oldest;
         self.end = end.max(oldest);
     }
 
-    /// Goes to the newest rows and stays with them.
+    /// Goes to the newest rows and follows them.
     pub(crate) fn follow(&mut self) {
         self.place = Place::Newest;
     }
 
-    /// Stays at the rows that are seen.
+    /// Stops following.
     pub(crate) fn stop_following(&mut self) {
         if self.is_following() {
             self.read_at(self.top_px());
         }
     }
 
-    /// The scroll bar is found at this place. Whether a person has moved it there.
+    /// Handles a position of the scroll bar. Returns whether the user moved it there.
     pub(crate) fn scrolled(&mut self, scroll_px: i32) -> bool {
         let moved = i64::from(scroll_px) - i64::from(self.scroll_px);
-        // A screen whose pixels are no whole ones of the page rounds by one.
+        // With fractional pixel ratios, the position is rounded by up to one pixel.
         if moved == 0 || (self.is_following() && moved.abs() <= 1) {
             return false;
         }
@@ -140,12 +138,12 @@ impl LogView {
         true
     }
 
-    /// The scroll bar was put to this place by us, or by the browser because the list has changed.
+    /// The scroll bar was moved to this position by the page, or by the browser because the list changed.
     pub(crate) fn stands_at(&mut self, scroll_px: i32) {
         self.scroll_px = scroll_px;
     }
 
-    /// Where the scroll bar has to be put, where it does not stand there already.
+    /// The position to set, if the scroll bar is elsewhere.
     pub(crate) fn scroll_to(&self) -> Option<i32> {
         let content_range_px = self.content_px().saturating_sub(u64::from(self.height_px));
         let offset_px = self.top_px().saturating_sub(self.oldest_px());
@@ -159,23 +157,23 @@ impl LogView {
         (scroll_px != self.scroll_px).then_some(scroll_px)
     }
 
-    /// How tall what is scrolled has to be, in pixels, where it is not so tall already.
+    /// The height to set, if it has changed.
     pub(crate) fn extent_to(&self) -> Option<u64> {
         let extent_px = self.content_px().min(EXTENT_MAX_PX);
         (extent_px != self.extent_px).then_some(extent_px)
     }
 
-    /// What is scrolled is so tall now.
+    /// The height was set.
     pub(crate) fn extends_over(&mut self, extent_px: u64) {
         self.extent_px = extent_px;
     }
 
-    /// Whether it stays with the newest rows.
+    /// Whether it follows the newest rows.
     pub(crate) fn is_following(&self) -> bool {
         self.place == Place::Newest
     }
 
-    /// Rows that have come since the person let go of the newest.
+    /// Rows added since following stopped.
     pub(crate) fn new_rows(&self) -> u64 {
         match self.place {
             Place::Newest => 0,
@@ -188,7 +186,7 @@ impl LogView {
         self.row_px == TWO_LINE_ROW_PX
     }
 
-    /// Number of the first row that is seen, if only in part.
+    /// Number of the first row that is at least partly visible.
     pub(crate) fn first_row(&self) -> u64 {
         self.top_px() / u64::from(self.row_px)
     }
@@ -198,14 +196,14 @@ impl LogView {
         self.top_px() % u64::from(self.row_px)
     }
 
-    /// Number behind the last row that is seen.
+    /// Number after the last visible row.
     pub(crate) fn row_behind(&self) -> u64 {
         let bottom_px = self.top_px() + u64::from(self.height_px);
         bottom_px.div_ceil(u64::from(self.row_px)).min(self.end)
     }
 
-    /// Which rows to ask the recorder for, where those asked for before do not do any more: what is
-    /// seen, and as much again above and below, so that a short way is there at once.
+    /// The rows to request, if the last request no longer covers the visible ones: those, and as many above and
+    /// below, for short scrolls.
     pub(crate) fn window_to_request(&self, asked: Option<Window>) -> Option<Window> {
         let seen = (u64::from(self.height_px / self.row_px) + 2).max(ROWS_MIN);
         let window = match self.place {
@@ -227,7 +225,7 @@ impl LogView {
         (asked != Some(window)).then_some(window)
     }
 
-    /// Whether these rows are what is seen and half of it again on both sides.
+    /// Whether these rows cover the visible ones and half as many on both sides.
     fn covers(&self, asked: Window, first: u64, seen: u64) -> bool {
         let Some(from) = asked.first else {
             return false;
@@ -249,7 +247,7 @@ impl LogView {
         };
     }
 
-    /// The upper edge, in pixels from row 0; what gave way cannot be seen.
+    /// The upper edge, in pixels from row 0, not before the oldest row.
     fn top_px(&self) -> u64 {
         match self.place {
             Place::Newest => self.newest_top_px(),
@@ -269,7 +267,7 @@ impl LogView {
             .max(self.oldest_px())
     }
 
-    /// The place in the log at this place of the scroll bar.
+    /// The position in the log for this position of the scroll bar.
     fn place_at(&self, scroll_px: i32) -> u64 {
         let content_range_px = self.content_px().saturating_sub(u64::from(self.height_px));
         let offset_px = (u64_of(scroll_px) * content_range_px)
@@ -282,7 +280,7 @@ impl LogView {
         (self.end - self.oldest) * u64::from(self.row_px)
     }
 
-    /// How far the scroll bar goes.
+    /// The range of the scroll bar.
     fn range_px(&self) -> u64 {
         self.extent_px.saturating_sub(u64::from(self.height_px))
     }
@@ -292,7 +290,7 @@ fn rows(rows: u64) -> u16 {
     u16::try_from(rows).map_or(Window::ROWS_MAX, |rows| rows.min(Window::ROWS_MAX))
 }
 
-/// A scroll bar beyond its upper end, as on a touch screen that bounces, is at it.
+/// A position beyond the upper end, as on a bouncing touch screen, counts as the end.
 fn u64_of(scroll_px: i32) -> u64 {
     u64::try_from(scroll_px).unwrap_or(0)
 }

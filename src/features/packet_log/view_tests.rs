@@ -1,4 +1,4 @@
-//! Stories of the list `Packets`.
+//! Scenarios of the list `Packets`.
 
 use super::*;
 
@@ -13,8 +13,7 @@ fn list(oldest: u64, end: u64) -> LogView {
     view
 }
 
-/// The page makes what is scrolled as tall and puts the scroll bar where the view wants it, and the
-/// browser tells of it.
+/// The page sets height and scroll bar from the view, and the browser reports the position.
 fn settle(view: &mut LogView) {
     if let Some(extent_px) = view.extent_to() {
         view.extends_over(extent_px);
@@ -25,7 +24,7 @@ fn settle(view: &mut LogView) {
     }
 }
 
-/// A person moves the scroll bar.
+/// The user moves the scroll bar.
 fn scroll_by(view: &mut LogView, px: i32) {
     let end = i32::try_from(view.range_px()).unwrap();
     view.scrolled((view.scroll_px + px).clamp(0, end));

@@ -1,4 +1,4 @@
-//! What an operator does in the tab `Raw Hex`, and what the page does about it.
+//! Actions of the tab `Raw Hex`.
 
 use crate::{
     model::{
@@ -22,23 +22,23 @@ const FIRST_COUNT: i32 = 10;
 /// As often as a motor is driven at first, so that a drive frame that is repeated turns it evenly.
 const FIRST_INTERVAL_MS: i32 = 20;
 
-/// The tab `Raw Hex`: what was entered for a frame, and what is known of the last one beside what the bus tells.
+/// The tab `Raw Hex`: the entered frame, and the state of the last one beyond that of the bus.
 #[derive(Clone, Copy)]
 pub(crate) struct Raw {
     pub(crate) page: Page,
-    /// What stands in the textbox.
+    /// The content of the textbox.
     pub(crate) text: RwSignal<String>,
     pub(crate) repeats: RwSignal<bool>,
-    /// How often, where it repeats; 0 is until stopped.
+    /// Number of repeats; 0 is until stopped.
     pub(crate) count: Target,
     /// In milliseconds.
     pub(crate) interval: Target,
-    /// Why the last one was not sent.
+    /// Why the last frame was not sent.
     pub(crate) refused: RwSignal<Option<String>>,
-    /// The last one that was given to the bus, until a stop makes it moot.
+    /// The last frame that was sent to the bus, until a stop.
     pending: StoredValue<Option<RawOrder>>,
-    /// What the operator was asked about last, and meant. Of another frame, or of this one where it
-    /// means something else, nothing was agreed.
+    /// What the operator has confirmed last. It does not apply to another frame, nor to the same frame in another
+    /// loop.
     agreed: StoredValue<Option<(RawOrder, Mode)>>,
 }
 
@@ -56,12 +56,12 @@ impl Raw {
         }
     }
 
-    /// A stop: a refusal that comes late asks nothing any more.
+    /// After a stop, a late refusal opens no question.
     pub(crate) fn forget_pending(self) {
         self.pending.set_value(None);
     }
 
-    /// The port is closed or lost: nothing was agreed for the next.
+    /// The port is closed or lost: the confirmation does not apply to the next one.
     pub(crate) fn forget(self) {
         self.forget_pending();
         self.agreed.set_value(None);
@@ -77,8 +77,8 @@ impl Raw {
 }
 
 impl Raw {
-    /// Sends a frame as often as entered; one that can move a wheel after a question, unless just this
-    /// was agreed to.
+    /// Sends a frame as often as entered. If it can move a wheel, asks first, unless the operator has just
+    /// confirmed the same.
     pub(crate) fn send_raw(self, frame: Frame) {
         let repeat = self.repeat();
         let order = RawOrder { frame, repeat };
@@ -91,15 +91,15 @@ impl Raw {
         }
     }
 
-    /// The frame, how often, and the loop that its motor reports. `None` where that is not known,
-    /// or the frame is not for one motor: then it is asked about each time.
+    /// The frame, the number of repeats, and the loop of its motor. `None` if the loop is unknown or the frame is
+    /// not for one motor: then the page asks each time.
     fn what_is_meant(self, order: RawOrder) -> Option<(RawOrder, Mode)> {
         let id = Request::parse(&order.frame).ok()?.addressee()?;
         let mode = self.page.latest.with_value(|session| session.mode(id))?;
         Some((order, mode.value))
     }
 
-    /// The operator means it, and is not asked again about the same.
+    /// The operator has confirmed, and is not asked again about the same.
     pub(crate) fn send_hazard(self, order: RawOrder) {
         self.agreed.set_value(self.what_is_meant(order));
         self.send_order(order, Consent::None);
@@ -116,13 +116,13 @@ impl Raw {
         });
     }
 
-    /// Sends the frame no more, and stops what it may have moved.
+    /// Stops repeating the frame, and stops motors that it may have moved.
     pub(crate) fn stop_raw(self) {
         self.forget_pending();
         self.page.command(Command::StopRaw);
     }
 
-    /// Writes an example into the textbox: the query with this answer.
+    /// Writes an example into the textbox.
     pub(crate) fn write_example(self, reply_layout: Layout) {
         let id: MotorId = self.page.selected.get_untracked();
         let request = match reply_layout {
@@ -132,7 +132,7 @@ impl Raw {
         self.text.set(request.frame().to_string());
     }
 
-    /// What the worker tells of a frame that was not sent.
+    /// Handles the refusal of a frame.
     pub(crate) fn notice(self, notice: &Notice) {
         let (frame, repeat, refusal) = match notice {
             Notice::Refused {
@@ -148,7 +148,7 @@ impl Raw {
         let order = RawOrder { frame, repeat };
         let pending = self.pending.get_value() == Some(order);
         match refusal {
-            // Asked about each time, unless a stop came between.
+            // Ask each time, unless a stop came in between.
             Refusal::NeedsConsent(current)
                 if pending && self.page.dialog.get_untracked().is_none() =>
             {
@@ -169,7 +169,7 @@ impl Raw {
     }
 }
 
-/// Whether this notice is one that the raw editor shows itself.
+/// Whether the raw editor shows this notice.
 pub(crate) fn belongs_to_raw_editor(notice: &Notice) -> bool {
     match notice {
         Notice::Refused { command, .. } | Notice::TooLate(command) => {

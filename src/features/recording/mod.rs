@@ -1,4 +1,4 @@
-//! What is kept of the telemetry, and the file that is made of it.
+//! The recording of telemetry, and its export.
 
 pub(crate) mod texts;
 
@@ -83,7 +83,7 @@ pub(crate) fn Recording() -> impl IntoView {
     }
 }
 
-/// A full recording has to become a file before there is room for another.
+/// A full recording has to be exported before another one can start.
 fn full_recording_reason(status: &RecordingStatus) -> Option<&'static str> {
     (status.full && !status.exported).then(|| tr!("The recording is full. Export it first."))
 }

@@ -5,7 +5,7 @@ use motorlink_messages::recorder::RecordingStatus;
 
 use crate::ui::format::{grouped, stopwatch};
 
-/// What an export of the telemetry holds now: which part of it, and how much that is.
+/// What an export of the telemetry contains now, and how much.
 pub(crate) fn of_recording(status: &RecordingStatus) -> (&'static str, String) {
     if !status.recording && status.recorded == 0 {
         return (tr!("Last 10 min: "), samples(status.rolling));

@@ -1,4 +1,4 @@
-//! What the browser keeps: the session that is offered, and everything erased.
+//! Actions on the saved session, and deleting all data.
 
 use leptos::prelude::*;
 use motorlink_messages::{bus::Sample, recorder::ToRecorder};
@@ -8,11 +8,11 @@ use crate::{
     model::{history::History, log_lines, page::Page},
 };
 
-/// The session that the browser keeps.
+/// The saved session.
 #[derive(Clone, Copy)]
 pub(crate) struct SavedSession {
     pub(crate) page: Page,
-    /// The session that is offered, and what is done with it.
+    /// The offered session and its state.
     pub(crate) offer: RwSignal<Offer>,
 }
 
@@ -24,8 +24,8 @@ impl SavedSession {
         }
     }
 
-    /// Has the session that is offered taken in. It starts no wheel and brings no setpoint back: it is log
-    /// and recording.
+    /// Restores the offered session. It has only log and recording: restoring starts no wheel and restores no
+    /// setpoint.
     pub(crate) fn restore(self) {
         if let Offer::Open(session) = self.offer.get_untracked() {
             self.offer.set(Offer::Restoring(session));
@@ -33,7 +33,7 @@ impl SavedSession {
         }
     }
 
-    /// Has it removed.
+    /// Removes it.
     pub(crate) fn forget(self) {
         if let Offer::Open(session) = self.offer.get_untracked() {
             self.offer.set(Offer::None);
@@ -52,7 +52,7 @@ impl SavedSession {
         self.offer.set(Offer::None);
     }
 
-    /// Takes a part of the restored samples into the graph.
+    /// Adds restored samples to the graph.
     pub(crate) fn recall(self, zero_us: i64, samples: &[Sample]) {
         let was_empty = self.page.history.try_update_value(|history| {
             let was_empty = history.reported().is_empty();

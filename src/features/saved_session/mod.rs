@@ -1,4 +1,4 @@
-//! The session that the browser keeps.
+//! The saved session.
 
 pub(crate) mod actions;
 pub(crate) mod offer;

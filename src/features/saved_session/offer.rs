@@ -1,14 +1,14 @@
-//! What is done with the session that the browser keeps.
+//! The state of the saved session.
 
 use motorlink_messages::recorder::SavedSession;
 
-/// A session that the browser keeps, and what is done with it.
+/// The saved session and its state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Offer {
-    /// There is none, or the person has turned away from it: then it is offered again with the next visit.
+    /// None, or the user has ignored it: then it is offered again at the next visit.
     #[default]
     None,
-    /// It can be restored or forgotten.
+    /// It can be restored or removed.
     Open(SavedSession),
     /// It is being restored.
     Restoring(SavedSession),

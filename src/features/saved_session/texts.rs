@@ -1,4 +1,4 @@
-//! What the browser keeps, in words.
+//! The texts of the saved session.
 
 use motorlink_i18n::tr;
 use motorlink_messages::recorder::{NotSaved, SavedSession};
@@ -12,7 +12,7 @@ use crate::{
     },
 };
 
-/// What is said of the session that is kept. `now_ms` is on the wall clock.
+/// The text of the offer. `now_ms` is on the wall clock.
 pub(crate) fn of_offer(offer: &Offer, now_ms: f64) -> String {
     match offer {
         Offer::None => String::new(),

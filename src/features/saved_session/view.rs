@@ -1,5 +1,5 @@
-//! The session that the browser keeps, among the notices, with buttons `Restore session` and
-//! `Delete session`. As HTML, it weighs a tenth of a view.
+//! The saved session among the notices, with buttons `Restore session` and `Delete session`. As HTML, it is a
+//! tenth of the size of a view.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -20,7 +20,7 @@ const FORGET: &str = "forget-session";
 const LEAVE: &str = "leave-session";
 const SAID: &str = "kept-words";
 
-/// Status `Previous session`, and what can be done with it.
+/// Status `Previous session` and its buttons.
 fn markup() -> String {
     [
         r#"<p class="notice-title">"#,
@@ -43,7 +43,7 @@ fn markup() -> String {
     .concat()
 }
 
-/// Whether none is offered.
+/// Whether no session is offered.
 pub(crate) fn is_hidden(saved: SavedSession) -> bool {
     saved.offer.with(|offer| *offer == Offer::None)
 }
@@ -61,7 +61,7 @@ pub(crate) fn SavedSessionNotice(saved: SavedSession) -> impl IntoView {
     }
 }
 
-/// Has it show what there is, and its buttons work, from now on.
+/// Attaches the updates and the handlers of the buttons.
 fn attach_handlers(saved: SavedSession) {
     on_window("click", move |event| on_event(saved, &event));
     effect(move || {
@@ -88,6 +88,6 @@ fn on_event(saved: SavedSession, event: &Event) {
         LEAVE => |saved| saved.offer.set(Offer::None),
         _ => return,
     };
-    // Afterwards: what hides a button must not do so while it is being pressed.
+    // In the next turn: a button must not be hidden while it is being pressed.
     spawn_local(async move { act(saved) });
 }

@@ -1,4 +1,4 @@
-//! The setup as a file: given to the person, and taken in as a whole or not at all.
+//! Exports and imports the setup; an import is applied completely or not at all.
 
 use js_sys::{Array, Uint8Array};
 use leptos::prelude::*;
@@ -19,14 +19,14 @@ use crate::{
     ui::download::save_blob,
 };
 
-/// Under this name the file is saved.
+/// The name of the file.
 const FILE_NAME: &str = "motorlink-setup.json";
 
 /// The panel `Settings`.
 #[derive(Clone, Copy)]
 pub(crate) struct Settings {
     pub(crate) page: Page,
-    /// What became of the wish to erase everything that is kept.
+    /// The result of deleting all data.
     pub(crate) erased: RwSignal<&'static str>,
 }
 
@@ -38,7 +38,7 @@ impl Settings {
         }
     }
 
-    /// Gives the person the setup as a file.
+    /// Exports the setup as a file.
     pub(crate) fn export_setup(self) {
         let text = Array::of1(&self.page.setup().to_json().into());
         if let Ok(file) = Blob::new_with_str_sequence(&text) {
@@ -46,12 +46,12 @@ impl Settings {
         }
     }
 
-    /// Why no file can be taken in now.
+    /// Why no file can be imported now.
     pub(crate) fn import_blocked_by(self, session: &Session) -> Option<String> {
         import_blocked_by(session, self.page.motors.steered.get())
     }
 
-    /// Takes in a file, and says what became of it.
+    /// Imports a file, and shows the result.
     pub(crate) async fn import_setup(self, file: &File) -> String {
         let words = match read(file).await {
             Some(read) => self.take_file(read),
@@ -81,7 +81,7 @@ impl Settings {
         }
     }
 
-    /// Why nothing can be erased now, where a setup could not be taken in for this reason either.
+    /// Why no data can be deleted now; `in_use` is the reason that also prevents an import.
     pub(crate) fn erase_blocked_by(self, in_use: Option<String>) -> Option<String> {
         if !self.page.recorder.alive.get() {
             return Some(no_recorder().to_owned());
@@ -96,7 +96,7 @@ impl Settings {
         self.page.dialog.set(Some(Dialog::EraseKept));
     }
 
-    /// What was kept is erased, or not all of it.
+    /// Handles the result of deleting all data.
     pub(crate) fn was_erased(self, all: bool) {
         let text = of_erased(all);
         self.erased.set(text);
@@ -104,9 +104,9 @@ impl Settings {
     }
 }
 
-/// What is in a file; `None` if the browser cannot read it.
+/// The content of a file; `None` if the browser cannot read it.
 async fn read(file: &File) -> Option<Result<Setup, SetupError>> {
-    // A film that was chosen by mistake is not loaded first.
+    // A large file that was chosen by mistake is not loaded.
     #[allow(clippy::cast_precision_loss, reason = "64 KB")]
     if file.size() > SETUP_BYTES_MAX as f64 {
         return Some(Err(SetupError::TooLarge));

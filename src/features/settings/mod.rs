@@ -1,4 +1,4 @@
-//! Limits, the setup as a file, and what the browser keeps.
+//! Limits, export and import of the setup, and deleting stored data.
 
 pub(crate) mod actions;
 pub(crate) mod panel;

@@ -1,6 +1,6 @@
-//! Panel `Settings`: limits, the setup as a file, and what this browser keeps.
+//! Panel `Settings`: limits, export and import of the setup, and deleting stored data.
 //!
-//! The buttons are HTML and two listeners on the window: as a view they would weigh many times as much.
+//! The buttons are HTML with two listeners on the window: a view would be many times as large.
 
 use leptos::{prelude::*, task::spawn_local};
 use motorlink_i18n::tr;
@@ -77,7 +77,7 @@ fn button(id: &str, label: &str) -> String {
     format!(r#"<button type="button" class="button" id="{id}">{label}</button>"#)
 }
 
-/// What the button `Install` does; another feature knows how.
+/// The button `Install`, which another feature implements.
 pub(crate) struct InstallButton {
     /// Why it cannot be pressed.
     pub(crate) disabled_reason: Box<dyn Fn() -> Option<&'static str>>,
@@ -133,7 +133,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
     )
 }
 
-/// Has the buttons work from now on.
+/// Attaches the handlers of the buttons.
 fn attach_handlers(settings: Settings, install: &'static InstallButton) {
     let page = settings.page;
     for name in ["click", "change"] {
@@ -154,12 +154,12 @@ fn attach_handlers(settings: Settings, install: &'static InstallButton) {
     effect(move || say(settings.erased.get()));
 }
 
-/// A button that cannot be pressed for this reason, or that does this.
+/// Disables a button for this reason, or enables it with this hint.
 fn show_reason(id: &str, reason: Option<&str>, hint: &str) {
     let Some(button) = document().get_element_by_id(id) else {
         return;
     };
-    // They fail for names that are none, and these are ours.
+    // These fail only for invalid names.
     let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
     let _ = button.set_attribute("title", reason.unwrap_or(hint));
 }
@@ -177,13 +177,12 @@ fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
         ("click", EXPORT) => Asked::ForFile,
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
-        // At once: the browser asks only while it is being pressed.
+        // At once: the browser opens its question only during the press.
         ("click", INSTALL) => return (install.on_press)(),
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,
     };
-    // Afterwards: what is done presses something in its turn, and this listener hears one press at a
-    // time.
+    // In the next turn: the action clicks another element, and this listener must not be re-entered.
     spawn_local(answer(settings, asked));
 }
 
@@ -210,7 +209,7 @@ async fn answer(settings: Settings, asked: Asked) {
         return;
     }
     let file = chooser.files().and_then(|files| files.get(0));
-    // The same file can be chosen again when it was mended.
+    // Allows choosing the same file again after it was edited.
     chooser.set_value("");
     let Some(file) = file else { return };
     say(&settings.import_setup(&file).await);

@@ -1,9 +1,9 @@
-//! What became of a file that was to be the setup.
+//! The texts about imports and deleted data.
 
 use crate::model::setup::{Setup, SetupError};
 use motorlink_i18n::tr;
 
-/// What was taken from a file.
+/// The result of a successful import.
 pub(crate) fn of_taken(setup: &Setup) -> String {
     let mut taken = String::new();
     let mut tell = |is_there: bool, what: &str| {
@@ -37,17 +37,17 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
     }
 }
 
-/// Why nothing was taken.
+/// Why nothing was imported.
 pub(crate) fn of_misfit(error: &SetupError) -> String {
     of_refusal(&error.to_string())
 }
 
-/// The same for a reason that lies not in the file.
+/// The same for a reason outside of the file.
 pub(crate) fn of_refusal(reason: &str) -> String {
     tr!("Nothing was changed. {reason}", reason)
 }
 
-/// What became of what was kept.
+/// The result of deleting all data.
 pub(crate) fn of_erased(all: bool) -> &'static str {
     if all {
         tr!("Deleted. New data is stored from now on.")

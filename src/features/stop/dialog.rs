@@ -1,4 +1,4 @@
-//! After Stop all motors: every wheel on its way to a standstill, until a person releases it.
+//! The dialog after "Stop all motors": the progress of every motor, until Release.
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
@@ -19,8 +19,7 @@ use crate::{
     },
 };
 
-/// Alertdialog `Stopped`. It covers neither STOP nor the wheel, and what it holds back drives
-/// nothing until Release.
+/// Alertdialog `Stopped`. It covers neither STOP nor the wheel, and nothing drives until Release.
 #[component]
 pub(crate) fn StoppedDialog() -> impl IntoView {
     let page = use_page();
@@ -91,7 +90,7 @@ fn table_row(line: StopLine) -> String {
     )
 }
 
-/// How far a motor has come.
+/// The progress of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Standstill {
     Braking,
@@ -103,12 +102,12 @@ enum Standstill {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct StopLine {
     id: MotorId,
-    /// By a fresh reply; `None` is unknown, not zero.
+    /// By a recent reply; `None` is unknown, not zero.
     speed_rpm: Option<i16>,
     state: Standstill,
 }
 
-/// Every motor that has answered or was to be stopped.
+/// Every motor that has answered or had to be stopped.
 fn stop_lines(session: &Session) -> Vec<StopLine> {
     let outcomes = session
         .stop

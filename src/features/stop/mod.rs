@@ -1,4 +1,4 @@
-//! STOP, and how a stop of all motors goes.
+//! STOP, and the progress of a stop of all motors.
 
 pub(crate) mod button;
 pub(crate) mod dialog;

@@ -1,24 +1,24 @@
 //! The dial of the position card: the wheel's angle, straight up 0 degrees, growing clockwise.
 
-/// Beyond this the dial was not seen to move: a page that was hidden comes back.
+/// After a longer pause the page was hidden, and no sweep is drawn.
 const UNSEEN_MS: f64 = 300.0;
 
-/// What the dial shows, in degrees.
+/// The face of the dial, in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face {
-    /// Where the hand stands, 0 to 360, clockwise from straight up.
+    /// The position of the hand, 0 to 360, clockwise from straight up.
     pub(crate) hand: f64,
-    /// Where the angles begin that the hand swept since it was drawn last, clockwise.
+    /// The start of the angles that the hand has swept since the last drawing, clockwise.
     pub(crate) swept_from: f64,
-    /// How many they are, 0 to 360.
+    /// The size of the sweep, 0 to 360.
     pub(crate) swept: f64,
 }
 
-/// The hand is drawn ten times a second, in which a fast wheel turns by more than half a turn: a hand
-/// alone would seem to turn backwards. So it shows the angles that it swept too.
+/// The hand is drawn ten times a second. A fast wheel makes more than half a turn in that time, so that a hand alone
+/// would seem to turn backwards. So the dial also shows the swept angles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sweep {
-    /// When, and the angle then, unwrapped.
+    /// The time and the unwrapped angle of the last drawing.
     drawn: Option<(f64, f64)>,
 }
 
@@ -37,7 +37,7 @@ impl Sweep {
         }
     }
 
-    /// Nothing is known any more.
+    /// The angle is unknown.
     pub(crate) const fn forget(&mut self) {
         self.drawn = None;
     }
@@ -70,7 +70,7 @@ mod tests {
                 swept: 0.0
             }
         );
-        // A positive speed makes the angle fall, through 0.
+        // At a positive speed the angle decreases, through 0.
         let face = sweep.to(100.0, -30.0);
         assert_eq!(
             face,

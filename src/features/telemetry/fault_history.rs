@@ -1,35 +1,34 @@
-//! Which faults came and went, and when: kept until a person has seen them.
+//! The history of faults, kept until the user marks them as seen.
 
 use motorlink_i18n::{terms, tr};
 use motorlink_messages::protocol::{Fault, Faults, MotorId};
 
-/// One time that a fault was there. Times are milliseconds of the wall clock.
+/// One occurrence of a fault. Times are milliseconds of the wall clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Occurrence {
     /// Its bit in the fault byte.
     bit: u8,
     pub(crate) came_ms: f64,
     pub(crate) end: End,
-    /// Whether a person has seen it come.
+    /// Whether the user has marked it as seen.
     seen: bool,
 }
 
 /// How it ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {
-    /// It has not.
+    /// It is still active.
     Active,
-    /// At this time a reply came without it.
+    /// A reply at this time no longer reported it.
     Gone(f64),
-    /// The motor fell silent.
+    /// Unknown: the motor fell silent.
     Unknown,
 }
 
-/// The faults of every motor, from every single reply: a fault that is there for one reply between
-/// two frames of the screen is kept too.
+/// The faults of every motor, from every single reply, also those that last for a single reply.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct FaultHistory {
-    /// Those that ever reported a fault.
+    /// Motors that have reported a fault.
     motors: Vec<Record>,
 }
 
@@ -38,12 +37,12 @@ struct Record {
     id: MotorId,
     /// Oldest first.
     kept: Vec<Occurrence>,
-    /// How many gave way to newer ones.
+    /// Number of dropped older ones.
     dropped: usize,
 }
 
 impl Occurrence {
-    /// `stall`, or `bit 0x20` for one that has no name.
+    /// `stall`, or `bit 0x20` for a fault without a name.
     pub(crate) fn name(&self) -> String {
         Fault::ALL
             .into_iter()
@@ -56,11 +55,11 @@ impl Occurrence {
 }
 
 impl FaultHistory {
-    /// Of each motor. A stalled wheel that is started again and again fills it in minutes, and says
-    /// the same with every line.
+    /// Maximal occurrences per motor. A stalled wheel that is started repeatedly reaches it in minutes, with the
+    /// same fault each time.
     pub(crate) const KEPT_MAX: usize = 20;
 
-    /// Records the faults that a motor reports. Returns whether any came or went.
+    /// Records the faults that a motor reports. Returns whether any began or ended.
     pub(crate) fn on_report(&mut self, id: MotorId, faults: Faults, at_ms: f64) -> bool {
         if let Some(record) = self.motors.iter_mut().find(|record| record.id == id) {
             return record.update(faults, at_ms);
@@ -90,8 +89,7 @@ impl FaultHistory {
         changed
     }
 
-    /// A person has seen them: what has ended is forgotten, and what has not when it ends. Whether
-    /// that changed anything.
+    /// Marks all as seen: ended faults are removed, active ones when they end. Returns whether anything changed.
     pub(crate) fn mark_seen(&mut self, id: MotorId) -> bool {
         let Some(record) = self.motors.iter_mut().find(|record| record.id == id) else {
             return false;
@@ -107,7 +105,7 @@ impl FaultHistory {
         changed
     }
 
-    /// What one motor reported: what is still there first, then the newest.
+    /// The occurrences of one motor: active ones first, then the newest.
     pub(crate) fn of(&self, id: MotorId) -> Vec<Occurrence> {
         let newest_first = || {
             let kept = self.record(id).map(|record| record.kept.iter().rev());
@@ -120,12 +118,12 @@ impl FaultHistory {
             .collect()
     }
 
-    /// How many of its occurrences gave way.
+    /// Number of its dropped occurrences.
     pub(crate) fn dropped(&self, id: MotorId) -> usize {
         self.record(id).map_or(0, |record| record.dropped)
     }
 
-    /// Whether there is anything that no person has marked as seen.
+    /// Whether any occurrence is not marked as seen.
     pub(crate) fn has_unseen(&self, id: MotorId) -> bool {
         self.record(id)
             .is_some_and(|record| record.kept.iter().any(|occurrence| !occurrence.seen))
@@ -152,7 +150,7 @@ impl Record {
                 });
             }
         }
-        // Eight bits are eight active ones at most, so there are some that have ended.
+        // Eight bits give at most eight active ones, so others have ended.
         while self.kept.len() > FaultHistory::KEPT_MAX {
             let ended = self.kept.iter().position(|kept| kept.end != End::Active);
             self.kept.remove(ended.unwrap_or(0));
@@ -161,7 +159,7 @@ impl Record {
         changed
     }
 
-    /// Ends the active ones among these bits. Whether there were any.
+    /// Ends the active ones among these bits. Returns whether there were any.
     fn end(&mut self, bits: u8, end: End) -> bool {
         let mut ended = false;
         for kept in &mut self.kept {

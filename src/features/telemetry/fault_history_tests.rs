@@ -1,4 +1,4 @@
-//! Stories of faults.
+//! Scenarios of faults.
 
 use super::*;
 
@@ -77,7 +77,7 @@ fn seen_while_it_is_there_a_fault_stays_until_it_goes() {
     assert_eq!(entries(&history, ID), [stall(1.0, End::Active)]);
     assert!(history.on_report(ID, Faults::NONE, 3.0));
     assert_eq!(entries(&history, ID), []);
-    // The next is news again.
+    // The next occurrence is unseen again.
     history.on_report(ID, with(&[Fault::Stall]), 4.0);
     assert!(history.has_unseen(ID));
 }

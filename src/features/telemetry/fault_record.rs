@@ -1,4 +1,4 @@
-//! What faults there were, and when, until a person has seen them.
+//! The list of faults with their times, until the user marks them as seen.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -16,10 +16,10 @@ use crate::{
     },
 };
 
-/// As many as there is room for.
+/// Number of faults that fit.
 const LINES_MAX: usize = 3;
 
-/// The faults that came and went, and a button by which a person says that they have seen them.
+/// The faults, and the button that marks them as seen.
 #[component]
 pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
     let page = readings.page;
@@ -56,7 +56,7 @@ pub(crate) fn FaultRecord(readings: Readings) -> impl IntoView {
     }
 }
 
-/// A line for each fault, and how many there is no room for.
+/// One line per fault, and the number of those that do not fit.
 fn lines(history: &FaultHistory, id: MotorId, time: impl Fn(f64) -> String) -> Vec<String> {
     let occurrences = history.of(id);
     let all = occurrences.len() + history.dropped(id);

@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Celsius;
 
-/// From here on the winding is warm.
+/// Above this the winding counts as warm.
 const WARM_FROM: u8 = 70;
 /// Here the motor's own protection trips: `Fault::OverTemperature`.
 const HOT_FROM: u8 = 80;
@@ -25,7 +25,7 @@ impl Band {
         }
     }
 
-    /// As the style sheet names it.
+    /// Its class.
     pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::Normal => "normal",
@@ -34,7 +34,7 @@ impl Band {
         }
     }
 
-    /// What a person should know of it, in lines.
+    /// The advice, in lines.
     pub(crate) fn words(self) -> String {
         let limit = tr!("limit 80 °C");
         match self {
@@ -45,8 +45,8 @@ impl Band {
     }
 }
 
-/// The filled part as a dash of an arc whose length is 100: what is hotter than its end is its end, and of
-/// what is not known there is nothing.
+/// The filled part as a dash of an arc with length 100. Hotter values end at the end of the arc; unknown ones are
+/// empty.
 pub(crate) fn fill(temperature: Option<Celsius>) -> String {
     let degrees = temperature.map_or(0, Celsius::degrees);
     format!("{} 999", degrees.min(100))

@@ -1,4 +1,4 @@
-//! What moves in the cards: two sparklines, the dial and the gauge. Here they reach the browser.
+//! Draws the instruments of the cards in the browser: two sparklines, the dial and the gauge.
 
 use leptos::{html, prelude::*};
 use motorlink_i18n::terms::in_language;
@@ -19,13 +19,13 @@ use crate::{
     ui::{attribute::Attribute, clock::page_now_ms, reactive::effect},
 };
 
-/// Columns of a sparkline, about as many as it has pixels on the desk.
+/// Columns of a sparkline, about one per pixel on a desktop.
 const COLUMNS: u16 = 160;
-/// Sooner than this nothing is drawn anew: each drawing takes time from the wheel's.
+/// Minimal time between drawings: each one takes time from drawing the wheel.
 const DRAWN_EVERY_MS: f64 = 50.0;
 /// The scales begin at 25 rpm and end at 800, more than any wheel is driven to.
 const SPEED_SCALE: Scale = Scale::new(25, 5);
-/// They begin at a quarter of an amp and end at 8 A, which is all that the wire carries.
+/// They begin at a quarter of an amp and end at 8 A, full scale of the wire.
 const CURRENT_SCALE: Scale = Scale::new(1024, 5);
 
 /// The drawing of a sparkline before anything is known.
@@ -38,8 +38,7 @@ pub(crate) fn sparkline_markup() -> String {
     )
 }
 
-/// Draws the instruments with every newly shown state, which comes ten times a second while the page
-/// is seen.
+/// Draws the instruments with every newly shown state, ten times a second while the page is visible.
 pub(crate) fn draw_on_change(readings: Readings, section: NodeRef<html::Section>) {
     effect(move || {
         let Some(section) = section.get() else { return };
@@ -62,7 +61,7 @@ struct Instruments {
 }
 
 impl Instruments {
-    /// `None` where the cards do not hold their drawings.
+    /// `None` if a drawing is missing in the cards.
     fn of(cards: &Element) -> Option<Self> {
         Some(Self {
             speed: Spark::of(cards, ".speed", SPEED_SCALE, Quantity::Speed)?,
@@ -81,8 +80,8 @@ impl Instruments {
             let temperature = session.temperature(id).map(|reading| reading.value);
             (session.motors.is_empty(), temperature, session.mirror(id))
         });
-        // A state may come sooner, and is followed by another unless there are no motors: then what is not
-        // known any more goes at once, seen or not.
+        // A state that comes sooner is followed by another one, unless there are no motors: then old values are
+        // removed at once.
         let soon = now_ms - self.drawn_ms < DRAWN_EVERY_MS;
         if !alone && (soon || document().hidden()) {
             return;
@@ -98,7 +97,7 @@ impl Instruments {
     }
 }
 
-/// What a sparkline shows.
+/// The quantity of a sparkline.
 #[derive(Clone, Copy)]
 enum Quantity {
     Speed,
@@ -113,7 +112,7 @@ impl Quantity {
         }
     }
 
-    /// What is at the upper and the lower edge, in the unit of the card.
+    /// The value at the upper and the lower edge, in the unit of the card.
     fn scale(self, scale: Scale) -> String {
         match (self, scale.multiple()) {
             (Self::Speed, _) => format!("±{}", scale.limit()),

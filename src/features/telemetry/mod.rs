@@ -1,4 +1,4 @@
-//! What the motor feels.
+//! The telemetry of the selected motor.
 
 pub(crate) mod angle_dial;
 pub(crate) mod fault_history;
@@ -42,7 +42,7 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
         page.shown.with(|session| mode(session, id, asked))
     });
     let position = page.of_motor(move |session, id| {
-        // Counted where the wheel is drawn, so that the page shows one number of turns.
+        // The twin counts the turns, so that the page shows a single number.
         let drawn = readings.twin.with_value(TwinFeed::drawn);
         position(session, id, drawn.map(|drawn| drawn.figures.turns_text()))
     });
@@ -93,7 +93,7 @@ fn current(session: &Session, id: MotorId) -> Option<Shown> {
     Some(shown.with_detail(mirrored(session, id)))
 }
 
-/// Said beside a figure with the other sign than the wire's.
+/// The mark beside a value with the reversed sign.
 fn mirrored(session: &Session, id: MotorId) -> String {
     let word = session.mirror(id).is_mirrored().then(|| tr!("mirrored"));
     word.unwrap_or_default().to_owned()
@@ -200,7 +200,7 @@ mod tests {
             let mut motor = status(1_000, Mode::Velocity, 0);
             motor.temperature = motor.temperature.map(|(at, _)| (at, Celsius::new(degrees)));
             let shown = temperature(&session(1_016, motor), ID).unwrap();
-            assert_eq!((shown.look(), shown.detail.as_str()), (look, words));
+            assert_eq!((shown.class(), shown.detail.as_str()), (look, words));
         }
     }
 

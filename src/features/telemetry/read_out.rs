@@ -11,10 +11,10 @@ use crate::{
     },
 };
 
-/// Words longer than this are set smaller, or several faults would not have room.
+/// Longer texts get a smaller font, so that several faults fit.
 const LONG: usize = 24;
 
-/// What a read-out shows of one reading.
+/// The shown state of one reading.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Shown {
     pub(crate) figure: String,
@@ -23,11 +23,11 @@ pub(crate) struct Shown {
     pub(crate) detail: String,
     age: String,
     fresh: bool,
-    verdict: Verdict,
+    rating: Rating,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
+enum Rating {
     None,
     Good,
     Warm,
@@ -42,7 +42,7 @@ impl Shown {
             detail: String::new(),
             age: format::age(reading.age),
             fresh: reading.is_fresh(),
-            verdict: Verdict::None,
+            rating: Rating::None,
         }
     }
 
@@ -52,46 +52,46 @@ impl Shown {
 
     pub(crate) fn good(self) -> Self {
         Self {
-            verdict: Verdict::Good,
+            rating: Rating::Good,
             ..self
         }
     }
 
     pub(crate) fn warm(self) -> Self {
         Self {
-            verdict: Verdict::Warm,
+            rating: Rating::Warm,
             ..self
         }
     }
 
     pub(crate) fn bad(self) -> Self {
         Self {
-            verdict: Verdict::Bad,
+            rating: Rating::Bad,
             ..self
         }
     }
 
-    /// How the style sheet names what it looks like.
-    pub(crate) fn look(&self) -> &'static str {
-        // Old words are grey, whatever they say.
-        match self.verdict {
+    /// Its classes.
+    pub(crate) fn class(&self) -> &'static str {
+        // Old values are grey.
+        match self.rating {
             _ if !self.fresh => "stale",
-            Verdict::None => "",
-            Verdict::Good => "good",
-            Verdict::Warm => "warm",
-            Verdict::Bad if self.figure.len() > LONG => "bad long",
-            Verdict::Bad => "bad",
+            Rating::None => "",
+            Rating::Good => "good",
+            Rating::Warm => "warm",
+            Rating::Bad if self.figure.len() > LONG => "bad long",
+            Rating::Bad => "bad",
         }
     }
 }
 
-/// An output with its name, its figure and its age; grey when it no longer says what is.
+/// An output with its name, its value and its age; grey if it is out of date.
 #[component]
 pub(crate) fn ReadOut(
     name: &'static str,
     class: &'static str,
     shown: Memo<Option<Shown>>,
-    /// What is drawn below them, as HTML; for those who see it, since the figures say the same.
+    /// The drawing below, as HTML. It repeats the values, so screen readers skip it.
     #[prop(into)]
     drawing: String,
 ) -> impl IntoView {
@@ -101,7 +101,7 @@ pub(crate) fn ReadOut(
     };
     let look = move || {
         shown.with(|shown| {
-            let look = shown.as_ref().map_or("stale", Shown::look);
+            let look = shown.as_ref().map_or("stale", Shown::class);
             format!("panel read-out {class} {look}")
         })
     };
@@ -111,7 +111,7 @@ pub(crate) fn ReadOut(
             figure.unwrap_or_else(|| UNKNOWN.to_owned())
         })
     };
-    // Spaces belong to the words, so that the whole reads well aloud.
+    // The texts contain the spaces, for screen readers.
     let unit = part(|shown| match shown.unit {
         "" => String::new(),
         "°" => "°".to_owned(),

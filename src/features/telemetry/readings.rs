@@ -1,4 +1,4 @@
-//! What the cards and the twin are drawn from.
+//! The data for the cards and the twin.
 
 use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
@@ -17,15 +17,15 @@ use crate::{
     ui::clock::page_origin_ms,
 };
 
-/// What the chosen motor reported, as far as the cards and the twin need it.
+/// The readings of the selected motor for the cards and the twin.
 #[derive(Clone, Copy)]
 pub(crate) struct Readings {
     pub(crate) page: Page,
-    /// What the twin is drawn from.
+    /// The data of the twin.
     pub(crate) twin: StoredValue<TwinFeed, LocalStorage>,
-    /// What the sparklines are drawn from.
+    /// The data of the sparklines.
     pub(crate) recent: StoredValue<Recent>,
-    /// Written when a fault comes, goes or is seen, and not otherwise.
+    /// Changes only when a fault begins, ends or is marked as seen.
     pub(crate) faults: RwSignal<FaultHistory>,
 }
 
@@ -39,7 +39,7 @@ impl Readings {
         }
     }
 
-    /// Another motor, or none: what was read of the last says nothing of it.
+    /// Clears the readings of the previous motor after a change of the selection.
     pub(crate) fn forget(self) {
         self.twin.update_value(TwinFeed::clear);
         self.recent.update_value(Recent::clear);

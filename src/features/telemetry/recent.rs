@@ -1,4 +1,4 @@
-//! What the chosen motor reported in the last ten seconds, at the full rate.
+//! The reports of the selected motor in the last ten seconds, at the full rate.
 
 use std::collections::VecDeque;
 
@@ -20,9 +20,9 @@ pub(crate) struct Recent {
 }
 
 impl Recent {
-    /// As far back as it is drawn.
+    /// The drawn period.
     pub(crate) const SPAN_MS: f64 = 10_000.0;
-    /// Kept a little longer, so that the oldest column that is drawn is a whole one.
+    /// Kept a little longer, so that the oldest drawn column is complete.
     const KEPT_MS: f64 = Self::SPAN_MS + 1_000.0;
     /// Twice what fits on the line in that time: an exchange of twenty bytes takes 1.7 ms of it.
     const REPORTS_MAX: usize = 12_000;

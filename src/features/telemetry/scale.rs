@@ -1,6 +1,6 @@
-//! The scale of a sparkline: the same distance up and down, in steps that double.
+//! The scale of a sparkline: symmetric, in steps that double.
 
-/// It grows at once and shrinks late, so that a value that dwells at a step does not have it jump.
+/// It grows at once and shrinks with hysteresis, so that a value near a step does not make it jump.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scale {
     /// The smallest distance from zero to either edge.
@@ -23,7 +23,7 @@ impl Scale {
         while peak > self.limit() && self.doublings < self.doublings_max {
             self.doublings += 1;
         }
-        // Smaller only where a fifth of the smaller one stays free.
+        // Smaller only if a fifth of the smaller scale stays free.
         while self.doublings > 0 && peak < self.limit() / 2 / 5 * 4 {
             self.doublings -= 1;
         }
@@ -34,7 +34,7 @@ impl Scale {
         self.smallest << self.doublings
     }
 
-    /// How many times the smallest it is.
+    /// The factor relative to the smallest scale.
     pub(crate) const fn multiple(self) -> u32 {
         1 << self.doublings
     }

@@ -1,7 +1,7 @@
-//! From reports at the full rate to a line of a few hundred points, of which no peak is missing.
+//! Decimates reports at the full rate to a line of a few hundred points without losing a peak.
 //!
-//! Every column of the picture keeps its smallest and its largest value. Columns are cut by the
-//! clock, not by the picture's edge: as the line moves to the left, each keeps its shape.
+//! Every column keeps its least and its greatest value. Columns are aligned to the clock, not to the edge of the
+//! drawing, so that their shape does not change as the line moves.
 
 use std::fmt::Write;
 
@@ -13,10 +13,10 @@ use crate::features::telemetry::recent::Recent;
 pub(crate) const COLUMN_WIDTH: u16 = 10;
 /// From the middle of the drawing to its upper edge, in its units.
 pub(crate) const HALF_HEIGHT: i32 = 500;
-/// How far the largest value stays away from the edge, so that the line is not cut.
+/// Margin of the largest value to the edge, so that the line is not cut off.
 const MARGIN: i32 = 40;
 
-/// What was reported within one column.
+/// The reports within one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Column {
     /// Counted from the clock's zero.
@@ -28,8 +28,8 @@ pub(crate) struct Column {
     high: i32,
 }
 
-/// The columns of the last ten seconds, oldest first; those in which nothing was reported are not
-/// among them. Reports are a time in milliseconds and a value, oldest first.
+/// The columns of the last ten seconds, oldest first, without empty ones. Reports are a time in milliseconds and a
+/// value, oldest first.
 pub(crate) fn columns(
     reports: impl Iterator<Item = (f64, i32)>,
     now_ms: f64,
@@ -67,8 +67,8 @@ pub(crate) fn peak(columns: &[Column]) -> i32 {
     columns.iter().map(magnitude).max().unwrap_or(0)
 }
 
-/// The line as path data, now at the right edge. A value of `limit` is at the upper edge. Where
-/// nothing was heard for so long that the value was not known, there is no line.
+/// The line as path data, with the present at the right edge. A value of `limit` is at the upper edge. Gaps in which
+/// the value was unknown have no line.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "a place in the drawing, and a float cast saturates"
@@ -82,7 +82,7 @@ pub(crate) fn path(columns: &[Column], now_ms: f64, count: u16, limit: i32) -> S
         let x = ((column.number + 0.5 - left) * f64::from(COLUMN_WIDTH)) as i32;
         let (low, high) = (height(column.low, limit), height(column.high, limit));
         let follows = before.filter(|(to_ms, _)| column.from_ms - to_ms <= silence_ms);
-        // First the end that is nearer, so that the line does not cross itself.
+        // The nearer end first, so that the line does not cross itself.
         let (first, second) = match follows {
             Some((_, y)) if (y - low).abs() > (y - high).abs() => (high, low),
             _ => (low, high),
@@ -90,7 +90,7 @@ pub(crate) fn path(columns: &[Column], now_ms: f64, count: u16, limit: i32) -> S
         // Writing to a string cannot fail.
         let _ = match follows {
             Some(_) => write!(path, "L{x} {first}"),
-            // The line of no length is a dot, where nothing follows.
+            // A line without length draws a dot, if nothing follows.
             None => write!(path, "M{x} {first}h0"),
         };
         if first != second {

@@ -1,4 +1,4 @@
-//! Why a file is no setup.
+//! Why a file is not a valid setup.
 
 use std::fmt;
 
@@ -7,19 +7,19 @@ use motorlink_i18n::tr;
 /// Bytes of the largest file: twice that of 254 motors with the longest names.
 pub const SETUP_BYTES_MAX: usize = 65_536;
 
-/// Why a file is no setup. Its text names the place and says what is allowed there.
+/// Why a file is not a valid setup. The text names the place and what is allowed there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SetupError {
     /// It has more than [`SETUP_BYTES_MAX`] bytes.
     TooLarge,
-    /// From here on it is no JSON, or no text at all.
+    /// Not valid JSON or not UTF-8 from here on.
     NoJson {
         /// From 1.
         line: usize,
         /// In characters, from 1.
         column: usize,
     },
-    /// It is JSON, but something in it does not fit.
+    /// Valid JSON with an invalid value.
     At {
         /// As in `motors[2].side`, counted from 0; empty for the whole file.
         place: String,
@@ -31,15 +31,15 @@ pub enum SetupError {
 /// What is wrong at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Misfit {
-    /// It is something else than this.
+    /// Another type or value was expected.
     Not(&'static str),
-    /// It must be there, as this.
+    /// A required field is missing.
     Missing(&'static str),
-    /// There is no such field, only these.
+    /// An unknown field; these are known.
     Unknown(&'static [&'static str]),
-    /// It is there a second time.
+    /// A duplicate field.
     Twice,
-    /// A motor before it has this ID.
+    /// An earlier motor has this ID.
     SameId,
 }
 

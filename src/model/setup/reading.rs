@@ -1,4 +1,4 @@
-//! Reads a file, and where it does not fit finds the place by which a refusal names it.
+//! Reads a file, and finds the place of an invalid value.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -66,17 +66,17 @@ fn fields_in_braces() -> &'static str {
     tr!("a JSON object")
 }
 
-/// Of a field that nobody knows, as much as is told.
+/// Maximal characters of an unknown field in an error.
 const TOLD_MAX: usize = 32;
 
-/// A value of the file. It knows where it stands.
+/// A value of the file with its place.
 type Value<'a> = RawJsonValue<'a, 'a>;
 
 pub(crate) fn read(file: &[u8]) -> Result<Setup, SetupError> {
     if file.len() > SETUP_BYTES_MAX {
         return Err(SetupError::TooLarge);
     }
-    // Editors of Windows put a mark in front of UTF-8.
+    // Editors on Windows add a byte order mark.
     let file = file.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(file);
     let text = std::str::from_utf8(file).map_err(|error| no_json(file, error.valid_up_to()))?;
     let json = RawJson::parse(text);
@@ -148,7 +148,7 @@ fn fleet(motors: Value) -> Result<Fleet, SetupError> {
         let side = fit(side, a_side(), |value| Side::from_key(&text_of(value)?))?;
         let drives = fit(drives, a_yes(), yes)?;
         fleet.change(id, |member| {
-            // As it is written: what stands round it is only there while somebody types.
+            // Without trimming, which is only for typed text.
             member.set_name(name.unwrap_or_default().trim());
             member.side = side.unwrap_or_default();
             member.drives = drives.unwrap_or_default();
@@ -157,7 +157,7 @@ fn fleet(motors: Value) -> Result<Fleet, SetupError> {
     Ok(fleet)
 }
 
-/// What is read from a value, where there is one.
+/// Reads an optional value.
 fn fit<T>(
     value: Option<Value>,
     allowed: &'static str,
@@ -261,7 +261,7 @@ fn field_of(mut place: String, name: &str) -> String {
     place
 }
 
-/// Behind so many bytes it is no JSON any more.
+/// The file is invalid after this many bytes.
 fn no_json(file: &[u8], bytes: usize) -> SetupError {
     let before = file.get(..bytes).unwrap_or(file);
     let (mut line, mut column) = (1, 1);
