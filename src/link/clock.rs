@@ -1,4 +1,4 @@
-//! The worker's clock read on the page's, and the other way round.
+//! Converts between the clocks of the worker and the page.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use motorlink_messages::protocol::Instant;
 
 use crate::ui::clock::{day_us, page_origin_ms};
 
-/// Both clocks count from an origin of their own; both origins are on one wall clock.
+/// Both clocks have their own origin; both origins are known on the wall clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Clock {
     /// How much later the worker's origin is than the page's.
@@ -20,7 +20,7 @@ impl Clock {
         }
     }
 
-    /// A moment of the worker in milliseconds of the page's `performance.now()`.
+    /// A time of the worker in milliseconds of the page's `performance.now()`.
     #[allow(
         clippy::cast_precision_loss,
         reason = "microseconds of a session fit into 53 bits for 285 years"
@@ -29,18 +29,18 @@ impl Clock {
         instant.as_micros() as f64 / 1000.0 + self.offset_ms
     }
 
-    /// The local time of day of a moment of the worker, in microseconds since midnight.
+    /// The local time of day of a time of the worker, in microseconds since midnight.
     pub(crate) fn day_us(self, instant: Instant) -> u64 {
         day_us(page_origin_ms() + self.page_ms(instant))
     }
 
-    /// The same of a moment so long before the worker's zero.
+    /// The same for a time this long before the worker's zero.
     pub(crate) fn day_us_before(self, before: Duration) -> u64 {
         let zero_ms = page_origin_ms() + self.page_ms(Instant::ZERO);
         day_us(zero_ms - before.as_secs_f64() * 1_000.0)
     }
 
-    /// A moment of the page's `performance.now()` as the worker would have it.
+    /// A time of the page's `performance.now()` on the worker's clock.
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! The lines to the workers, and the browser's serial ports.
+//! The links to the workers, and the browser's serial ports.
 
 pub(crate) mod address;
 pub(crate) mod clock;

@@ -1,4 +1,4 @@
-//! The line to the recorder, the worker that keeps the packet log and the recording.
+//! The link to the recorder, the worker that keeps the packet log and the recording.
 
 use js_sys::{Array, Uint8Array};
 use leptos::logging;
@@ -14,12 +14,12 @@ use crate::link::{
     worker_link::WorkerLink,
 };
 
-/// The page's end of the line to the recorder.
+/// The page's end of the link to the recorder.
 pub(crate) struct RecorderLink(StartedWorker);
 
 impl RecorderLink {
-    /// Starts the recorder. `on_message` gets every message, and the file that came with it; `lost` is
-    /// called when it has failed.
+    /// Starts the recorder. `on_message` gets every message with its file, if it has one; `lost` is called when
+    /// the recorder has failed.
     pub(crate) fn spawn(
         mut on_message: impl FnMut(FromRecorder, Option<Blob>) + 'static,
         lost: impl FnMut() + 'static,
@@ -47,8 +47,7 @@ impl RecorderLink {
         }
     }
 
-    /// Lays a line from the worker that owns the port to the recorder, so that no frame passes
-    /// through the page.
+    /// Connects the port worker to the recorder, so that no frame passes through the page.
     pub(crate) fn connect(&self, worker: &WorkerLink) {
         match MessageChannel::new() {
             Ok(channel) => {
@@ -59,13 +58,13 @@ impl RecorderLink {
         }
     }
 
-    /// Ends it, and frees what it held.
+    /// Terminates it, which frees its memory.
     pub(crate) fn end(&self) {
         self.0.end();
     }
 }
 
-/// A message is bytes, or where a file comes with it, both in an array.
+/// A message is bytes, or an array of bytes and a file.
 fn with_file(data: &JsValue) -> (JsValue, Option<Blob>) {
     match data.dyn_ref::<Array>() {
         Some(pair) => (pair.get(0), pair.get(1).dyn_into().ok()),

@@ -1,4 +1,4 @@
-//! Which serial ports the browser lets this page use, and its picker for more.
+//! The serial ports that the browser has permitted, and its picker for others.
 
 use motorlink_messages::{PortRef, UsbId};
 
@@ -18,11 +18,11 @@ mod browser;
 pub(crate) enum PickTrouble {
     /// The browser has no Web Serial.
     NoWebSerial,
-    /// The picker was closed without a choice; it showed only usual adapters where `filtered`.
+    /// The picker was closed without a choice; if `filtered`, it showed only usual adapters.
     Dismissed { filtered: bool },
     /// The browser forbids serial ports to this page.
     Forbidden,
-    /// The picked port is not among the permitted ones: it was pulled out meanwhile.
+    /// The picked port is not among the permitted ones: it was unplugged meanwhile.
     Vanished,
     /// Anything else.
     Unknown,

@@ -16,7 +16,7 @@ pub(crate) enum NoWorker {
     NotStarted,
 }
 
-/// Which program a worker runs. Its name is in a `meta` element, which the build fills with its address.
+/// The program of a worker. A `meta` element has its address, which the build writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Program {
     /// Owns the port.
@@ -86,7 +86,7 @@ impl StartedWorker {
         post(&self.worker, message);
     }
 
-    /// Gives it a port to another worker: a message that is only the port.
+    /// Posts it a port to another worker.
     pub(crate) fn hand_over(&self, port: &MessagePort) {
         post_with(&self.worker, port, port);
     }

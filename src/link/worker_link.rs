@@ -1,4 +1,4 @@
-//! The line to the worker that owns the port.
+//! The link to the port worker.
 
 use std::{cell::Cell, rc::Rc};
 
@@ -12,7 +12,7 @@ use crate::{
     ui::clock::page_now_ms,
 };
 
-/// Whether the worker lives.
+/// The state of the worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WorkerState {
     /// Its code is being loaded.
@@ -23,21 +23,21 @@ pub(crate) enum WorkerState {
     Dead,
 }
 
-/// A worker with an open port pings four times a second. One that has not when it was looked for so often,
-/// a second apart, is dead: a machine that is held up for so long is none to drive with.
+/// A worker with an open port pings four times a second. After this number of checks without a ping, a second apart,
+/// it counts as failed: a machine that stalls that long must not drive motors.
 const SILENT_LOOKS_MAX: u32 = 5;
 
-/// The page's end of the line to its worker.
+/// The page's end of the link to its worker.
 pub(crate) struct WorkerLink {
     worker: StartedWorker,
-    /// How often it was looked since the last ping, if there was one. Time alone would say nothing: a page
-    /// that hung has not yet been given what came meanwhile.
+    /// Number of checks since the last ping, if there was one. Time alone is not enough: a page that hung has not
+    /// received the messages that arrived meanwhile.
     silent_looks: Rc<Cell<Option<u32>>>,
 }
 
 impl WorkerLink {
-    /// Starts the worker that the page names. `on_message` gets every message but pings; `lost` is called
-    /// when the worker has failed, after which nothing comes from it.
+    /// Starts the worker that the page names. `on_message` gets every message except for pings; `lost` is called when
+    /// the worker has failed, after which no message arrives.
     pub(crate) fn spawn(
         mut on_message: impl FnMut(ToPage) + 'static,
         lost: impl FnMut() + 'static,
@@ -48,8 +48,8 @@ impl WorkerLink {
             Program::Worker,
             Box::new(move |worker, data| {
                 match decode::<ToPage>(&Uint8Array::new(data).to_vec()) {
-                    // At once and before anything else: a hidden page answers too, and one whose
-                    // handlers no longer run must not seem alive.
+                    // At once and before anything else: a hidden page answers too, and a page whose
+                    // handlers no longer run must not answer.
                     Ok(ToPage::Ping) => {
                         looks.set(Some(0));
                         pong(worker);
@@ -78,17 +78,17 @@ impl WorkerLink {
         }
     }
 
-    /// Gives it the port into which it posts all that passes on the line.
+    /// Posts it the port for the line events.
     pub(crate) fn hand_over(&self, port: &MessagePort) {
         self.worker.hand_over(port);
     }
 
-    /// Ends it, whatever it does: no frame leaves any more, and no message of it arrives any more.
+    /// Terminates it: it sends no more frames, and no message of it arrives.
     pub(crate) fn end(&self) {
         self.worker.end();
     }
 
-    /// Looks whether a worker that pings has died without a word, or hangs.
+    /// Checks whether the worker has stopped pinging.
     pub(crate) fn has_died(&self, pings: bool) -> bool {
         let looks = self.silent_looks.get().filter(|_| pings);
         self.silent_looks.set(looks.map(|looks| looks + 1));

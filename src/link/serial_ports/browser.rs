@@ -1,4 +1,4 @@
-//! Web Serial as the browser has it.
+//! Web Serial of the browser.
 
 use js_sys::{Array, Object, Reflect};
 use motorlink_messages::{PortRef, UsbId};
@@ -8,7 +8,7 @@ use web_sys::{DomException, Serial, SerialPort, SerialPortFilter, SerialPortRequ
 
 use crate::link::serial_ports::{PickTrouble, best_first};
 
-/// Whether the browser has Web Serial. Asked of the feature, never of the browser's name.
+/// Whether the browser has Web Serial, by feature detection.
 pub(crate) fn is_supported() -> bool {
     serial().is_some()
 }
@@ -20,8 +20,8 @@ pub(crate) async fn permitted(last: Option<UsbId>) -> Result<Vec<PortRef>, PickT
     Ok(best_first(&usb, last))
 }
 
-/// Opens the browser's picker; with `filtered` it shows usual RS485 adapters only. To be called
-/// from a person's act, or the browser refuses.
+/// Opens the browser's picker; if `filtered`, it shows only usual RS485 adapters. The browser refuses unless this
+/// is called during an action of the user.
 pub(crate) async fn pick(filtered: bool) -> Result<PortRef, PickTrouble> {
     let serial = serial().ok_or(PickTrouble::NoWebSerial)?;
     let options = SerialPortRequestOptions::new();
