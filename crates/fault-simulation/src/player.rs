@@ -346,7 +346,7 @@ impl Player {
                     self.settle()?;
                 }
                 PendingInput::Command { command, age } if self.page_answers => {
-                    self.give(self.now - *age, *command)?;
+                    self.issue(self.now - *age, *command)?;
                 }
                 PendingInput::Command { command, age } => {
                     self.clicked.push((self.now - *age, *command));
@@ -360,7 +360,7 @@ impl Player {
     fn advance(&mut self) -> Result<(), Violation> {
         self.world.advance(self.now);
         self.rules.moved(self.now, &self.world)?;
-        self.hear_motors();
+        self.receive_replies();
         Ok(())
     }
 
@@ -393,11 +393,11 @@ impl Player {
     /// A command of the operator, given at `given`. As in the worker, a command that is too old is
     /// dropped.
     fn command(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
-        self.give(given, command)?;
+        self.issue(given, command)?;
         self.run(Duration::ZERO)
     }
 
-    fn give(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
+    fn issue(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
         if let Command::SetLimits(limits) = command {
             self.limits = limits;
         }
@@ -501,7 +501,7 @@ impl Player {
     }
 
     /// Passes the replies of the motors to the rules.
-    fn hear_motors(&mut self) {
+    fn receive_replies(&mut self) {
         let is_heard = self.bus.is_some();
         let passed: Vec<_> = self.world.drain_wire_frames().collect();
         for traffic in passed {

@@ -85,7 +85,7 @@ impl Rules {
             }
             Err(_) => {}
         }
-        self.keep_what_stands(now, bus)
+        self.check_active_setpoints(now, bus)
     }
 
     /// The bus accepted a command; `raw` is the raw frame before it.
@@ -178,11 +178,11 @@ impl Rules {
     /// All events of this moment are out.
     pub(crate) fn settled(&mut self, now: Instant, bus: &Bus) -> Outcome {
         self.wire.settled(now)?;
-        self.keep_what_stands(now, bus)
+        self.check_active_setpoints(now, bus)
     }
 
-    fn keep_what_stands(&mut self, now: Instant, bus: &Bus) -> Outcome {
-        self.operator.keep_what_stands(now, bus)
+    fn check_active_setpoints(&mut self, now: Instant, bus: &Bus) -> Outcome {
+        self.operator.check_active_setpoints(now, bus)
     }
 
     /// Whether the page answers.

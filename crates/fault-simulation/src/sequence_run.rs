@@ -198,8 +198,8 @@ impl SequenceRun {
         match event {
             Event::Telemetry(sample) => {
                 let had_ended = self.end().is_some();
-                let told = Telemetry::of(sample.at, &sample.reply);
-                self.runner.telemetry(told);
+                let reported = Telemetry::of(sample.at, &sample.reply);
+                self.runner.telemetry(reported);
                 if !had_ended && self.end().is_some() {
                     self.wake = Some(now);
                 }

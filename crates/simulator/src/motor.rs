@@ -174,13 +174,13 @@ impl VirtualMotor {
     /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
     pub(crate) fn handle(
         &mut self,
-        heard: Result<Request, RequestError>,
+        received: Result<Request, RequestError>,
         now: Instant,
     ) -> Option<Layout> {
         self.advance(now);
         let speed_rpm = rpm(self.wheel.speed_rad_s());
         match &mut self.power {
-            Power::On(firmware) => firmware.handle(heard, now, speed_rpm),
+            Power::On(firmware) => firmware.handle(received, now, speed_rpm),
             Power::Off { .. } => None,
         }
     }

@@ -292,10 +292,10 @@ impl World {
             from: Sender::Host,
             frame: frame.sent,
         });
-        let Some(heard) = self.adapter.request(frame.heard) else {
+        let Some(received) = self.adapter.request(frame.received) else {
             return;
         };
-        let request = parse_request(&heard);
+        let request = parse_request(&received);
         let at = byte.end + self.turnaround;
         let there = self
             .slots

@@ -41,10 +41,10 @@ fn an_echo_comes_whole_in_front_of_the_reply() {
         echo: Echo::Whole,
         ..WireFaults::default()
     });
-    let heard = chunks(&mut fixture);
-    assert_eq!(heard.len(), 2);
-    assert_eq!(heard[0], (us(868), QUERY.frame().bytes().to_vec()));
-    assert!(is_reply(&heard[1].1));
+    let received = chunks(&mut fixture);
+    assert_eq!(received.len(), 2);
+    assert_eq!(received[0], (us(868), QUERY.frame().bytes().to_vec()));
+    assert!(is_reply(&received[1].1));
 }
 
 /// motor.md: a cut echo in front of a reply shifts the frame.
@@ -54,11 +54,11 @@ fn a_cut_echo_shifts_the_reply() {
         echo: Echo::Cut(3),
         ..WireFaults::default()
     });
-    let heard = fixture.send(QUERY.frame());
-    assert_eq!(heard.len(), 13);
-    assert_eq!(heard[..3], QUERY.frame().bytes()[..3]);
-    assert!(!is_reply(&heard[..10]));
-    assert!(is_reply(&heard[3..]));
+    let received = fixture.send(QUERY.frame());
+    assert_eq!(received.len(), 13);
+    assert_eq!(received[..3], QUERY.frame().bytes()[..3]);
+    assert!(!is_reply(&received[..10]));
+    assert!(is_reply(&received[3..]));
     // Every frame again, not only the first.
     assert_eq!(fixture.send(QUERY.frame()).len(), 13);
 }
@@ -69,10 +69,10 @@ fn lost_replies_are_lost_to_the_host_alone() {
         lose_reply: 0.25,
         ..WireFaults::default()
     });
-    let heard = (0..400)
+    let received = (0..400)
         .filter(|_| !fixture.send(QUERY.frame()).is_empty())
         .count();
-    assert!((270..330).contains(&heard), "{heard} of 400");
+    assert!((270..330).contains(&received), "{received} of 400");
     assert_eq!(
         fixture.world.drain_wire_frames().count(),
         800,
@@ -129,10 +129,10 @@ fn stray_bytes_come_before_or_after_a_reply() {
     });
     let (mut before, mut after) = (0, 0);
     for _ in 0..100 {
-        let heard = fixture.send(QUERY.frame());
-        assert!((11..=13).contains(&heard.len()), "{heard:?}");
-        before += usize::from(is_reply(&heard[heard.len() - 10..]));
-        after += usize::from(is_reply(&heard[..10]));
+        let received = fixture.send(QUERY.frame());
+        assert!((11..=13).contains(&received.len()), "{received:?}");
+        before += usize::from(is_reply(&received[received.len() - 10..]));
+        after += usize::from(is_reply(&received[..10]));
     }
     assert!(before > 25 && after > 25, "{before} {after}");
 }
@@ -145,12 +145,12 @@ fn a_split_reply_comes_in_pieces_that_make_the_whole() {
     });
     let mut pieces_seen = [0; 4];
     for _ in 0..100 {
-        let heard = chunks(&mut fixture);
-        pieces_seen[heard.len()] += 1;
-        assert_eq!(heard[0].0, us(2336));
-        assert!(heard.is_sorted_by_key(|(at, _)| *at));
-        assert!(heard.last().unwrap().0 <= us(2336 + 2000));
-        assert!(is_reply(&heard.concat_bytes()));
+        let received = chunks(&mut fixture);
+        pieces_seen[received.len()] += 1;
+        assert_eq!(received[0].0, us(2336));
+        assert!(received.is_sorted_by_key(|(at, _)| *at));
+        assert!(received.last().unwrap().0 <= us(2336 + 2000));
+        assert!(is_reply(&received.concat_bytes()));
     }
     assert_eq!(pieces_seen[0] + pieces_seen[1], 0);
     assert!(pieces_seen[2] > 5 && pieces_seen[3] > 50, "{pieces_seen:?}");
@@ -173,10 +173,10 @@ fn a_held_reply_comes_late() {
         hold: ms(16),
         ..WireFaults::default()
     });
-    let heard = chunks(&mut fixture);
-    assert_eq!(heard.len(), 1);
-    assert_eq!(heard[0].0, us(2336) + ms(16));
-    assert!(is_reply(&heard[0].1));
+    let received = chunks(&mut fixture);
+    assert_eq!(received.len(), 1);
+    assert_eq!(received[0].0, us(2336) + ms(16));
+    assert!(is_reply(&received[0].1));
 }
 
 #[test]
@@ -186,14 +186,14 @@ fn a_holding_adapter_delivers_echo_and_reply_together() {
         hold: ms(16),
         ..WireFaults::default()
     });
-    let heard = chunks(&mut fixture);
-    assert_eq!(heard.len(), 1);
+    let received = chunks(&mut fixture);
+    assert_eq!(received.len(), 1);
     assert_eq!(
-        heard[0].0,
+        received[0].0,
         us(868) + ms(16),
         "the timer runs from the first byte"
     );
-    assert_eq!(heard[0].1.len(), 20);
+    assert_eq!(received[0].1.len(), 20);
 }
 
 #[test]
@@ -249,11 +249,11 @@ fn noise_grows_with_the_speed_of_the_wheel() {
 #[test]
 fn a_stranger_is_heard_behind_every_reply() {
     let mut fixture = with(LineCondition::Stranger.faults());
-    let heard = chunks(&mut fixture);
-    assert_eq!(heard.len(), 2);
-    assert_eq!(heard[1].0, us(2336 + 868));
-    assert!(is_reply(&heard[0].1) && is_reply(&heard[1].1));
-    assert_eq!((heard[0].1[0], heard[1].1[0]), (1, 7));
+    let received = chunks(&mut fixture);
+    assert_eq!(received.len(), 2);
+    assert_eq!(received[1].0, us(2336 + 868));
+    assert!(is_reply(&received[0].1) && is_reply(&received[1].1));
+    assert_eq!((received[0].1[0], received[1].1[0]), (1, 7));
 }
 
 #[test]
@@ -264,8 +264,8 @@ fn two_motors_that_share_an_id_are_garbage_and_one_alone_is_heard_again() {
         .set_line_condition(fixture.now, LineCondition::SharedId);
     assert_eq!(fixture.world.motors().count(), 2);
     for _ in 0..100 {
-        let heard = fixture.send(QUERY.frame());
-        assert!(!heard.is_empty() && !is_reply(&heard));
+        let received = fixture.send(QUERY.frame());
+        assert!(!received.is_empty() && !is_reply(&received));
     }
     // Chosen twice, there are two and not three.
     fixture
@@ -320,8 +320,8 @@ fn answers_that_collide_become_a_good_frame_only_where_they_are_said_to() {
             mix_answers,
             ..WireFaults::default()
         });
-        let heard = fixture.send(Request::IdQuery.frame());
-        let frame = Frame::new(heard.try_into().unwrap());
+        let received = fixture.send(Request::IdQuery.frame());
+        let frame = Frame::new(received.try_into().unwrap());
         let is_good = Reply::decode(&frame, Some(Layout::Drive)).is_ok();
         assert_eq!(is_good, mix_answers > 0.0, "{frame}");
         // One alone is as it was.

@@ -376,11 +376,11 @@ fn a_free_wheel_runs_as_far_as_its_momentum_was_said_to_carry_it() {
 fn the_last_drive_frame_is_known_by_whether_it_is_obeyed() {
     let mut fixture = Fixture::with_one_motor();
     fixture.drive(speed(7));
-    let (heard, drive) = fixture.motor().obeyed().expect("it was heard");
+    let (received, drive) = fixture.motor().obeyed().expect("it was heard");
     assert_eq!(drive.signed(), 7);
     fixture.wait(ms(150));
     assert_eq!(fixture.motor().obeyed(), None, "it does not latch");
-    assert_eq!(fixture.motor().last_drive(), Some((heard, drive)));
+    assert_eq!(fixture.motor().last_drive(), Some((received, drive)));
 }
 
 /// One report says that `C8 64` with a value drives every motor.

@@ -59,7 +59,7 @@ fn the_traffic_log_has_every_frame_with_its_start() {
     let mut fixture = Fixture::with_one_motor();
     let start = fixture.now;
     let query = Request::Query { id: ONE }.frame();
-    let heard: [u8; 10] = fixture.send(query).try_into().unwrap();
+    let received: [u8; 10] = fixture.send(query).try_into().unwrap();
     let traffic: Vec<WireFrame> = fixture.world.drain_wire_frames().collect();
     let host = WireFrame {
         at: start,
@@ -69,7 +69,7 @@ fn the_traffic_log_has_every_frame_with_its_start() {
     let motor = WireFrame {
         at: start + us(1468),
         from: Sender::Motor(ONE),
-        frame: Frame::new(heard),
+        frame: Frame::new(received),
     };
     assert_eq!(traffic, [host, motor]);
     assert_eq!(fixture.world.drain_wire_frames().count(), 0);
@@ -79,9 +79,9 @@ fn the_traffic_log_has_every_frame_with_its_start() {
 #[test]
 fn two_motors_answer_the_id_query_over_each_other() {
     let mut fixture = Fixture::with_ids(&[1, 2]);
-    let heard = fixture.send(Request::IdQuery.frame());
-    assert_eq!(heard.len(), 10, "one burst of garbage");
-    let frame = Frame::new(heard.try_into().unwrap());
+    let received = fixture.send(Request::IdQuery.frame());
+    assert_eq!(received.len(), 10, "one burst of garbage");
+    let frame = Frame::new(received.try_into().unwrap());
     assert!(
         Reply::decode(&frame, Some(Layout::Drive)).is_err(),
         "{frame}"
@@ -133,7 +133,7 @@ fn after_a_stray_byte_motors_find_frames_again_at_the_next_pause() {
 
 #[test]
 fn a_frame_in_two_halves_is_a_frame_if_the_pause_is_short() {
-    for (pause, heard) in [(us(900), true), (us(1100), false)] {
+    for (pause, received) in [(us(900), true), (us(1100), false)] {
         let mut fixture = Fixture::with_one_motor();
         let frame = Request::Query { id: ONE }.frame();
         let (front, back) = frame.bytes().split_at(4);
@@ -143,7 +143,7 @@ fn a_frame_in_two_halves_is_a_frame_if_the_pause_is_short() {
         fixture.now = fixture.now + ms(10);
         assert_eq!(
             fixture.world.receive(fixture.now).is_some(),
-            heard,
+            received,
             "{pause:?}"
         );
     }

@@ -112,7 +112,7 @@ impl Drop for Running {
 }
 
 fn rpm(motors: &mut Program, id: u8) -> f32 {
-    let state = motors.tell(&format!("state {id}"));
+    let state = motors.command(&format!("state {id}"));
     let mut words = state.split_whitespace();
     let rpm = words.find_map(|word| word.strip_prefix("rpm="));
     rpm.expect(&state).parse().unwrap()
@@ -193,7 +193,7 @@ fn drive_and_stop(language: &dyn Language) {
         while rpm(motors, 1) < 50.0 {
             thread::sleep(Duration::from_millis(20));
         }
-        motors.tell("mute 2 on");
+        motors.command("mute 2 on");
         running.until("aborted: ");
         let said = running.said.join("\n");
         // The other is stopped for it, and what could not be confirmed is said.

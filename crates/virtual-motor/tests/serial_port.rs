@@ -68,20 +68,20 @@ fn the_host_may_close_and_open_again() {
 fn commands_change_the_world() {
     let mut program = Program::start(&["--ids", "1,0x02"]);
     let port = program.port();
-    assert_eq!(program.tell("mute 1 on"), "ok 1 mute on");
+    assert_eq!(program.command("mute 1 on"), "ok 1 mute on");
     assert!(port.ask(QUERY).is_none());
-    assert_eq!(program.tell("mute 1 off"), "ok 1 mute off");
+    assert_eq!(program.command("mute 1 off"), "ok 1 mute off");
     assert!(port.ask(QUERY).is_some());
-    assert_eq!(program.tell("block 1 on"), "ok 1 block on");
+    assert_eq!(program.command("block 1 on"), "ok 1 block on");
     assert_eq!(drive_for(&port, 100, 20), 0);
     assert!(
         program
-            .tell("state 1")
+            .command("state 1")
             .starts_with("ok 1 rpm=0.00 mode=velocity angle=")
     );
-    assert!(program.tell("state 3").starts_with("error: "));
-    assert!(program.tell("dance").starts_with("error: "));
-    assert!(program.tell("state 2").starts_with("ok 2 "));
+    assert!(program.command("state 3").starts_with("error: "));
+    assert!(program.command("dance").starts_with("error: "));
+    assert!(program.command("state 2").starts_with("ok 2 "));
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn a_drive_frame_is_obeyed_for_as_long_as_the_command_line_says() {
         let mut program = Program::start(&["--latch-ms", latch_ms]);
         // The last frame of it is 17 ms old.
         drive_for(&program.port(), 100, 10);
-        let state = program.tell("state 1");
+        let state = program.command("state 1");
         assert!(
             state.contains(&format!("driven={driven} ")),
             "{latch_ms} ms: {state}"
@@ -103,7 +103,7 @@ fn a_stalled_adapter_passes_nothing_either_way_and_then_all_of_it() {
     let mut program = Program::start(&["--turnaround-us", "5000"]);
     let port = program.port();
     assert!(port.ask(QUERY).is_some());
-    assert_eq!(program.tell("stall 300"), "ok stall 300");
+    assert_eq!(program.command("stall 300"), "ok stall 300");
     let began = std::time::Instant::now();
     port.write(QUERY.frame().bytes());
     std::thread::sleep(ms(50));
@@ -178,9 +178,9 @@ fn an_echo_and_a_temperature_are_flags() {
     let program = Program::start(&["--echo", "cut:3", "--temperature", "61", "--seed", "7"]);
     let port = program.port();
     port.write(QUERY.frame().bytes());
-    let heard = port.read(13, ms(500));
-    assert_eq!(heard[..3], [0x01, 0x74, 0x00]);
-    assert_eq!(heard[9], 61);
+    let received = port.read(13, ms(500));
+    assert_eq!(received[..3], [0x01, 0x74, 0x00]);
+    assert_eq!(received[9], 61);
 }
 
 #[test]

@@ -43,7 +43,7 @@ struct Reply {
 #[derive(Clone, Debug, Default)]
 struct Known {
     /// The loop in its last reply, and when that reply reached the host.
-    told: Option<(Instant, Mode)>,
+    reported: Option<(Instant, Mode)>,
     /// Mode switches on the wire since that reply was sent.
     switches: Vec<(Instant, Mode)>,
     torque: Torque,
@@ -64,7 +64,7 @@ impl Bounds {
     /// The port is closed: a new bus knows nothing. The motors stay as they are.
     pub(super) fn port_lost(&mut self) {
         for known in self.motors.values_mut() {
-            (known.told, known.switches) = (None, Vec::new());
+            (known.reported, known.switches) = (None, Vec::new());
         }
         self.replies.clear();
         self.arrived.clear();
@@ -105,14 +105,14 @@ impl Bounds {
     pub(super) fn replied(&mut self, at: Instant, frame: Frame, world: &World) {
         let [id, ..] = *frame.bytes();
         let motor = MotorId::new(id).ok().and_then(|id| world.motor(id));
-        let heard = motor.and_then(VirtualMotor::last_drive);
+        let received = motor.and_then(VirtualMotor::last_drive);
         if self.replies.len() >= REPLIES_KEPT {
             self.replies.pop_front();
         }
         self.replies.push_back(Reply {
             at,
             frame,
-            answers_zero: heard.is_some_and(|(_, drive)| drive.signed() == 0),
+            answers_zero: received.is_some_and(|(_, drive)| drive.signed() == 0),
         });
     }
 
@@ -126,7 +126,7 @@ impl Bounds {
             let is_there = arrived.windows(FRAME_LEN).any(|window| window == frame);
             let [id, mode, ..] = *frame;
             if let (true, Ok(id), Ok(mode)) = (is_there, MotorId::new(id), Mode::from_byte(mode)) {
-                motors.entry(id).or_default().heard(now, reply, mode);
+                motors.entry(id).or_default().received(now, reply, mode);
             }
             !is_there
         });
@@ -188,7 +188,7 @@ impl Bounds {
                 let limit = limits.speed_rpm();
                 let what = format!(
                     "{frame} of {by} to {id}, a {what} with a limit of {limit} rpm; {:?} told, {:?} on the way",
-                    known.told, known.switches
+                    known.reported, known.switches
                 );
                 return broken(Rule::NothingAboveALimit, now, what);
             }
@@ -210,8 +210,8 @@ impl Bounds {
 }
 
 impl Known {
-    fn heard(&mut self, now: Instant, reply: &Reply, mode: Mode) {
-        self.told = Some((now, mode));
+    fn received(&mut self, now: Instant, reply: &Reply, mode: Mode) {
+        self.reported = Some((now, mode));
         self.switches
             .retain(|(sent, _)| *sent + AIRTIME >= reply.at);
         if let Torque::Told { is_zero: true, .. } = self.torque
@@ -226,9 +226,9 @@ impl Known {
     fn may_be_in(&self, mode: Mode, now: Instant, is_raw: bool) -> bool {
         let on_the_way = self.switches.iter().any(|(_, to)| *to == mode);
         on_the_way
-            || self.told.is_none_or(|(at, told)| {
+            || self.reported.is_none_or(|(at, reported)| {
                 let is_old = is_raw && now.since(at) > FRESH_FOR;
-                told == mode || is_old
+                reported == mode || is_old
             })
     }
 }

@@ -149,7 +149,10 @@ impl Rundown {
         self.turns = motor.turns();
         let latest = self.began + ON_ITS_WAY;
         // Until then the motor may still receive one.
-        let is_asked = now <= latest || motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
+        let is_asked = now <= latest
+            || motor
+                .obeyed()
+                .is_some_and(|(received, _)| received <= latest);
         let explained_deg = self.travelled_deg + motor.coasting_deg();
         self.explained_deg = if is_asked || self.was_asked {
             explained_deg
@@ -177,7 +180,9 @@ impl Held {
     fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Result<bool, Violation> {
         let latest = self.began + HOLD_TAKES;
         let gone_deg = (motor.turns() - self.from_turns) * 360.0 * self.direction;
-        let is_asked = motor.obeyed().is_some_and(|(heard, _)| heard <= latest);
+        let is_asked = motor
+            .obeyed()
+            .is_some_and(|(received, _)| received <= latest);
         if motor.obeyed().is_none() && now > latest {
             // No frame has reached it for longer than it obeys one: it coasts, and its direction
             // after a return is random.

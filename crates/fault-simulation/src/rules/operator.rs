@@ -36,7 +36,7 @@ struct Standing {
 
 /// Reports of a motor since driving began, as far as they decide whether it may stay driven.
 #[derive(Clone, Copy, Debug, Default)]
-struct Told {
+struct Reported {
     last: Option<Instant>,
     /// Requests since then.
     asked: u32,
@@ -49,7 +49,7 @@ struct Told {
 #[derive(Debug, Default)]
 pub(super) struct Operator {
     standing: BTreeMap<MotorId, Standing>,
-    told: BTreeMap<MotorId, Told>,
+    reported: BTreeMap<MotorId, Reported>,
     pub(super) limits: Limits,
     page_silent_since: Option<Instant>,
     proof: Option<(MotorId, Instant)>,
@@ -109,7 +109,7 @@ impl Operator {
     fn stands(&mut self, now: Instant, id: MotorId, setpoint: Setpoint) {
         let since = self.standing.get(&id).map_or(now, |before| before.since);
         if since == now {
-            self.told.insert(id, Told::default());
+            self.reported.insert(id, Reported::default());
         }
         self.standing.insert(id, Standing { setpoint, since });
         self.withdrawn_by_gap.remove(&id);
@@ -156,7 +156,7 @@ impl Operator {
 
     /// A motor that the bus does not drive any more has no command in force. Only a new command
     /// changes that.
-    pub(super) fn keep_what_stands(&mut self, now: Instant, bus: &Bus) -> Outcome {
+    pub(super) fn check_active_setpoints(&mut self, now: Instant, bus: &Bus) -> Outcome {
         for id in std::mem::take(&mut self.driven_now) {
             self.may_still_be_driven(now, id)?;
         }
@@ -182,16 +182,16 @@ impl Operator {
         let Some(standing) = self.standing.get(&id) else {
             return Ok(());
         };
-        let told = self.told.get(&id).copied().unwrap_or_default();
-        let silent_since = told
+        let reported = self.reported.get(&id).copied().unwrap_or_default();
+        let silent_since = reported
             .last
             .map_or(standing.since, |at| at.max(standing.since));
-        if now.since(silent_since) > SILENCE_MAX && told.asked > UNANSWERED_MAX {
+        if now.since(silent_since) > SILENCE_MAX && reported.asked > UNANSWERED_MAX {
             let what = format!("{id} is driven, and silent since {silent_since:?}");
             return broken(Rule::SilentIsWithdrawn, now, what);
         }
         // A frame of the same moment may have been sent before the reply arrived.
-        if let Some((_, limit)) = told.exceeded.filter(|(heard, _)| *heard < now) {
+        if let Some((_, limit)) = reported.exceeded.filter(|(received, _)| *received < now) {
             let what = format!("{id} is driven beyond its limit of {limit}");
             return broken(Rule::LimitsHold, now, what);
         }
@@ -227,7 +227,7 @@ impl Operator {
         if let Ok(request) = request
             && let Some(id) = addressee(&request)
         {
-            self.told.entry(id).or_default().asked += 1;
+            self.reported.entry(id).or_default().asked += 1;
         }
         if self.raw() == Some(frame) {
             return self.raw_goes_out(now, frame);
@@ -327,8 +327,8 @@ impl Operator {
                     && let [id, ..] = *frame.bytes()
                     && let Ok(id) = MotorId::new(id)
                 {
-                    let told = self.told.entry(id).or_default();
-                    (told.last, told.asked) = (Some(traffic.at), 0);
+                    let reported = self.reported.entry(id).or_default();
+                    (reported.last, reported.asked) = (Some(traffic.at), 0);
                 }
             }
             _ => {}
@@ -340,22 +340,22 @@ impl Operator {
         let Some(standing) = self.standing.get(&reply.id) else {
             return;
         };
-        let told = self.told.entry(reply.id).or_default();
+        let reported = self.reported.entry(reply.id).or_default();
         if reply.speed.magnitude() > self.limits.speed_rpm() + OVERSHOOT_RPM {
-            told.exceeded = told.exceeded.or(Some((*at, "speed")));
+            reported.exceeded = reported.exceeded.or(Some((*at, "speed")));
         }
         if reply.current.amps().abs() * 1_000.0 < f32::from(self.limits.current_ma()) + 1.0 {
-            told.overcurrent_since = None;
+            reported.overcurrent_since = None;
         } else {
-            let since = *told.overcurrent_since.get_or_insert(*at);
+            let since = *reported.overcurrent_since.get_or_insert(*at);
             if at.since(since.max(standing.since)) >= OVERCURRENT_FOR {
-                told.exceeded = told.exceeded.or(Some((*at, "current")));
+                reported.exceeded = reported.exceeded.or(Some((*at, "current")));
             }
         }
         if let Detail::Query { temperature, .. } = reply.detail
             && u16::from(temperature.degrees()) > self.limits.temperature_c()
         {
-            told.exceeded = told.exceeded.or(Some((*at, "temperature")));
+            reported.exceeded = reported.exceeded.or(Some((*at, "temperature")));
         }
     }
 }

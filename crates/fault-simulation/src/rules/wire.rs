@@ -35,7 +35,7 @@ pub(super) struct Wire {
     line_is_good_since: Option<Instant>,
     /// Readings of this moment, which must be in the log too.
     read: Vec<Frame>,
-    heard: Vec<Frame>,
+    received: Vec<Frame>,
 }
 
 impl Wire {
@@ -105,7 +105,7 @@ impl Wire {
                 LineEventKind::Sent { frame, .. } => return self.logged_as(now, frame, false),
                 LineEventKind::NotSent { frame } => return self.logged_as(now, frame, true),
                 LineEventKind::Received { frame, .. } => {
-                    self.heard.push(frame);
+                    self.received.push(frame);
                     return self.logged(now, frame);
                 }
                 LineEventKind::Junk(_) | LineEventKind::Silence { .. } => {}
@@ -148,10 +148,10 @@ impl Wire {
 
     /// All events of this moment are out.
     pub(super) fn settled(&mut self, now: Instant) -> Outcome {
-        let heard = std::mem::take(&mut self.heard);
+        let received = std::mem::take(&mut self.received);
         let unlogged = std::mem::take(&mut self.read)
             .into_iter()
-            .find(|frame| !heard.contains(frame));
+            .find(|frame| !received.contains(frame));
         match unlogged {
             Some(frame) => broken(
                 Rule::LogIsComplete,

@@ -31,7 +31,7 @@ const ALL_ADDRESS: u8 = 0xC8;
 #[derive(Clone, Copy, Debug)]
 struct Command {
     drive: Drive,
-    heard: Instant,
+    received: Instant,
 }
 
 /// A controller with power: what is lost without it. The ID in flash is given at the start.
@@ -83,7 +83,7 @@ impl Firmware {
     /// Whether a drive frame was received within the latch time before `now`.
     pub(crate) fn is_driven(&self, now: Instant) -> bool {
         self.last_drive
-            .is_some_and(|(heard, _)| now.since(heard) <= self.latch)
+            .is_some_and(|(received, _)| now.since(received) <= self.latch)
     }
 
     /// The last received drive frame, obeyed or not.
@@ -95,7 +95,7 @@ impl Firmware {
     pub(crate) fn obeyed(&self) -> Option<(Instant, Drive)> {
         self.command
             .as_ref()
-            .map(|command| (command.heard, command.drive))
+            .map(|command| (command.received, command.drive))
     }
 
     /// Whether the power stage does nothing and no timer runs, so that time may be skipped.
@@ -106,18 +106,18 @@ impl Firmware {
     /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
     pub(crate) fn handle(
         &mut self,
-        heard: Result<Request, RequestError>,
+        received: Result<Request, RequestError>,
         now: Instant,
         speed_rpm: f64,
     ) -> Option<Layout> {
-        if let Ok(Request::SetId { id }) = heard {
+        if let Ok(Request::SetId { id }) = received {
             // For all motors; the rate limit does not apply to a frame that has no reply.
             self.id = self.set_id.count(id).map_or(self.id, MotorId::from);
             return None;
         }
         // Five in a row means that any other frame on the wire starts the count anew.
         self.set_id.interrupt();
-        let request = heard.ok()?;
+        let request = received.ok()?;
         let to_all = self.obeys_all
             && matches!(request, Request::Drive { id, .. } if id.get() == ALL_ADDRESS);
         let to_other = request.addressee().is_some_and(|id| id != self.id);
@@ -136,7 +136,10 @@ impl Firmware {
     fn drive(&mut self, drive: Drive, now: Instant) {
         self.last_drive = Some((now, drive));
         if self.protections.faults().is_none() {
-            self.command = Some(Command { drive, heard: now });
+            self.command = Some(Command {
+                drive,
+                received: now,
+            });
         }
     }
 
@@ -157,7 +160,7 @@ impl Firmware {
     pub(crate) fn step(&mut self, now: Instant, sense: &Sense) -> Bridge {
         let wants_motion = self.command.is_some() && self.loops.want_motion();
         self.protections.update(now, sense, wants_motion);
-        let expired = |command: &Command| now.since(command.heard) > self.latch;
+        let expired = |command: &Command| now.since(command.received) > self.latch;
         if !self.protections.faults().is_none() || self.command.as_ref().is_some_and(expired) {
             self.command = None;
         }

@@ -17,12 +17,12 @@ impl ModeSwitchCount {
 
     /// Whether this frame completes the row. The next one starts another.
     pub(crate) fn count(&mut self, mode: Mode) -> bool {
-        let heard = match self.row {
-            Some((same, heard)) if same == mode => heard.saturating_add(1),
+        let received = match self.row {
+            Some((same, received)) if same == mode => received.saturating_add(1),
             _ => 1,
         };
-        let complete = heard >= self.needed;
-        self.row = (!complete).then_some((mode, heard));
+        let complete = received >= self.needed;
+        self.row = (!complete).then_some((mode, received));
         complete
     }
 }

@@ -26,15 +26,15 @@ impl SetIdCount {
         let Self::Open { needed, row } = self else {
             return None;
         };
-        let heard = match *row {
-            Some((same, heard)) if same == id => heard.saturating_add(1),
+        let received = match *row {
+            Some((same, received)) if same == id => received.saturating_add(1),
             _ => 1,
         };
-        if heard >= *needed {
+        if received >= *needed {
             *self = Self::Spent;
             return Some(id);
         }
-        *row = Some((id, heard));
+        *row = Some((id, received));
         None
     }
 

@@ -30,8 +30,8 @@ impl HostReceiver {
         self.run.mixed |= byte.collides;
         if byte.start >= self.run.end {
             match byte.source {
-                Source::Host => self.run.echo.push(byte.heard),
-                Source::Motor(_) => self.run.reply.push(byte.heard),
+                Source::Host => self.run.echo.push(byte.received),
+                Source::Motor(_) => self.run.reply.push(byte.received),
             }
             self.run.end = byte.end;
         }

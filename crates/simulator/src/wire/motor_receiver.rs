@@ -12,14 +12,14 @@ pub(crate) struct HostFrame {
     /// As the host sent it.
     pub(crate) sent: Frame,
     /// As the motors receive it.
-    pub(crate) heard: Frame,
+    pub(crate) received: Frame,
 }
 
 /// Ten bytes make a frame. A silence starts a new one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MotorReceiver {
     sent: [u8; FRAME_LEN],
-    heard: [u8; FRAME_LEN],
+    received: [u8; FRAME_LEN],
     filled: usize,
     start: Instant,
     last_end: Instant,
@@ -37,17 +37,17 @@ impl MotorReceiver {
         }
         let places = (
             self.sent.get_mut(self.filled),
-            self.heard.get_mut(self.filled),
+            self.received.get_mut(self.filled),
         );
-        if let (Some(sent), Some(heard)) = places {
+        if let (Some(sent), Some(received)) = places {
             *sent = byte.sent;
-            *heard = byte.heard;
+            *received = byte.received;
         }
         self.filled = (self.filled + 1) % FRAME_LEN;
         (self.filled == 0).then(|| HostFrame {
             start: self.start,
             sent: Frame::new(self.sent),
-            heard: Frame::new(self.heard),
+            received: Frame::new(self.received),
         })
     }
 }

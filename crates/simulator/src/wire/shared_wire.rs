@@ -47,7 +47,7 @@ pub(crate) struct PassedByte {
     /// The byte as sent.
     pub(crate) sent: u8,
     /// The byte as received.
-    pub(crate) heard: u8,
+    pub(crate) received: u8,
     /// Whether the host's adapter receives it.
     pub(crate) audible: bool,
     /// Whether another source sends a different byte at the same time.
@@ -158,7 +158,7 @@ impl SharedWire {
     /// Removes the next byte from the wire.
     pub(crate) fn pass(&mut self) -> Option<PassedByte> {
         let byte = self.bytes.pop_front()?;
-        let heard = if byte.collides {
+        let received = if byte.collides {
             // Any byte except the one sent.
             byte.sent ^ self.garbage.byte().max(1)
         } else {
@@ -169,7 +169,7 @@ impl SharedWire {
             end: byte.end,
             source: byte.source,
             sent: byte.sent,
-            heard,
+            received,
             audible: byte.audible,
             collides: byte.collides,
         })

@@ -55,7 +55,7 @@ impl Program {
     }
 
     /// Gives a command and returns its answer.
-    pub fn tell(&mut self, line: &str) -> String {
+    pub fn command(&mut self, line: &str) -> String {
         writeln!(self.stdin.as_mut().unwrap(), "{line}").unwrap();
         let mut answer = String::new();
         self.stdout.read_line(&mut answer).unwrap();
@@ -94,8 +94,8 @@ impl Port {
 
     /// All that comes until `count` bytes are there or so much time has passed.
     pub fn read(&self, count: usize, within: Duration) -> Vec<u8> {
-        let (began, mut heard) = (Instant::now(), Vec::new());
-        while heard.len() < count {
+        let (began, mut received) = (Instant::now(), Vec::new());
+        while received.len() < count {
             let left = within.saturating_sub(began.elapsed());
             let timeout = Timespec::try_from(left).unwrap();
             let mut fds = [PollFd::new(&self.0, PollFlags::IN)];
@@ -104,15 +104,15 @@ impl Port {
             }
             let mut buffer = [0; 256];
             let got = rustix::io::read(&self.0, &mut buffer).unwrap();
-            heard.extend_from_slice(&buffer[..got]);
+            received.extend_from_slice(&buffer[..got]);
         }
-        heard
+        received
     }
 
     /// One exchange. Half a second is long enough for a machine that does much else.
     pub fn ask(&self, request: Request) -> Option<Reply> {
         self.write(request.frame().bytes());
-        let heard: [u8; 10] = self.read(10, Duration::from_millis(500)).try_into().ok()?;
-        Reply::decode(&Frame::new(heard), request.reply_layout()).ok()
+        let received: [u8; 10] = self.read(10, Duration::from_millis(500)).try_into().ok()?;
+        Reply::decode(&Frame::new(received), request.reply_layout()).ok()
     }
 }
