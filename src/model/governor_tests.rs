@@ -64,8 +64,10 @@ fn where_nothing_is_late_nothing_changes() {
 fn the_rate_goes_down_a_step_a_second_until_the_wire_is_on_time() {
     let mut machine = Machine::new([20, 10, 1, 0]);
     let rates = machine.seconds(4);
-    use FrameRate::{Hz20, Hz30};
-    assert_eq!(rates[..3], [Hz30, Hz20, Hz20]);
+    assert_eq!(
+        rates[..3],
+        [FrameRate::Hz30, FrameRate::Hz20, FrameRate::Hz20]
+    );
 }
 
 #[test]

@@ -157,7 +157,7 @@ pub(crate) const fn echoed(counters: &Counters) -> u64 {
 
 /// What happened on the line to one motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct OfMotor {
+pub(crate) struct MotorFindings {
     pub(crate) id: MotorId,
     /// In the last ten seconds.
     pub(crate) recent: Tally,
@@ -179,7 +179,7 @@ pub(crate) struct OfMotor {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Findings {
     /// Every motor that is asked.
-    pub(crate) motors: Vec<OfMotor>,
+    pub(crate) motors: Vec<MotorFindings>,
     /// Good frames of one that was not asked, in the last ten seconds.
     pub(crate) foreign: u32,
     /// Of the last 256 replies.
@@ -244,17 +244,17 @@ impl Found {
 }
 
 /// Whether it does not answer. A loose wire picks up a byte now and then.
-const fn is_deaf(motor: &OfMotor) -> bool {
+const fn is_deaf(motor: &MotorFindings) -> bool {
     motor.silent && motor.quiet.garbled.saturating_mul(10) <= motor.quiet.asked
 }
 
 /// Whether too little was heard of it, or nothing since a moment ago.
-const fn is_unknown(motor: &OfMotor) -> bool {
+const fn is_unknown(motor: &MotorFindings) -> bool {
     motor.recent.asked < ASKED_TO_BE_KNOWN || motor.quiet.asked > 0
 }
 
 /// Whether next to nothing is lost, as the header says too.
-fn is_well(motor: &OfMotor) -> bool {
+fn is_well(motor: &MotorFindings) -> bool {
     !header_says_lossy(motor.loss_per_mille) && motor.recent.lost_per_mille() < WELL_PER_MILLE
 }
 
@@ -263,14 +263,14 @@ pub(crate) fn header_says_lossy(loss_per_mille: Option<u16>) -> bool {
     loss_per_mille.is_some_and(|loss| u32::from(loss) >= LOSSY_PER_MILLE)
 }
 
-fn is_lossy(motor: &OfMotor) -> bool {
+fn is_lossy(motor: &MotorFindings) -> bool {
     let heard = motor.heard;
     heard.asked >= ASKED_TO_BE_LOSSY
         && heard.lost() >= LOST_MIN
         && heard.lost_per_mille() >= LOSSY_PER_MILLE
 }
 
-fn of_motor(motor: &OfMotor) -> Option<Diagnosis> {
+fn of_motor(motor: &MotorFindings) -> Option<Diagnosis> {
     let recent = motor.recent;
     if is_deaf(motor) {
         Some(Diagnosis::Silent(motor.id))
@@ -283,7 +283,7 @@ fn of_motor(motor: &OfMotor) -> Option<Diagnosis> {
     }
 }
 
-fn grows_with_speed(motor: &OfMotor) -> bool {
+fn grows_with_speed(motor: &MotorFindings) -> bool {
     let (standing, turning) = (motor.standing, motor.turning);
     standing.asked >= STANDING_MIN
         && turning.asked >= TURNING_MIN

@@ -31,14 +31,14 @@ fn tally(asked: u32, silent: u32, garbled: u32) -> Tally {
 }
 
 /// A motor that stood all the time. One that answered nothing is silent.
-fn standing(id: MotorId, recent: Tally) -> OfMotor {
+fn standing(id: MotorId, recent: Tally) -> MotorFindings {
     let is_silent = recent.answered == 0;
     let [heard, quiet] = if is_silent {
         [Tally::default(), recent]
     } else {
         [recent, Tally::default()]
     };
-    OfMotor {
+    MotorFindings {
         id,
         recent,
         heard,
@@ -51,15 +51,15 @@ fn standing(id: MotorId, recent: Tally) -> OfMotor {
 }
 
 /// A motor that stood and turned.
-fn moving(standing: Tally, turning: Tally) -> OfMotor {
-    OfMotor {
+fn moving(standing: Tally, turning: Tally) -> MotorFindings {
+    MotorFindings {
         standing,
         turning,
         ..self::standing(ID, turning)
     }
 }
 
-fn line(motors: &[OfMotor]) -> Findings {
+fn line(motors: &[MotorFindings]) -> Findings {
     Findings {
         motors: motors.to_vec(),
         ..Findings::default()
@@ -153,7 +153,7 @@ fn what_happened_has_its_likely_cause() {
         ),
         (
             "silence behind a minute of replies",
-            line(&[OfMotor {
+            line(&[MotorFindings {
                 silent: true,
                 heard: tally(480, 0, 0),
                 quiet: tally(20, 20, 0),
@@ -188,7 +188,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
         ("nobody is asked", line(&[]), Verdict::TooLittle),
         (
             "silences that the bus does not call silence yet",
-            line(&[OfMotor {
+            line(&[MotorFindings {
                 silent: false,
                 ..standing(ID, tally(15, 15, 0))
             }]),
@@ -203,7 +203,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
         ),
         (
             "a header that knows of more losses",
-            line(&[OfMotor {
+            line(&[MotorFindings {
                 loss_per_mille: Some(50),
                 ..standing(ID, good)
             }]),
@@ -211,7 +211,7 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
         ),
         (
             "a motor that has just fallen silent",
-            line(&[OfMotor {
+            line(&[MotorFindings {
                 heard: tally(550, 3, 0),
                 quiet: tally(40, 40, 0),
                 ..standing(ID, tally(590, 43, 0))
@@ -272,14 +272,14 @@ fn nothing_is_diagnosed_of_little_or_of_chance() {
 }
 
 /// A bus on a virtual line, and a doctor who looks ten times a second as the page does.
-struct Clinic {
+struct RecordedBus {
     now: Instant,
     bus: Bus,
     world: World,
     record: Record,
 }
 
-impl Clinic {
+impl RecordedBus {
     /// The line is good at first, as on the page.
     fn new(case: LineCondition) -> Self {
         let mut clinic = Self::on(World::new(WorldConfig::default()));
@@ -383,7 +383,7 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
             Verdict::Faulty(vec![Diagnosis::Stranger]),
         ),
     ] {
-        let mut clinic = Clinic::new(case);
+        let mut clinic = RecordedBus::new(case);
         // What is lost while the window grows is gone by then, or not counted yet.
         let first = if case == LineCondition::Good { 6 } else { 5 };
         for seconds in [first, 10, 30] {
@@ -394,7 +394,7 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
 
 #[test]
 fn noise_that_grows_with_speed_is_told_from_noise() {
-    let mut clinic = Clinic::new(LineCondition::NoiseGrowsWithSpeed);
+    let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
     clinic.run(6);
     clinic.drive(100);
     let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
@@ -404,7 +404,7 @@ fn noise_that_grows_with_speed_is_told_from_noise() {
 
 #[test]
 fn a_driven_motor_on_a_good_line_is_well() {
-    let mut clinic = Clinic::new(LineCondition::Good);
+    let mut clinic = RecordedBus::new(LineCondition::Good);
     assert_eq!(*clinic.run(1), Verdict::TooLittle);
     clinic.run(5);
     clinic.drive(100);
@@ -413,7 +413,7 @@ fn a_driven_motor_on_a_good_line_is_well() {
 
 #[test]
 fn another_connection_begins_anew_and_none_is_none() {
-    let mut clinic = Clinic::new(LineCondition::Dead);
+    let mut clinic = RecordedBus::new(LineCondition::Dead);
     assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
     assert!(matches!(clinic.run(10), Verdict::Faulty(_)));
     let other = Session {
@@ -429,7 +429,7 @@ fn another_connection_begins_anew_and_none_is_none() {
 /// While the page is hidden nobody looks: an hour is no second.
 #[test]
 fn what_was_not_looked_at_is_not_counted() {
-    let mut clinic = Clinic::new(LineCondition::Good);
+    let mut clinic = RecordedBus::new(LineCondition::Good);
     clinic.run(5);
     clinic
         .world
@@ -443,13 +443,13 @@ fn what_was_not_looked_at_is_not_counted() {
 }
 
 /// What the doctor says once a second.
-fn course(clinic: &mut Clinic, seconds: u64) -> Vec<Verdict> {
+fn course(clinic: &mut RecordedBus, seconds: u64) -> Vec<Verdict> {
     (0..seconds).map(|_| clinic.run(1).clone()).collect()
 }
 
 /// A line that has these faults from the beginning.
-fn faulty(faults: WireFaults, seed: u64) -> Clinic {
-    Clinic::on(World::new(WorldConfig {
+fn faulty(faults: WireFaults, seed: u64) -> RecordedBus {
+    RecordedBus::on(World::new(WorldConfig {
         faults,
         seed,
         ..WorldConfig::default()
@@ -457,7 +457,7 @@ fn faulty(faults: WireFaults, seed: u64) -> Clinic {
 }
 
 /// The header's figure.
-fn loss_per_mille(clinic: &Clinic) -> Option<u16> {
+fn loss_per_mille(clinic: &RecordedBus) -> Option<u16> {
     clinic.session().motors.first()?.link.loss_per_mille
 }
 
@@ -516,7 +516,7 @@ fn the_doctor_is_never_better_than_the_header() {
 #[test]
 fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
     for ms in (0..1_000).step_by(70) {
-        let mut clinic = Clinic::new(LineCondition::Good);
+        let mut clinic = RecordedBus::new(LineCondition::Good);
         clinic.run(6);
         clinic.drive(100);
         assert_eq!(*clinic.run(12), Verdict::Healthy);
@@ -554,7 +554,7 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
 fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
     for rpm in [40, 60, 100, 150] {
         for rest in [2, 6, 12] {
-            let mut clinic = Clinic::new(LineCondition::NoiseGrowsWithSpeed);
+            let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
             clinic.run(rest);
             clinic.drive(rpm);
             let verdicts = course(&mut clinic, 70);

@@ -10,7 +10,7 @@ use motorlink_messages::{
 
 use crate::{
     features::link_doctor::doctor::{
-        Findings, OfMotor, Tally, Verdict, diagnose, header_says_lossy,
+        Findings, MotorFindings, Tally, Verdict, diagnose, header_says_lossy,
     },
     model::snapshot::Session,
 };
@@ -193,7 +193,7 @@ impl Record {
                 }
             }
             match now.id {
-                Some(id) => findings.motors.push(OfMotor {
+                Some(id) => findings.motors.push(MotorFindings {
                     id,
                     recent,
                     heard,
