@@ -13,8 +13,8 @@ use crate::{
 
 /// A frame in words: the request, the reply, or why it is neither.
 ///
-/// Displays as `drive +100 rpm, acceleration 1`, as `+100 rpm, +0.175 A, 66.96°`, or as the error:
-/// `CRC is 5B, should be 1B`.
+/// Displays as `drive +100 rpm, accel 1`, as `+100 rpm, +0.175 A, 66.96°`, or as the error:
+/// `CRC 5B, expected 1B`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Explained {
     /// A frame of the host.

@@ -11,8 +11,8 @@ use crate::scope::post;
 
 /// The period of a 60 Hz screen.
 const FRAME: Duration = Duration::from_micros(16_600);
-/// The page draws readings 20 times a second. Each message costs time on both threads, and the frames of the bus
-/// come from this one.
+/// The page draws the graph 20 times a second, and figures 10 times. Each message costs time on both threads, and
+/// the frames of the bus come from this one.
 const SAMPLES_EVERY: Duration = Duration::from_millis(50);
 
 /// Samples that wait while the page does not answer: 8 s at 500 Hz. Beyond that the oldest are dropped.
