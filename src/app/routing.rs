@@ -63,7 +63,7 @@ impl Features {
             .notices
             .maybe_update(|board| board.review(|until| review(until, update)));
         self.page.governor.update_value(|governor| {
-            set_frame_rate(governor.look(update.now, update.line.as_ref()));
+            set_frame_rate(governor.look(update.now, update.line.as_ref(), document().hidden()));
         });
         // Before a lost connection clears them.
         self.readings.keep_samples(update);

@@ -1,8 +1,9 @@
 //! The wire comes first: where drawing delays frames or replies, the page draws less often.
 //!
 //! On a machine without a GPU the browser draws on the cores that the port worker needs. The bus counts what is
-//! late ([`LineStatus::late_hz`]). The governor looks at it once a second and lowers the frame rate until the wire
-//! is on time. Where that does not help, drawing is not the cause, and the page draws as before.
+//! late ([`LineStatus::late_hz`]). The governor looks at it once a second, judges every three seconds, and lowers the
+//! frame rate until the wire is on time. Where that does not help, drawing is not the cause, and the page draws as
+//! before.
 
 use std::time::Duration;
 
@@ -12,13 +13,22 @@ use crate::ui::frame_rate::FrameRate;
 
 /// The bus counts over the last second.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
-/// With fewer exchanges a second nothing is driven at a rate that drawing could disturb.
-const EXCHANGES_MIN_HZ: u16 = 20;
-/// More of the exchanges late than this: the rate goes down.
-const LATE_MAX_PER_MILLE: u32 = 40;
-/// Fewer late than this, for a while: the rate goes up.
-const CALM_PER_MILLE: u32 = 15;
-/// How long the wire is on time before the rate goes up. Twice as long after each time that was too soon.
+/// A longer time between two looks is a gap: the page hung, and nothing follows from what was before.
+const GAP: Duration = Duration::from_secs(2);
+/// Looks of one judgement: the lateness of a single second is chance.
+const LOOKS: u32 = 3;
+/// From this many exchanges a second on the governor works, and below the other it rests: with fewer, nothing is
+/// driven at a rate that drawing could disturb.
+const WORKS_FROM_HZ: u16 = 30;
+const RESTS_BELOW_HZ: u16 = 20;
+/// More of the exchanges late than this, and at least so many: the rate goes down.
+const LATE_MAX_PER_MILLE: u32 = 50;
+const LATE_MIN: u32 = 8;
+/// At most so many of the exchanges late, or so many in all, for a while: the rate goes up.
+const CALM_PER_MILLE: u32 = 25;
+const CALM_MAX: u32 = 4;
+/// How long the wire is on time before the rate goes up. Twice as long after each raise that was undone
+/// [`TOO_SOON`].
 const RAISE_AFTER: Duration = Duration::from_secs(5);
 const RAISE_AFTER_MAX: Duration = Duration::from_secs(80);
 /// A rate that has to be lowered so soon after it was raised was raised too soon.
@@ -30,7 +40,12 @@ const GIVEN_UP_FOR: Duration = Duration::from_secs(60);
 #[derive(Clone, Debug)]
 pub(crate) struct Governor {
     rate: FrameRate,
+    works: bool,
     looked: Instant,
+    /// Looks since the last judgement, and what they have counted.
+    looks: u32,
+    late: u32,
+    exchanges: u32,
     /// Late exchanges, per mille, when the rate was last lowered from the full one.
     late_at_full: u32,
     calm_since: Option<Instant>,
@@ -43,7 +58,11 @@ impl Default for Governor {
     fn default() -> Self {
         Self {
             rate: FrameRate::Full,
+            works: false,
             looked: Instant::default(),
+            looks: 0,
+            late: 0,
+            exchanges: 0,
             late_at_full: 0,
             calm_since: None,
             raised: None,
@@ -54,47 +73,95 @@ impl Default for Governor {
 }
 
 impl Governor {
-    /// The frame rate from now on. `line` is `None` while no port is open.
-    pub(crate) fn look(&mut self, now: Instant, line: Option<&LineStatus>) -> FrameRate {
+    /// The frame rate from now on. `line` is `None` while no port is open. A hidden page draws nothing, and nothing
+    /// follows from what is late meanwhile.
+    pub(crate) fn look(
+        &mut self,
+        now: Instant,
+        line: Option<&LineStatus>,
+        is_hidden: bool,
+    ) -> FrameRate {
         let Some(line) = line else {
-            *self = Self {
-                looked: now,
-                ..Self::default()
-            };
+            *self = Self::default();
             return self.rate;
         };
-        if line.exchanges_hz < EXCHANGES_MIN_HZ {
-            // Whatever is driven next begins with the rate that was right for the last.
-            self.looked = now;
-            return FrameRate::Full;
+        if now.since(self.looked) < LOOK_EVERY {
+            return self.rate_if_works();
         }
-        if now.since(self.looked) >= LOOK_EVERY {
-            self.looked = now;
-            let late = u32::from(line.late_hz) * 1_000 / u32::from(line.exchanges_hz);
-            self.judge(now, late);
+        let has_gap = now.since(self.looked) > GAP;
+        self.looked = now;
+        let least = if self.works {
+            RESTS_BELOW_HZ
+        } else {
+            WORKS_FROM_HZ
+        };
+        let worked = self.works;
+        self.works = line.exchanges_hz >= least;
+        if !self.works || !worked || has_gap || is_hidden {
+            self.begin_anew();
+            return self.rate_if_works();
+        }
+        self.looks += 1;
+        self.late += u32::from(line.late_hz);
+        self.exchanges += u32::from(line.exchanges_hz);
+        if self.looks >= LOOKS {
+            self.judge(now);
+            (self.looks, self.late, self.exchanges) = (0, 0, 0);
         }
         self.rate
     }
 
-    fn judge(&mut self, now: Instant, late_per_mille: u32) {
+    /// While it rests the page draws fully. The rate is kept for the next drive.
+    const fn rate_if_works(&self) -> FrameRate {
+        if self.works {
+            self.rate
+        } else {
+            FrameRate::Full
+        }
+    }
+
+    /// Forgets what it has counted, and keeps the rate.
+    const fn begin_anew(&mut self) {
+        (self.looks, self.late, self.exchanges) = (0, 0, 0);
+        self.calm_since = None;
+        self.raised = None;
+    }
+
+    fn judge(&mut self, now: Instant) {
         if self.given_up_until.is_some_and(|until| now < until) {
             return;
         }
         self.given_up_until = None;
-        if late_per_mille > LATE_MAX_PER_MILLE {
+        let per_mille = self.late * 1_000 / self.exchanges.max(1);
+        if self.late <= CALM_MAX || per_mille <= CALM_PER_MILLE {
+            self.raise_when_calm(now);
+            return;
+        }
+        self.calm_since = None;
+        if self.rate == FrameRate::Hz10 && per_mille * 10 > self.late_at_full * 7 {
+            // So much less drawing has not made it a third better.
+            self.rate = FrameRate::Full;
+            self.given_up_until = Some(now + GIVEN_UP_FOR);
+        } else if self.late >= LATE_MIN && per_mille > LATE_MAX_PER_MILLE {
+            self.lower(now, per_mille);
+        }
+    }
+
+    fn raise_when_calm(&mut self, now: Instant) {
+        if self
+            .raised
+            .is_some_and(|raised| now.since(raised) >= TOO_SOON)
+        {
+            self.raised = None;
+            self.raise_after = RAISE_AFTER;
+        }
+        let since = *self.calm_since.get_or_insert(now);
+        if now.since(since) >= self.raise_after
+            && let Some(higher) = self.rate.higher()
+        {
+            self.rate = higher;
+            self.raised = Some(now);
             self.calm_since = None;
-            self.lower(now, late_per_mille);
-        } else if late_per_mille > CALM_PER_MILLE {
-            self.calm_since = None;
-        } else {
-            let since = *self.calm_since.get_or_insert(now);
-            if now.since(since) >= self.raise_after
-                && let Some(higher) = self.rate.higher()
-            {
-                self.rate = higher;
-                self.raised = Some(now);
-                self.calm_since = None;
-            }
         }
     }
 
@@ -108,10 +175,6 @@ impl Governor {
         }
         if let Some(lower) = self.rate.lower() {
             self.rate = lower;
-        } else if late_per_mille * 10 > self.late_at_full * 7 {
-            // Six times less drawing has not made it a third better.
-            self.rate = FrameRate::Full;
-            self.given_up_until = Some(now + GIVEN_UP_FOR);
         }
     }
 }

@@ -9,7 +9,7 @@ pub enum FrameRate {
     /// The wheel turns in every frame of the screen; the rest changes 20 times a second at most.
     #[default]
     Full,
-    /// The wheel turns in 30 frames a second.
+    /// The wheel turns in 30 frames a second, and the rest changes in every other of them.
     Hz30,
     /// Everything is drawn in the same 20 frames a second.
     Hz20,
@@ -55,7 +55,8 @@ impl FrameRate {
     #[must_use]
     pub const fn step_ms(self) -> f64 {
         match self {
-            Self::Full | Self::Hz30 | Self::Hz20 => 50.0,
+            Self::Full | Self::Hz20 => 50.0,
+            Self::Hz30 => 200.0 / 3.0,
             Self::Hz10 => 100.0,
         }
     }

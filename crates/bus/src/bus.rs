@@ -172,6 +172,13 @@ impl Bus {
         self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
     }
 
+    /// Whether a motor is being stopped.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        let stops = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
+        self.motors.iter().any(stops)
+    }
+
     /// Status of every watched motor.
     pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
         self.motors.iter().map(move |motor| {

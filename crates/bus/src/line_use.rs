@@ -27,8 +27,8 @@ pub struct LineStatus {
     pub other_per_mille: u16,
     /// Reply windows without a reply, per mille.
     pub waiting_per_mille: u16,
-    /// Calls of [`crate::Bus::poll`] and replies per second that came over 1 ms late: calls after the moment that
-    /// the bus asked for, replies after the fastest of the last ones of that motor. A machine that is too busy
+    /// Calls of the bus and replies per second that came over 1 ms late: calls after the moment that
+    /// [`crate::Output::Wait`] named, replies after the fastest of the last ones of that motor. A machine that is too busy
     /// causes both; an adapter that holds bytes causes the second.
     pub late_hz: u16,
     /// Round trips.

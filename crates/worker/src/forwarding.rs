@@ -16,7 +16,14 @@ pub(crate) fn forward(outbox: &mut Outbox, open: &OpenSession, event: Event) {
         return;
     }
     let notice = match event {
-        Event::Telemetry(sample) => return outbox.sample(sample),
+        Event::Telemetry(sample) => {
+            outbox.sample(sample);
+            // The page shows each step of a stop.
+            if open.bus.is_stopping() {
+                outbox.touch();
+            }
+            return;
+        }
         // Line events go to the recorder.
         Event::PingPage | Event::Line(_) => return,
         Event::IdQueryEnded(outcome) => Notice::IdQueryEnded(outcome),

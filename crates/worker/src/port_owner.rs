@@ -184,7 +184,7 @@ impl PortOwner {
         }
         let outbox_due = self.outbox.due(now);
         let traffic_due = self.traffic.due();
-        // The recorder can wait for the next frame of the screen: one wake-up for both.
+        // The recorder can wait for the next update: one wake-up for both.
         let traffic_due = traffic_due.map(|due| outbox_due.map_or(due, |frame| frame.max(due)));
         if let Some(at) = wake.into_iter().chain(outbox_due).chain(traffic_due).min() {
             self.alarm.arm(now, at);

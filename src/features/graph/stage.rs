@@ -41,7 +41,7 @@ const DRAWN_EVERY_MS: f64 = 15.0;
 const FRAMES_BELOW_US: u64 = 25_000;
 
 /// What was reported reaches the page this late at most, unless it is busy: a slow adapter holds it for
-/// 16 ms, the worker for a frame. A view that was paused is drawn once more then.
+/// 16 ms, the worker for 50 ms. A view that was paused is drawn once more then.
 const SETTLED_AFTER_US: u64 = 200_000;
 
 /// Everything that the lines depend on but the colours. What is equal needs no drawing.

@@ -6,7 +6,10 @@
 //!
 //! Times are milliseconds on the page's clock.
 
-use crate::features::telemetry::twin::motion::{Heading, Way};
+use crate::{
+    features::telemetry::twin::motion::{Heading, Way},
+    ui::frame_rate::frame_rate,
+};
 
 /// What a course is off is made good within this.
 const MADE_GOOD_MS: f64 = 100.0;
@@ -16,8 +19,8 @@ const OFF_MAX_DEG: f64 = 1.0;
 const STANDS_OFF_MAX_DEG: f64 = 0.02;
 /// And a course whose speed is within one revolution a minute.
 const RATE_OFF_MAX_DEG_PER_S: f64 = 6.5;
-/// It is renewed before it ends, with time for three looks.
-const RENEWED_BEFORE_MS: f64 = 150.0;
+/// It is renewed so many looks before it ends.
+const RENEWED_BEFORE_LOOKS: f64 = 3.0;
 /// Further off it is another place, to which the wheel is not wound.
 const SNAP_DEG: f64 = 90.0;
 
@@ -50,6 +53,22 @@ impl Course {
             angle_deg: self.angle_at(now_ms),
             ..*self
         }
+    }
+
+    /// The course in steps of so many milliseconds that begin at multiples of that length, and how many steps. It
+    /// begins up to a step earlier and ends up to a step later, on the same line.
+    #[must_use]
+    pub fn in_steps(&self, step_ms: f64) -> (Self, f64) {
+        let from_ms = (self.from_ms / step_ms).floor() * step_ms;
+        let steps = ((self.until_ms - from_ms) / step_ms).ceil().max(1.0);
+        let before_ms = self.from_ms - from_ms;
+        let course = Self {
+            from_ms,
+            until_ms: from_ms + steps * step_ms,
+            angle_deg: self.angle_deg - self.rate_deg_per_s * before_ms / 1_000.0,
+            ..*self
+        };
+        (course, steps)
     }
 
     /// A wheel that stands there.
@@ -88,7 +107,7 @@ impl Course {
             return None;
         }
         let rate_off = (self.rate_deg_per_s - heading.rate_deg_per_s).abs();
-        let lasts = self.until_ms - now_ms >= RENEWED_BEFORE_MS;
+        let lasts = self.until_ms - now_ms >= RENEWED_BEFORE_LOOKS * frame_rate().step_ms();
         let near = off_deg.abs() <= OFF_MAX_DEG && rate_off <= RATE_OFF_MAX_DEG_PER_S;
         if !stands && near && lasts {
             return None;

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     features::telemetry::twin::motion::{AngleQuality, Estimator, ReportedAngle},
-    ui::frame_rate::FrameRate,
+    ui::frame_rate::{FrameRate, set_frame_rate},
 };
 
 /// What was drawn, sixty times a second, with how often the wheel was sent on.
@@ -23,8 +23,16 @@ impl Drawn {
     }
 }
 
+/// How often the worker posts readings, and how often while a motor is being stopped.
+const POSTED_EVERY_MS: u32 = 50;
+const POSTED_EVERY_STOPPING_MS: u32 = 17;
+
 /// A wheel at these speeds, each for so many milliseconds, reported fifty times a second.
 fn drive(speeds: &[(f64, u32)]) -> Drawn {
+    drive_posted(speeds, POSTED_EVERY_MS)
+}
+
+fn drive_posted(speeds: &[(f64, u32)], posted_every_ms: u32) -> Drawn {
     let mut estimator = Estimator::default();
     let mut course: Option<Course> = None;
     let mut drawn = Drawn {
@@ -33,6 +41,7 @@ fn drive(speeds: &[(f64, u32)]) -> Drawn {
     };
     let (mut truth, mut now, mut looked) = (0.0, 0.0_f64, f64::NEG_INFINITY);
     let mut step = 0_u32;
+    let mut waiting = Vec::new();
     for (rpm, ms) in speeds {
         for _ in 0..*ms {
             if step.is_multiple_of(20) {
@@ -40,10 +49,15 @@ fn drive(speeds: &[(f64, u32)]) -> Drawn {
                     degrees: f64::rem_euclid(truth, 360.0),
                     quality: AngleQuality::Fine,
                 };
-                estimator.report(now, Some(angle), rpm.round());
+                waiting.push((now, angle));
+            }
+            if step.is_multiple_of(posted_every_ms) {
+                for (reported, angle) in waiting.drain(..) {
+                    estimator.report(reported, Some(angle), rpm.round());
+                }
             }
             // A frame behind the time that was asked for, as timers and frames go.
-            if now - looked >= FrameRate::Full.step_ms() + 16.0 {
+            if now - looked >= frame_rate().step_ms() + 16.0 {
                 looked = now;
                 let heading = estimator.frame(now).heading;
                 let next = Course::next(course, heading, now);
@@ -75,6 +89,36 @@ fn a_wheel_that_runs_evenly_is_seldom_sent_on_and_never_far_off() {
     }
 }
 
+/// The looks are rarer at a lower rate, and the course is renewed in time.
+#[test]
+fn at_every_frame_rate_the_wheel_is_never_far_off() {
+    for rate in [FrameRate::Hz30, FrameRate::Hz20, FrameRate::Hz10] {
+        set_frame_rate(rate);
+        for rpm in [20.0, 100.4, -210.3, 330.0] {
+            let worst = drive(&[(rpm, 10_000)]).worst_off_deg(1_000.0);
+            assert!(worst < 6.0, "{rate:?}, {rpm}: {worst}");
+        }
+    }
+}
+
+#[test]
+fn steps_begin_at_multiples_of_their_length_and_stay_on_the_line() {
+    let course = Course {
+        from_ms: 1_020.0,
+        until_ms: 1_400.0,
+        angle_deg: 10.0,
+        rate_deg_per_s: -600.0,
+    };
+    let (stepped, steps) = course.in_steps(50.0);
+    assert!((stepped.from_ms - 1_000.0).abs() < 1e-9);
+    assert!((stepped.until_ms - 1_400.0).abs() < 1e-9);
+    assert!((steps - 8.0).abs() < 1e-9);
+    assert!((stepped.angle_at(1_020.0) - 10.0).abs() < 1e-9);
+    // A wheel that stands has one step.
+    let (_, steps) = Course::standing(5.0, 999.0).in_steps(100.0);
+    assert!((steps - 1.0).abs() < 1e-9);
+}
+
 #[test]
 fn the_drawn_wheel_stands_where_the_wheel_stands() {
     let drawn = drive(&[(100.0, 1_500), (50.0, 60), (20.0, 60), (0.0, 1_000)]);
@@ -85,7 +129,7 @@ fn the_drawn_wheel_stands_where_the_wheel_stands() {
 #[test]
 fn a_wheel_that_slows_down_is_never_turned_back() {
     let slower: Vec<_> = (0..60).map(|n| (f64::from(120 - n * 2), 20)).collect();
-    let drawn = drive(&slower);
+    let drawn = drive_posted(&slower, POSTED_EVERY_STOPPING_MS);
     for pair in drawn.frames.windows(2) {
         assert!(pair[1].1 <= pair[0].1 + 0.01, "{pair:?}");
     }

@@ -12,7 +12,7 @@ use crate::{
         texts::{Motion, description},
         turning::Turning,
     },
-    ui::attribute::Attribute,
+    ui::{attribute::Attribute, frame_rate::frame_rate},
 };
 
 /// The moving parts of a mounted picture.
@@ -76,14 +76,15 @@ impl Painter {
         let rpm = view.pose.speed_rpm;
         // Frozen, the wheel is seen as it is.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
-        let tread = sharpness(blurred_rpm, measures::TREAD_BLOCKS);
+        let rate = frame_rate();
+        let tread = sharpness(blurred_rpm, measures::TREAD_BLOCKS, rate);
         self.tread.set(opacity(tread));
         self.tread_band.set(opacity(1.0 - tread));
-        let holes = sharpness(blurred_rpm, measures::HOLE_COUNT);
+        let holes = sharpness(blurred_rpm, measures::HOLE_COUNT, rate);
         self.holes.set(opacity(holes));
         self.hole_band.set(opacity(1.0 - holes));
         // In steps of two degrees, as above.
-        let trail = (trail_deg(blurred_rpm) / 2.0).round() * 2.0;
+        let trail = (trail_deg(blurred_rpm, rate) / 2.0).round() * 2.0;
         self.trail.set(format!("{trail:.0} 360"));
         // The trail is drawn clockwise of the mark, where it belongs while the wheel turns the other
         // way.

@@ -49,6 +49,14 @@ impl Turning {
 
     /// `None` in a browser that cannot: the wheel then stands, and the figures beside it do not.
     fn begin(&self, course: Course) -> Option<Animation> {
+        let in_steps = self
+            .rate
+            .hertz()
+            .map(|hertz| course.in_steps(1_000.0 / f64::from(hertz)));
+        let (course, steps) = match in_steps {
+            Some((course, steps)) => (course, Some(steps)),
+            None => (course, None),
+        };
         let lasts_ms = (course.until_ms - course.from_ms).max(0.0);
         let from_deg = course.angle_deg.rem_euclid(360.0);
         let to_deg = from_deg + course.angle_at(course.until_ms) - course.angle_deg;
@@ -58,9 +66,8 @@ impl Turning {
         Reflect::set(&keyframes, &"transform".into(), &angles).ok()?;
         let options = KeyframeEffectOptions::new();
         options.set_duration(&lasts_ms.into());
-        if let Some(hertz) = self.rate.hertz() {
-            // Between two steps the browser has nothing to draw.
-            let steps = (lasts_ms * f64::from(hertz) / 1_000.0).ceil().max(1.0);
+        if let Some(steps) = steps {
+            // Between two steps the browser has nothing to draw. All steps are in the frames of the rest.
             options.set_easing(&format!("steps({steps})"));
         }
         // Where it ends the wheel stays.
