@@ -1,4 +1,5 @@
-//! The axes and their lines, on a canvas under the traces: drawn when they change, which is seldom.
+//! The axes and their grid lines, on a canvas under the traces. They change seldom, so they have a canvas of their
+//! own.
 
 use plotters::{
     coord::Shift,
@@ -18,14 +19,14 @@ use crate::features::graph::plot::{
     trace::{Trace, Traces},
 };
 
-/// Height of the labels, in pixels of the style sheet.
+/// Font size of the labels, in CSS pixels.
 const TEXT: f64 = 11.0;
-/// From a line to its label.
-const AIR: f64 = 6.0;
-/// From a label to the unit below it.
-const BELOW: f64 = 13.0;
-/// Room for `100 °C` beside the labels of the angle.
-const INNER: f64 = 46.0;
+/// Gap between a line and its label, in CSS pixels.
+const LABEL_OFFSET: f64 = 6.0;
+/// Distance from a label to the unit below it, in CSS pixels.
+const UNIT_OFFSET: f64 = 13.0;
+/// Width that `100 °C` needs beside the labels of the angle, in CSS pixels.
+const ANGLE_LABELS_WIDTH: f64 = 46.0;
 
 /// The canvas with the axes.
 pub(crate) struct Axes {
@@ -37,7 +38,7 @@ pub(crate) struct Axes {
     drawn: Option<Picture>,
 }
 
-/// Everything that the axes depend on. What is equal needs no drawing.
+/// Everything that the axes depend on. They are drawn again only if it differs.
 #[derive(Clone, Debug, PartialEq)]
 struct Picture {
     layout: Layout,
@@ -48,19 +49,19 @@ struct Picture {
     marks: Vec<Tick>,
 }
 
-/// Gives a canvas the size of the graph: as many pixels as the screen has there, no more and no fewer.
+/// Sets the size of a canvas so that one canvas pixel is one device pixel.
 pub(crate) fn resize(canvas: &HtmlCanvasElement, layout: Layout) {
     canvas.set_width(layout.width);
     canvas.set_height(layout.height);
     let size = |pixels: u32| format!("{}px", f64::from(pixels) / layout.ratio);
     let style = canvas.style();
-    // It fails for names and values that are none, and these are ours.
+    // It fails for invalid names and values; these are valid.
     let _ = style.set_property("width", &size(layout.width));
     let _ = style.set_property("height", &size(layout.height));
 }
 
 impl Axes {
-    /// `None` where the browser draws no canvas.
+    /// `None` if the browser has no 2D context for the canvas.
     pub(crate) fn of(canvas: HtmlCanvasElement) -> Option<Self> {
         let context = canvas.get_context("2d").ok()??.dyn_into().ok()?;
         Some(Self {
@@ -77,7 +78,7 @@ impl Axes {
         self.drawn = None;
     }
 
-    /// The font of the labels at this many pixels of the screen to one of the style sheet.
+    /// The font of the labels; `ratio` is the number of device pixels per CSS pixel.
     pub(crate) fn font(&self, ratio: f64) -> String {
         format!("{}px {}", TEXT * ratio, self.font)
     }
@@ -117,7 +118,7 @@ impl Axes {
         }
     }
 
-    /// One pixel wide, on pixels.
+    /// Draws the grid lines: one device pixel wide and aligned to pixels.
     fn mesh(&self, picture: &Picture) {
         let Some(area) = &self.area else {
             return;
@@ -125,7 +126,7 @@ impl Axes {
         let (plot, palette) = (picture.layout.plot, picture.palette);
         let line = |from: (i32, i32), size: (i32, i32), style: RGBAColor| {
             let to = (from.0 + size.0, from.1 + size.1);
-            // A canvas has no way to fail at a line.
+            // Drawing a line on a canvas cannot fail.
             let _ = area.draw(&Rectangle::new([from, to], style.filled()));
         };
         let thin = rgb(palette.line).to_rgba();
@@ -136,7 +137,7 @@ impl Axes {
         }
         let from_zero = picture.traces.compared.is_some_and(Trace::is_from_zero);
         for row in 0..5 {
-            // Zero stands out.
+            // The zero line is stronger.
             let style = if row == 2 && !from_zero {
                 rgb(palette.text).mix(0.45)
             } else {
@@ -154,21 +155,21 @@ impl Axes {
             traces,
             ..
         } = *picture;
-        // Compared, a trace has the only axis.
+        // The compared trace has the only axis.
         let shows = |trace| traces.compared.is_none() && traces.has(trace);
         let [speed, current] = picture.scales;
         let plot = layout.plot;
         let (left, right) = (f64::from(plot.left), f64::from(plot.left + plot.width));
         let (top, height) = (f64::from(plot.top), f64::from(plot.height));
-        let air = AIR * layout.ratio;
+        let offset = LABEL_OFFSET * layout.ratio;
         let rows = |row: usize| top + height * [0.0, 0.25, 0.5, 0.75, 1.0].get(row).unwrap_or(&0.0);
-        let below = BELOW * layout.ratio;
+        let below = UNIT_OFFSET * layout.ratio;
         for (trace, scale, x, align, colour) in [
-            (Trace::Speed, speed, left - air, "right", palette.speed),
+            (Trace::Speed, speed, left - offset, "right", palette.speed),
             (
                 Trace::Current,
                 current,
-                right + air,
+                right + offset,
                 "left",
                 palette.current,
             ),
@@ -187,12 +188,12 @@ impl Axes {
             self.write_in(palette.text, "right");
             for (row, label) in compared_labels(trace, picture).iter().enumerate() {
                 if row % 2 == 0 || layout.has_quarters() {
-                    self.write(label, left - air, rows(row));
+                    self.write(label, left - offset, rows(row));
                 }
             }
-            self.write(trace.unit(), left - air, top + below);
+            self.write(trace.unit(), left - offset, top + below);
         }
-        let mut x = right - air;
+        let mut x = right - offset;
         for (trace, colour, end) in [
             (
                 Trace::Temperature,
@@ -208,7 +209,7 @@ impl Axes {
                 self.write(&upper, x, top + below * 0.75);
                 self.write(&(end / 2).to_string(), x, rows(2) - below * 0.75);
                 self.write("0", x, rows(4) - below * 0.75);
-                x -= INNER * layout.ratio;
+                x -= ANGLE_LABELS_WIDTH * layout.ratio;
             }
         }
         self.write_in(palette.text, "center");
@@ -224,12 +225,12 @@ impl Axes {
     }
 
     fn write(&self, text: &str, x: f64, y: f64) {
-        // It fails for places that are none.
+        // It fails for invalid coordinates only.
         let _ = self.context.fill_text(text, x, y);
     }
 }
 
-/// What stands at the five lines of the only axis, from the top.
+/// The labels of the five lines of the only axis, from the top.
 fn compared_labels(trace: Trace, picture: &Picture) -> [String; 5] {
     let [speed, current] = picture.scales;
     match trace {
@@ -244,7 +245,7 @@ fn rgb((red, green, blue): Colour) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// A place from 0 to 1 in this many pixels; the last pixel is the end.
+/// The pixel at a position from 0 to 1; 1 is the last pixel.
 fn at(place: f64, length: i32) -> i32 {
     pixels(place * f64::from(length)).min(length - 1)
 }

@@ -1,4 +1,4 @@
-//! One trace of several motors: a line each, in its colour, and at its end whose it is.
+//! One trace of several motors: one line per motor in its colour, labelled with its ID at the end.
 
 use plotters::coord::CoordTranslate;
 
@@ -16,10 +16,10 @@ use crate::{
     model::history::History,
 };
 
-/// From one label to the next at least, in pixels of the style sheet.
+/// Minimal distance between labels, in CSS pixels.
 const LABEL_GAP: f64 = 11.0;
-/// From the plot to the labels.
-const AIR: f64 = 6.0;
+/// Gap between the plot and the labels, in CSS pixels.
+const PLOT_GAP: f64 = 6.0;
 
 /// The line of a motor.
 struct Line {
@@ -30,9 +30,8 @@ struct Line {
 }
 
 impl TraceCanvas {
-    /// Draws what each motor reported in these columns. All of them share a line that carries 576
-    /// replies a second, so to draw many motors takes no more replies than to draw one; and of each it
-    /// takes no more than two dots a column.
+    /// Draws what each motor reported in these columns. All motors share a bus of 576 replies a second, so many
+    /// motors have no more replies to draw than one. Each line has at most two dots per column.
     pub(crate) fn draw_compared(
         &mut self,
         history: &History,
@@ -63,7 +62,7 @@ impl TraceCanvas {
         self.label(&lines, ends, font);
     }
 
-    /// Whose line is whose is said by more than its colour.
+    /// Labels each line, so that motors can be told apart without colours.
     fn label(&self, lines: &[Line], ends: Ends, font: &str) {
         let coordinates = self.coordinates(ends);
         let mut labelled = Vec::new();
@@ -79,11 +78,11 @@ impl TraceCanvas {
         let half = LABEL_GAP / 2.0 * pixel;
         let top = f64::from(plot.top) + half;
         let bottom = f64::from(plot.top + plot.height) - half;
-        let x = f64::from(plot.left + plot.width) + AIR * pixel;
+        let x = f64::from(plot.left + plot.width) + PLOT_GAP * pixel;
         let context = &self.context;
-        // In pixels of the screen, as text is drawn.
+        // Text is drawn in device pixels.
         context.save();
-        // It fails for numbers that are none.
+        // It fails for invalid numbers only.
         let _ = context.set_transform(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
         context.set_font(font);
         context.set_text_baseline("middle");

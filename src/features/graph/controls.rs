@@ -1,4 +1,4 @@
-//! The row above the graph: which traces, how long, pause, now, and the picture.
+//! The row above the graph: traces, windows, pause, now and the picture.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -83,7 +83,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
     }
 }
 
-/// A trace in the legend, to switch on and off.
+/// The switch of a trace in the legend.
 #[component]
 fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
     let traces = chart.traces;
@@ -105,7 +105,7 @@ fn Switch(chart: Chart, trace: Trace) -> impl IntoView {
     }
 }
 
-/// One of the windows. After a zoom none of them may be the one.
+/// The button of one window. After a zoom none of them may be selected.
 #[component]
 fn Window(chart: Chart, window: (u64, &'static str)) -> impl IntoView {
     let (span_us, name) = window;
@@ -135,7 +135,7 @@ fn choose(chart: Chart, span_us: u64) {
     chart.show(chart.view.get_untracked().with_span(span_us));
 }
 
-/// Arrow keys choose a window and take the focus with them.
+/// Arrow keys choose a window and move the focus to it.
 fn move_between(chart: Chart, from_us: u64, event: &KeyboardEvent) {
     let last = WINDOWS.len() - 1;
     let place = WINDOWS.iter().position(|(span_us, _)| *span_us == from_us);
@@ -156,7 +156,7 @@ fn move_between(chart: Chart, from_us: u64, event: &KeyboardEvent) {
         .ok()
         .flatten();
     if let Some(chosen) = chosen.and_then(|chosen| chosen.dyn_into::<HtmlElement>().ok()) {
-        // A window that cannot be focused is chosen all the same.
+        // Without the focus the window is chosen all the same.
         let _ = chosen.focus();
     }
 }

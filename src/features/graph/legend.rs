@@ -1,4 +1,4 @@
-//! What is compared across motors, and which colour is whose.
+//! The choice of what to compare across motors, and the legend of the motors' colours.
 
 use std::fmt::Write;
 
@@ -16,12 +16,12 @@ use crate::features::graph::{
     text::Text,
 };
 
-/// The class that gives a place its colour.
+/// The class with the colour of a place.
 pub(crate) fn class(place: usize) -> String {
     format!("motor-{place}")
 }
 
-/// The list of what can be compared, and the legend: an item a place, and one for those that have none.
+/// The list of what can be compared, and the legend: one item per place, and one for the motors without a place.
 pub(crate) fn markup(compared: Option<Trace>) -> String {
     let (compare, off) = (tr!("Compare"), tr!("Compare: off"));
     let hint = tr!("Plots one trace for every motor with data");
@@ -53,7 +53,7 @@ pub(crate) fn markup(compared: Option<Trace>) -> String {
     html + "<li hidden><span></span></li></ul>"
 }
 
-/// The legend of a mounted graph, and the boxes of traces, which have no say while it is shown.
+/// The legend of a mounted graph, and the switches of the traces, which have no effect while it is shown.
 pub(crate) struct Legend {
     head: Element,
     list: HtmlElement,
@@ -63,7 +63,7 @@ pub(crate) struct Legend {
 }
 
 impl Legend {
-    /// Finds the parts; `None` where the panel does not hold them.
+    /// Finds the parts; `None` if the panel does not contain them.
     pub(crate) fn of(panel: &Element) -> Option<Self> {
         let list: HtmlElement = panel
             .query_selector(".graph-legend")
@@ -103,7 +103,7 @@ impl Legend {
         colours
     }
 
-    /// Shows who is compared, or nothing.
+    /// Shows the compared motors, or nothing.
     pub(crate) fn show(&mut self, comparison: Option<&Comparison>, names: &[(usize, String)]) {
         self.list.set_hidden(comparison.is_none());
         // It fails for names with spaces.

@@ -1,20 +1,20 @@
-//! Region `Speed and current`: what was reported over the last minutes, and what was asked for.
+//! Region `Speed and current`: the telemetry of the last minutes and the setpoints.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `state` | what is shown, and what a person can do to it |
+//! | `state` | what is shown, and the actions on it |
 //! | `controls` | traces, windows, pause and picture |
 //! | `pointer` | pointer, wheel and keys on the graph itself |
-//! | `stage` | the canvases, and when they are drawn |
-//! | `traces`, `compared`, `axes` | drawing one motor's lines, those of several, and the axes |
-//! | `legend` | what is compared, and which colour is whose |
+//! | `stage` | the canvases and their animation loop |
+//! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
+//! | `legend` | the compared trace, and the colours of the motors |
 //! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
 //! | `description` | the values in words |
-//! | `watchers` | size, sight and theme |
+//! | `watchers` | size, visibility and theme |
 //! | `picture` | the PNG |
 //!
-//! What can be decided without a browser is in [`crate::features::graph::plot`].
+//! The parts that need no browser are in [`crate::features::graph::plot`].
 
 pub(crate) mod axes;
 pub(crate) mod compared;
@@ -46,11 +46,11 @@ use crate::{
 /// The section `Speed and current` with its graph, the img of the same name.
 #[component]
 pub(crate) fn Graph(chart: Chart) -> impl IntoView {
-    chart.begin_anew();
+    chart.reset_drawing();
     let place = NodeRef::<Div>::new();
     let stage: StageCell = StoredValue::new_local(Rc::default());
     let (view, traces) = (chart.view, chart.traces);
-    // Mounting is where the canvases come to life; the rest of the drawing needs no reactivity.
+    // The canvases start when they are mounted; their drawing needs no reactivity.
     Effect::new(move |_| {
         if let Some(place) = place.get() {
             stage::mount(chart, stage, &place);
@@ -89,7 +89,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
                 <p class="graph-none quiet" hidden=dynamic(move || !empty.get())>
                     {texts::no_graph()}
                 </p>
-                // Not in the img, of which nobody reads the inside aloud.
+                // Outside of the img: screen readers do not read its content.
                 <output
                     class="graph-values absent"
                     aria-label=tr!("Crosshair")

@@ -15,9 +15,9 @@ use crate::{
 };
 
 /// Distance between line and box, in CSS pixels.
-const BESIDE: f64 = 12.0;
+const BOX_GAP: f64 = 12.0;
 
-/// The content of the graph: the canvases, the lower one with axes, and the line of the crosshair.
+/// The content of the graph: two canvases, of which the lower has the axes, and the line of the crosshair.
 pub(crate) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
                                <canvas class=\"graph-lines\"></canvas>\
                                <div class=\"graph-cross absent\"></div>";
@@ -127,11 +127,11 @@ impl Overlay {
                 *shown = true;
             }
         }
-        // On the side with more room, within the graph.
+        // On the side with more room, inside the graph.
         let left = if x > width / 2.0 {
-            x - BESIDE - self.values_width
+            x - BOX_GAP - self.values_width
         } else {
-            x + BESIDE
+            x + BOX_GAP
         };
         place(&self.line, x);
         place(
@@ -165,7 +165,7 @@ impl Overlay {
 
 fn place(element: &HtmlElement, x: f64) {
     let whole = x.round();
-    // It fails for names and values that are none, and these are ours.
+    // It fails for invalid names and values; these are valid.
     let _ = element
         .style()
         .set_property("transform", &format!("translateX({whole}px)"));

@@ -1,4 +1,4 @@
-//! The picture: what the graph shows, with a legend above it, on the background of the page.
+//! The picture: the graph with a legend above it, on the background of the page.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -20,14 +20,14 @@ use crate::{
     ui::download::save_blob,
 };
 
-/// Height of the legend, in pixels of the style sheet.
+/// Height of the legend, in CSS pixels.
 const LEGEND: f64 = 30.0;
-/// Length of a line in it.
+/// Length of a line in the legend, in CSS pixels.
 const STROKE: f64 = 18.0;
-/// Between two of its parts.
-const AIR: f64 = 8.0;
+/// Gap between two parts of the legend, in CSS pixels.
+const GAP: f64 = 8.0;
 
-/// Has the browser save the graph as it is now.
+/// Makes the browser save the graph as it is now.
 pub(crate) fn save(chart: Chart, cell: StageCell) {
     let now = local_now();
     let subject = chart
@@ -49,7 +49,7 @@ pub(crate) fn save(chart: Chart, cell: StageCell) {
             save_blob(&blob, &texts::file_name(now));
         }
     });
-    // It fails for pictures with parts from elsewhere, and this one has none.
+    // It fails for pictures with content of another origin, which this one does not have.
     let _ = picture.to_blob(named.unchecked_ref());
 }
 
@@ -60,7 +60,7 @@ struct Entry {
     name: String,
 }
 
-/// What the picture is of, and what its lines are.
+/// The title of the picture, and the entries of its legend.
 fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Entry>) {
     let with_unit = |trace: Trace| match trace.unit() {
         "" => trace.name().to_owned(),
@@ -98,7 +98,7 @@ fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Ent
     }
 }
 
-/// `None` where the browser has no memory left for it.
+/// `None` if the browser has no memory for it.
 fn paint(
     stage: &Stage,
     title: &str,
@@ -119,9 +119,9 @@ fn paint(
     );
     let lengths: Vec<f64> = entries
         .iter()
-        .map(|entry| length(&entry.name) + (STROKE + 3.0 * AIR) * pixel)
+        .map(|entry| length(&entry.name) + (STROKE + 3.0 * GAP) * pixel)
         .collect();
-    // The title stands at the end of the first row.
+    // The title is at the end of the first row.
     let places = in_rows(&lengths, right - left, length(&title));
     let rows = places.last().map_or(1.0, |(row, _)| row + 1.0);
     let head = (LEGEND * pixel * rows).round();
@@ -135,7 +135,7 @@ fn paint(
             .draw_image_with_html_canvas_element(layer, 0.0, head)
             .ok()?;
     }
-    // A canvas that gets a size forgets what was set.
+    // A canvas loses its settings when its size is set.
     context.set_font(&font);
     context.set_text_baseline("middle");
     for (entry, (row, x)) in entries.iter().zip(places) {
@@ -154,7 +154,7 @@ fn paint(
     Some(canvas)
 }
 
-/// A line and a name.
+/// Draws a line and a name.
 fn write(context: &CanvasRenderingContext2d, entry: &Entry, pixel: f64, x: f64, y: f64) {
     context.set_fill_style_str(&css(entry.colour));
     let thickness = (2.0 * pixel).round();
@@ -167,10 +167,10 @@ fn write(context: &CanvasRenderingContext2d, entry: &Entry, pixel: f64, x: f64, 
         context.fill_rect(x, y - thickness / 2.0, STROKE * pixel, thickness);
     }
     // It fails for places that are none.
-    let _ = context.fill_text(&entry.name, x + (STROKE + AIR) * pixel, y);
+    let _ = context.fill_text(&entry.name, x + (STROKE + GAP) * pixel, y);
 }
 
-/// The time on the wall here.
+/// The local date and time.
 fn local_now() -> LocalTime {
     let now = js_sys::Date::new_0();
     [

@@ -1,4 +1,4 @@
-//! The pointer, the wheel and the keys on the graph.
+//! Pointer, wheel and keys on the graph.
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
@@ -9,18 +9,17 @@ use crate::features::graph::{
     state::{Chart, Crosshair, Drag},
 };
 
-/// A pointer that moves less than this between down and up has clicked, in pixels of the style sheet.
+/// A pointer that moves less than this between down and up is a click, in CSS pixels.
 const CLICK_PX: f64 = 3.0;
 
-/// Of one event of the wheel no more than this counts, in pixels: a notch of a mouse is 100 or more,
-/// an event of a trackpad a few.
+/// Maximal pixels that count for one wheel event: a notch of a mouse is 100 or more, an event of a trackpad a few.
 const WHEEL_MAX: f64 = 50.0;
-/// The zoom of such an event, in percent.
+/// The zoom of an event of [`WHEEL_MAX`], in percent.
 const WHEEL_ZOOM: f64 = 20.0;
-/// A line of a wheel that counts in lines, in pixels.
+/// Pixels per line, for wheels that report lines.
 const LINE_PX: f64 = 16.0;
 
-/// How far from the left of the graph an event happened, in pixels of the style sheet.
+/// The distance of an event from the left of the graph, in CSS pixels.
 fn x(event: &web_sys::MouseEvent) -> f64 {
     let graph = event
         .current_target()
@@ -29,7 +28,7 @@ fn x(event: &web_sys::MouseEvent) -> f64 {
     number(event.client_x()) - left
 }
 
-/// A pointer's place is in whole pixels or finer, by the version of the browser's interface.
+/// Pointer coordinates are integers or floats, depending on the version of the browser's interface.
 fn number(pixels: impl Into<f64>) -> f64 {
     pixels.into()
 }
@@ -41,7 +40,7 @@ pub(crate) fn down(chart: Chart, event: &PointerEvent) {
     let x = x(event);
     let mut view = chart.view.get_untracked();
     if view.is_live() {
-        // What is dragged is the stretch under the pointer, and not one that goes on with the time.
+        // A drag moves the period under the pointer, so the view must not follow the time.
         view.watch = Watch::Panned(chart.now_us());
     }
     chart.drag.set(Some(Drag {
@@ -63,7 +62,7 @@ pub(crate) fn moved(chart: Chart, event: &PointerEvent) {
             if let Some(target) = event.current_target()
                 && let Ok(element) = target.dyn_into::<Element>()
             {
-                // Without capture the drag ends at the graph's edge, which is harmless.
+                // Without capture the drag ends at the edge of the graph, which is harmless.
                 let _ = element.set_pointer_capture(event.pointer_id());
             }
         }
@@ -82,7 +81,7 @@ pub(crate) fn up(chart: Chart) {
     chart.drag.set(None);
 }
 
-/// The pointer has left the graph, or the browser has taken it for a gesture of its own.
+/// The pointer has left the graph, or the browser uses it for its own gesture.
 pub(crate) fn left(chart: Chart) {
     chart.drag.set(None);
     if let Crosshair::Pointer(_) = chart.crosshair.get() {
@@ -91,9 +90,9 @@ pub(crate) fn left(chart: Chart) {
     }
 }
 
-/// Up and down zoom round the pointer, sideways pans.
+/// Vertical movement zooms around the pointer, horizontal movement pans.
 pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
-    // Ctrl and wheel is the browser's own zoom.
+    // Ctrl and wheel is the zoom of the browser.
     if event.ctrl_key() {
         return;
     }
@@ -114,7 +113,7 @@ pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
     }
 }
 
-/// At least one percent either way, so that slow fingers get somewhere.
+/// At least one percent in either direction, so that small movements have an effect.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,5 +1,5 @@
-//! The canvases, and when they are drawn: with the screen, at most 60 times a second, and only when
-//! something to be seen has changed.
+//! The canvases and their animation loop: drawn with the screen, at most 60 times a second, and only if something
+//! visible has changed.
 
 use std::{cell::RefCell, rc::Rc};
 
@@ -33,27 +33,26 @@ use crate::{
     },
 };
 
-/// Two drawings are at least this far apart: a little less than a frame at 60 Hz, whose clock is not
-/// quite even.
+/// Minimal time between drawings: slightly less than a frame at 60 Hz, because frame times jitter.
 const DRAWN_EVERY_MS: f64 = 15.0;
 
-/// A column that lasts less is waited for by frames, a longer one by a timer.
+/// If a column lasts less than this, the loop waits with frames, otherwise with a timer.
 const FRAMES_BELOW_US: u64 = 25_000;
 
-/// What was reported reaches the page this late at most, unless it is busy: a slow adapter holds it for
-/// 16 ms, the worker for 50 ms. A view that was paused is drawn once more then.
+/// Maximal delay of a report, unless the page is busy: a slow adapter delays it by 16 ms, the worker by a frame. A
+/// paused view is drawn once more after this time.
 const SETTLED_AFTER_US: u64 = 200_000;
 
-/// Everything that the lines depend on but the colours. What is equal needs no drawing.
+/// Everything except the colours that the lines depend on. They are drawn again only if it differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Scene {
-    /// `None` while there is nothing in the view.
+    /// `None` while the view is empty.
     grid: Option<Grid>,
     subject: Subject,
     view: View,
-    /// Whether every reply of these columns has come.
+    /// Whether every reply of these columns has arrived.
     settled: bool,
-    /// What was taken in of before.
+    /// Number of recalled older replies.
     recalled: u32,
 }
 
@@ -68,17 +67,17 @@ pub(crate) struct Stage {
     pub(crate) palette: Palette,
     pub(crate) layout: Layout,
     scene: Option<Scene>,
-    /// Who is in the legend.
+    /// The comparison in the legend.
     named: Option<Comparison>,
     drawn_ms: f64,
     stopwatch: watchers::Stopwatch,
     _watchers: Watchers,
 }
 
-/// The graph while it is mounted. It is drawn from frames and from the picture, never from both at once.
+/// The graph while it is mounted. Frames and the picture borrow it, never both at once.
 pub(crate) type StageCell = StoredValue<Rc<RefCell<Option<Stage>>>, LocalStorage>;
 
-/// Mounts the graph in this element, for as long as its owner lives.
+/// Mounts the graph in this element until its owner is dropped.
 pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     let cell = mounted.get_value();
     let Some(stage) = Stage::of(chart, place) else {
@@ -98,7 +97,7 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
             }
         }));
     });
-    // Another motor, another theme, another name.
+    // Redraw for another motor, theme or name.
     Effect::new(move |_| {
         let _ = (chart.page.selected.get(), chart.page.preferences.get());
         chart.page.motors.fleet.track();
@@ -108,10 +107,10 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     let frames = StoredValue::new_local(Some(frames));
     on_cleanup(move || {
         let _ = frames.try_update_value(Option::take);
-        // It would ask a graph that is not there any more whether it sleeps.
+        // Otherwise the history would wake a graph that no longer exists.
         let forget = |history: &mut History| history.on_news(Rc::new(|| ()));
         let _ = chart.page.history.try_update_value(forget);
-        // With it the observers.
+        // This drops the observers too.
         let _ = mounted.try_get_value().and_then(|cell| cell.take());
     });
 }
@@ -129,7 +128,7 @@ fn step(chart: Chart, cell: &RefCell<Option<Stage>>, frame_ms: f64) -> Next {
 }
 
 impl Stage {
-    /// `None` where the element does not hold what the view has put there.
+    /// `None` if the element does not contain the elements of the view.
     fn of(chart: Chart, place: &HtmlElement) -> Option<Self> {
         let find = |selector: &str| place.query_selector(selector).ok().flatten();
         let canvas = |selector: &str| find(selector)?.dyn_into::<HtmlCanvasElement>().ok();
@@ -151,7 +150,7 @@ impl Stage {
         })
     }
 
-    /// Draws what was never in sight.
+    /// Draws a graph that was never visible.
     pub(crate) fn draw_first(&mut self, chart: Chart) {
         if self.layout.is_empty() {
             let _ = self.step(chart, page_now_ms());
@@ -208,7 +207,7 @@ impl Stage {
         })
     }
 
-    /// Takes the size of its place. Whether it has changed.
+    /// Adopts the size of its element. Returns whether it has changed.
     fn resize(&mut self, chart: Chart) -> bool {
         let place = self.plot.get_bounding_client_rect();
         let layout = Layout::new(place.width(), place.height(), window().device_pixel_ratio());
@@ -248,7 +247,7 @@ impl Stage {
         changed
     }
 
-    /// Names those that are compared, where they or their names have changed.
+    /// Names the compared motors if they or their names have changed.
     fn name(&mut self, chart: Chart, subject: &Subject, renamed: bool) {
         let comparison = subject.comparison();
         if !renamed && self.named.as_ref() == comparison {
@@ -305,7 +304,7 @@ impl Stage {
     }
 }
 
-/// When the right edge will be in another column.
+/// When the right edge enters another column.
 fn next_column(grid: Grid, now_us: u64) -> Next {
     if grid.column_us < FRAMES_BELOW_US {
         return Next::Frame;
@@ -321,7 +320,7 @@ fn after(at_us: u64, now_us: u64) -> Next {
     Next::After(at_us.saturating_sub(now_us) as f64 / 1_000.0)
 }
 
-/// Whether any of the motors has said anything in these columns.
+/// Whether any of the motors has a value in these columns.
 fn shows_anything(history: &History, subject: &Subject, grid: Grid) -> bool {
     let newest = subject.newest(history);
     newest.is_some_and(|newest| newest.as_micros() >= grid.left_us())

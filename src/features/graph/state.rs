@@ -1,4 +1,4 @@
-//! What the graph shows, and what a person can do to it.
+//! The state of the graph and the actions on it.
 
 use std::{
     cell::{Cell, RefCell},
@@ -25,27 +25,27 @@ use crate::{
     ui::clock::page_now_ms,
 };
 
-/// Where the crosshair is.
+/// The position of the crosshair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Crosshair {
     None,
-    /// Under the pointer, so many pixels of the style sheet from the left of the graph.
+    /// Under the pointer, in CSS pixels from the left of the graph.
     Pointer(f64),
-    /// Moved by keys, at this moment of the history's clock.
+    /// Moved by keys, at this time of the history's clock.
     Moment(u64),
 }
 
-/// A drag: where it began, in pixels of the style sheet, and with which view.
+/// A drag: its start in CSS pixels, and the view at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drag {
     pub(crate) from_x: f64,
     pub(crate) view: View,
-    /// Whether the pointer has moved far enough for it to be no click.
+    /// Whether the pointer has moved too far for a click.
     pub(crate) begun: bool,
 }
 
-/// The graph: a pointer, as the page is one. A page has one, for as long as it lives, whichever language it is
-/// drawn in. It stays on the thread of the page, which is what the store is for.
+/// A handle of the graph. The page has one graph for its whole life, in every language. It stays on the thread of the
+/// page, so the store is local.
 #[derive(Clone, Copy)]
 pub(crate) struct Chart(StoredValue<&'static Parts, LocalStorage>);
 
@@ -57,24 +57,24 @@ impl Deref for Chart {
     }
 }
 
-/// What makes up the graph. What changes with the pointer or with the time is no signal.
+/// The state of the graph. Values that change with the pointer or the time are not signals.
 pub(crate) struct Parts {
     pub(crate) page: Page,
     pub(crate) view: RwSignal<View>,
     pub(crate) traces: RwSignal<Traces>,
     pub(crate) crosshair: Cell<Crosshair>,
     pub(crate) drag: Cell<Option<Drag>>,
-    /// As it was drawn last.
+    /// The layout of the last drawing.
     pub(crate) layout: Cell<Layout>,
-    /// The columns that were drawn last.
+    /// The columns of the last drawing.
     pub(crate) grid: Cell<Grid>,
-    /// Whether any of it is on the screen.
+    /// Whether any part of it is visible.
     pub(crate) in_sight: Cell<bool>,
     /// Whether its size may have changed.
     pub(crate) size_stale: Cell<bool>,
     /// Whether its colours or the names of motors may have changed.
     pub(crate) looks_stale: Cell<bool>,
-    /// Whether nothing but news can change it.
+    /// Whether only new data can change it.
     pub(crate) asleep: Cell<bool>,
     wake: RefCell<Option<Box<dyn Fn()>>>,
 }
@@ -98,8 +98,8 @@ impl Chart {
         Self(StoredValue::new_local(parts))
     }
 
-    /// It is drawn on other canvases from now on, of which nothing is known yet.
-    pub(crate) fn begin_anew(self) {
+    /// Resets what depends on the canvases: it is drawn on new ones.
+    pub(crate) fn reset_drawing(self) {
         self.drag.set(None);
         if let Crosshair::Pointer(_) = self.crosshair.get() {
             self.crosshair.set(Crosshair::None);
@@ -110,12 +110,12 @@ impl Chart {
         self.asleep.set(false);
     }
 
-    /// From now on, `wake` has the next frame drawn.
+    /// Sets `wake` as the function that requests the next frame.
     pub(crate) fn on_change(self, wake: impl Fn() + 'static) {
         *self.wake.borrow_mut() = Some(Box::new(wake));
     }
 
-    /// Something to be seen may have changed.
+    /// Something visible may have changed.
     pub(crate) fn wake(self) {
         if let Some(wake) = self.wake.borrow().as_ref() {
             wake();
@@ -142,7 +142,7 @@ impl Chart {
         }
     }
 
-    /// What is drawn.
+    /// The content of the graph.
     pub(crate) fn subject(self, history: &History) -> Subject {
         let (id, traces) = (
             self.page.selected.get_untracked(),
@@ -152,13 +152,13 @@ impl Chart {
         fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
     }
 
-    /// What a motor is called.
+    /// The name of a motor.
     pub(crate) fn motor_name(self, id: MotorId) -> String {
         let fleet = self.page.motors.fleet;
         fleet.with_untracked(|fleet| motor_name(id, fleet))
     }
 
-    /// What there is to see of what is drawn.
+    /// The limits of panning for the drawn motors.
     pub(crate) fn reach(self) -> Reach {
         let now_us = self.now_us();
         let oldest_us = self.page.history.with_value(|history| {
@@ -175,7 +175,7 @@ impl Chart {
         }
     }
 
-    /// Pauses, or follows the time again.
+    /// Pauses, or follows the present.
     pub(crate) fn pause_or_resume(self) {
         let view = self.view.get_untracked();
         if view.is_paused() {
@@ -185,7 +185,7 @@ impl Chart {
         }
     }
 
-    /// Follows the time again.
+    /// Follows the present.
     pub(crate) fn follow(self) {
         if let Crosshair::Moment(_) = self.crosshair.get() {
             self.crosshair.set(Crosshair::None);
@@ -209,13 +209,13 @@ impl Chart {
         }
     }
 
-    /// To so many percent of its length; `place` stays where it is, 0 at the left edge, 1 at the right.
+    /// Zooms to a percentage of the length; `place` keeps its position, 0 at the left edge, 1 at the right.
     pub(crate) fn zoom(self, percent: u64, place: f64) {
         let view = self.view.get_untracked();
         self.show(view.zoomed(percent, place, self.reach()));
     }
 
-    /// Keys zoom round the crosshair; without one, round the newest.
+    /// The centre of a zoom by keys: the crosshair, or the newest value without one.
     fn zoom_place(self) -> f64 {
         match self.crosshair.get() {
             Crosshair::Moment(at_us) => {
@@ -226,7 +226,7 @@ impl Chart {
         }
     }
 
-    /// The crosshair begins in the middle, and takes the view along at its edges.
+    /// Moves the crosshair. It starts in the middle, and moves the view at the edges.
     fn move_crosshair(self, columns: i8) {
         let (grid, layout) = (self.grid.get(), self.layout.get());
         let width = f64::from(layout.columns());

@@ -1,5 +1,3 @@
-//! Text that is written only when it changes.
-
 use web_sys::Element;
 
 /// One text of the page, written only when it changes.

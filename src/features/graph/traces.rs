@@ -1,4 +1,4 @@
-//! The lines: drawn by plotters on a canvas of their own, over the axes.
+//! Draws the lines with plotters on their own canvas, over the axes.
 
 use plotters::{
     coord::{CoordTranslate, Shift, types::RangedCoordf64},
@@ -27,18 +27,18 @@ use crate::{
     },
 };
 
-/// plotters counts in whole pixels, on which a gentle slope is a flight of stairs: it is told of
-/// pixels an eighth as large, and the canvas draws them at an eighth.
+/// Subpixels per device pixel. plotters draws at whole pixels, which turns a gentle slope into steps. So it gets
+/// coordinates eight times as large, and the canvas scales them down.
 pub(crate) const FINE: i32 = 8;
 
-/// Of a line of a motor's own reports, in pixels of the style sheet.
+/// Line width of a motor's reports, in CSS pixels.
 pub(crate) const BOLD: f64 = 1.75;
-/// Of the others.
+/// Line width of the other lines.
 const THIN: f64 = 1.25;
-/// The goal is dashed: drawn and left out, in pixels of the style sheet.
+/// The dashes of the goal and their gaps, in CSS pixels.
 const DASH: [f64; 2] = [5.0, 4.0];
-/// How far lines may reach over the plot's edge, so that one at the end of its scale is not cut in
-/// half along its length.
+/// How far lines may exceed the edge of the plot, so that a line at the end of its scale is not cut in half
+/// lengthwise.
 const BLEED: f64 = 2.0;
 
 /// The canvas with the lines.
@@ -54,21 +54,21 @@ pub(crate) struct TraceCanvas {
     temperature_end: u16,
 }
 
-/// How a line is drawn.
+/// The style of a line.
 pub(crate) struct Pen {
     pub(crate) colour: Colour,
-    /// In pixels of the style sheet.
+    /// In CSS pixels.
     pub(crate) width: f64,
 }
 
-/// From columns and values to fine pixels.
+/// Converts columns and values to subpixels.
 pub(crate) type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 
 /// The values at the lower and the upper end of the plot.
 pub(crate) type Ends = (f64, f64);
 
 impl TraceCanvas {
-    /// `None` where the browser draws no canvas.
+    /// `None` if the browser has no 2D context for the canvas.
     pub(crate) fn of(canvas: HtmlCanvasElement) -> Option<Self> {
         let context = canvas.get_context("2d").ok()??.dyn_into().ok()?;
         Some(Self {
@@ -82,7 +82,7 @@ impl TraceCanvas {
         })
     }
 
-    /// The scales of speed and current as they were drawn last.
+    /// The scales of speed and current in the last drawing.
     pub(crate) fn scales(&self) -> [Scale; 2] {
         [self.speed, self.current]
     }
@@ -96,7 +96,7 @@ impl TraceCanvas {
         self.layout = layout;
         super::axes::resize(&self.canvas, layout);
         let fine = f64::from(FINE);
-        // A canvas that gets a size forgets what was set.
+        // A canvas loses its settings when its size is set.
         let Rectangle {
             left, top, height, ..
         } = layout.plot;
@@ -105,24 +105,24 @@ impl TraceCanvas {
         self.context.rect(
             f64::from(left),
             f64::from(top) - bleed,
-            // As far as the edge of the canvas: behind the ends of lines is room for their names.
+            // Up to the edge of the canvas: the names of the lines are after their ends.
             f64::from(layout.width) - f64::from(left),
             f64::from(height) + 2.0 * bleed,
         );
         self.context.clip();
-        // It fails for numbers that are none.
+        // It fails for invalid numbers only.
         let _ = self.context.scale(1.0 / fine, 1.0 / fine);
-        // A mitre would reach far beyond the end of a spike.
+        // A mitre join would extend far beyond the end of a spike.
         self.context.set_line_join("bevel");
         self.area = CanvasBackend::with_canvas_object(self.canvas.clone()).map(|backend| {
             let whole = |pixels: u32| i32::try_from(pixels).unwrap_or(0) * FINE;
             let size = (whole(layout.width), whole(layout.height));
-            // An area holds its points within the canvas, and this one in finer pixels.
+            // A drawing area clips points to the canvas; this one has the size in subpixels.
             backend.into_drawing_area().shrink((0, 0), size)
         });
     }
 
-    /// Wipes all lines.
+    /// Clears all lines.
     pub(crate) fn clear(&self) {
         let (width, height) = (self.layout.width, self.layout.height);
         let fine = f64::from(FINE);
@@ -130,7 +130,7 @@ impl TraceCanvas {
             .clear_rect(0.0, 0.0, f64::from(width) * fine, f64::from(height) * fine);
     }
 
-    /// Draws what a motor reported in these columns, and what it was asked for up to now.
+    /// Draws the reports of a motor in these columns, and its setpoints up to now.
     pub(crate) fn draw_motor(
         &mut self,
         history: &History,
@@ -140,7 +140,7 @@ impl TraceCanvas {
         now_us: u64,
         palette: Palette,
     ) {
-        // The most important last, on top.
+        // The most important trace comes last, on top.
         for trace in [
             Trace::Position,
             Trace::Temperature,
@@ -178,7 +178,7 @@ impl TraceCanvas {
         }
     }
 
-    /// The scale of a trace for values this far from zero.
+    /// The scale of a trace for values up to this distance from zero.
     pub(crate) fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
         let scale = match trace {
             Trace::Speed | Trace::Goal => &mut self.speed,
@@ -203,11 +203,11 @@ impl TraceCanvas {
                 lengths.push(&(length * pixels).into());
             }
         }
-        // It fails for lists that are none of numbers.
+        // It fails for lists of invalid numbers only.
         let _ = self.context.set_line_dash(&lengths);
     }
 
-    /// The place of dots in the plot, in fine pixels.
+    /// The positions of dots in the plot, in subpixels.
     pub(crate) fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
         let plot = self.layout.plot;
         let across = FINE * plot.left..FINE * (plot.left + plot.width);
@@ -224,7 +224,7 @@ impl TraceCanvas {
             let points: Vec<Pixel> = line.iter().map(|dot| coordinates.translate(dot)).collect();
             let Strokes { bars, paths, .. } = strokes(&points, FINE);
             for bar in bars {
-                // On whole pixels, which cost the least.
+                // Aligned to whole pixels, which are the cheapest to draw.
                 let left = on_pixel(f64::from(bar.x) - thickness / 2.0);
                 let top = on_pixel(f64::from(bar.top) - thickness / 2.0);
                 let bottom = on_pixel(f64::from(bar.bottom) + thickness / 2.0);
@@ -252,13 +252,13 @@ impl TraceCanvas {
             stroke_width: whole(pen.width * self.layout.ratio * f64::from(FINE)),
         };
         if let Some(area) = &self.area {
-            // A canvas has no way to fail at a line.
+            // Drawing a line on a canvas cannot fail.
             let _ = area.draw(&PathElement::new(path, style));
         }
     }
 }
 
-/// The nearest edge of a pixel of the screen.
+/// The nearest edge of a device pixel.
 fn on_pixel(fine: f64) -> f64 {
     (fine / f64::from(FINE)).round() * f64::from(FINE)
 }

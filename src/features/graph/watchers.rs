@@ -1,5 +1,4 @@
-//! What the browser tells of the graph: its size, whether it is in sight, and the theme; and a
-//! stopwatch that the browser reads.
+//! Observers of the graph's size, visibility and theme, and a stopwatch for the browser's measurements.
 
 use js_sys::Function;
 use leptos::prelude::*;
@@ -11,7 +10,7 @@ use web_sys::{
 
 use crate::{features::graph::state::Chart, ui::listener::on_window};
 
-/// Observers that live as long as this.
+/// The observers. Dropping it disconnects them.
 pub(crate) struct Watchers {
     resize: Option<ResizeObserver>,
     sight: Option<IntersectionObserver>,
@@ -22,20 +21,20 @@ pub(crate) struct Watchers {
 }
 
 impl Watchers {
-    /// Watches from now on.
+    /// Starts the observers.
     pub(crate) fn of(chart: Chart, plot: &Element) -> Self {
         let resized = move || {
             chart.size_stale.set(true);
             chart.wake();
         };
-        // The density changes with the browser's zoom and from one screen to another.
+        // The pixel density changes with the browser's zoom and between screens.
         on_window("resize", move |_| resized());
         on_window("visibilitychange", move |_| chart.wake());
         let on_resize = Closure::<dyn FnMut()>::new(resized);
         let resize = ResizeObserver::new(on_resize.as_ref().unchecked_ref()).ok();
         if let Some(resize) = &resize {
             let options = ResizeObserverOptions::new();
-            // It changes with the density too. A browser without it has thrown nothing but itself out.
+            // This size changes with the density too. If the browser does not support it, only this call fails.
             options.set_box(ResizeObserverBoxOptions::DevicePixelContentBox);
             resize.observe_with_options(plot, &options);
         }
@@ -47,8 +46,8 @@ impl Watchers {
             }
         });
         let sight = IntersectionObserver::new(on_sight.as_ref().unchecked_ref()).ok();
-        // Nothing is drawn before it has told for the first time, which it does at once: on a phone the graph
-        // is below what is seen, and its first drawing is the longest task of the page's start.
+        // Nothing is drawn before the first report, which comes at once: on a phone the graph is below the visible
+        // part, and its first drawing is the longest task of the page's start.
         match &sight {
             Some(sight) => sight.observe(plot),
             None => chart.in_sight.set(true),
@@ -63,7 +62,7 @@ impl Watchers {
             .flatten();
         if let Some(dark) = &dark {
             let target: &EventTarget = dark;
-            // Without it the graph keeps its colours until it is drawn anew for another reason.
+            // Without it the graph keeps its colours until the next drawing for another reason.
             let _ =
                 target.add_event_listener_with_callback("change", on_dark.as_ref().unchecked_ref());
         }
@@ -89,19 +88,19 @@ impl Drop for Watchers {
         if let Some(dark) = &self.dark {
             let target: &EventTarget = dark;
             let callback = self.on_dark.as_ref().unchecked_ref();
-            // One that cannot be removed was never added.
+            // A listener that cannot be removed was never added.
             let _ = target.remove_event_listener_with_callback("change", callback);
         }
     }
 }
 
-/// The name of a drawing among the browser's measurements.
+/// The name of the measurement of a drawing.
 const MEASURE: &str = "graph-draw";
-/// Its beginning.
+/// The mark of its start.
 const MARK: &str = "graph-draw-begin";
 
-/// With `?measure` in the address, the browser keeps how long every drawing took. Without it, it would
-/// keep that for nobody, and for ever.
+/// With `?measure` in the address, the browser records how long each drawing took. It is off by default because the
+/// browser keeps these records until the page closes.
 pub(crate) struct Stopwatch(Option<Performance>);
 
 impl Stopwatch {
@@ -115,14 +114,14 @@ impl Stopwatch {
 
     pub(crate) fn start(&self) {
         if let Some(performance) = &self.0 {
-            // It fails for names that are reserved.
+            // It fails for reserved names only.
             let _ = performance.mark(MARK);
         }
     }
 
     pub(crate) fn stop(&self) {
         if let Some(performance) = &self.0 {
-            // Under this name web-sys has it for browsers only.
+            // web-sys has this overload only with its unstable interfaces, which native builds do not enable.
             let measure = js_sys::Reflect::get(performance, &"measure".into());
             if let Ok(measure) = measure.and_then(JsCast::dyn_into::<Function>) {
                 let _ = measure.call2(performance, &MEASURE.into(), &MARK.into());

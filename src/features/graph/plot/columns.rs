@@ -1,35 +1,34 @@
-//! From every reply to what can be seen of it: the least and the greatest value of each column of
-//! pixels, in the order of time.
+//! Decimates replies to the least and the greatest value of each pixel column, in the order of time.
 //!
-//! A column is a stretch of absolute time and not of the view: while the graph scrolls by whole
-//! columns, each keeps its values, and the line moves without shimmering.
+//! A column is a period of absolute time, not of the view. While the graph scrolls by whole columns, each column
+//! keeps its values, so the line does not shimmer.
 
-/// A point of a line: columns from the left edge of the view, and the value in its unit.
+/// A point of a line: its position in columns from the left edge of the view, and the value in its unit.
 pub type Dot = (f64, f64);
 
 /// The columns of the view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
-    /// How long a column is: at least a microsecond.
+    /// Length of a column: at least 1 µs.
     pub column_us: u64,
-    /// The number of the leftmost column, counted from the beginning of the worker's time.
+    /// The number of the leftmost column, counted from zero of the worker's clock.
     first: i64,
-    /// How many there are.
+    /// Number of columns.
     count: u32,
 }
 
 impl Default for Grid {
-    /// Before anything was drawn: no columns.
+    /// No columns, as before the first drawing.
     fn default() -> Self {
         Self::new(0, 0, 0)
     }
 }
 
 impl Grid {
-    /// So many columns over this long, of which the last holds the moment at the right edge.
+    /// `count` columns over `span_us`; the last one contains the moment at the right edge.
     ///
-    /// A column is whole microseconds long, so a view may be a little shorter or longer than it was
-    /// asked for: half a microsecond a column.
+    /// A column lasts a whole number of microseconds, so the view can be up to half a microsecond per column shorter
+    /// or longer than `span_us`.
     #[must_use]
     pub fn new(span_us: u64, right_us: u64, count: u32) -> Self {
         let columns = u64::from(count.max(1));
@@ -42,22 +41,22 @@ impl Grid {
         }
     }
 
-    /// The moment at the left edge; the beginning of time where that lies before it.
+    /// The moment at the left edge, but not before zero of the worker's clock.
     pub(crate) fn left_us(self) -> u64 {
         u64::try_from(self.first).unwrap_or(0) * self.column_us
     }
 
-    /// The moment at the right edge, which is the end of the last column.
+    /// The moment at the right edge: the end of the last column.
     pub(crate) fn right_us(self) -> u64 {
         u64::try_from(self.first + i64::from(self.count)).unwrap_or(0) * self.column_us
     }
 
-    /// How long all of it is.
+    /// Length of all columns.
     pub(crate) fn span_us(self) -> u64 {
         u64::from(self.count) * self.column_us
     }
 
-    /// Where a moment lies, in columns from the left edge.
+    /// The position of a moment, in columns from the left edge.
     #[allow(
         clippy::cast_precision_loss,
         reason = "only moments near the view are asked for"
@@ -67,7 +66,7 @@ impl Grid {
         columns + (at_us % self.column_us) as f64 / self.column_us as f64
     }
 
-    /// The moment at a place, in columns from the left edge.
+    /// The moment at a position, in columns from the left edge.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
@@ -90,7 +89,7 @@ fn whole(columns: u64) -> i64 {
     i64::try_from(columns).unwrap_or(i64::MAX)
 }
 
-/// Takes values in the order of time and makes lines of them.
+/// Builds lines from values in the order of time.
 pub struct Lines {
     grid: Grid,
     done: Vec<Vec<Dot>>,
@@ -101,17 +100,17 @@ pub struct Lines {
 /// The extremes of one column, in the order in which they came.
 #[derive(Clone, Copy)]
 struct Column {
-    /// Where the next one begins, on the worker's clock.
+    /// The start of the next column, on the worker's clock.
     end_us: u64,
     middle: f64,
     least: f32,
     greatest: f32,
-    /// Whether the greatest came after the least.
+    /// Whether the greatest value came after the least.
     rising: bool,
 }
 
 impl Lines {
-    /// Nothing yet.
+    /// No lines.
     #[must_use]
     pub fn new(grid: Grid) -> Self {
         Self {
@@ -122,8 +121,8 @@ impl Lines {
         }
     }
 
-    /// Goes on with a value. This is done tens of thousands of times a frame, so a value in the column
-    /// of the last one costs no more than a look.
+    /// Adds a value. This is called tens of thousands of times a frame, so a value in the same column as the last one
+    /// must be cheap.
     pub fn to(&mut self, at_us: u64, value: f32) {
         match &mut self.column {
             Some(column) if at_us < column.end_us => {
@@ -151,17 +150,17 @@ impl Lines {
         });
     }
 
-    /// Ends the line: what follows is not joined to it.
+    /// Ends the line. The next value begins a new one.
     pub fn cut(&mut self) {
         self.end_column();
         let mut line = std::mem::take(&mut self.line);
         let right = f64::from(self.grid.count);
         match line.as_mut_slice() {
             [] => {}
-            // All of it lies before the view.
+            // The whole line lies before the view.
             [.., (x, _)] if *x < 0.0 => {}
             [(x, _), ..] if *x > right => {}
-            // One value alone is as wide as its column, so that it is seen.
+            // A single value gets the width of its column, so that it is visible.
             [(x, y)] => {
                 let (from, to) = ((*x - 0.5, *y), (*x + 0.5, *y));
                 self.done.push(vec![from, to]);
@@ -170,7 +169,7 @@ impl Lines {
         }
     }
 
-    /// The lines, within the view's edges.
+    /// The lines, clipped at the edges of the view.
     #[must_use]
     pub fn finish(mut self) -> Vec<Vec<Dot>> {
         self.cut();
@@ -193,7 +192,7 @@ impl Lines {
         }
     }
 
-    /// Adds a dot; one before the view moves to its left edge, one behind it to its right.
+    /// Adds a dot. A dot before the view moves to its left edge, a dot after it to its right edge.
     fn dot(&mut self, dot: Dot) {
         let right = f64::from(self.grid.count);
         let mut dot = dot;
@@ -206,7 +205,7 @@ impl Lines {
             }
         }
         match self.line.as_mut_slice() {
-            // Where a value stays, the line goes on without a new dot.
+            // A constant value extends the line without a new dot.
             [.., before, last] if same(before.1, last.1) && same(last.1, dot.1) => last.0 = dot.0,
             _ => self.line.push(dot),
         }
@@ -217,7 +216,7 @@ fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits()
 }
 
-/// Where the way from one dot to another crosses an edge.
+/// The value at which the line between two dots crosses an edge.
 fn crossing(from: Dot, to: Dot, edge: f64) -> Dot {
     let part = (edge - from.0) / (to.0 - from.0);
     (edge, from.1 + (to.1 - from.1) * part)

@@ -1,4 +1,4 @@
-//! No peak is lost, and a trace that scrolls does not shimmer.
+//! Decimation loses no peak, and a scrolling trace does not shimmer.
 
 use super::*;
 
@@ -19,15 +19,15 @@ fn line(grid: Grid, values: impl IntoIterator<Item = (u64, f32)>) -> Vec<Dot> {
     lines.remove(0)
 }
 
-/// A wave with noise, 500 times a second, the same in every run.
+/// A wave with noise, 500 times a second, equal in every run.
 #[allow(clippy::cast_precision_loss, reason = "the steps of a minute are few")]
 fn wave(step: u32) -> f32 {
     let noise = (step.wrapping_mul(2_654_435_761) >> 24) as f32 / 256.0;
     (step as f32 / 700.0).sin() + noise
 }
 
-/// One minute at 500 Hz and one reply among them that is far off: whatever the width of the graph and
-/// wherever the reply lies, it is in the line, in the column of its moment.
+/// One minute at 500 Hz with a single outlier. At every width of the graph and every position of the outlier, it is
+/// in the line, in the column of its time.
 #[test]
 fn a_spike_of_one_sample_is_seen_at_every_width() {
     let samples = 30_000_u32;
@@ -40,11 +40,11 @@ fn a_spike_of_one_sample_is_seen_at_every_width() {
             for spike in [40.0_f32, -40.0] {
                 let at = |step: u32| 40 * SECOND + u64::from(step) * 2_000;
                 let value = |step| if step == place { spike } else { wave(step) };
-                // What is further away has other columns.
+                // Samples further away are in other columns.
                 let near = place.saturating_sub(column)..(place + column).min(samples);
                 let dots = line(grid, near.map(|step| (at(step), value(step))));
                 let x = grid.place(at(place)).floor() + 0.5;
-                // Of whole microseconds, the columns may be a few samples too short in all.
+                // Columns of whole microseconds can be a few samples too short in total.
                 if x < 0.0 {
                     continue;
                 }
@@ -67,14 +67,14 @@ fn a_column_keeps_its_least_and_greatest_in_the_order_of_time() {
     assert_eq!(dots, [(0.5, 1.0), (0.5, 9.0), (1.5, 8.0), (1.5, 0.0)]);
 }
 
-/// Seven columns later the same replies make the same line, seven columns to the left.
+/// After seven columns the same replies give the same line, shifted by seven columns to the left.
 #[test]
 fn a_trace_that_scrolls_keeps_its_shape() {
     let at = |step: u32| 10 * SECOND + u64::from(step) * 2_000 + u64::from(step % 5) * 37;
     let values = || (0..20_000_u32).map(|step| (at(step), wave(step)));
     let grid = Grid::new(20 * SECOND, 40 * SECOND, 611);
     let later = Grid::new(20 * SECOND, 40 * SECOND + 7 * grid.column_us, 611);
-    // Columns are halves: exact in a float.
+    // Positions are multiples of one half, which a float holds exactly.
     let inside = |dots: Vec<Dot>, from: f64, to: f64, shift: f64| -> Vec<(u64, u64)> {
         let dots = dots.into_iter().filter(|(x, _)| (from..to).contains(x));
         dots.map(|(x, y)| ((x + shift).to_bits(), y.to_bits()))
@@ -100,7 +100,7 @@ fn the_last_column_holds_the_right_edge_and_moments_have_places() {
     assert_eq!(next.right_us() - grid.right_us(), grid.column_us);
 }
 
-/// The first seconds of a page: most of the view lies before the worker's time.
+/// In the first seconds of a page most of the view lies before zero of the worker's clock.
 #[test]
 fn a_view_may_begin_before_time_does() {
     let grid = Grid::new(60 * SECOND, 5 * SECOND, 600);
@@ -117,7 +117,7 @@ fn lines_end_at_the_edges_where_they_cross_them() {
         grid,
         [(85, 0.0), (105, 20.0), (115, 20.0), (195, 20.0), (215, 0.0)],
     );
-    // The first lies 1.5 columns before the view and 2 before the second, so three quarters are gone.
+    // The first dot is 1.5 columns before the view and 2 before the second, so three quarters are cut off.
     assert_eq!(dots.first(), Some(&(0.0, 15.0)));
     assert_eq!(dots.last(), Some(&(10.0, 15.0)));
     let across = line(grid, [(50, 0.0), (250, 20.0)]);

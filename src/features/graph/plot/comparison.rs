@@ -1,4 +1,4 @@
-//! What is drawn: the traces of the chosen motor, or one trace of several motors.
+//! The content of the graph: the traces of the chosen motor, or one trace of several motors.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Instant, MotorId};
@@ -12,10 +12,10 @@ use crate::{
     },
 };
 
-/// As many lines as are told apart by their colours.
+/// Maximal number of lines that can be told apart by their colours.
 pub(crate) const MOTORS_MAX: usize = 8;
 
-/// What can be compared, in the order of the list. A goal is none: it has no unit of its own.
+/// The traces that can be compared, in the order of the list. The goal cannot: it has no unit of its own.
 pub(crate) const COMPARABLE: [Trace; 4] = [
     Trace::Speed,
     Trace::Current,
@@ -23,7 +23,7 @@ pub(crate) const COMPARABLE: [Trace; 4] = [
     Trace::Position,
 ];
 
-/// What is drawn.
+/// The content of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// These traces of this motor.
@@ -41,13 +41,13 @@ pub(crate) enum Subject {
 pub(crate) struct Comparison {
     pub(crate) trace: Trace,
     motors: [Option<(MotorId, Mirror)>; MOTORS_MAX],
-    /// How many more motors there are.
+    /// Number of motors without a place.
     pub(crate) left_out: usize,
 }
 
 impl Comparison {
-    /// Of all that have reported, in the order of IDs; beyond [`MOTORS_MAX`] the chosen one takes the
-    /// last place.
+    /// Compares all motors that have reported, in the order of their IDs. If there are more than [`MOTORS_MAX`], the
+    /// chosen one takes the last place.
     pub(crate) fn new(trace: Trace, history: &History, fleet: &Fleet, chosen: MotorId) -> Self {
         let mut ids = history.reported();
         ids.sort_unstable();
@@ -66,13 +66,13 @@ impl Comparison {
         }
     }
 
-    /// In which place whose trace is drawn, and how it is counted.
+    /// The place of each drawn motor, its ID, and whether it is mirrored.
     pub(crate) fn motors(&self) -> impl Iterator<Item = (usize, MotorId, Mirror)> {
         let places = self.motors.iter().enumerate();
         places.filter_map(|(place, id)| id.map(|(id, mirror)| (place, id, mirror)))
     }
 
-    /// `and 3 more, not shown`, where not all are.
+    /// `and 3 more, not shown`, if there are more motors than places.
     pub(crate) fn more(&self) -> Option<String> {
         let more = self.left_out;
         (more > 0).then(|| tr!("and {count} more, not shown", count = more))
@@ -80,7 +80,7 @@ impl Comparison {
 }
 
 impl Subject {
-    /// As a person has chosen.
+    /// The content that the user has chosen.
     pub(crate) fn new(history: &History, fleet: &Fleet, id: MotorId, traces: Traces) -> Self {
         match traces.compared {
             Some(trace) => Self::Compared(Comparison::new(trace, history, fleet, id)),
@@ -99,7 +99,7 @@ impl Subject {
         }
     }
 
-    /// What is kept of those that are drawn.
+    /// The recorded tracks of the drawn motors.
     fn tracks<'a>(&self, history: &'a History) -> impl Iterator<Item = &'a Track> + use<'a> {
         let ids: Vec<MotorId> = match self {
             Self::Motor { id, .. } => vec![*id],
@@ -108,20 +108,20 @@ impl Subject {
         ids.into_iter().filter_map(|id| history.track(id))
     }
 
-    /// The oldest reply that is kept.
+    /// The time of the oldest kept reply.
     pub(crate) fn oldest(&self, history: &History) -> Option<Instant> {
         let oldest = self.tracks(history).filter_map(Track::oldest);
         oldest.map(|point| point.at).min()
     }
 
-    /// The newest reply.
+    /// The time of the newest reply.
     pub(crate) fn newest(&self, history: &History) -> Option<Instant> {
         let newest = self.tracks(history).filter_map(Track::newest);
         newest.map(|point| point.at).max()
     }
 }
 
-/// A time, marked where the motor counts its values the other way.
+/// A time, marked if the motor is mirrored.
 pub(crate) fn marked(when: String, mirror: Mirror) -> String {
     if mirror.is_mirrored() {
         tr!("{when}, mirrored", when)
@@ -130,7 +130,7 @@ pub(crate) fn marked(when: String, mirror: Mirror) -> String {
     }
 }
 
-/// `0x01 Front left`, or the ID alone of a motor without a name; `0x02 (mirrored)`.
+/// `0x01 Front left`, or only the ID of a motor without a name; `0x02 (mirrored)`.
 pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
     let mut words = id.to_string();
     let name = fleet.member(id).map_or("", |member| member.name().trim());

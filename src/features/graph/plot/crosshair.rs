@@ -1,4 +1,4 @@
-//! What was reported at one moment: the nearest reply of each trace.
+//! The values at one moment: the nearest reply of each trace.
 
 use motorlink_i18n::terms::in_language;
 use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
@@ -12,11 +12,11 @@ use crate::{
     ui::format::{self, UNKNOWN},
 };
 
-/// A reply further away than this says nothing of the moment. A motor is asked ten times a second, so
-/// this allows for some that were lost.
+/// Maximal distance of a reply from the moment. A motor is queried ten times a second, so this allows for a few lost
+/// replies.
 const NEAR_US: u64 = 500_000;
 
-/// What is known of a moment.
+/// The values at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct Values {
     pub(crate) speed: Option<Rpm>,
@@ -27,8 +27,8 @@ pub(crate) struct Values {
     pub(crate) angle: Option<f32>,
 }
 
-/// The nearest replies to a moment. Replies of one kind hold an angle finely and those of another a
-/// temperature, so each value has a reply of its own.
+/// The values of the nearest replies to a moment. Some replies contain a fine angle and others a temperature, so the
+/// nearest reply is searched for each value.
 pub(crate) fn values(track: &Track, mirror: Mirror, at: Instant) -> Values {
     let reported = nearest(track, at, Some);
     Values {
@@ -40,7 +40,7 @@ pub(crate) fn values(track: &Track, mirror: Mirror, at: Instant) -> Values {
     }
 }
 
-/// The place of each motor, its ID, and what is known of it at a moment, in words.
+/// The place of each motor, its ID, and its value at a moment as text.
 pub(crate) fn compared(
     history: &History,
     comparison: &Comparison,
@@ -53,7 +53,7 @@ pub(crate) fn compared(
     motors.collect()
 }
 
-/// What the nearest reply says that says anything of it.
+/// The value in the nearest reply that contains one.
 fn nearest<'a, T>(
     track: &'a Track,
     at: Instant,
@@ -75,7 +75,7 @@ fn nearest<'a, T>(
 }
 
 impl Values {
-    /// `−60 rpm`; a dash where nothing is known.
+    /// `−60 rpm`; a dash for an unknown value.
     pub(crate) fn text(&self, trace: Trace) -> String {
         let text = match trace {
             Trace::Speed => self.speed.map(|it| format!("{} rpm", format::speed(it))),

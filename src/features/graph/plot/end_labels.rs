@@ -1,11 +1,10 @@
-//! Labels at the ends of lines, one below the other where the lines end side by side.
+//! Positions of the labels at the ends of lines, without overlap.
 
-/// Where labels are put that belong at these heights, in the order in which they were given: as near as
-/// they can be, at least `gap` from each other, between `top` and `bottom`. Where there is no room for
-/// that they move together.
+/// The heights of labels, in the order of `wanted`: as near to the wanted heights as possible, at least `gap` apart,
+/// between `top` and `bottom`. If there is not enough room, the gap shrinks.
 pub(crate) fn spread(wanted: &[f64], gap: f64, top: f64, bottom: f64) -> Vec<f64> {
     let mut order: Vec<usize> = Vec::new();
-    // A few labels: the sorting of the standard library would weigh more than all of the rest.
+    // There are few labels: the sort of the standard library would add more code than this module has.
     for (label, y) in wanted.iter().enumerate() {
         let is_below = |other: &usize| wanted.get(*other).is_some_and(|other| other > y);
         let place = order.iter().position(is_below).unwrap_or(order.len());
@@ -14,7 +13,7 @@ pub(crate) fn spread(wanted: &[f64], gap: f64, top: f64, bottom: f64) -> Vec<f64
     let between = f64::from(u32::try_from(order.len()).unwrap_or(u32::MAX)) - 1.0;
     let gap = gap.min((bottom - top).max(0.0) / between.max(1.0));
     let mut placed = wanted.to_vec();
-    // Down as far as the one above needs, then up again as far as the bottom needs.
+    // First down as far as the label above needs, then up as far as the bottom needs.
     let mut least = top;
     for label in &order {
         if let Some(y) = placed.get_mut(*label) {

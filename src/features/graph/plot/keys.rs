@@ -1,5 +1,4 @@
-//! The keys of the graph while it has the focus. It leaves Space, Escape, letters and digits alone: they
-//! stop and drive.
+//! The keys of the focused graph. It ignores Space, Escape, letters and digits, because they stop and drive.
 
 /// What a key does to the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,9 +7,9 @@ pub(crate) enum GraphAction {
     ZoomIn,
     /// Show a longer time.
     ZoomOut,
-    /// Move the view by this part of its length, in percent; later is positive.
+    /// Move the view by this percentage of its length; positive is later.
     Pan(i8),
-    /// Move the crosshair by so many columns.
+    /// Move the crosshair by this number of columns.
     Cross(i8),
     /// Show the oldest.
     Oldest,
@@ -18,20 +17,20 @@ pub(crate) enum GraphAction {
     Newest,
 }
 
-/// How far an arrow key pans.
+/// Percentage of the view's length that an arrow key pans.
 const PAN_PERCENT: i8 = 10;
-/// How far an arrow key moves the crosshair with Shift.
+/// Columns that an arrow key moves the crosshair with Shift.
 const CROSS_FAR: i8 = 20;
 
-/// What a key asks for, with `modified` where Ctrl, Alt or Meta is down. While the view is paused the
-/// arrows move the crosshair in it.
+/// The action of a key; `modified` means that Ctrl, Alt or Meta is down. While the view is paused, the arrows move
+/// the crosshair.
 pub(crate) fn graph_action(
     key: &str,
     modified: bool,
     shift: bool,
     paused: bool,
 ) -> Option<GraphAction> {
-    // Ctrl and plus is the browser's own zoom.
+    // Ctrl and plus is the zoom of the browser.
     if modified {
         return None;
     }
@@ -41,7 +40,7 @@ pub(crate) fn graph_action(
         (false, _) => GraphAction::Pan(towards * PAN_PERCENT),
     };
     Some(match key {
-        // On many keyboards the plus is the equals sign with Shift.
+        // On many keyboards plus is the equals sign with Shift.
         "+" | "=" => GraphAction::ZoomIn,
         "-" | "\u{2212}" => GraphAction::ZoomOut,
         "ArrowLeft" => arrow(-1),
@@ -91,7 +90,7 @@ mod tests {
         assert_eq!(graph_action("ArrowLeft", true, false, false), None);
     }
 
-    /// No key that drives or stops is taken.
+    /// The graph handles no key that drives or stops.
     #[test]
     fn keys_that_drive_and_stop_are_left_alone() {
         let keys = " |Escape|f|F|b|B|s|S|k|K|1|2|3|4|5|v|V|c|C|p|P|?|Tab|Enter";

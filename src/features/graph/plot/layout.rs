@@ -1,22 +1,22 @@
-//! Which pixels of the graph are the plot's, and which the labels'.
+//! Divides the graph into the plot and its labels.
 
-/// Room for the labels of the speed axis, in pixels of the style sheet: `−40000`.
+/// Width of the labels of the speed axis, `−40000`, in CSS pixels.
 const LEFT: f64 = 44.0;
-/// Room for those of the current axis: `−0.25`.
+/// Width of the labels of the current axis, `−0.25`.
 const RIGHT: f64 = 42.0;
-/// Half a line of text above the uppermost line.
+/// Half a line of text above the top line.
 const TOP: f64 = 8.0;
-/// Room for the time axis.
+/// Height of the time axis.
 const BOTTOM: f64 = 22.0;
 
-/// Room for a mark of the time axis while it says how long ago: `60 s`, and air.
+/// Width of a mark of the time axis that shows an age: `60 s` with a gap.
 const AGO_WIDTH: f64 = 72.0;
-/// And while it says the time of day: `13:15:36.95`.
+/// Width of a mark that shows the time of day: `13:15:36.95` with a gap.
 const DAY_WIDTH: f64 = 92.0;
-/// Height of a row of labels with air.
+/// Height of a row of labels with a gap.
 const ROW: f64 = 24.0;
 
-/// A rectangle in pixels of the screen.
+/// A rectangle in device pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct Rectangle {
     pub(crate) left: i32,
@@ -25,20 +25,20 @@ pub(crate) struct Rectangle {
     pub(crate) height: i32,
 }
 
-/// How the graph is divided. On a screen of high density a pixel of the style sheet is several of the
-/// screen; everything is drawn in pixels of the screen.
+/// The division of the graph. Everything is drawn in device pixels; on a screen of high density a CSS pixel is
+/// several of them.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct Layout {
-    /// Pixels of the screen to one of the style sheet.
+    /// Device pixels per CSS pixel.
     pub(crate) ratio: f64,
-    /// The whole graph, in pixels of the screen.
+    /// Width of the graph in device pixels.
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) plot: Rectangle,
 }
 
 impl Layout {
-    /// For a box of this size in pixels of the style sheet.
+    /// The layout of a box of this size in CSS pixels.
     pub(crate) fn new(width: f64, height: f64, ratio: f64) -> Self {
         let ratio = if ratio.is_finite() {
             ratio.clamp(0.5, 8.0)
@@ -66,34 +66,33 @@ impl Layout {
         self.plot.width == 0 || self.plot.height == 0
     }
 
-    /// Columns of pixels in the plot.
+    /// Number of pixel columns in the plot.
     pub(crate) fn columns(self) -> u32 {
         self.plot.width.unsigned_abs()
     }
 
-    /// Where a place in the style sheet's pixels from the left of the graph lies in the plot: columns
-    /// from its left edge.
+    /// Converts CSS pixels from the left of the graph to columns from the left edge of the plot.
     pub(crate) fn column(self, x: f64) -> f64 {
         x * self.ratio - f64::from(self.plot.left)
     }
 
-    /// The same the other way round.
+    /// Converts columns from the left edge of the plot to CSS pixels from the left of the graph.
     pub(crate) fn x(self, column: f64) -> f64 {
         (column + f64::from(self.plot.left)) / self.ratio
     }
 
-    /// The part of the plot's width that lies left of a place: 0 to 1.
+    /// The fraction of the plot's width to the left of a position in CSS pixels: 0 to 1.
     pub(crate) fn part(self, x: f64) -> f64 {
         let width = f64::from(self.plot.width.max(1));
         (self.column(x) / width).clamp(0.0, 1.0)
     }
 
-    /// Whether there is room for a label at every quarter of the height, and not only at every half.
+    /// Whether every quarter of the height has room for a label, not only every half.
     pub(crate) fn has_quarters(self) -> bool {
         f64::from(self.plot.height) >= 4.0 * ROW * self.ratio
     }
 
-    /// How many marks the time axis has room for.
+    /// Maximal number of marks on the time axis.
     pub(crate) fn marks(self, live: bool) -> u32 {
         let width = if live { AGO_WIDTH } else { DAY_WIDTH };
         let marks = f64::from(self.plot.width) / (width * self.ratio);
@@ -101,12 +100,12 @@ impl Layout {
     }
 }
 
-/// The row of each part and how far it is from the left, where parts of these lengths stand one after the
-/// other in rows of this width. At the end of the first row something else takes `taken`.
+/// The row and the left position of parts of these lengths, placed one after another in rows of this width. `taken`
+/// is occupied at the end of the first row.
 pub(crate) fn in_rows(lengths: &[f64], width: f64, taken: f64) -> Vec<(f64, f64)> {
     let (mut row, mut x, mut room) = (0.0, 0.0, width - taken);
     let place = |length: &f64| {
-        // One that is too long for any row has a row of its own; the first is never empty.
+        // A part that is too long for any row gets its own row; the first row is never empty.
         if x > 0.0 && x + length > room {
             (row, x, room) = (row + 1.0, 0.0, width);
         }

@@ -1,4 +1,4 @@
-//! Traces as lines: what was reported, and what was asked for.
+//! Traces as lines: telemetry and setpoints.
 
 use motorlink_messages::protocol::Instant;
 
@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-/// What was reported, without a bridge over times of which nothing is known.
+/// The lines of the reports, with gaps where nothing is known.
 pub(crate) fn trace_lines(
     history: &History,
     track: &Track,
@@ -41,8 +41,7 @@ pub(crate) fn trace_lines(
     lines.finish()
 }
 
-/// The goal while it was of this quantity, up to now: a line of steps, for a goal stands until it
-/// changes.
+/// The goal while it had this quantity, up to now. The line has steps, because a goal is valid until it changes.
 pub(crate) fn goal_lines(
     track: &Track,
     of: Trace,
@@ -55,7 +54,7 @@ pub(crate) fn goal_lines(
     let mut lines = Lines::new(grid);
     let mut standing = None;
     for GoalChange { at, goal } in track.goals_between(from, to) {
-        // Before the view it stood too; where it began does not matter.
+        // A goal from before the view begins at its left edge.
         let at_us = at.as_micros().max(grid.left_us());
         if let Some(value) = standing {
             lines.to(at_us, value);
@@ -63,7 +62,7 @@ pub(crate) fn goal_lines(
         let goal = goal.map(|goal| trace::of_setpoint(mirror.setpoint(goal)));
         standing = match goal {
             Some((quantity, value)) if quantity == of => {
-                // From an angle to another one may go either way.
+                // The way from one angle to another is ambiguous.
                 if standing.is_some_and(|standing| of.wraps(standing, value)) {
                     lines.cut();
                 }
@@ -148,8 +147,8 @@ mod tests {
         );
     }
 
-    /// Falling from 20 degrees over zero to 340, several times in one column: no line ever leads from
-    /// one end of the scale to the other.
+    /// The angle falls from 20 degrees through zero to 340, several times in one column. No line connects both ends
+    /// of the scale.
     #[test]
     fn an_angle_that_wraps_draws_no_line_across() {
         let mut history = History::default();
@@ -169,7 +168,7 @@ mod tests {
             assert!(lines.len() > 10, "it wraps a dozen times");
             for pair in lines.iter().flat_map(|line| line.windows(2)) {
                 let [from, to] = pair else { unreachable!() };
-                // It falls all the time; a rise would be the way from one end to the other.
+                // The angle only falls; a rise would connect both ends of the scale.
                 assert!(to.1 <= from.1 + 1e-9, "{from:?} to {to:?}");
             }
         }
@@ -215,7 +214,7 @@ mod tests {
         );
     }
 
-    /// What was kept is kept as it was reported: seen the other way, all of it turns, goal and all.
+    /// The history keeps values as reported. If the motor is mirrored, all of them change sign, including the goal.
     #[test]
     fn of_a_mirrored_motor_report_and_goal_turn_together() {
         let history = history(&[(500, Some(rpm(50))), (1_350, None)]);

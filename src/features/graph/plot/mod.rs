@@ -1,21 +1,21 @@
-//! The graph: what motors reported over the last minutes, as lines over one time axis.
+//! The graph: telemetry of the last minutes as lines over one time axis.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `trace` | what can be drawn, and its value in a reply |
-//! | `comparison` | what is drawn: traces of one motor, or one trace of several |
-//! | `view` | which stretch of time is shown: live, panned or paused |
-//! | `columns` | from every reply to the least and greatest of each pixel column |
-//! | `lines` | a trace as lines, and the goal as one of the trace it belongs to |
-//! | `strokes` | a line in parts that are cheap to draw |
-//! | `end_labels` | which line is whose, at their ends |
-//! | `scale` | how high an axis reaches, without jumping |
-//! | `ticks` | where the time axis has its marks, and what they say |
-//! | `layout` | which pixels are the plot's |
-//! | `crosshair` | what was reported at one moment |
-//! | `keys` | what a key does to the focused graph |
-//! | `words` | the graph's name, and its values in words |
-//! | `palette` | colours of the style sheet as numbers |
+//! | `trace` | the traces, and their values in a reply |
+//! | `comparison` | the content: traces of one motor, or one trace of several |
+//! | `view` | the shown period: live, panned or paused |
+//! | `columns` | decimation to the least and greatest value of each pixel column |
+//! | `lines` | traces and goals as lines |
+//! | `strokes` | splits a line into parts that are cheap to draw |
+//! | `end_labels` | labels at the ends of lines |
+//! | `scale` | the range of an axis, with hysteresis |
+//! | `ticks` | the marks of the time axis and their labels |
+//! | `layout` | the division into plot and labels |
+//! | `crosshair` | the values at one moment |
+//! | `keys` | the actions of keys on the focused graph |
+//! | `texts` | the graph's name, and its values as text |
+//! | `palette` | the colours of the style sheet as numbers |
 //!
 //! All of it is pure and tested natively; the files beside this folder draw it.
 

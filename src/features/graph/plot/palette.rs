@@ -1,4 +1,4 @@
-//! The colours of the style sheet as numbers: a canvas does not know custom properties.
+//! The colours of the style sheet as numbers: a canvas does not resolve custom properties.
 
 use crate::features::graph::plot::comparison::MOTORS_MAX;
 
@@ -19,8 +19,8 @@ pub(crate) struct Palette {
     pub(crate) motors: [Colour; MOTORS_MAX],
 }
 
-/// Reads a computed colour, which browsers write as `rgb(11, 100, 189)`, or as `rgba(11, 100, 189, 0.5)`
-/// where it is transparent. Anything else is a grey that is seen on light and dark.
+/// Parses a computed colour: `rgb(11, 100, 189)`, or `rgba(11, 100, 189, 0.5)` if it is transparent. Anything else
+/// gives a grey that is visible on light and dark.
 pub(crate) fn parse_colour(computed: &str) -> Colour {
     let numbers = computed
         .strip_prefix("rgb")
@@ -37,7 +37,7 @@ fn byte(text: &str) -> Option<u8> {
     text.trim_end_matches(')').parse().ok()
 }
 
-/// As a canvas takes it: `rgb(11,100,189)`.
+/// The colour as a CSS value: `rgb(11,100,189)`.
 pub(crate) fn css((red, green, blue): Colour) -> String {
     format!("rgb({red},{green},{blue})")
 }

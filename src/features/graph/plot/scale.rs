@@ -1,29 +1,28 @@
-//! How high the axes reach: steps that read well, the same above zero as below, and no jumping about.
+//! The range of the axes: round steps, symmetric about zero, with hysteresis.
 
 use crate::{features::graph::plot::trace::Trace, ui::format};
 use motorlink_i18n::terms::in_language;
 
-/// In rpm. A motor runs up to 330; what is pushed by hand or garbled may be anything.
+/// In rpm. A motor runs up to 330, but a wheel pushed by hand or a garbled reply can give any value.
 const SPEED_LIMITS: [u16; 10] = [
     50, 100, 200, 400, 1_000, 2_000, 5_000, 10_000, 20_000, 40_000,
 ];
 
-/// In hundredths of an amp, to the full scale of what a reply can carry. The least is ten times the
-/// noise of a motor that stands.
+/// In hundredths of an amp, up to full scale of a reply. The smallest is ten times the noise of a motor at
+/// standstill.
 const CURRENT_LIMITS: [u16; 5] = [50, 100, 200, 400, 800];
 
-/// A larger scale is taken when the values reach beyond this part of it, so that a line does not run
-/// along the edge.
+/// The scale grows when the values exceed this part of it, so that a line does not run along the edge.
 const GROW: f64 = 0.95;
-/// A smaller scale is taken when the values fit into this part of it: those that come and go about its
-/// end do not have it change each time.
+/// The scale shrinks when the values fit into this part of the smaller one. The hysteresis prevents changes by values
+/// near its end.
 const SHRINK: f64 = 0.75;
 
-/// An axis with zero in its middle, which reaches as far as what is shown.
+/// A symmetric axis with zero in its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Scale {
     limits: &'static [u16],
-    /// What one step of the limits is, in hundredths of the unit.
+    /// Hundredths of the unit per unit of the limits.
     hundredths: u16,
     chosen: usize,
 }
@@ -51,12 +50,12 @@ impl Scale {
         u32::from(limit) * u32::from(self.hundredths)
     }
 
-    /// The value at the upper end. The lower is its negative.
+    /// The value at the upper end. The lower end is its negative.
     pub(crate) fn limit(self) -> f64 {
         f64::from(self.limit_hundredths()) / 100.0
     }
 
-    /// The scale for values this far from zero: larger at once, smaller not before there is room.
+    /// The scale for values up to this distance from zero. It grows at once and shrinks with hysteresis.
     #[must_use]
     pub(crate) fn fitted(self, extent: f64) -> Self {
         let at = |chosen| Self { chosen, ..self };
@@ -71,7 +70,7 @@ impl Scale {
         scale
     }
 
-    /// What stands at the five lines, from the top: `+200`, `+100`, `0`, `−100`, `−200`.
+    /// The labels of the five lines, from the top: `+200`, `+100`, `0`, `−100`, `−200`.
     pub(crate) fn labels(self) -> [String; 5] {
         let limit = i32::try_from(self.limit_hundredths()).unwrap_or(i32::MAX);
         [limit, limit / 2, 0, -limit / 2, -limit].map(|value| {
@@ -91,17 +90,17 @@ impl Scale {
     }
 }
 
-/// The ends of the scale of a trace that has no axis of its own: lower and upper end.
+/// The lower and upper end of the scale of a trace without an axis.
 pub(crate) fn ends(trace: Trace, extent: f64) -> (u16, u16) {
     match trace {
-        // A motor switches off at 80; a byte carries up to 255.
+        // A motor switches off at 80; a byte holds up to 255.
         Trace::Temperature if extent > 100.0 => (0, 260),
         Trace::Temperature => (0, 100),
         _ => (0, 360),
     }
 }
 
-/// What stands at the five lines of a scale from zero to this, from the top.
+/// The labels of the five lines of a scale from zero to `end`, from the top.
 pub(crate) fn labels_from_zero(end: u16) -> [String; 5] {
     [4, 3, 2, 1, 0].map(|quarters| (u32::from(end) * quarters / 4).to_string())
 }
@@ -124,7 +123,7 @@ mod tests {
             let fitted = Scale::of_speed().fitted(extent).limit();
             assert!((fitted - limit).abs() < 1e-9, "{extent}: {fitted}");
         }
-        // Full scale of a reply, and a little more: there is nothing above.
+        // Slightly above full scale of a reply: there is no larger scale.
         assert!((Scale::of_current().fitted(8.0003).limit() - 8.0).abs() < 1e-9);
     }
 

@@ -1,14 +1,13 @@
-//! How a line is put on a canvas so that it costs little: what is steep as upright bars, the rest as
-//! paths.
+//! Splits a line so that a canvas draws it cheaply: steep parts as vertical bars, the rest as paths.
 //!
-//! A noisy trace is a zigzag of a thousand steep strokes, one beside the other. As one smooth path it
-//! takes a browser without a graphics card 150 ms to draw, measured; as bars of whole pixels, which
-//! look the same, a few.
+//! A noisy trace is a zigzag of a thousand steep strokes side by side. As one antialiased path it takes a browser
+//! without a graphics card 150 ms to draw (measured). As bars of whole pixels, which look the same, it takes a few
+//! milliseconds.
 
-/// A point in parts of a pixel.
+/// A point in subpixels.
 pub(crate) type Pixel = (i32, i32);
 
-/// An upright bar through the middle of a column of pixels.
+/// A vertical bar through the middle of a pixel column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Bar {
     /// The middle of the column.
@@ -17,7 +16,7 @@ pub(crate) struct Bar {
     pub(crate) bottom: i32,
 }
 
-/// A line in parts that are cheap to draw. Together they cover it.
+/// A line in parts that are cheap to draw. Together they cover the line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Strokes {
     pub(crate) bars: Vec<Bar>,
@@ -25,10 +24,10 @@ pub(crate) struct Strokes {
     path: Vec<Pixel>,
 }
 
-/// A stroke that falls or rises so many times as far as it goes across is drawn as bars.
+/// A stroke whose slope exceeds this is drawn as bars.
 const STEEP: i32 = 4;
 
-/// Divides a line through these points, from left to right; `pixel` is how many parts a pixel has.
+/// Splits a line through these points, from left to right; `pixel` is the number of subpixels per pixel.
 pub(crate) fn strokes(points: &[Pixel], pixel: i32) -> Strokes {
     let mut strokes = Strokes::default();
     strokes.path.extend(points.first());
@@ -48,13 +47,13 @@ pub(crate) fn strokes(points: &[Pixel], pixel: i32) -> Strokes {
 impl Strokes {
     fn end_path(&mut self) {
         let path = std::mem::take(&mut self.path);
-        // One point alone is the end of a bar.
+        // A single point is the end of a bar.
         if path.len() > 1 {
             self.paths.push(path);
         }
     }
 
-    /// The same before a bar: between two bars side by side there is no path.
+    /// Ends the path before a bar. There is no path between adjacent bars.
     fn end_path_at_bar(&mut self, pixel: i32) {
         let after_bar = |x| self.bars.last().is_some_and(|bar| bar.x == x);
         match self.path.as_slice() {
@@ -66,11 +65,11 @@ impl Strokes {
         }
     }
 
-    /// From one point to another by the columns between them, of which each has its part of the way.
+    /// Draws a steep stroke as bars, one for its part in each column.
     fn climb(&mut self, from: Pixel, to: Pixel, pixel: i32) {
         let columns = (to.0 - from.0) / pixel.max(1);
         let height = to.1 - from.1;
-        // Half a column at either end, a whole one in between.
+        // Half a column at both ends, whole columns between.
         let at =
             |halves: i32| from.1 + height * halves.clamp(0, 2 * columns) / (2 * columns).max(1);
         if columns == 0 {
@@ -111,7 +110,7 @@ mod tests {
 
     #[test]
     fn noise_is_one_bar_a_column() {
-        // Least and greatest of three columns, far apart.
+        // Least and greatest value of three columns, far apart.
         let points = [(4, 0), (4, 800), (12, 80), (12, 720), (20, 700), (20, 8)];
         let Strokes { bars, paths, .. } = strokes(&points, PIXEL);
         assert_eq!(paths, Vec::<Vec<Pixel>>::new());
@@ -122,7 +121,7 @@ mod tests {
         assert_eq!(bars, [(4, 0, 800), (12, 80, 720), (20, 8, 710)]);
     }
 
-    /// A spike in a calm line: path, bars up and down, path.
+    /// A spike in a flat line gives a path, bars up and down, and a path.
     #[test]
     fn a_spike_interrupts_a_path() {
         let points = [(4, 400), (84, 400), (92, 0), (100, 400), (204, 400)];
@@ -135,7 +134,7 @@ mod tests {
         assert_eq!(bars, [(84, 200, 400), (92, 0, 200), (100, 200, 400)]);
     }
 
-    /// Whatever the line, every point of it is covered, and neighbours touch.
+    /// For any line, every point is covered and adjacent parts touch.
     #[test]
     fn nothing_of_a_line_is_left_out() {
         let noise = |step: i32| (step.wrapping_mul(0x9E37_79B1_u32.cast_signed()) >> 20) % 300;

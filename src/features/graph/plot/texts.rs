@@ -1,4 +1,4 @@
-//! The graph's name, and what it shows in words, for those who do not see it.
+//! The graph's name, and its values as text for screen readers.
 
 use motorlink_i18n::{terms::in_language, tr};
 
@@ -10,12 +10,12 @@ use crate::features::graph::plot::{
     view::{View, Watch},
 };
 
-/// Before the first reply.
+/// The text before the first reply.
 fn nothing() -> String {
     tr!("No data yet.").to_owned()
 }
 
-/// A moment in words, from its microseconds on the history's clock.
+/// The time of day of a moment, from its microseconds on the history's clock.
 pub(crate) type TimeOfDay<'a> = &'a dyn Fn(u64) -> u64;
 
 /// `60 s`, `2.5 s`, `5 min`
@@ -31,8 +31,8 @@ pub(crate) fn span(span_us: u64) -> String {
     }
 }
 
-/// `Speed and current, last 60 s`; while held: `Speed and current, 60 s up to 13:15:36`; while motors are
-/// compared: `Speed of each motor, last 60 s`.
+/// `Speed and current, last 60 s`; while the view is paused, `Speed and current, 60 s up to 13:15:36`; in a
+/// comparison, `Speed of each motor, last 60 s`.
 ///
 /// `day_ms` gives the time of day of a moment, in milliseconds since midnight.
 pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> String {
@@ -50,7 +50,7 @@ pub(crate) fn name(compare: Option<Trace>, view: View, day_ms: TimeOfDay) -> Str
     }
 }
 
-/// The values of a moment as a sentence, of the traces that are on.
+/// The values of the visible traces at a moment as a sentence.
 pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> String {
     let Some(values) = values else {
         return nothing();
@@ -62,7 +62,7 @@ pub(crate) fn sentence(when: &str, values: Option<&Values>, traces: Traces) -> S
     tr!("{when}: {values}.", when, values = words.join(", "))
 }
 
-/// One trace of several motors at a moment as a sentence, from their names and values.
+/// The values of one trace of several motors at a moment as a sentence, from the motors' names and values.
 pub(crate) fn compared_sentence(
     when: &str,
     comparison: &Comparison,
@@ -110,7 +110,7 @@ pub(crate) fn date_and_time([year, month, day, hour, minute, second]: LocalTime)
     format!("{year:04}-{month:02}-{day:02} {hour:02}:{minute:02}:{second:02}")
 }
 
-/// In the graph, before any motor has answered.
+/// The text in the graph before any motor has answered.
 pub(crate) fn no_graph() -> &'static str {
     tr!("Connect a motor to see its data here.")
 }

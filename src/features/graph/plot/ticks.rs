@@ -1,8 +1,8 @@
-//! The marks of the time axis: how long ago while the view is live, the time of day while it is held.
+//! The marks of the time axis: the age while the view is live, the time of day while it is paused.
 
 use motorlink_i18n::{terms::in_language, tr};
 
-/// Distances of marks that read well, in milliseconds.
+/// Round distances between marks, in milliseconds.
 const STEPS_MS: [u64; 18] = [
     10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 15_000, 30_000, 60_000, 120_000,
     300_000, 600_000, 1_200_000, 3_600_000,
@@ -11,21 +11,21 @@ const STEPS_MS: [u64; 18] = [
 const MINUTE_MS: u64 = 60_000;
 const DAY_MS: u64 = 24 * 60 * MINUTE_MS;
 
-/// A mark: where it stands from the left edge, 0, to the right edge, 1, and what it says.
+/// A mark: its position from the left edge, 0, to the right edge, 1, and its label.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tick {
     pub(crate) place: f64,
     pub(crate) label: String,
 }
 
-/// The least good distance at which no more than so many marks stand in a span.
+/// The smallest round distance with at most `marks_max` marks in a span.
 fn step_ms(span_us: u64, marks_max: u32) -> u64 {
     let least_us = span_us / u64::from(marks_max.max(1));
     let step = STEPS_MS.into_iter().find(|step| step * 1_000 >= least_us);
     step.unwrap_or(DAY_MS)
 }
 
-/// `60 s`, `50`, ... `10`, `now`: the unit once, at the oldest.
+/// `60 s`, `50`, ... `10`, `now`: only the oldest mark has the unit.
 pub(crate) fn ago(span_us: u64, marks_max: u32) -> Vec<Tick> {
     let step_ms = step_ms(span_us, marks_max);
     let marks = span_us / (step_ms * 1_000);
@@ -65,7 +65,7 @@ fn seconds(ms: u64, step_ms: u64) -> String {
     }
 }
 
-/// The time of day at the marks of a span that ends so long after midnight.
+/// The marks with the time of day of a span that ends `right_us` after midnight.
 pub(crate) fn of_day(right_us: u64, span_us: u64, marks_max: u32) -> Vec<Tick> {
     let step_ms = step_ms(span_us, marks_max);
     // A span just after midnight begins on the day before.
@@ -79,8 +79,8 @@ pub(crate) fn of_day(right_us: u64, span_us: u64, marks_max: u32) -> Vec<Tick> {
     marks.map(tick).collect()
 }
 
-/// `13:15:36`, `13:15:36.9`: so long after midnight, with as many decimals as the step needs. One
-/// millisecond is a step with three.
+/// `13:15:36`, `13:15:36.9`: a time after midnight, with as many decimals as the step needs. A step of 1 ms gives
+/// three.
 pub(crate) fn time_of_day(ms: u64, step_ms: u64) -> String {
     let of_day_ms = ms % DAY_MS;
     let minutes = of_day_ms / MINUTE_MS;
@@ -90,7 +90,7 @@ pub(crate) fn time_of_day(ms: u64, step_ms: u64) -> String {
     format!("{:02}:{:02}:{zero}{seconds}", minutes / 60, minutes % 60)
 }
 
-/// How much of a span this is.
+/// The fraction of a span.
 #[allow(
     clippy::cast_precision_loss,
     reason = "an hour in microseconds is exact in a double"

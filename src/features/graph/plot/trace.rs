@@ -1,16 +1,16 @@
-//! What can be drawn: four quantities that a motor reports, and the goal.
+//! The traces: four reported quantities, and the goal.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Setpoint;
 
 use crate::model::{history::Point, mirror::Mirror};
 
-/// A line of the graph.
+/// A trace of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trace {
     Speed,
     Current,
-    /// What was asked for, in the quantity that it was asked for in.
+    /// The setpoint, in its own quantity.
     Goal,
     Temperature,
     Position,
@@ -26,12 +26,12 @@ impl Trace {
         Self::Position,
     ];
 
-    /// Its place among all.
+    /// The index in [`Trace::ALL`].
     pub(crate) fn place(self) -> usize {
         Self::ALL.iter().position(|it| *it == self).unwrap_or(0)
     }
 
-    /// As the legend has it.
+    /// The name in the legend.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Speed => tr!("Speed"),
@@ -42,7 +42,7 @@ impl Trace {
         }
     }
 
-    /// Before its value within a sentence.
+    /// The name before its value in a sentence.
     pub(crate) fn name_in_sentence(self) -> &'static str {
         match self {
             Self::Speed => tr!("speed"),
@@ -53,19 +53,19 @@ impl Trace {
         }
     }
 
-    /// The same, in the part that says enough where there is little room, and the rest.
+    /// The name in two parts: a short one that is enough where there is little room, and the rest.
     pub(crate) fn name_in_parts(self) -> (&'static str, &'static str) {
         let name = self.name();
         let short = match self {
             Self::Temperature => tr!("Temp" as "what Temperature begins with"),
             _ => name,
         };
-        // Where it begins otherwise there is no part that says enough.
+        // A name with another beginning has no short part.
         name.strip_prefix(short)
             .map_or((name, ""), |rest| (short, rest))
     }
 
-    /// The accessible name of the box that switches it on.
+    /// The accessible name of its switch.
     pub(crate) fn switch_name(self) -> &'static str {
         match self {
             Self::Speed => tr!("Show speed"),
@@ -76,7 +76,7 @@ impl Trace {
         }
     }
 
-    /// The class that gives it its colour.
+    /// The class with its colour.
     pub(crate) const fn class(self) -> &'static str {
         match self {
             Self::Speed => "speed",
@@ -87,7 +87,7 @@ impl Trace {
         }
     }
 
-    /// Nothing for the goal, whose unit is that of what it asks for.
+    /// Empty for the goal, which has the unit of its quantity.
     pub(crate) const fn unit(self) -> &'static str {
         match self {
             Self::Speed => "rpm",
@@ -98,7 +98,8 @@ impl Trace {
         }
     }
 
-    /// What this reply says of it, in its unit, as a person counts; nothing where it says nothing.
+    /// The value in this reply, in its unit and with the sign of a mirrored motor; `None` if the reply does not
+    /// contain it.
     pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
         match self {
             Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
@@ -109,8 +110,7 @@ impl Trace {
         }
     }
 
-    /// Whether the way from one value to the next leads over the end of the scale: an angle that
-    /// passes 360 goes on at 0.
+    /// Whether the step between two values wraps: an angle that exceeds 360 continues at 0.
     pub(crate) fn wraps(self, from: f32, to: f32) -> bool {
         self == Self::Position && (from - to).abs() > 180.0
     }
@@ -120,7 +120,7 @@ impl Trace {
         Self::ALL.into_iter().find(|trace| trace.class() == class)
     }
 
-    /// Whether its scale begins at zero, and has not zero in its middle.
+    /// Whether its scale begins at zero instead of having zero in the middle.
     pub(crate) fn is_from_zero(self) -> bool {
         matches!(self, Self::Temperature | Self::Position)
     }
@@ -136,7 +136,7 @@ impl Trace {
     }
 }
 
-/// The quantity in which something was asked for, and how much of it. The brake asks for 0 rpm.
+/// The quantity and the value of a setpoint. The brake is 0 rpm.
 pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
     match setpoint {
         Setpoint::Velocity { speed, .. } => (Trace::Speed, f32::from(speed.rpm())),
@@ -146,16 +146,16 @@ pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
     }
 }
 
-/// Which traces are on, and which one is compared across motors instead.
+/// The visible traces, or the one that is compared across motors instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Traces {
     on: u8,
-    /// `None` while the graph is one motor's.
+    /// `None` while the graph shows one motor.
     pub(crate) compared: Option<Trace>,
 }
 
 impl Default for Traces {
-    /// Speed and current with their goal.
+    /// Speed, current and their goal.
     fn default() -> Self {
         Self {
             on: Trace::Speed.bit() | Trace::Current.bit() | Trace::Goal.bit(),
@@ -169,7 +169,7 @@ impl Traces {
         self.on & trace.bit() != 0
     }
 
-    /// The same with one of them switched on or off.
+    /// The same traces with one of them switched on or off.
     pub(crate) const fn with(self, trace: Trace, on: bool) -> Self {
         let on = if on {
             self.on | trace.bit()

@@ -1,42 +1,42 @@
-//! Which stretch of time is shown.
+//! The shown period of time.
 //!
-//! All moments are microseconds of the history's clock.
+//! All times are microseconds of the history's clock.
 
-/// The windows that one button each chooses, in microseconds.
+/// The windows that have a button, in microseconds.
 pub(crate) const WINDOWS: [(u64, &str); 3] = [
     (10_000_000, "10 s"),
     (60_000_000, "60 s"),
     (300_000_000, "5 min"),
 ];
 
-/// The shortest stretch: a hundred replies at 500 Hz.
+/// The shortest span: a hundred replies at 500 Hz.
 const SPAN_MIN_US: u64 = 200_000;
-/// The longest: everything that is kept.
+/// The longest span: the whole history.
 const SPAN_MAX_US: u64 = 600_000_000;
 
-/// What the right edge of the graph does.
+/// The position of the right edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Watch {
-    /// It is now.
+    /// It follows the present.
     Live,
-    /// A person has moved it to this moment.
+    /// The user has moved it to this time.
     Panned(u64),
-    /// A person has pressed Pause; it stays where it is put.
+    /// The user has pressed Pause: it stays at this time.
     Paused(u64),
 }
 
-/// A stretch of time.
+/// A period of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct View {
-    /// How long it is.
+    /// Length in microseconds.
     pub(crate) span_us: u64,
     pub(crate) watch: Watch,
 }
 
-/// What there is to see at this moment.
+/// The limits of panning at this moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct Reach {
-    /// The oldest reply that is kept; now, where there is none.
+    /// The oldest kept reply; now if there is none.
     pub(crate) oldest_us: u64,
     pub(crate) now_us: u64,
 }
@@ -52,7 +52,7 @@ impl Default for View {
 }
 
 impl View {
-    /// The moment at the right edge.
+    /// The time at the right edge.
     pub(crate) const fn right_us(self, now_us: u64) -> u64 {
         match self.watch {
             Watch::Live => now_us,
@@ -68,12 +68,12 @@ impl View {
         matches!(self.watch, Watch::Paused(_))
     }
 
-    /// Another window up to the same right edge.
+    /// The same right edge with another length.
     pub(crate) const fn with_span(self, span_us: u64) -> Self {
         Self { span_us, ..self }
     }
 
-    /// Held where it is.
+    /// Paused at the present right edge.
     pub(crate) const fn paused(self, now_us: u64) -> Self {
         Self {
             watch: Watch::Paused(self.right_us(now_us)),
@@ -81,7 +81,7 @@ impl View {
         }
     }
 
-    /// Following the time again.
+    /// Following the present.
     pub(crate) const fn live(self) -> Self {
         Self {
             watch: Watch::Live,
@@ -89,18 +89,18 @@ impl View {
         }
     }
 
-    /// A stretch `percent` as long, of which the moment at `place` stays where it is: 0 is the left
-    /// edge, 1 the right.
+    /// A period of `percent` of the length. The moment at `place` keeps its position: 0 is the left edge, 1 the
+    /// right.
     pub(crate) fn zoomed(self, percent: u64, place: f64, reach: Reach) -> Self {
         let span_us = (self.span_us.saturating_mul(percent) / 100).clamp(SPAN_MIN_US, SPAN_MAX_US);
         let right_of_place = 1.0 - place.clamp(0.0, 1.0);
-        // What was between the place and the right edge has changed by this.
+        // The distance from `place` to the right edge changes by this.
         let moved_us = scaled(self.span_us, right_of_place) - scaled(span_us, right_of_place);
         self.with_span(span_us).panned(-moved_us, reach)
     }
 
-    /// Moved to a later stretch by so much, or to an earlier one; not beyond now and not before the
-    /// oldest. A view that arrives at now goes on with the time, unless it is paused.
+    /// Moved by this time, positive is later, but not beyond now and not before the oldest reply. A view that reaches
+    /// now follows the time again, unless it is paused.
     pub(crate) fn panned(self, by_us: i64, reach: Reach) -> Self {
         let Reach { oldest_us, now_us } = reach;
         let earliest_us = oldest_us.saturating_add(self.span_us).min(now_us);
@@ -114,7 +114,7 @@ impl View {
         Self { watch, ..self }
     }
 
-    /// Moved to the oldest that there is.
+    /// Moved to the oldest reply.
     pub(crate) fn at_oldest(self, reach: Reach) -> Self {
         self.panned(i64::MIN, reach)
     }
@@ -124,7 +124,7 @@ impl View {
         self.panned(i64::MAX, reach)
     }
 
-    /// A part of the stretch: 1 is all of it.
+    /// A fraction of the length: 1 is all of it.
     pub(crate) fn part_us(self, part: f64) -> i64 {
         scaled(self.span_us, part)
     }
