@@ -16,13 +16,13 @@ use motorlink_messages::{
     protocol::{Frame, Layout, Mode, MotorId, Request},
 };
 
-/// As many as one can watch.
+/// As many as a user can follow.
 const FIRST_COUNT: i32 = 10;
 
-/// As often as a motor is driven at first, so that a drive frame that is repeated turns it evenly.
+/// The default period of drive frames, so that a repeated drive frame turns the wheel evenly.
 const FIRST_INTERVAL_MS: i32 = 20;
 
-/// The tab `Raw Hex`: the entered frame, and the state of the last one beyond that of the bus.
+/// The tab `Raw Hex`: the entered frame, and the state of the last one that the bus does not report.
 #[derive(Clone, Copy)]
 pub(crate) struct Raw {
     pub(crate) page: Page,
@@ -91,8 +91,8 @@ impl Raw {
         }
     }
 
-    /// The frame, the number of repeats, and the loop of its motor. `None` if the loop is unknown or the frame is
-    /// not for one motor: then the page asks each time.
+    /// The frame, the number of repeats, and the loop of its motor. `None` if the loop is unknown or the frame is not
+    /// for one motor: then the page asks each time.
     fn what_is_meant(self, order: RawOrder) -> Option<(RawOrder, Mode)> {
         let id = Request::parse(&order.frame).ok()?.addressee()?;
         let mode = self.page.latest.with_value(|session| session.mode(id))?;

@@ -1,4 +1,4 @@
-//! The bytes of a frame that a person writes, each with what it means.
+//! The bytes of an entered frame, each with its meaning.
 
 use motorlink_i18n::tr;
 use std::fmt::Write;
@@ -13,10 +13,10 @@ use crate::{
 const DRIVE: u8 = 0x64;
 const QUERY: u8 = 0x74;
 
-/// Characters of what is no byte that a cell has room for.
+/// Characters that a cell shows of an invalid byte.
 const SHOWN_MAX: usize = 4;
 
-/// What the bytes mean, by those that say which frame it is.
+/// The meaning of each byte, by the type of the frame.
 fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
     let byte = |place: usize| match bytes.get(place) {
         Some(Piece::Byte(byte)) => Some(*byte),
@@ -88,8 +88,7 @@ fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
     }
 }
 
-/// Ten cells as HTML, each with a byte and what it means; a byte that is wrong, doubtful or added has a
-/// mark and words.
+/// Ten cells as HTML, each with a byte and its meaning. An invalid, doubtful or added byte has a mark and a text.
 pub(crate) fn cells(entered: &Entered) -> String {
     let outcome = entered.outcome();
     let (doubt, tenth, added) = match &outcome {
@@ -140,7 +139,7 @@ pub(crate) fn cells(entered: &Entered) -> String {
     html
 }
 
-/// The byte of a frame, from 0, at which it is none that the motor knows.
+/// The index, from 0, of the byte with a value that the motor does not know.
 fn place_of_doubt(frame: &Frame) -> Option<usize> {
     let is_set_id = frame.bytes().starts_with(&SET_ID);
     Some(match Request::parse(frame).err()? {

@@ -1,76 +1,76 @@
-//! A frame that a person types or pastes, in any usual form, read without guessing.
+//! Parses a frame that a user types or pastes, in any usual form, without guessing.
 //!
 //! | form | example |
 //! |---|---|
 //! | bytes apart | `01 74 00`, `01,74;00`, `01-74:00`, `[0x01, 0x74, 0x0]`, over several lines |
-//! | digits in one | `017400000000000000`, `0x017400000000000000` |
+//! | digits without separators | `017400000000000000`, `0x017400000000000000` |
 //! | a line of the packet log | `13:15:36.962 TX 0x01 01 64 00 64 00 00 00 00 00 4F drive +100 rpm` |
 //!
-//! What is not two hex digits is wrong at its byte and is never left out. Bytes are counted from 0, as
-//! in every table of the protocol.
+//! Anything but two hex digits is an error at its byte and is never skipped. Bytes are counted from 0, as in every
+//! table of the protocol.
 
 use motorlink_messages::protocol::{FRAME_LEN, Frame};
 
-/// What stands in the textbox, byte by byte: at most one more than a frame has.
+/// The content of the textbox, byte by byte: at most one more than a frame has.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entered {
     pieces: Vec<Piece>,
 }
 
-/// What stands for one byte.
+/// The text of one byte.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Piece {
     /// A byte.
     Byte(u8),
-    /// One digit at the very end, behind which the next is awaited.
+    /// One digit at the end of the text: the second one is still missing.
     Half(char),
-    /// No byte.
+    /// An invalid byte.
     Wrong {
-        /// What stands there.
+        /// Its text.
         text: String,
-        /// What is wrong with it.
+        /// Why it is invalid.
         why: Why,
     },
 }
 
-/// Why something is no byte.
+/// Why a byte is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// Other characters than 0-9 and A-F.
+    /// Characters other than 0-9 and A-F.
     NotHex,
-    /// A single digit between bytes: it may be either half.
+    /// A single digit between bytes: it can be either half.
     OneDigit,
-    /// 0x with nothing behind it.
+    /// 0x without digits.
     NoDigits,
-    /// More than two digits behind 0x, and not a whole frame of them.
+    /// More than two digits after 0x, and not a whole frame of them.
     ManyDigits,
-    /// A direction that is not that of a line of the packet log, or more than one line.
+    /// The direction of a log line in a text that is not exactly one log line.
     NotOneLogLine,
     /// An eleventh byte.
     Surplus,
 }
 
-/// What the pieces make.
+/// The result of all pieces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Nothing is typed.
     Nothing,
-    /// So many good bytes, and too few.
+    /// This number of valid bytes, which is too few.
     TooFew(usize),
-    /// Nine bytes of a mode switch, which has its loop where others have the CRC.
+    /// Nine bytes of a mode switch, which has its loop where other frames have the CRC.
     LoopMissing,
-    /// This piece, counted from 0, is no byte.
+    /// This piece, counted from 0, is invalid.
     Wrong(usize),
     /// A frame.
     Frame {
         /// Its ten bytes.
         frame: Frame,
-        /// Where the tenth comes from.
+        /// The origin of the tenth byte.
         tenth: Tenth,
     },
 }
 
-/// The last byte of a frame.
+/// The origin of the last byte of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tenth {
     /// The CRC, computed here.
@@ -79,9 +79,9 @@ pub enum Tenth {
     ZeroAdded,
     /// Typed, and the right CRC.
     Crc,
-    /// Typed, and not this CRC.
+    /// Typed, but a wrong CRC.
     WrongCrc {
-        /// What it should be.
+        /// The right CRC.
         expected: u8,
     },
     /// Typed, in a frame that carries no CRC: the loop of a mode switch.
@@ -90,7 +90,7 @@ pub enum Tenth {
     NoCrc,
 }
 
-/// Digits of a frame without and with its last byte.
+/// Number of digits of a frame without and with its last byte.
 const WHOLE_FRAMES: [usize; 2] = [2 * FRAME_LEN - 2, 2 * FRAME_LEN];
 
 /// First bytes of a set-ID frame.
@@ -100,7 +100,7 @@ pub const SET_ID: [u8; 3] = [0xAA, 0x55, 0x53];
 pub const SWITCH_MODE: u8 = 0xA0;
 
 impl Entered {
-    /// Reads what stands in the textbox.
+    /// Parses the content of the textbox.
     #[must_use]
     pub fn read(text: &str) -> Self {
         let mut entered = Self::default();
@@ -110,7 +110,7 @@ impl Entered {
             None => {
                 let mut words = text.split(is_separator).peekable();
                 while let Some(word) = words.next() {
-                    // A word with the text's end behind it may still be typed.
+                    // The user may still be typing the last word.
                     let at_end = words.peek().is_none();
                     if !word.is_empty() {
                         entered.take_word(word, at_end);
@@ -121,13 +121,13 @@ impl Entered {
         entered
     }
 
-    /// Byte by byte.
+    /// The pieces, one per byte.
     #[must_use]
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
     }
 
-    /// What it makes.
+    /// The result of all pieces.
     #[must_use]
     pub fn outcome(&self) -> Outcome {
         if self.pieces.is_empty() {
@@ -139,7 +139,7 @@ impl Entered {
         }
         let bytes: Vec<u8> = self.bytes().collect();
         if bytes.len() < self.pieces.len() {
-            // The last is a half.
+            // The last piece is a half.
             return Outcome::TooFew(bytes.len());
         }
         if let Ok(bytes) = <[u8; FRAME_LEN]>::try_from(bytes.as_slice()) {
@@ -188,7 +188,7 @@ impl Entered {
         }
     }
 
-    /// Two digits a byte, up to what is none.
+    /// Takes two digits per byte, up to the first invalid byte.
     fn take_digits(&mut self, word: &str, at_end: bool) {
         let mut rest = word;
         while let Some(first) = rest.chars().next() {
@@ -234,7 +234,7 @@ impl Entered {
     }
 
     fn push(&mut self, piece: Piece) {
-        // More is not looked at: the eleventh is wrong already.
+        // The rest is ignored: the eleventh byte is an error already.
         if self.pieces.len() <= FRAME_LEN {
             self.pieces.push(piece);
         }
@@ -271,7 +271,7 @@ fn typed_tenth(frame: &Frame) -> Tenth {
     }
 }
 
-/// What stands between bytes.
+/// Whether a character separates bytes.
 fn is_separator(character: char) -> bool {
     character.is_ascii_whitespace()
         || matches!(
@@ -297,12 +297,12 @@ fn is_separator(character: char) -> bool {
         )
 }
 
-/// The words of a line of the packet log that stand for its bytes; `None` where the text is no such
-/// line, and the direction where it has one but is not one line.
+/// The words with the bytes of a packet log line. `None` if the text has no direction, and `Err` with the direction
+/// if it has one but is not exactly one log line.
 ///
-/// The log has a time, the direction and the ID as `0x01` in front of the bytes, and words behind
-/// them. The direction cannot be a byte, so it tells; before it stands nothing but times, and behind
-/// it the ID has its prefix, which the bytes of the log have not.
+/// A log line has a time, the direction and the ID as `0x01` before the bytes, and a description after them. The
+/// direction identifies it, because it cannot be a byte: only times precede it, and the ID after it has a prefix that
+/// the bytes of the log do not have.
 fn columns_of_log(text: &str) -> Option<Result<impl Iterator<Item = &str>, &str>> {
     let columns = |character: char| character.is_whitespace() || matches!(character, ',' | '"');
     let mut words = text.split(columns).filter(|word| !word.is_empty());

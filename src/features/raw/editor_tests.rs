@@ -11,7 +11,7 @@ fn outcome(text: &str) -> Outcome {
     Entered::read(text).outcome()
 }
 
-/// The first that is wrong: its byte, its characters and why.
+/// The first invalid byte: its index, its characters and the reason.
 fn wrong(text: &str) -> (usize, String, Why) {
     let entered = Entered::read(text);
     let Outcome::Wrong(place) = entered.outcome() else {
@@ -23,7 +23,7 @@ fn wrong(text: &str) -> (usize, String, Why) {
     }
 }
 
-/// The bytes in every form that people write.
+/// The bytes in every usual form.
 fn forms(bytes: &[u8]) -> Vec<String> {
     let each = |form: fn(&u8) -> String| bytes.iter().map(form).collect::<Vec<String>>();
     let upper = each(|byte| format!("{byte:02X}"));
@@ -61,7 +61,7 @@ fn forms(bytes: &[u8]) -> Vec<String> {
         format!("({});", prefixed.join(", ")),
         format!("<{}>", lower.join(" ")),
         format!("0x{}", upper.join("")),
-        // Pairs of words, as a hex dump has them.
+        // Pairs of bytes, as in a hex dump.
         upper
             .chunks(2)
             .map(<[String]>::concat)
@@ -72,7 +72,7 @@ fn forms(bytes: &[u8]) -> Vec<String> {
 
 #[test]
 fn ten_bytes_in_any_form_are_these_ten_bytes() {
-    // Every byte value stands at every place once, beside different neighbours.
+    // Every byte value is at every index once, beside different neighbours.
     for round in 0..=255_u8 {
         let bytes: [u8; 10] = std::array::from_fn(|place| {
             let place = u8::try_from(place).unwrap();
@@ -119,18 +119,18 @@ fn a_line_of_the_packet_log_is_its_bytes() {
 #[test]
 fn what_only_looks_like_a_line_of_the_log_is_not_read_as_one() {
     for text in [
-        // Two of them.
+        // Two log lines.
         "TX 0x01 01 64 00 64 00 00 00 00 00 4F\nRX 0x01 01 02 02 CD 00 64 17 CF 00 8F",
-        // Bytes that the log would not write so.
+        // Bytes that the log does not write with a prefix.
         "TX 0x01 0x64 0x00 0x64 0x00 0x00 0x00 0x00 0x00 0x4F",
-        // Bytes where times should be.
+        // Bytes in the place of times.
         "01 64 00 TX 01 64 00 64 00 00 00 00 00 4F",
     ] {
         assert_eq!(wrong(text), (0, "TX".to_owned(), Why::NotOneLogLine));
     }
-    // Junk of the log is too short, and its words are not bytes.
+    // Junk in the log is too short, and its description contains no bytes.
     assert_eq!(outcome("RX 0x01 01 02 CRC is missing"), Outcome::TooFew(2));
-    // Without the direction, a time is no byte.
+    // Without a direction, a time is an invalid byte.
     let (place, text, _) = wrong("13:15:36.962 01 64 00 64 00 00 00 00 00 4F");
     assert_eq!((place, text.as_str()), (3, ".962"));
 }
@@ -204,7 +204,7 @@ fn the_tenth_byte_says_what_it_is() {
     ] {
         assert_eq!(tenth(text), wanted, "{text}");
     }
-    // What a mode switch ends with is the person's to say.
+    // Only the user can say which loop ends a mode switch.
     assert_eq!(outcome("01 A0 00 00 00 00 00 00 00"), Outcome::LoopMissing);
     assert_eq!(frame("AA5553050000000000").unwrap()[9], 0);
 }

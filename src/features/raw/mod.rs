@@ -1,4 +1,4 @@
-//! Frames that a person writes.
+//! Frames that the user writes.
 
 pub(crate) mod actions;
 pub(crate) mod cells;

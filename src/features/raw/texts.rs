@@ -1,4 +1,4 @@
-//! A frame that a person writes, in words: what it asks, or what is wrong, and what came of it.
+//! Texts of an entered frame: its meaning, its errors and its result.
 
 use crate::{
     features::raw::editor::{Entered, Outcome, Piece, Tenth, Why},
@@ -11,13 +11,12 @@ use motorlink_messages::{
     protocol::{Frame, Mode, MotorId, Request, explain_received, explain_sent},
 };
 
-/// Characters of what is no byte that are repeated.
+/// Characters that are quoted of an invalid byte.
 const SHOWN_MAX: usize = 12;
 
-/// The frame in words, or what is missing or wrong.
+/// The meaning of the frame, or what is missing or wrong.
 ///
-/// `chosen` is the chosen motor and the loop that it reports: the value of a drive frame to it can be
-/// read in that.
+/// `chosen` is the chosen motor and its reported loop, which gives the value of a drive frame its unit.
 pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> String {
     match entered.outcome() {
         Outcome::Nothing => tr!(
@@ -70,7 +69,7 @@ fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String 
         None => format!("{}.", format::capitalized(&meaning)),
     };
     let rest = match (request.is_ok(), tenth) {
-        // The reason why it is not sent stands at the button.
+        // The reason why it is not sent is shown at the button.
         (false, _) if unassignable_id(frame).is_some() => return words,
         (false, _) => tr!("The frame is sent unchanged."),
         (true, Tenth::ZeroAdded | Tenth::NoCrc) => tr!("The frame has no CRC and gets no reply."),
@@ -82,7 +81,7 @@ fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String 
     words
 }
 
-/// How often a frame went out, and what came back last.
+/// How often a frame was sent, and the last reply.
 pub(crate) fn sent(raw: &RawStatus) -> String {
     let RawStatus {
         count,
@@ -117,7 +116,7 @@ pub(crate) fn sent(raw: &RawStatus) -> String {
     }
 }
 
-/// What came after the last of them.
+/// The reply to the last frame.
 pub(crate) fn answer(raw: &RawStatus) -> String {
     match raw.last {
         None => String::new(),

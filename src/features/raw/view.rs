@@ -71,7 +71,7 @@ pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
     )
 }
 
-/// The textbox, and what it holds: every byte with its meaning, and the frame in words.
+/// The textbox, the bytes in it with their meaning, and the meaning of the frame.
 #[component]
 fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     let page = raw.page;
@@ -120,11 +120,11 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             aria-live="off"
             inner_html=dynamic(move || entered.with(cells::cells))
         ></output>
-        // Somebody who types is not interrupted by how many bytes are missing.
+        // Screen readers do not announce missing bytes while the user types.
         <p
             id="frame-words"
             class="frame-words"
-            // Long words scroll in their two lines, by keyboard too.
+            // Long texts scroll within two lines, by keyboard too.
             tabindex="0"
             class:bad=wrong
             aria-live=dynamic(move || if wrong.get() { "polite" } else { "off" })
@@ -182,7 +182,7 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     }
 }
 
-/// What became of the last frame.
+/// The result of the last frame.
 #[component]
 fn Answer(raw: Raw) -> impl IntoView {
     let page = raw.page;
