@@ -39,7 +39,7 @@ const DRAWN_EVERY_MS: f64 = 15.0;
 /// If a column lasts less than this, the loop waits with frames, otherwise with a timer.
 const FRAMES_BELOW_US: u64 = 25_000;
 
-/// Maximal delay of a report, unless the page is busy: a slow adapter delays it by 16 ms, the worker by a frame. A
+/// Maximal delay of a report, unless the page is busy: a slow adapter delays it by 16 ms, the worker by 50 ms. A
 /// paused view is drawn once more after this time.
 const SETTLED_AFTER_US: u64 = 200_000;
 

@@ -21,7 +21,7 @@ pub(crate) enum End {
     Active,
     /// A reply at this time no longer reported it.
     Gone(f64),
-    /// Unknown: the motor fell silent.
+    /// Unknown: the motor stopped answering.
     Unknown,
 }
 
@@ -77,8 +77,8 @@ impl FaultHistory {
         true
     }
 
-    /// Ends the active faults of a motor that has fallen silent, or with `None` of every motor: whether
-    /// they are still there is unknown. Returns whether anything changed.
+    /// Ends the active faults of a motor that stopped answering, or of every motor with `None`: whether they are
+    /// still active is unknown. Returns whether anything changed.
     pub(crate) fn end_unknown(&mut self, id: Option<MotorId>) -> bool {
         let mut changed = false;
         for record in &mut self.motors {

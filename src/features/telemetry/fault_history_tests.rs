@@ -14,7 +14,7 @@ fn with(faults: &[Fault]) -> Faults {
         .fold(Faults::NONE, |all, fault| all.with(*fault))
 }
 
-/// Name, when it came, and how it ended.
+/// Name, start and end of each fault.
 fn entries(history: &FaultHistory, id: MotorId) -> Vec<(String, f64, End)> {
     let of = history.of(id);
     of.iter()

@@ -5,7 +5,7 @@ use motorlink_messages::protocol::Celsius;
 
 /// Above this the winding counts as warm.
 const WARM_FROM: u8 = 70;
-/// Here the motor's own protection trips: `Fault::OverTemperature`.
+/// At this temperature the motor's own protection trips: `Fault::OverTemperature`.
 const HOT_FROM: u8 = 80;
 
 /// How warm the winding is.
@@ -52,7 +52,7 @@ pub(crate) fn fill(temperature: Option<Celsius>) -> String {
     format!("{} 999", degrees.min(100))
 }
 
-/// Three quarters of a circle about the origin, open at the bottom; in the outer ring the bands.
+/// Three quarters of a circle about the origin, open at the bottom, with the bands in the outer ring.
 pub(crate) const MARKUP: &str = concat!(
     r#"<svg class="gauge" viewBox="-50 -46 100 84">"#,
     r#"<path class="gauge-track" d="M-28.3 28.3A40 40 0 1 1 28.3 28.3"/>"#,

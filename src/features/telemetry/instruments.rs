@@ -25,7 +25,7 @@ const COLUMNS: u16 = 160;
 const DRAWN_EVERY_MS: f64 = 50.0;
 /// The scales begin at 25 rpm and end at 800, more than any wheel is driven to.
 const SPEED_SCALE: Scale = Scale::new(25, 5);
-/// They begin at a quarter of an amp and end at 8 A, full scale of the wire.
+/// The scales begin at a quarter of an amp and end at 8 A, full scale of a reply.
 const CURRENT_SCALE: Scale = Scale::new(1024, 5);
 
 /// The drawing of a sparkline before anything is known.

@@ -24,7 +24,7 @@ impl Recent {
     pub(crate) const SPAN_MS: f64 = 10_000.0;
     /// Kept a little longer, so that the oldest drawn column is complete.
     const KEPT_MS: f64 = Self::SPAN_MS + 1_000.0;
-    /// Twice what fits on the line in that time: an exchange of twenty bytes takes 1.7 ms of it.
+    /// Twice what fits on the bus in that time: an exchange of twenty bytes takes 1.7 ms.
     const REPORTS_MAX: usize = 12_000;
 
     pub(crate) fn push(&mut self, report: Report) {

@@ -1,7 +1,7 @@
 //! The wheel, drawn once. From back to front: shadow, tyre, hub, cover, axle.
 //!
-//! Only the group `twin-turning` turns. What lies under and over it is round and holds the light,
-//! which stays where it is. The axle stays too: in a hub motor it is what the chassis holds.
+//! Only the group `twin-turning` turns. The parts below and above it are round and carry the light, which does not
+//! move. The axle does not turn either: in a hub motor the chassis holds it.
 
 use crate::features::telemetry::twin::{
     geometry::{TreadBlock, annulus, arc, bearings, circle, d_shaft, hexagon, holes, sector},
@@ -9,7 +9,7 @@ use crate::features::telemetry::twin::{
     measures,
 };
 
-/// Blocks that reach over the shoulder.
+/// Tread blocks that extend over the shoulder.
 const BLOCK: TreadBlock = TreadBlock {
     inner: measures::SHOULDER,
     outer: measures::TYRE,
@@ -17,9 +17,9 @@ const BLOCK: TreadBlock = TreadBlock {
     tip_deg: 6.2,
     lean_deg: 6.5,
 };
-/// Highlights of turned metal: bearing of each pair of fans, and whether it is light or shade.
+/// Highlights of turned metal: the bearing of each pair of fans, and its class, light or shade.
 const FANS: [(f64, &str); 2] = [(-38.0, "twin-fan-light"), (52.0, "twin-fan-shade")];
-/// Each fan is so many sectors one over another, which makes its edges soft.
+/// Each fan consists of this number of overlapping sectors, which makes its edges soft.
 const FAN_LAYERS: u8 = 9;
 const FAN_LAYER_DEG: f64 = 7.5;
 
@@ -37,7 +37,7 @@ pub fn wheel(art: &mut Markup) {
                 "twin-tread-band",
                 annulus(measures::SHOULDER, measures::TYRE),
             );
-            // Small differences between the blocks draw rings at speed.
+            // Small differences between the blocks look like rings at speed.
             for radius in [45.3, 46.1, 47.7, 48.6] {
                 art.path("twin-streak", circle(0.0, 0.0, radius));
             }
@@ -86,7 +86,7 @@ fn cover(art: &mut Markup) {
     );
 }
 
-/// What turns: everything by which one sees that it turns.
+/// The turning parts, which make the rotation visible.
 fn turning(art: &mut Markup) {
     art.group("twin-tread", |art| {
         art.path("twin-block-edge", BLOCK.ring(measures::TREAD_BLOCKS, -0.55));
@@ -149,7 +149,7 @@ fn axle(art: &mut Markup) {
     art.path("twin-bore", circle(0.0, 0.0, 1.75));
 }
 
-/// The fans of light that a lathe leaves on a face.
+/// The fan-shaped highlights of a face turned on a lathe.
 fn turned_metal(art: &mut Markup, inner: f64, outer: f64, class: &str) {
     art.group(class, |art| {
         for (bearing, fan) in FANS {

@@ -1,4 +1,4 @@
-//! How sharply something that turns can be seen: a function of speed alone.
+//! How sharp a turning pattern looks: a function of speed alone.
 //!
 //! A screen shows still pictures, sixty a second or fewer. A pattern that repeats every few degrees and moves
 //! more than half its pitch from one picture to the next seems to turn backwards. So each pattern
@@ -11,7 +11,7 @@ use crate::ui::frame_rate::FrameRate;
 const FRAMES_PER_SECOND: u32 = 60;
 /// A pattern begins to fade when a frame moves it by this part of its pitch.
 const SHARP_BELOW: f64 = 0.16;
-/// It is gone when a frame moves it by this part, short of the half at which direction is lost.
+/// The pattern has faded when a frame moves it by this part, less than the half at which direction is lost.
 const GONE_ABOVE: f64 = 0.46;
 /// Longest trail behind a single mark, in degrees. At the highest speed the mark moves by 33 degrees in a sixtieth of
 /// a second, and by 198 in a tenth.
@@ -23,8 +23,7 @@ pub fn step_deg(rpm: f64, rate: FrameRate) -> f64 {
     rpm.abs() * 6.0 / f64::from(rate.hertz().unwrap_or(FRAMES_PER_SECOND))
 }
 
-/// How much of a pattern of `count` equal pieces round the turn is seen as pieces: 1 sharp, 0 only
-/// as a band.
+/// The visibility of a pattern of `count` equal pieces around the turn: 1 is sharp, 0 is a uniform band.
 #[must_use]
 pub fn sharpness(rpm: f64, count: u16, rate: FrameRate) -> f64 {
     let pitches = step_deg(rpm, rate) * f64::from(count) / 360.0;
@@ -33,8 +32,8 @@ pub fn sharpness(rpm: f64, count: u16, rate: FrameRate) -> f64 {
     1.0 - gone * gone * (3.0 - 2.0 * gone)
 }
 
-/// Length of the trail behind the mark, in degrees: it reaches back to where the mark was a frame
-/// ago, so that even one mark is seen to move, not to jump.
+/// Length of the trail behind the mark, in degrees. It reaches back to the mark's position in the last frame, so that
+/// the mark seems to move instead of jump.
 #[must_use]
 pub fn trail_deg(rpm: f64, rate: FrameRate) -> f64 {
     step_deg(rpm, rate).min(TRAIL_MAX_DEG)
@@ -66,7 +65,7 @@ mod tests {
         }
     }
 
-    /// Nothing of a pattern is left at the speed from which it would seem to turn backwards.
+    /// A pattern has faded at the speed at which it would seem to turn backwards.
     #[test]
     fn no_pattern_is_seen_turning_backwards() {
         let rates = [

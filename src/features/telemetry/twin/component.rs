@@ -1,4 +1,4 @@
-//! The component: the picture, and under it the motion in words and figures.
+//! The component: the picture, and below it the motion as text and figures.
 
 use std::{cell::Cell, rc::Rc};
 
@@ -21,11 +21,11 @@ use crate::{
     },
 };
 
-/// Figures change ten times a second at most: faster, nobody can read them.
+/// Figures change at most ten times a second, so that they can be read.
 const FIGURES_PERIOD_MS: f64 = 100.0;
-/// How often a picture that is scrolled out of sight looks whether it is back.
+/// How often an invisible picture checks whether it is visible.
 const UNSEEN_PERIOD_MS: f64 = 250.0;
-/// How often a picture looks whether it is still in sight.
+/// How often a visible picture checks whether it still is.
 const SIGHT_PERIOD_MS: f64 = 250.0;
 
 /// The wheel as the motor reports it: angle, speed, direction, state and goal.
@@ -33,16 +33,16 @@ const SIGHT_PERIOD_MS: f64 = 250.0;
 /// `feed` is written by the page and read here once a frame.
 #[component]
 pub fn DigitalTwin(
-    /// What is known of the motor.
+    /// The data of the motor.
     feed: StoredValue<TwinFeed, LocalStorage>,
 ) -> impl IntoView {
     let svg = NodeRef::<Svg>::new();
     let motion = RwSignal::new(Motion::NoData);
     let figures = RwSignal::new(None::<Figures>);
-    // Dropped with the component, and with it every frame that is still to come.
+    // Dropped with the component; this cancels the next frame.
     let frames = StoredValue::new_local(None::<Frames>);
 
-    // Mounting is where the picture comes to life; the rest of the drawing needs no reactivity.
+    // The picture starts when it is mounted; its drawing needs no reactivity.
     Effect::new(move |_| {
         let Some(svg) = svg.get() else { return };
         let Some(mut painter) = Painter::of(&svg) else {
@@ -50,7 +50,7 @@ pub fn DigitalTwin(
         };
         let mut sight = Sight::default();
         let mut written_ms = f64::NEG_INFINITY;
-        // While the wheel turns it is looked at by the clock, whatever comes meanwhile.
+        // While the wheel turns, the clock triggers the updates, and new data does not.
         let asleep = Rc::new(Cell::new(false));
         let sleeps = Rc::clone(&asleep);
         let running = Frames::new(move |now_ms| {
@@ -58,11 +58,11 @@ pub fn DigitalTwin(
                 return Next::Woken;
             };
             painter.paint(&view, now_ms);
-            say(motion, view.motion);
+            set_if_changed(motion, view.motion);
             let due_ms = written_ms + FIGURES_PERIOD_MS - now_ms;
             if due_ms <= 0.0 {
                 written_ms = now_ms;
-                say(figures, view.figures);
+                set_if_changed(figures, view.figures);
             }
             if !sight.of(&svg, now_ms) {
                 return Next::After(UNSEEN_PERIOD_MS);
@@ -71,7 +71,7 @@ pub fn DigitalTwin(
             next(&view, figures.get_untracked() == view.figures, now_ms)
         });
         let waker = running.waker();
-        // With news, but not sooner than the frame after it: many replies make one frame.
+        // Wakes with new data in the frame after it, so that many replies make one frame.
         let on_news = move || {
             if asleep.replace(false) {
                 waker();
@@ -95,7 +95,7 @@ pub fn DigitalTwin(
                 inner_html=picture()
             ></svg>
             <figcaption class="twin-caption">
-                // Silent: a wheel that creeps about zero would talk without end.
+                // No live region: a wheel that creeps about zero would be announced without end.
                 <output class="twin-motion" aria-label=tr!("Motion") aria-live="off">
                     {move || motion.get().text()}
                 </output>
@@ -110,13 +110,13 @@ pub fn DigitalTwin(
 }
 
 /// Writes a signal only when it changes.
-fn say<T: PartialEq + Clone + Send + Sync + 'static>(signal: RwSignal<T>, value: T) {
+fn set_if_changed<T: PartialEq + Clone + Send + Sync + 'static>(signal: RwSignal<T>, value: T) {
     if signal.get_untracked() != value {
         signal.set(value);
     }
 }
 
-/// When this view will have changed though nothing new is heard.
+/// When this view changes without new data.
 fn next(view: &View, figures_written: bool, now_ms: f64) -> Next {
     if !view.pose.settled {
         return Next::in_step(frame_rate().step_ms(), now_ms);
@@ -125,13 +125,13 @@ fn next(view: &View, figures_written: bool, now_ms: f64) -> Next {
         return Next::in_step(FIGURES_PERIOD_MS, now_ms);
     }
     match view.fresh_until_ms {
-        // A millisecond later it is stale.
+        // The data is stale one millisecond later.
         Some(until_ms) if until_ms >= now_ms => Next::After(until_ms - now_ms + 1.0),
         _ => Next::Woken,
     }
 }
 
-/// Whether the picture is where a person could see it.
+/// Whether the picture is in the visible part of the page.
 #[derive(Default)]
 struct Sight {
     seen: bool,
@@ -139,7 +139,7 @@ struct Sight {
 }
 
 impl Sight {
-    /// Asking the browser costs a layout, so it is asked a few times a second.
+    /// The query forces a layout, so it is made a few times a second.
     fn of(&mut self, element: &Element, now_ms: f64) -> bool {
         if !self.seen || now_ms - self.looked_ms >= SIGHT_PERIOD_MS {
             self.looked_ms = now_ms;

@@ -1,8 +1,8 @@
-//! The way that the drawn wheel is sent on, so that the browser turns it between two looks at the reports
-//! and the page need not draw sixty times a second.
+//! The planned motion of the drawn wheel. The browser animates it between two updates, so that the page does not have
+//! to draw sixty times a second.
 //!
-//! A course is a straight line of angle over time, and an end: a page that hangs shows no wheel that turns
-//! on and on. It is left as it is while it is near enough to what the reports say.
+//! A course is an angle that changes linearly over time until an end, so that the wheel stops if the page hangs. It
+//! is replaced only if it deviates too much from the reports.
 //!
 //! Times are milliseconds on the page's clock.
 
@@ -11,29 +11,29 @@ use crate::{
     ui::frame_rate::frame_rate,
 };
 
-/// What a course is off is made good within this.
-const MADE_GOOD_MS: f64 = 100.0;
-/// Nearer than this it is left alone: half a millimetre at the tread of a wheel as wide as a hand.
+/// A deviation is corrected within this time.
+const CORRECTION_MS: f64 = 100.0;
+/// A smaller deviation is not corrected: half a millimetre at the tread of a wheel of 102 mm.
 const OFF_MAX_DEG: f64 = 1.0;
-/// So is a wheel that stands: a fiftieth of a millimetre there.
-const STANDS_OFF_MAX_DEG: f64 = 0.02;
-/// And a course whose speed is within one revolution a minute.
+/// The same for a wheel at standstill: a fiftieth of a millimetre at the tread.
+const STANDSTILL_OFF_MAX_DEG: f64 = 0.02;
+/// A smaller deviation of the rate is not corrected: about one rpm.
 const RATE_OFF_MAX_DEG_PER_S: f64 = 6.5;
-/// It is renewed so many looks before it ends.
-const RENEWED_BEFORE_LOOKS: f64 = 3.0;
-/// Further off it is another place, to which the wheel is not wound.
+/// A course is renewed this many updates before its end.
+const RENEWED_BEFORE_UPDATES: f64 = 3.0;
+/// With a larger deviation the wheel jumps instead of turning to the angle.
 const SNAP_DEG: f64 = 90.0;
 
-/// From an angle, at a rate, until.
+/// A rotation from an angle at a constant rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course {
-    /// When it begins.
+    /// Start.
     pub from_ms: f64,
-    /// When it ends. The wheel then stays where it has come to.
+    /// End. The wheel then stays at the last angle.
     pub until_ms: f64,
-    /// The angle at its beginning, in degrees and unwrapped.
+    /// The angle at the start, in degrees and unwrapped.
     pub angle_deg: f64,
-    /// How fast the angle grows.
+    /// Rate of the angle; the angle grows if it is positive.
     pub rate_deg_per_s: f64,
 }
 
@@ -45,7 +45,7 @@ impl Course {
         self.angle_deg + self.rate_deg_per_s * ran_ms / 1_000.0
     }
 
-    /// The same course from now on.
+    /// The rest of the same course, from now on.
     #[must_use]
     pub fn from(&self, now_ms: f64) -> Self {
         Self {
@@ -55,8 +55,8 @@ impl Course {
         }
     }
 
-    /// The course in steps of so many milliseconds that begin at multiples of that length, and how many steps. It
-    /// begins up to a step earlier and ends up to a step later, on the same line.
+    /// The course in steps of `step_ms` that begin at multiples of `step_ms`, and the number of steps. It starts up
+    /// to one step earlier and ends up to one step later, with the same angles in between.
     #[must_use]
     pub fn in_steps(&self, step_ms: f64) -> (Self, f64) {
         let from_ms = (self.from_ms / step_ms).floor() * step_ms;
@@ -71,7 +71,7 @@ impl Course {
         (course, steps)
     }
 
-    /// A wheel that stands there.
+    /// A wheel at standstill.
     const fn standing(angle_deg: f64, now_ms: f64) -> Self {
         Self {
             from_ms: now_ms,
@@ -81,20 +81,20 @@ impl Course {
         }
     }
 
-    /// The course from now on, where there is to be another.
+    /// The course from now on, if it has to change.
     #[must_use]
     pub fn next(course: Option<Self>, heading: Heading, now_ms: f64) -> Option<Self> {
         match (course, heading.way) {
-            (None, _) | (_, Way::There) => Some(Self::begun(heading, now_ms)),
-            (Some(course), Way::On) => course.corrected(heading, now_ms),
-            (Some(course), Way::Nowhere) => {
+            (None, _) | (_, Way::Jump) => Some(Self::begun(heading, now_ms)),
+            (Some(course), Way::Turn) => course.corrected(heading, now_ms),
+            (Some(course), Way::Stay) => {
                 let runs = now_ms < course.until_ms;
                 runs.then(|| Self::standing(course.angle_at(now_ms), now_ms))
             }
         }
     }
 
-    /// The course from now on, where this one is not near enough to the heading.
+    /// The course from now on, if this one deviates too much from the heading.
     fn corrected(&self, heading: Heading, now_ms: f64) -> Option<Self> {
         let drawn_deg = self.angle_at(now_ms);
         let off_deg = heading.angle_deg - drawn_deg;
@@ -103,27 +103,27 @@ impl Course {
             return Some(Self::begun(heading, now_ms));
         }
         let ended = now_ms >= self.until_ms;
-        if stands && ended && off_deg.abs() <= STANDS_OFF_MAX_DEG {
+        if stands && ended && off_deg.abs() <= STANDSTILL_OFF_MAX_DEG {
             return None;
         }
         let rate_off = (self.rate_deg_per_s - heading.rate_deg_per_s).abs();
-        let lasts = self.until_ms - now_ms >= RENEWED_BEFORE_LOOKS * frame_rate().step_ms();
+        let lasts = self.until_ms - now_ms >= RENEWED_BEFORE_UPDATES * frame_rate().step_ms();
         let near = off_deg.abs() <= OFF_MAX_DEG && rate_off <= RATE_OFF_MAX_DEG_PER_S;
         if !stands && near && lasts {
             return None;
         }
-        let made_good = off_deg * 1_000.0 / MADE_GOOD_MS;
-        let rate_deg_per_s = heading.rate_deg_per_s + made_good;
+        let correction = off_deg * 1_000.0 / CORRECTION_MS;
+        let rate_deg_per_s = heading.rate_deg_per_s + correction;
         let backwards = rate_deg_per_s * heading.rate_deg_per_s < 0.0;
         Some(Self {
             from_ms: now_ms,
             until_ms: if stands {
-                now_ms + MADE_GOOD_MS
+                now_ms + CORRECTION_MS
             } else {
                 heading.known_until_ms.max(now_ms)
             },
             angle_deg: drawn_deg,
-            // A wheel that turns is slowed down, not turned back.
+            // A turning wheel is slowed down, never turned back.
             rate_deg_per_s: if backwards { 0.0 } else { rate_deg_per_s },
         })
     }

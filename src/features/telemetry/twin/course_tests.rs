@@ -1,4 +1,4 @@
-//! The course beside a wheel whose true angle is known, looked at as seldom as the page does.
+//! The course against a wheel with a known true angle, updated as seldom as on the page.
 
 use super::*;
 use crate::{
@@ -6,9 +6,9 @@ use crate::{
     ui::frame_rate::{FrameRate, set_frame_rate},
 };
 
-/// What was drawn, sixty times a second, with how often the wheel was sent on.
+/// The drawn frames, sixty a second, and the number of changes of course.
 struct Drawn {
-    /// When, the angle drawn and the true one.
+    /// Time, drawn angle and true angle.
     frames: Vec<(f64, f64, f64)>,
     corrections: usize,
 }
@@ -27,7 +27,7 @@ impl Drawn {
 const POSTED_EVERY_MS: u32 = 50;
 const POSTED_EVERY_STOPPING_MS: u32 = 17;
 
-/// A wheel at these speeds, each for so many milliseconds, reported fifty times a second.
+/// A wheel at these speeds, each for a number of milliseconds, with fifty reports a second.
 fn drive(speeds: &[(f64, u32)]) -> Drawn {
     drive_posted(speeds, POSTED_EVERY_MS)
 }
@@ -56,7 +56,7 @@ fn drive_posted(speeds: &[(f64, u32)], posted_every_ms: u32) -> Drawn {
                     estimator.report(reported, Some(angle), rpm.round());
                 }
             }
-            // A frame behind the time that was asked for, as timers and frames go.
+            // One frame later than requested, as timers and frames are.
             if now - looked >= frame_rate().step_ms() + 16.0 {
                 looked = now;
                 let heading = estimator.frame(now).heading;
@@ -138,7 +138,7 @@ fn a_wheel_that_slows_down_is_never_turned_back() {
 #[test]
 fn without_reports_the_wheel_stops_by_itself() {
     let heading = Heading {
-        way: Way::On,
+        way: Way::Turn,
         angle_deg: 10.0,
         rate_deg_per_s: -600.0,
         known_until_ms: 1_400.0,
@@ -152,7 +152,7 @@ fn without_reports_the_wheel_stops_by_itself() {
 #[test]
 fn another_place_is_not_wound_to() {
     let heading = |angle_deg| Heading {
-        way: Way::On,
+        way: Way::Turn,
         angle_deg,
         rate_deg_per_s: 0.0,
         known_until_ms: 500.0,
@@ -163,7 +163,7 @@ fn another_place_is_not_wound_to() {
     assert_eq!(course.corrected(heading(0.01), 600.0), None);
 }
 
-/// The page was hidden, or another motor was chosen: the wheel is put where it is, not wound there.
+/// The page was hidden, or another motor was chosen: the wheel jumps to its angle.
 #[test]
 fn a_way_that_nobody_saw_is_not_drawn() {
     let heading = |way, angle_deg| Heading {
@@ -172,8 +172,8 @@ fn a_way_that_nobody_saw_is_not_drawn() {
         rate_deg_per_s: 0.0,
         known_until_ms: 500.0,
     };
-    let course = Course::next(None, heading(Way::There, 0.0), 0.0);
-    let next = Course::next(course, heading(Way::There, 80.0), 10.0).unwrap();
+    let course = Course::next(None, heading(Way::Jump, 0.0), 0.0);
+    let next = Course::next(course, heading(Way::Jump, 80.0), 10.0).unwrap();
     assert!((next.angle_at(10.0) - 80.0).abs() < f64::EPSILON);
 }
 
@@ -181,14 +181,14 @@ fn a_way_that_nobody_saw_is_not_drawn() {
 #[test]
 fn a_wheel_of_which_nothing_is_known_stays_as_it_is_drawn() {
     let turning = Heading {
-        way: Way::There,
+        way: Way::Jump,
         angle_deg: 0.0,
         rate_deg_per_s: -1_200.0,
         known_until_ms: 500.0,
     };
     let course = Course::next(None, turning, 0.0);
     let unknown = Heading {
-        way: Way::Nowhere,
+        way: Way::Stay,
         angle_deg: 0.0,
         rate_deg_per_s: 0.0,
         known_until_ms: 40.0,

@@ -1,4 +1,4 @@
-//! The ring round the wheel: speed as an arc, the scale beside it, and the pointers of the goal.
+//! The ring around the wheel: speed as an arc, the scale beside it, and the pointers of the goal.
 
 use motorlink_i18n::tr;
 
@@ -9,9 +9,9 @@ use crate::features::telemetry::twin::{
     scale::{END_DEG, LIMIT_RPM, bearing_deg},
 };
 
-/// Steps of the short ticks, in rpm.
+/// Distance of the short ticks, in rpm.
 const TICK_RPM: u16 = 10;
-/// Steps of the long ones, which carry figures.
+/// Distance of the long ticks, which have labels.
 const FIGURE_RPM: u16 = 100;
 
 /// The ring with its scale, drawn under the wheel.
@@ -42,7 +42,7 @@ pub fn ring(art: &mut Markup) {
                 &signed(rpm),
             );
         }
-        // Below the ends, where no pointer comes.
+        // Below the ends, outside of the range of the pointers.
         art.text(
             "twin-way",
             polar(-END_DEG - 8.0, measures::FIGURES),
@@ -56,9 +56,9 @@ pub fn ring(art: &mut Markup) {
     });
 }
 
-/// What moves on the ring, drawn over the wheel.
+/// The moving parts of the ring, drawn over the wheel.
 pub fn needles(art: &mut Markup) {
-    // From the negative end to the positive one, measured in rpm: a speed is a dash on it.
+    // From the negative to the positive end, measured in rpm, so that a speed is a dash on it.
     art.measured_path(
         "twin-speed",
         2.0 * LIMIT_RPM,
@@ -72,7 +72,7 @@ pub fn needles(art: &mut Markup) {
     art.path("twin-goal-angle", "M-2.4 -55.1H2.4L0 -51.4Z");
 }
 
-/// The round speeds of the scale, both sides and zero.
+/// The speeds of the scale's marks: both directions and zero.
 fn scale(step_rpm: u16) -> Vec<f64> {
     let reach = (1..)
         .map(|place: u16| f64::from(place * step_rpm))
@@ -84,7 +84,7 @@ fn scale(step_rpm: u16) -> Vec<f64> {
     speeds
 }
 
-/// A speed as the scale writes it.
+/// A speed as a label of the scale.
 fn signed(rpm: f64) -> String {
     match rpm {
         0.0 => "0".to_owned(),

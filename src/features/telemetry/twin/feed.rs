@@ -1,4 +1,4 @@
-//! What the page tells the twin: reports, the goal, and what the bus does.
+//! The data of the twin: reports, the goal, and the activity of the bus.
 
 use std::rc::Rc;
 
@@ -10,8 +10,8 @@ use crate::features::telemetry::twin::{
     texts::{Figures, Motion},
 };
 
-/// The twin's view of one motor: plain data, fed from the page at any rate and read by the twin once
-/// a frame. Nothing in it is a signal.
+/// The data of one motor: the page writes it at any rate, and the twin reads it once a frame. Nothing in it is a
+/// signal.
 ///
 /// All times are milliseconds on the page's `performance.now()` clock.
 #[derive(Default)]
@@ -27,17 +27,17 @@ pub struct TwinFeed {
     wake: Option<Rc<dyn Fn()>>,
 }
 
-/// The wheel as it was drawn last, for others that show its angle too.
+/// The wheel in the last drawing, for other parts that show its angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drawn {
     /// The angle in degrees, unwrapped: it may be any number. As a clockwise rotation it turns a
     /// drawing the right way.
     pub angle_deg: f64,
-    /// The figures that go with it.
+    /// The figures at this angle.
     pub figures: Figures,
 }
 
-/// Everything that one frame shows.
+/// The content of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
     pub pose: Pose,
@@ -47,17 +47,16 @@ pub(crate) struct View {
     pub goal: Option<Setpoint>,
     /// Whether the goal is being sent.
     pub driven: bool,
-    /// When the view changes by itself though nothing moves: then its data is stale.
+    /// When the data becomes stale, which changes the view even at standstill.
     pub fresh_until_ms: Option<f64>,
 }
 
 impl TwinFeed {
     /// A reply of the motor, measured at `page_ms`.
     ///
-    /// `angle_deg` is the reported angle, 0 to 360, falling at positive speed; `None` where the reply
-    /// holds none. `quality` tells drive replies from query replies. `speed_rpm` is the reported
-    /// speed. Replies must come in the order in which they were measured; an older one is passed
-    /// over.
+    /// `angle_deg` is the reported angle, 0 to 360, falling at positive speed; `None` if the reply does not contain
+    /// it. `quality` tells drive replies from query replies. `speed_rpm` is the reported speed. Replies must come in
+    /// the order of their measurement; an older one is ignored.
     pub fn sample(
         &mut self,
         page_ms: f64,
@@ -75,7 +74,7 @@ impl TwinFeed {
         self.wake();
     }
 
-    /// What is asked of the motor, as the page shows it; it is drawn as the pointer.
+    /// The setpoint, as the page shows it; the pointer shows it.
     pub fn set_goal(&mut self, goal: Option<Setpoint>) {
         if self.goal != goal {
             self.goal = goal;
@@ -83,7 +82,7 @@ impl TwinFeed {
         }
     }
 
-    /// What the bus does with the motor.
+    /// Sets what the bus does with the motor.
     pub fn set_activity(&mut self, activity: Option<Activity>) {
         if self.activity != activity {
             self.activity = activity;
@@ -91,7 +90,7 @@ impl TwinFeed {
         }
     }
 
-    /// Disconnected, or another motor: nothing is known. The wheel stays where it was drawn.
+    /// Forgets the data after a disconnection or for another motor. The wheel stays as it was drawn.
     pub fn clear(&mut self) {
         self.estimator.clear();
         self.speed = None;
@@ -102,13 +101,13 @@ impl TwinFeed {
         self.wake();
     }
 
-    /// What was drawn last; `None` before the first reported angle.
+    /// The last drawing; `None` before the first reported angle.
     #[must_use]
     pub const fn drawn(&self) -> Option<Drawn> {
         self.drawn
     }
 
-    /// Calls `wake` whenever there is something new. It must not touch the feed.
+    /// Calls `wake` with all new data. It must not touch the feed.
     pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
         self.wake = Some(wake);
     }
@@ -119,7 +118,7 @@ impl TwinFeed {
         }
     }
 
-    /// What to show at this moment.
+    /// The content of the frame at this time.
     pub(crate) fn view(&mut self, now_ms: f64) -> View {
         let pose = self.estimator.frame(now_ms);
         let fresh = self
@@ -174,7 +173,7 @@ mod tests {
         assert_eq!(woken.get(), 4);
     }
 
-    /// The story of a stop, as the page tells it.
+    /// A stop, as the page reports it.
     #[test]
     fn a_stop_is_braking_until_the_wheel_stands() {
         let mut feed = TwinFeed::default();
@@ -191,7 +190,7 @@ mod tests {
         assert_eq!(feed.view(541.0).motion, Motion::NoData);
     }
 
-    /// A speed without an angle is enough for the words, and draws no guess of an angle.
+    /// A speed without an angle gives a text, and no guessed angle.
     #[test]
     fn speed_alone_is_said() {
         let mut feed = TwinFeed::default();
@@ -201,7 +200,7 @@ mod tests {
         assert_eq!(view.figures.unwrap().angle_text(), "–°");
     }
 
-    /// One counts the turns of the drawn wheel, so that the page shows one number of them.
+    /// The page shows the turn count of the drawn wheel only, so that its numbers agree.
     #[test]
     fn what_was_drawn_last_tells_the_turns_through_many_of_them() {
         let mut feed = TwinFeed::default();

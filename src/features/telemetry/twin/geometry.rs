@@ -1,7 +1,7 @@
 //! Shapes of the twin as SVG path data: pure functions of numbers.
 //!
-//! One unit of the drawing is one millimetre of the wheel, whose axle is the origin. Bearings are
-//! degrees clockwise from straight up, as on a compass; that is also the sense in which SVG turns.
+//! One unit of the drawing is one millimetre of the wheel, whose axle is the origin. Bearings are degrees clockwise
+//! from straight up, the direction of a rotation in SVG.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ pub struct Point {
     pub y: f64,
 }
 
-/// As path data writes it, to the hundredth of a millimetre: `3.25 -4.00`.
+/// Path data, to the hundredth of a millimetre: `3.25 -4.00`.
 impl std::fmt::Display for Point {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:.2} {:.2}", self.x, self.y)
@@ -41,7 +41,7 @@ pub fn arc(radius: f64, from_deg: f64, to_deg: f64) -> String {
     )
 }
 
-/// The same arc without its beginning, to go on with a path that is already there.
+/// The same arc without its start, to continue an existing path.
 fn arc_on(radius: f64, from_deg: f64, to_deg: f64) -> String {
     let large = i32::from((to_deg - from_deg).abs() > 180.0);
     let clockwise = i32::from(to_deg > from_deg);
@@ -57,7 +57,7 @@ pub fn annulus(inner: f64, outer: f64) -> String {
     format!("{}{}", circle(0.0, 0.0, outer), circle(0.0, 0.0, inner))
 }
 
-/// A circle as path data, so that many of them are one element.
+/// A circle as path data, so that one element can contain many.
 #[must_use]
 pub fn circle(bearing_deg: f64, distance: f64, radius: f64) -> String {
     let centre = polar(bearing_deg, distance);
@@ -70,7 +70,7 @@ pub fn circle(bearing_deg: f64, distance: f64, radius: f64) -> String {
     )
 }
 
-/// `count` bearings evenly round the turn, the first of them straight up plus `offset_deg`.
+/// `count` bearings evenly around the turn, starting at `offset_deg`.
 pub fn bearings(count: u16, offset_deg: f64) -> impl Iterator<Item = f64> {
     let pitch_deg = 360.0 / f64::from(count.max(1));
     (0..count).map(move |place| offset_deg + f64::from(place) * pitch_deg)
@@ -96,7 +96,7 @@ pub fn sector(bearing_deg: f64, width_deg: f64, inner: f64, outer: f64) -> Strin
     )
 }
 
-/// Radial lines at the given bearings, as of a scale or of knurling.
+/// Radial lines at the given bearings, for a scale or for knurling.
 pub fn spokes(bearings_deg: impl Iterator<Item = f64>, inner: f64, outer: f64) -> String {
     let mut path = String::new();
     for bearing in bearings_deg {
@@ -107,30 +107,30 @@ pub fn spokes(bearings_deg: impl Iterator<Item = f64>, inner: f64, outer: f64) -
     path
 }
 
-/// One block of a directional tread: it leans forward as it goes out.
+/// One block of a directional tread: it leans forward towards its tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TreadBlock {
-    /// Where it begins on the shoulder, in millimetres from the axle.
+    /// Inner end on the shoulder, in millimetres from the axle.
     pub inner: f64,
-    /// Where it ends on the running surface.
+    /// Outer end on the running surface.
     pub outer: f64,
-    /// Its width at the beginning, in degrees.
+    /// Width at the inner end, in degrees.
     pub root_deg: f64,
-    /// Its width at the end.
+    /// Width at the outer end, in degrees.
     pub tip_deg: f64,
-    /// How far the end lies clockwise of the beginning.
+    /// How far the outer end is clockwise of the inner one, in degrees.
     pub lean_deg: f64,
 }
 
 impl TreadBlock {
-    /// The outline of the block that begins at a bearing: two leaning curves between two arcs.
+    /// The outline of the block that begins at a bearing: two curves between two arcs.
     #[must_use]
     pub fn outline(self, bearing_deg: f64) -> String {
         let edge = |side: f64| {
             let root = bearing_deg + side * self.root_deg / 2.0;
             let tip = bearing_deg + self.lean_deg + side * self.tip_deg / 2.0;
-            // The curve leaves the shoulder radially and turns forward on its way, as a moulded
-            // rib does; two thirds up looks right.
+            // The curve leaves the shoulder radially and then bends forward, like a moulded rib. The factor 0.66 is
+            // chosen by eye.
             let bend = polar(root, self.inner + (self.outer - self.inner) * 0.66);
             (root, bend, tip)
         };
@@ -146,7 +146,7 @@ impl TreadBlock {
         path
     }
 
-    /// The outlines of `count` blocks round the turn.
+    /// The outlines of `count` blocks around the turn.
     #[must_use]
     pub fn ring(self, count: u16, offset_deg: f64) -> String {
         bearings(count, offset_deg)
@@ -155,14 +155,14 @@ impl TreadBlock {
     }
 }
 
-/// A round shaft with one flat of the given length at its upper side: the D that a hub is keyed by.
+/// A D-shaped shaft with a flat of this length at its upper side.
 #[must_use]
 pub fn d_shaft(radius: f64, flat: f64) -> String {
     let half_deg = (flat / 2.0 / radius).clamp(-1.0, 1.0).asin().to_degrees();
     format!("{}Z", arc(radius, half_deg, 360.0 - half_deg))
 }
 
-/// A hexagon about a point, as the socket of a screw; `radius` is that of its corners.
+/// A hexagon about a point, as the socket of a screw; `radius` is the distance of its corners.
 #[must_use]
 pub fn hexagon(bearing_deg: f64, distance: f64, radius: f64) -> String {
     let centre = polar(bearing_deg, distance);

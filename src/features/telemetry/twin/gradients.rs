@@ -1,7 +1,7 @@
 //! The materials: rubber, aluminium, a black cover, steel, and the light on them.
 //!
-//! The light stands still in the room while the wheel turns, so nothing here turns. Colours are
-//! classes that the style sheet gives to `stop-color`.
+//! The light is fixed while the wheel turns, so nothing here turns. Colours are classes to which the style sheet
+//! gives a `stop-color`.
 
 use crate::features::telemetry::twin::{
     markup::{
@@ -43,7 +43,7 @@ fn tyre(defs: &mut Markup) {
             (at(measures::CARCASS), "twin-rubber-black", 1.0),
         ],
     );
-    // What the eye sees of blocks and gaps that run together. Beyond the carcass gaps are air.
+    // The blurred blocks and gaps. Beyond the carcass the gaps are transparent.
     defs.gradient(
         "twin-tread-band",
         Outwards(measures::TYRE),
@@ -56,7 +56,7 @@ fn tyre(defs: &mut Markup) {
             (1.0, "twin-rubber", 0.45),
         ],
     );
-    // The sidewall bulges: dark at the bead, lit where it stands out, dark into the shoulder.
+    // The sidewall bulges: dark at the bead, light in the middle, dark at the shoulder.
     defs.gradient(
         "twin-sidewall",
         Outwards(measures::TYRE),
@@ -77,7 +77,7 @@ fn tyre(defs: &mut Markup) {
             (0.54, "twin-light", 0.01),
             (0.55, "twin-shade", 0.0),
             (0.82, "twin-shade", 0.30),
-            // The page throws a little light back from below.
+            // The page reflects a little light from below.
             (1.0, "twin-shade", 0.08),
         ],
     );

@@ -1,8 +1,7 @@
-//! A few words of SVG, written as text.
+//! A small builder of SVG text.
 //!
-//! The artwork is drawn once and never re-rendered, so it is markup that the browser parses in one
-//! go, and that tests read without a browser. Looks come from classes; the page's policy allows no
-//! inline styles.
+//! The artwork is drawn once and never re-rendered. So it is text that the browser parses at once and that tests read
+//! without a browser. Classes set the style; the page's policy forbids inline styles.
 
 use std::fmt::{Display, Write};
 
@@ -10,19 +9,19 @@ use std::fmt::{Display, Write};
 #[derive(Default)]
 pub struct Markup(String);
 
-/// One colour of a gradient: where along it (0 to 1), the class that names the colour, its opacity.
+/// One colour of a gradient: its position (0 to 1), the class with the colour, its opacity.
 pub type Stop = (f64, &'static str, f64);
 
-/// Which way a gradient goes, in millimetres of the drawing.
+/// The direction of a gradient, in millimetres of the drawing.
 #[derive(Clone, Copy, Debug)]
 pub enum Gradient {
     /// Across a disc of this radius about the axle, from the light at the upper left to the shade.
     AlongLight(f64),
-    /// The same from the shade to the light: what a bevel turned inwards shows.
+    /// The same from the shade to the light, for an inward bevel.
     AgainstLight(f64),
     /// From the axle outwards to this radius.
     Outwards(f64),
-    /// From the highlight that a domed disc of this radius shows, outwards over all of it.
+    /// From the highlight of a domed disc of this radius outwards.
     Domed(f64),
 }
 
@@ -44,7 +43,7 @@ impl Markup {
         self.write(format_args!(r#"<path class="{class}" d="{data}"/>"#))
     }
 
-    /// A path whose length counts as `length`, for dashes in the units of what it shows.
+    /// A path with `pathLength` set to `length`, so that dashes have the unit of the shown quantity.
     pub fn measured_path(&mut self, class: &str, length: f64, data: impl Display) -> &mut Self {
         self.write(format_args!(
             r#"<path class="{class}" pathLength="{length}" d="{data}"/>"#
@@ -58,7 +57,7 @@ impl Markup {
         ))
     }
 
-    /// A short text, centred at a point. It must hold nothing that markup would read.
+    /// A short text, centred at a point. It is not escaped.
     pub fn text(&mut self, class: &str, at: super::geometry::Point, text: &str) -> &mut Self {
         let (x, y) = (at.x, at.y);
         self.write(format_args!(
@@ -66,21 +65,21 @@ impl Markup {
         ))
     }
 
-    /// Elements that belong together.
+    /// A group of elements.
     pub fn group(&mut self, class: &str, content: impl FnOnce(&mut Self)) -> &mut Self {
         self.write(format_args!(r#"<g class="{class}">"#));
         content(self);
         self.write(format_args!("</g>"))
     }
 
-    /// An element of the given name without a look of its own: `defs`, `desc`.
+    /// An element of the given name without a class: `defs`, `desc`.
     pub fn element(&mut self, name: &str, content: impl FnOnce(&mut Self)) -> &mut Self {
         self.write(format_args!("<{name}>"));
         content(self);
         self.write(format_args!("</{name}>"))
     }
 
-    /// A gradient, to be named by [`shaded`](Self::shaded).
+    /// A gradient, for use by [`shaded`](Self::shaded).
     pub fn gradient(&mut self, id: &str, way: Gradient, stops: &[Stop]) -> &mut Self {
         let name = match way {
             Gradient::AlongLight(r) => self.linear(id, -r, r),
@@ -96,7 +95,7 @@ impl Markup {
         self.write(format_args!("</{name}>"))
     }
 
-    /// The light stands at the upper left, a little nearer to the top.
+    /// The light is at the upper left, a little nearer to the top.
     fn linear(&mut self, id: &str, from: f64, to: f64) -> &'static str {
         let (x1, y1, x2, y2) = (from * 0.6, from * 0.8, to * 0.6, to * 0.8);
         self.write(format_args!(

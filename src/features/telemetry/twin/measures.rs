@@ -1,62 +1,62 @@
 //! The wheel and its dial in millimetres from the axle.
 //!
-//! The wheel is 102 mm across, its shaft 15.2 mm with a flat of 8 mm, and its front cover is held by
-//! three M2.5 screws: the maker's figures. The rest is by eye.
+//! The wheel has a diameter of 102 mm, its shaft 15.2 mm with a flat of 8 mm, and three M2.5 screws hold its front
+//! cover. These are the maker's figures; the rest is estimated.
 
 /// Running surface of the tread.
 pub const TYRE: f64 = 51.0;
-/// Ground of the gaps between tread blocks.
+/// Bottom of the gaps between tread blocks.
 pub const CARCASS: f64 = 49.5;
-/// Where the sidewall ends.
+/// Outer edge of the sidewall.
 pub const SIDEWALL: f64 = 44.9;
-/// Where the tread blocks begin, under the sidewall's edge.
+/// Inner end of the tread blocks, under the edge of the sidewall.
 pub const SHOULDER: f64 = 44.2;
-/// Tread blocks round the turn.
+/// Number of tread blocks.
 pub const TREAD_BLOCKS: u16 = 32;
 
-/// Aluminium hub, out to the bead of the tyre.
+/// Aluminium hub, up to the bead of the tyre.
 pub const HUB: f64 = 38.0;
-/// Inside of its lip.
+/// Inner edge of the hub's lip.
 pub const LIP: f64 = 36.6;
-/// Its face, inside the step below the lip.
+/// Face of the hub, inside the step below the lip.
 pub const FACE: f64 = 35.8;
-/// Circle of the holes.
+/// Circle on which the holes are.
 pub const HOLES: f64 = 31.9;
 /// Radius of a hole.
 pub const HOLE: f64 = 1.75;
-/// Holes round the turn.
+/// Number of holes.
 pub const HOLE_COUNT: u16 = 18;
 
 /// Black front cover.
 pub const COVER: f64 = 27.6;
-/// Its face, inside the bevelled edge.
+/// Face of the cover, inside the bevelled edge.
 pub const COVER_FACE: f64 = 26.6;
-/// Step round the middle of the cover.
+/// Step around the middle of the cover.
 pub const STEP: f64 = 12.6;
-/// Circle of the screws.
+/// Circle on which the screws are.
 pub const SCREWS: f64 = 19.4;
 /// Radius of a screw's head: M2.5.
 pub const SCREW: f64 = 2.35;
 
-/// Opening in the cover round the shaft.
+/// Opening in the cover around the shaft.
 pub const RECESS: f64 = 9.4;
 /// The shaft.
 pub const AXLE: f64 = 7.6;
 /// Length of the flat on it.
 pub const AXLE_FLAT: f64 = 8.0;
 
-/// The wheel's shadow on the page, and how far below the wheel it lies.
+/// The wheel's shadow on the page. [`SHADOW_DROP`] is its distance below the wheel.
 pub const SHADOW: f64 = 57.5;
 /// See [`SHADOW`].
 pub const SHADOW_DROP: f64 = 3.2;
 
 /// Middle of the speed ring.
 pub const RING: f64 = 56.8;
-/// Where ticks begin.
+/// Start of the ticks.
 pub const TICKS: f64 = 59.8;
-/// Where the short ones end.
+/// End of the short ticks.
 pub const TICKS_SHORT: f64 = 61.2;
-/// Where the long ones end.
+/// End of the long ticks.
 pub const TICKS_LONG: f64 = 62.8;
-/// Middle of the figures at the ticks.
+/// Middle of the labels at the ticks.
 pub const FIGURES: f64 = 68.4;

@@ -1,12 +1,12 @@
-//! The digital twin: a wheel on the screen that does what the wheel at the motor does.
+//! The digital twin: a drawn wheel that moves as the wheel at the motor.
 //!
 //! | file | idea |
 //! |---|---|
-//! | `feed` | what the page tells the twin, and what one frame shows of it |
-//! | `motion` | from reports to the angle and speed of this moment |
-//! | `course` | the way that the drawn wheel is sent on between two looks at that |
-//! | `words` | motion and figures as text |
-//! | `blur`, `scale` | what a speed looks like: sharpness, and place on the ring |
+//! | `feed` | the data of the twin, and the content of one frame |
+//! | `motion` | estimates the present angle and speed from reports |
+//! | `course` | the planned motion of the wheel between two updates |
+//! | `texts` | motion and figures as text |
+//! | `blur`, `scale` | sharpness at a speed, and its position on the ring |
 //! | `geometry`, `markup` | shapes as path data, elements as text |
 //! | `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
 //! | `painter`, `turning`, `component` | the browser: attributes, the turning layer, the view |

@@ -1,22 +1,22 @@
-//! From reports, some of them old and some of them coarse, to the angle that is drawn now.
+//! Estimates the present angle from reports that may be old or coarse.
 //!
-//! Two layers. The *track* is what the reports say: the last angle, and the speed at which it goes
-//! on. The *lag* is how far the drawn wheel is off the track. A report moves the track at once and
-//! the lag takes up the difference, so the drawn wheel never jumps; from frame to frame the lag then
-//! melts away, slower than the wheel turns, so the drawn wheel never runs backwards either.
+//! There are two layers. The *track* is the reported motion: the last angle, and the speed at which it continues. The
+//! *lag* is the deviation of the drawn wheel from the track. A report moves the track at once and the lag takes up
+//! the difference, so the drawn wheel never jumps. The lag then decays from frame to frame, slower than the wheel
+//! turns, so the drawn wheel never turns backwards either.
 //!
-//! Time is an argument: milliseconds on the page's clock, for reports that of their measurement.
+//! Time is an argument: milliseconds on the page's clock. The time of a report is the time of its measurement.
 
 use motorlink_messages::bus::FRESH_FOR;
 
 use crate::ui::mathematics::exp;
 
-/// How exactly a reply reports its angle.
+/// The resolution of a reported angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AngleQuality {
-    /// To 0.01 degrees, as replies to drive frames do.
+    /// 0.01 degrees, in replies to drive frames.
     Fine,
-    /// In steps of 1.4 degrees, as replies to feedback queries do.
+    /// 1.4 degrees, in replies to feedback queries.
     Coarse,
 }
 
@@ -25,78 +25,77 @@ pub enum AngleQuality {
 pub struct ReportedAngle {
     /// 0 to 360.
     pub degrees: f64,
-    /// How far it can be trusted.
+    /// Its resolution.
     pub quality: AngleQuality,
 }
 
-/// How the drawn wheel gets to where it is.
+/// How the drawn wheel reaches the angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Turning, from where it is drawn.
-    On,
-    /// Put there: nobody saw the way.
-    There,
-    /// It stays where it is drawn: nothing is known.
-    Nowhere,
+    /// It turns there.
+    Turn,
+    /// It jumps there: the way was not visible.
+    Jump,
+    /// It stays as drawn: the angle is unknown.
+    Stay,
 }
 
-/// Where the wheel is and how it goes on.
+/// The present angle and rate of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heading {
-    /// How it gets there.
+    /// How the drawn wheel reaches it.
     pub way: Way,
-    /// The reported angle as it is now, in degrees and unwrapped: it may be any number. As a
-    /// clockwise rotation it turns the drawn wheel the right way.
+    /// The reported angle extrapolated to now, in degrees and unwrapped: it can be any number. As a clockwise
+    /// rotation it turns the drawn wheel in the right direction.
     pub angle_deg: f64,
-    /// How fast that grows; 0 where nothing is known.
+    /// Rate of the angle; 0 if unknown.
     pub rate_deg_per_s: f64,
-    /// How long the last report can be gone by.
+    /// Until when the last report may be extrapolated.
     pub known_until_ms: f64,
 }
 
-/// What is drawn in one frame.
+/// The drawn state of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     pub heading: Heading,
     /// Speed, smoothed over a few frames; positive is counter-clockwise.
     pub speed_rpm: f64,
-    /// Whether the last report is young enough to go by.
+    /// Whether the last report is recent enough to extrapolate from.
     pub fresh: bool,
-    /// Whether the next frame would look the same if no report came.
+    /// Whether the next frame looks the same without a new report.
     pub settled: bool,
 }
 
-/// Reports older than this are not extrapolated from, in milliseconds.
+/// Maximal age of a report to extrapolate from, in milliseconds.
 #[allow(
     clippy::cast_precision_loss,
     reason = "half a second in milliseconds is exact"
 )]
 pub const FRESH_MS: f64 = FRESH_FOR.as_millis() as f64;
 
-/// A coarse angle is cut off, not rounded, and may be off by one step of 360/255 degrees.
+/// A coarse angle is truncated, not rounded, and can be off by one step of 360/255 degrees.
 const COARSE_STEP_DEG: f64 = 360.0 / 255.0;
-/// The lag falls to a third in this time: half a dozen frames, too soft to be seen.
-const LAG_MELTS_MS: f64 = 100.0;
-/// Against the turning the lag melts at no more than this part of the wheel's own rate, so that the
-/// drawn wheel only slows down.
+/// Time constant of the lag: it falls to a third in about six frames, which is too smooth to be noticed.
+const LAG_DECAY_MS: f64 = 100.0;
+/// Maximal rate at which the lag decays against the rotation, as a part of the wheel's own rate, so that the drawn
+/// wheel only slows down.
 const LAG_SHARE: f64 = 0.5;
-/// Along the turning, and on a standing wheel either way, it may melt at this rate.
+/// Rate at which the lag may decay along the rotation, and in both directions at standstill.
 const EASE_DEG_PER_S: f64 = 60.0;
-/// A lag of more than a quarter turn is a wheel that was turned unseen: it is not wound back.
+/// With a larger lag the wheel jumps: it was turned while nobody saw it.
 const SNAP_DEG: f64 = 90.0;
-/// Nobody has seen the wheel between frames this far apart: no need to be smooth. (A hidden page
-/// draws no frames.)
+/// After a longer gap between frames the motion need not be smooth: a hidden page draws no frames.
 const UNSEEN_MS: f64 = 250.0;
-/// Speed as drawn follows speed as reported to a third in this time: steps of 1 rpm become smooth.
-const SPEED_FOLLOWS_MS: f64 = 70.0;
-/// Below this the eye sees no difference: a fiftieth of a millimetre at the tread.
+/// Time constant of the drawn speed: it smooths steps of 1 rpm.
+const SPEED_SMOOTHING_MS: f64 = 70.0;
+/// A smaller difference is invisible: a fiftieth of a millimetre at the tread.
 const SETTLED_DEG: f64 = 0.02;
 /// The same for speed: a hundredth of a degree on the ring.
 const SETTLED_RPM: f64 = 0.02;
-/// A report this much older than the last is of another clock, not late: begin anew.
+/// A report that is this much older than the last one is from another clock: the estimator restarts.
 const OTHER_CLOCK_MS: f64 = 1_000.0;
 
-/// What the reports say.
+/// The reported motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Track {
     at_ms: f64,
@@ -105,30 +104,30 @@ struct Track {
 }
 
 impl Track {
-    /// The angle at a time, as far as these reports reach.
+    /// The angle at a time, extrapolated from the last report as long as it is recent.
     fn angle_at(&self, ms: f64) -> f64 {
         let age_ms = (ms - self.at_ms).min(FRESH_MS);
         self.angle_deg + self.rate_deg_per_s * age_ms / 1_000.0
     }
 }
 
-/// The drawn wheel's angle and speed, frame by frame.
+/// Estimates the drawn wheel's angle and speed, frame by frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimator {
     track: Option<Track>,
     lag_deg: f64,
-    /// The last frame, and what was drawn in it.
+    /// The last frame and its drawn state.
     drawn_ms: Option<f64>,
     drawn_deg: f64,
     speed_rpm: f64,
     /// The angle from which turns are counted.
     origin_deg: Option<f64>,
-    /// Whether the track was begun since the last frame.
+    /// Whether the track has started since the last frame.
     begun: bool,
 }
 
 impl Estimator {
-    /// Takes a report in. One that is older than the last, or not a number, changes nothing.
+    /// Takes a report. An older one than the last, or one with a value that is not a number, is ignored.
     pub fn report(&mut self, at_ms: f64, angle: Option<ReportedAngle>, speed_rpm: f64) {
         let angle = angle.filter(|angle| angle.degrees.is_finite());
         if !at_ms.is_finite() || !speed_rpm.is_finite() {
@@ -143,7 +142,7 @@ impl Estimator {
         let angle_deg = match (before, angle) {
             (Some(track), Some(angle)) => corrected(travelled(track, at_ms, rate_deg_per_s), angle),
             (Some(track), None) => travelled(track, at_ms, rate_deg_per_s),
-            // Nothing to go on from: the turn nearest to what is drawn.
+            // Without a track: the turn nearest to the drawn angle.
             (None, Some(angle)) => nearest(self.drawn_deg, angle.degrees),
             (None, None) => return,
         };
@@ -158,7 +157,7 @@ impl Estimator {
         self.origin_deg.get_or_insert(angle_deg);
     }
 
-    /// Lets the lag take up what the new track differs from the old in the frame last seen.
+    /// Adds the difference between the new and the old track in the last frame to the lag.
     fn take_up(&mut self, before: Option<Track>, after: Track) {
         self.lag_deg = match (before, self.drawn_ms) {
             (Some(before), Some(drawn_ms)) if after.at_ms - drawn_ms < UNSEEN_MS => {
@@ -171,7 +170,7 @@ impl Estimator {
         }
     }
 
-    /// What to draw now.
+    /// The state to draw now.
     pub fn frame(&mut self, now_ms: f64) -> Pose {
         let elapsed_ms = self.drawn_ms.map_or(0.0, |last| (now_ms - last).max(0.0));
         self.drawn_ms = Some(now_ms);
@@ -179,7 +178,7 @@ impl Estimator {
             self.speed_rpm = 0.0;
             return Pose {
                 heading: Heading {
-                    way: Way::Nowhere,
+                    way: Way::Stay,
                     angle_deg: self.drawn_deg,
                     rate_deg_per_s: 0.0,
                     known_until_ms: now_ms,
@@ -193,7 +192,7 @@ impl Estimator {
         let reported_rpm = track.rate_deg_per_s / -6.0;
         if fresh {
             self.melt(track.rate_deg_per_s, elapsed_ms);
-            let off = (self.speed_rpm - reported_rpm) * exp(-elapsed_ms / SPEED_FOLLOWS_MS);
+            let off = (self.speed_rpm - reported_rpm) * exp(-elapsed_ms / SPEED_SMOOTHING_MS);
             let seen = off.abs() > SETTLED_RPM && elapsed_ms < UNSEEN_MS;
             self.speed_rpm = reported_rpm + if seen { off } else { 0.0 };
         }
@@ -204,9 +203,9 @@ impl Estimator {
         Pose {
             heading: Heading {
                 way: if std::mem::take(&mut self.begun) || elapsed_ms >= UNSEEN_MS {
-                    Way::There
+                    Way::Jump
                 } else {
-                    Way::On
+                    Way::Turn
                 },
                 angle_deg: self.drawn_deg,
                 rate_deg_per_s: if fresh { track.rate_deg_per_s } else { 0.0 },
@@ -219,7 +218,7 @@ impl Estimator {
     }
 
     fn melt(&mut self, rate_deg_per_s: f64, elapsed_ms: f64) {
-        let wanted = self.lag_deg * (exp(-elapsed_ms / LAG_MELTS_MS) - 1.0);
+        let wanted = self.lag_deg * (exp(-elapsed_ms / LAG_DECAY_MS) - 1.0);
         let standing = rate_deg_per_s.abs() < f64::EPSILON;
         let along = wanted * rate_deg_per_s >= 0.0;
         let own = LAG_SHARE * rate_deg_per_s.abs();
@@ -232,40 +231,39 @@ impl Estimator {
         self.lag_deg += wanted.clamp(-most, most);
     }
 
-    /// Turns since the first report, counted in the direction of positive speed.
+    /// Turns since the first report, in the direction of positive speed.
     #[must_use]
     pub fn turns(&self) -> f64 {
         let origin = self.origin_deg.unwrap_or(self.drawn_deg);
         (origin - self.drawn_deg) / 360.0
     }
 
-    /// Forgets the reports and the count of turns. The wheel stays as it was drawn.
+    /// Forgets the reports and the turn count. The wheel stays as it was drawn.
     pub fn clear(&mut self) {
         *self = Self {
             drawn_ms: self.drawn_ms,
-            // Within one turn, or it would lose digits over days.
+            // Within one turn: over days a growing angle would lose digits.
             drawn_deg: self.drawn_deg.rem_euclid(360.0),
             ..Self::default()
         };
     }
 }
 
-/// Where the track has come to by a later report, by the mean of the speeds at both ends. That is
-/// within half a turn for gaps in which the speed goes astray by 100 rpm for 0.3 s, and so picks the
-/// right turn.
+/// The angle that the track travels until a later report, by the mean of the speeds at both ends. The error is below
+/// half a turn for gaps of 0.3 s in which the speed deviates by 100 rpm, which selects the right turn.
 fn travelled(track: Track, at_ms: f64, rate_deg_per_s: f64) -> f64 {
     let mean = f64::midpoint(track.rate_deg_per_s, rate_deg_per_s);
     track.angle_deg + mean * (at_ms - track.at_ms) / 1_000.0
 }
 
-/// The reported angle, in the turn that is nearest to where it was expected.
+/// The reported angle, unwrapped to the turn nearest to the expected angle.
 fn nearest(expected_deg: f64, reported_deg: f64) -> f64 {
     let off = (reported_deg - expected_deg + 180.0).rem_euclid(360.0) - 180.0;
     expected_deg + off
 }
 
-/// A fine angle is believed. A coarse one only says that the wheel is within a step of it, and moves
-/// the track no further than to there.
+/// Corrects the expected angle. A fine angle replaces it. A coarse one only bounds the angle to one step, so it moves
+/// the track no further than to that bound.
 fn corrected(expected_deg: f64, angle: ReportedAngle) -> f64 {
     let reported = nearest(expected_deg, angle.degrees);
     match angle.quality {

@@ -1,8 +1,8 @@
-//! The estimator against a wheel whose true angle is known.
+//! The estimator against a wheel with a known true angle.
 
 use super::*;
 
-/// A true wheel, and what a motor would report of it.
+/// A simulated wheel and the reports of its motor.
 struct Wheel {
     speed_rpm: f64,
     start_deg: f64,
@@ -22,7 +22,7 @@ impl Wheel {
         }
     }
 
-    /// The upper byte of the 15-bit angle, read by the host as 360/255 degrees a step.
+    /// The upper byte of the 15-bit angle; the host reads it as 360/255 degrees a step.
     fn coarse(&self, ms: f64) -> ReportedAngle {
         let raw = (self.angle(ms).rem_euclid(360.0) * 256.0 / 360.0).floor();
         ReportedAngle {
@@ -39,13 +39,13 @@ fn fine(degrees: f64) -> ReportedAngle {
     }
 }
 
-/// A small wobble, the same in every run, as of timers and clocks: -1 to 1.
+/// A small jitter, -1 to 1, equal in every run, as timers and clocks have.
 fn wobble(step: u32) -> f64 {
     (f64::from(step.wrapping_mul(2_654_435_761) >> 16) / 32_768.0) - 1.0
 }
 
-/// Ten seconds of 60 Hz frames. Reports reach the page `late_ms` after they were measured. Returns
-/// the greatest error in degrees after the first second; every frame must go the right way.
+/// Draws ten seconds of 60 Hz frames. Reports reach the page `late_ms` after their measurement. Returns the greatest
+/// error in degrees after the first second; every frame must go in the right direction.
 fn worst_error(
     wheel: &Wheel,
     period_ms: f64,
@@ -113,7 +113,7 @@ fn coarse_reports_at_10_hz_are_followed_within_three_degrees() {
     }
 }
 
-/// Drive replies and query replies come mixed: the coarse ones must not shake the wheel.
+/// Drive and query replies are mixed: the coarse ones must not make the wheel jitter.
 #[test]
 fn coarse_reports_between_fine_ones_do_no_harm() {
     for speed_rpm in [100.0, -330.0] {
@@ -146,7 +146,7 @@ fn turns_are_counted_across_zero_in_the_direction_of_speed() {
             estimator.report(ms, Some(wheel.fine(ms)), speed_rpm);
             estimator.frame(ms);
         }
-        // A minute.
+        // One minute.
         assert!(
             (estimator.turns() - speed_rpm).abs() < 0.01,
             "{}",
@@ -155,7 +155,7 @@ fn turns_are_counted_across_zero_in_the_direction_of_speed() {
     }
 }
 
-/// A quarter of a second without a report is most of a turn at 200 rpm; the speed says so.
+/// A quarter of a second without a report is most of a turn at 200 rpm; the speed tells which turn it is.
 #[test]
 fn a_gap_costs_no_turn() {
     let wheel = Wheel {
@@ -201,7 +201,7 @@ fn stale_reports_spin_nothing() {
     assert!((much_later.heading.angle_deg - later.heading.angle_deg).abs() < 1e-9);
 }
 
-/// When the reports say that the drawn wheel is ahead, it waits, and does not step back.
+/// If the drawn wheel is ahead of the reports, it waits and does not turn back.
 #[test]
 fn an_error_melts_without_a_step_back() {
     let mut estimator = Estimator::default();
@@ -258,7 +258,7 @@ fn a_standing_wheel_eases_and_then_rests() {
     );
 }
 
-/// Nobody saw the wheel while the page was hidden; it does not wind through what was missed.
+/// The page was hidden: the wheel jumps to the present angle.
 #[test]
 fn a_page_that_comes_back_shows_the_truth_at_once() {
     let wheel = Wheel {
@@ -289,7 +289,7 @@ fn late_and_mad_reports_change_nothing() {
     assert_eq!(estimator, before);
 }
 
-/// After a clock that leaps back by more than a second, the twin lives on.
+/// After the clock goes back by more than a second, the estimator restarts.
 #[test]
 fn another_clock_begins_anew() {
     let mut estimator = Estimator::default();

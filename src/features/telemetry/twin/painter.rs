@@ -1,4 +1,4 @@
-//! Puts a view on the screen by setting a few attributes of the picture, and only those that differ.
+//! Draws a view by setting a few attributes of the picture, and only those that differ.
 
 use leptos::web_sys::{Element, SvgElement};
 use motorlink_messages::protocol::Setpoint;
@@ -34,7 +34,7 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Finds the moving parts; `None` where the element does not hold the picture.
+    /// Finds the moving parts; `None` if the element does not contain the picture.
     pub fn of(picture: &SvgElement) -> Option<Self> {
         let find = |selector, name| Attribute::find(picture, selector, name);
         Some(Self {
@@ -74,7 +74,7 @@ impl Painter {
 
     fn paint_wheel(&mut self, view: &View) {
         let rpm = view.pose.speed_rpm;
-        // Frozen, the wheel is seen as it is.
+        // Without fresh data the wheel does not turn, so it is drawn sharp.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
         let rate = frame_rate();
         let tread = sharpness(blurred_rpm, measures::TREAD_BLOCKS, rate);
@@ -86,8 +86,7 @@ impl Painter {
         // In steps of two degrees, as above.
         let trail = (trail_deg(blurred_rpm, rate) / 2.0).round() * 2.0;
         self.trail.set(format!("{trail:.0} 360"));
-        // The trail is drawn clockwise of the mark, where it belongs while the wheel turns the other
-        // way.
+        // The trail is drawn clockwise of the mark, which is right for one direction. The other one mirrors it.
         let side = if rpm < 0.0 {
             "scale(-1 1)"
         } else {
@@ -96,8 +95,8 @@ impl Painter {
         self.trail_side.set(side.to_owned());
     }
 
-    /// To half a revolution a minute, a quarter of a degree on the ring: finer would have the ring
-    /// drawn anew with every report of a wheel that runs evenly.
+    /// Draws the speed in steps of half an rpm, a quarter of a degree on the ring. Finer steps would redraw the ring
+    /// with every report of a wheel at constant speed.
     fn paint_speed(&mut self, rpm: f64) {
         let rpm = (rpm * 2.0).round() / 2.0;
         let dash = dash(rpm);
@@ -120,7 +119,7 @@ impl Painter {
     }
 }
 
-/// The states that the style sheet tells apart, as words of the attribute `data-look`.
+/// The states of the style sheet, as words of the attribute `data-look`.
 fn look(view: &View) -> String {
     let motion = match view.motion {
         Motion::NoData => "stale",
@@ -132,14 +131,14 @@ fn look(view: &View) -> String {
     let goal = match view.goal {
         Some(Setpoint::Velocity { .. } | Setpoint::Brake) => " goal-speed",
         Some(Setpoint::Position(_)) => " goal-angle",
-        // The ring is a scale of speeds: a pointer on it that meant amps would lie.
+        // The ring is a scale of speeds, so it has no pointer for a current.
         Some(Setpoint::Current(_)) | None => "",
     };
     let driven = if view.driven { " goal-driven" } else { "" };
     format!("{motion}{goal}{driven}")
 }
 
-/// In steps of a twentieth: what changes inside the turning layer has it rastered again.
+/// An opacity in steps of a twentieth: each change inside the turning layer rasterizes it again.
 fn opacity(part: f64) -> String {
     format!("{:.2}", (part * 20.0).round() / 20.0)
 }

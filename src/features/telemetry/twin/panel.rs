@@ -1,4 +1,4 @@
-//! What the motor does: its twin.
+//! The panel with the twin.
 
 use leptos::prelude::*;
 use motorlink_i18n::{terms, tr};
@@ -25,7 +25,7 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
             Activity::Switching { to } => tr!("Switching to the {mode}", mode = terms::mode(to)),
             Activity::Idle => loop_name(session.mode(id)?.value).to_owned(),
         };
-        // The figures below the wheel are those of the wheel that is seen.
+        // The figures below the wheel describe the wheel as the user sees it.
         Some(if session.mirror(id).is_mirrored() {
             tr!("{words} · mirrored", words)
         } else {

@@ -1,16 +1,16 @@
-//! The whole picture as markup, and the names by which its moving parts are found.
+//! The whole picture as markup, and the classes of its moving parts.
 
 use crate::features::telemetry::twin::{artwork, dial, gradients::gradients, markup::Markup};
 
-/// Left, top, width and height of the picture in millimetres: the scale is open at the bottom, so
-/// there the picture ends with the wheel's shadow.
+/// Left, top, width and height of the picture in millimetres. The scale is open at the bottom, so the picture ends
+/// there with the wheel's shadow.
 pub const VIEW_BOX: &str = "-74 -72 148 138";
 
 /// Everything inside the `svg` element.
 #[must_use]
 pub fn picture() -> String {
     let mut art = Markup::default();
-    // Filled in by the painter.
+    // The painter fills it in.
     art.element("desc", |_| ());
     art.element("defs", gradients);
     dial::ring(&mut art);
@@ -40,7 +40,7 @@ mod tests {
         assert_eq!(defined, used);
     }
 
-    /// The page's policy forbids them.
+    /// The page's content security policy forbids both.
     #[test]
     fn no_inline_style_and_no_script() {
         let picture = picture();
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn every_class_has_a_style() {
-        // What only the painter asks for.
+        // Classes that only the painter uses.
         let handles = ["twin-turning", "twin-wheel"];
         let sheet = include_str!("../../../../style/30-twin.css");
         let picture = picture();
@@ -74,7 +74,7 @@ mod tests {
         }
     }
 
-    /// It is parsed on a visitor's first load.
+    /// The browser parses it on the first load.
     #[test]
     fn the_picture_is_small() {
         assert!(picture().len() < 40_000, "{} bytes", picture().len());

@@ -1,22 +1,22 @@
-//! Where a speed stands on the ring round the wheel.
+//! The position of a speed on the ring around the wheel.
 
 use motorlink_messages::protocol::SpeedTarget;
 
-/// Speed at either end of the ring, in rpm: the greatest that can be commanded.
+/// Speed at both ends of the ring, in rpm: the greatest that can be commanded.
 #[allow(
     clippy::cast_precision_loss,
     reason = "a limit of a few hundred rpm is exact in any float"
 )]
 pub const LIMIT_RPM: f64 = SpeedTarget::MAX as f64;
 
-/// Bearing of either end, in degrees from the top. The sixty degrees left open at the bottom make
-/// the ring read as a scale with two ends, and leave room for their names.
+/// Bearing of both ends, in degrees from the top. The gap of sixty degrees at the bottom separates the ends and has
+/// room for their labels.
 pub const END_DEG: f64 = 150.0;
 
-/// The bearing at which a speed stands; beyond the limit, the end.
+/// The bearing of a speed; beyond the limit, the end.
 ///
-/// Positive speeds turn the wheel counter-clockwise and stand on the left, so that the arc always
-/// grows the way the wheel turns.
+/// Positive speeds turn the wheel counter-clockwise and are on the left, so that the arc grows in the direction of
+/// rotation.
 #[must_use]
 pub fn bearing_deg(rpm: f64) -> f64 {
     -clamped(rpm) / LIMIT_RPM * END_DEG
@@ -25,9 +25,9 @@ pub fn bearing_deg(rpm: f64) -> f64 {
 /// A dash along the ring, in rpm from its beginning at the negative end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dash {
-    /// Where the dash begins, 0 to twice the limit.
+    /// Start, 0 to twice the limit.
     pub start: f64,
-    /// How long it is, 0 to the limit.
+    /// Length, 0 to the limit.
     pub length: f64,
 }
 

@@ -1,27 +1,27 @@
-//! What the twin says in words and figures.
+//! The texts and figures of the twin.
 
 use motorlink_i18n::{terms::in_language, tr};
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
-/// What the wheel does, as the page says it.
+/// The motion of the wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
-    /// It stands.
+    /// Standstill.
     Stationary,
-    /// It turns clockwise seen from its face: negative speed.
+    /// Clockwise as seen from its face: negative speed.
     SpinningCw,
-    /// It turns counter-clockwise seen from its face: positive speed.
+    /// Counter-clockwise as seen from its face: positive speed.
     SpinningCcw,
-    /// It still turns and is being stopped.
+    /// It is being stopped but still turns.
     Braking,
-    /// Nothing is known that is younger than half a second.
+    /// There is no report of the last half second.
     #[default]
     NoData,
 }
 
 impl Motion {
-    /// From the last speed if that is fresh, what is asked of the motor, and what the bus does.
+    /// The motion by the last speed if it is fresh, the setpoint, and the activity of the bus.
     #[must_use]
     pub fn of(speed: Option<Rpm>, goal: Option<Setpoint>, activity: Option<Activity>) -> Self {
         let Some(speed) = speed else {
@@ -42,7 +42,7 @@ impl Motion {
         }
     }
 
-    /// In words.
+    /// The text.
     #[must_use]
     pub fn text(self) -> &'static str {
         match self {
@@ -55,8 +55,7 @@ impl Motion {
     }
 }
 
-/// The figures under the wheel, in the steps in which they are shown, so that equal figures are
-/// equal values.
+/// The figures below the wheel, rounded to the displayed resolution, so that equal figures are equal values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Figures {
     /// Last reported speed.
@@ -68,7 +67,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// From the drawn angle in degrees, unwrapped, and the turns.
+    /// The figures for the drawn angle in degrees, unwrapped, and the turns.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
@@ -77,7 +76,7 @@ impl Figures {
     pub fn new(speed: Rpm, angle_deg: Option<f64>, turns: f64) -> Self {
         Self {
             speed,
-            // Rounded before it is wrapped: 359.96 is shown as 0.0, not as 360.0.
+            // Rounded before it wraps: 359.96 gives 0.0, not 360.0.
             angle_tenths: angle_deg.map(|deg| (deg * 10.0).round().rem_euclid(3_600.0) as i32),
             turns_tenths: (turns * 10.0).round() as i64,
         }
@@ -114,8 +113,8 @@ impl Figures {
     }
 }
 
-/// The description of the picture for those who do not see it: it changes with the motion and with
-/// every ten rpm, not with every report.
+/// The description of the picture for screen readers: it changes with the motion and with every ten rpm, not with
+/// every report.
 #[must_use]
 pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
     match (motion, speed) {
@@ -136,7 +135,7 @@ pub fn description(motion: Motion, speed: Option<Rpm>) -> String {
     }
 }
 
-/// Above the wheel, before a motor has answered.
+/// The text above the wheel before any motor has answered.
 pub(crate) fn no_motor() -> &'static str {
     tr!("No motor: press Connect")
 }
@@ -165,7 +164,7 @@ mod tests {
             (Some(100), Some(run), stop, "Braking"),
             (Some(-40), None, Some(driven(Setpoint::Brake)), "Braking"),
             (Some(-40), Some(Setpoint::Brake), None, "Braking"),
-            // What is sent counts, not what will be.
+            // The sent setpoint counts, not the entered one.
             (
                 Some(40),
                 Some(Setpoint::Brake),

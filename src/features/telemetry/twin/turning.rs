@@ -1,5 +1,4 @@
-//! The wheel's layer, turned by the browser along a course: the page's own thread need not be there for
-//! each frame.
+//! The wheel's layer, animated by the browser along a course, so that the page does not have to draw each frame.
 
 use js_sys::{Array, Object, Reflect};
 use leptos::wasm_bindgen::JsCast;
@@ -10,7 +9,7 @@ use crate::{
     ui::frame_rate::{FrameRate, frame_rate},
 };
 
-/// What turns the wheel: the one thing that differs in every frame.
+/// Turns the wheel, the only part that differs in every frame.
 pub struct Turning {
     element: Element,
     course: Option<Course>,
@@ -28,7 +27,7 @@ impl Turning {
         })
     }
 
-    /// Sends the wheel where the reports say, if it is not on its way there.
+    /// Changes the course of the wheel if it deviates from the reports.
     pub(crate) fn steer(&mut self, heading: Heading, now_ms: f64) {
         let rate = frame_rate();
         let next = Course::next(self.course, heading, now_ms);
@@ -47,7 +46,7 @@ impl Turning {
         }
     }
 
-    /// `None` in a browser that cannot: the wheel then stands, and the figures beside it do not.
+    /// `None` if the browser does not support it: then the wheel does not turn, but the figures change.
     fn begin(&self, course: Course) -> Option<Animation> {
         let in_steps = self
             .rate
@@ -67,10 +66,10 @@ impl Turning {
         let options = KeyframeEffectOptions::new();
         options.set_duration(&lasts_ms.into());
         if let Some(steps) = steps {
-            // Between two steps the browser has nothing to draw. All steps are in the frames of the rest.
+            // The browser has nothing to draw between steps. The steps are in the frames in which the rest changes.
             options.set_easing(&format!("steps({steps})"));
         }
-        // Where it ends the wheel stays.
+        // The wheel stays at the end of the course.
         options.set_fill(FillMode::Forwards);
         let effect =
             KeyframeEffect::new_with_opt_element_and_keyframes_and_keyframe_effect_options(
@@ -80,7 +79,7 @@ impl Turning {
             )
             .ok()?;
         let animation = Animation::new_with_effect(Some(effect.unchecked_ref())).ok()?;
-        // By the clock, not when the browser gets to it: else the wheel would wait a frame each time.
+        // An explicit start time: otherwise the wheel would pause for a frame each time.
         animation.set_start_time(Some(course.from_ms));
         Some(animation)
     }
