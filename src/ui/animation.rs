@@ -1,5 +1,4 @@
-//! The clock of whatever is drawn: calls back once a frame while something moves, and not at all while
-//! nothing does.
+//! The animation loop: calls back once a frame while something moves, and never while nothing moves.
 
 use std::cell::{Cell, RefCell};
 use std::rc::{Rc, Weak};
@@ -12,24 +11,24 @@ use leptos::wasm_bindgen::{JsCast, closure::Closure};
 use crate::ui::frame_rate::FrameRate;
 use crate::ui::{clock::page_now_ms, frame_rate::frame_rate};
 
-/// What a step asks for.
+/// The next call that a step requests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
-    /// To be called in the next frame.
+    /// In the next frame.
     Frame,
-    /// To be called in so many milliseconds, or when woken.
+    /// After this number of milliseconds, or when woken.
     After(f64),
-    /// To be called when woken.
+    /// When woken.
     Woken,
 }
 
 impl Next {
-    /// To be called at the next multiple of so many milliseconds, which are some [`FrameRate::step_ms`].
+    /// At the next multiple of `period_ms`, which is itself a multiple of [`FrameRate::step_ms`].
     pub fn in_step(period_ms: f64, now_ms: f64) -> Self {
         Self::After(to_step(period_ms, now_ms))
     }
 
-    /// The same, but not before the next multiple of [`FrameRate::step_ms`].
+    /// The same request, but not before the next multiple of [`FrameRate::step_ms`].
     pub fn put_off_to_step(self, now_ms: f64) -> Self {
         match self {
             Self::After(ms) => Self::After(ms + to_step(frame_rate().step_ms(), now_ms + ms)),
@@ -42,10 +41,10 @@ fn to_step(period_ms: f64, now_ms: f64) -> f64 {
     period_ms - now_ms.rem_euclid(period_ms)
 }
 
-/// Calls a step function with the time of the frame, as often as it asks. Dropping it ends that.
+/// Calls a step function with the time of the frame, as often as it requests. Dropping it stops the loop.
 pub struct Frames(Rc<Inner>);
 
-/// A function of ours that the browser calls with the time of the frame.
+/// A closure that the browser calls with the time of the frame.
 type OnFrame = Closure<dyn FnMut(f64)>;
 
 struct Inner {
@@ -56,7 +55,7 @@ struct Inner {
 }
 
 impl Frames {
-    /// Begins with the next frame.
+    /// Starts the loop with the next frame.
     pub fn new(step: impl FnMut(f64) -> Next + 'static) -> Self {
         let inner = Rc::new(Inner {
             step: RefCell::new(Box::new(step)),
@@ -74,7 +73,7 @@ impl Frames {
         Self(inner)
     }
 
-    /// A function that wakes the step. It outlives these frames and then does nothing.
+    /// A function that wakes the step. After the loop is dropped it does nothing.
     pub fn waker(&self) -> impl Fn() + 'static {
         let weak: Weak<Inner> = Rc::downgrade(&self.0);
         move || {
@@ -100,7 +99,7 @@ impl Frames {
 impl Inner {
     fn step(self: &Rc<Self>, now_ms: f64) {
         self.frame.set(None);
-        // A step that is under way cannot be entered again; it will be called next frame.
+        // A running step cannot be entered again; it is called in the next frame.
         let next = self
             .step
             .try_borrow_mut()
@@ -112,7 +111,7 @@ impl Inner {
         }
     }
 
-    /// The browser calls no frames while the page is hidden.
+    /// Requests a frame. The browser calls none while the page is hidden.
     fn request_frame(&self) {
         self.cancel_timeout();
         if self.frame.get().is_some() {
@@ -148,7 +147,7 @@ impl Drop for Inner {
     fn drop(&mut self) {
         self.cancel_timeout();
         if let Some(frame) = self.frame.get() {
-            // It fails for handles that are none any more.
+            // It fails for expired handles only.
             let _ = window().cancel_animation_frame(frame);
         }
     }

@@ -1,4 +1,4 @@
-//! A drawing changes by a few attributes of elements that stay.
+//! Attributes of drawings: a drawing changes by a few attributes of elements that stay.
 
 use web_sys::Element;
 
@@ -18,7 +18,7 @@ impl Attribute {
         }
     }
 
-    /// Of the first element inside that the selector finds; `None` where there is none.
+    /// The attribute of the first element in `inside` that the selector finds; `None` if there is none.
     pub(crate) fn find(inside: &Element, selector: &str, name: &'static str) -> Option<Self> {
         let element = inside.query_selector(selector).ok().flatten()?;
         Some(Self::of(element, name))
@@ -26,7 +26,7 @@ impl Attribute {
 
     pub(crate) fn set(&mut self, value: String) {
         if self.written != value {
-            // It fails for names that are none, and these are ours.
+            // It fails for invalid names; these are valid.
             let _ = self.element.set_attribute(self.name, &value);
             self.written = value;
         }

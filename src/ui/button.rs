@@ -1,28 +1,28 @@
-//! A button that says why it cannot be pressed.
+//! A button that shows why it cannot be pressed.
 
 use leptos::prelude::*;
 
 use crate::ui::reactive::{dynamic, handler};
 
-/// A button; disabled while there is a reason why not, which is then its description.
+/// A button. While there is a reason, it is disabled and the reason is its description.
 #[component]
 pub(crate) fn PressButton(
-    /// What it reads.
+    /// Its text.
     #[prop(into)]
     label: Signal<String>,
-    /// Its accessible name, where that is not what it reads.
+    /// Its accessible name, if that differs from its text.
     #[prop(optional)]
     name: Option<&'static str>,
-    /// How it looks.
+    /// Its class.
     #[prop(default = "button")]
     class: &'static str,
-    /// What it does, where that needs words of its own.
+    /// An explanation of its action, if it needs one.
     #[prop(optional)]
     hint: Option<&'static str>,
     /// Why it cannot be pressed now.
     #[prop(optional, into)]
     disabled_reason: Signal<Option<String>>,
-    /// What it does.
+    /// Its action.
     #[prop(into)]
     on_press: Callback<()>,
 ) -> impl IntoView {

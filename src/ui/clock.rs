@@ -1,4 +1,4 @@
-//! The clock of the page, which counts the time that the computer slept, and the time of day.
+//! The clock of the page, which includes the time that the computer slept, and the time of day.
 
 use std::cell::Cell;
 
@@ -8,12 +8,11 @@ use wasm_bindgen::JsCast;
 const DAY_MS: f64 = 86_400_000.0;
 
 thread_local! {
-    /// The worker counts the time asleep as well: without it here, all that a person does after a sleep would
-    /// be too old.
+    /// The worker includes the time asleep as well. Without it here, all actions after a sleep would seem too old.
     static AWAKE: Cell<AwakeClock> = Cell::default();
 }
 
-/// The page's `performance.now()` with the time that the computer slept, and 0 where there is no browser.
+/// The page's `performance.now()` including the time that the computer slept; 0 without a browser.
 pub(crate) fn page_now_ms() -> f64 {
     performance().map_or(0.0, |performance| {
         let mut awake = AWAKE.get();
@@ -41,7 +40,7 @@ pub(crate) fn local_date(wall_ms: f64) -> String {
     iso.chars().take(10).collect()
 }
 
-/// A moment of the wall clock in milliseconds as if it were in Greenwich when it is so late here.
+/// Shifts a time of the wall clock, in milliseconds, by the local offset from UTC.
 fn local_ms(wall_ms: f64) -> f64 {
     let date = js_sys::Date::new(&wall_ms.into());
     wall_ms - date.get_timezone_offset() * 60_000.0
@@ -72,8 +71,8 @@ fn time_of_day(local_ms: f64) -> String {
     )
 }
 
-/// When the act that is being handled was done, in milliseconds of the page's `performance.now()`:
-/// the event's own time, which a page that hung has kept; now, where no event is handled.
+/// The time of the user's action that is being handled, in milliseconds of the page's `performance.now()`. It is the
+/// event's own time, which stays right if the page hung; without an event it is now.
 pub(crate) fn act_ms() -> f64 {
     let event =
         web_sys::window().and_then(|window| window.event().dyn_into::<web_sys::Event>().ok());
@@ -97,7 +96,7 @@ mod tests {
             (46_931_999.0, "13:02:11"),
             (86_399_999.9, "23:59:59"),
             (86_400_000.0, "00:00:00"),
-            // West of Greenwich the local day may be the one before.
+            // West of Greenwich the local date may be the day before.
             (-1.0, "23:59:59"),
         ] {
             assert_eq!(time_of_day(midnight_ms + ms), text);

@@ -1,4 +1,4 @@
-//! A dial to drag to an angle: straight up is 0°, and angles grow clockwise as the wheel's do.
+//! A dial that is dragged to an angle: straight up is 0°, and angles grow clockwise like those of the wheel.
 
 use leptos::{prelude::*, svg::Svg};
 use motorlink_i18n::{terms::in_language, tr};
@@ -12,14 +12,14 @@ use crate::ui::{
     target::Target,
 };
 
-/// Of the drawing, whose middle is the origin.
+/// Radius of the drawing, with its middle at the origin.
 const RADIUS: f64 = 50.0;
 
 #[component]
 pub(crate) fn Dial(
     /// Raw position.
     target: Target,
-    /// Called with every new value that a person enters here.
+    /// Called with every new value that the user enters here.
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
@@ -52,7 +52,7 @@ pub(crate) fn Dial(
             node_ref=dial
             on:pointerdown=handler(move |event: PointerEvent| {
                 if let Some(dial) = dial.get_untracked() {
-                    // Without capture the drag ends at the dial's edge, which is harmless.
+                    // Without capture the drag ends at the edge of the dial, which is harmless.
                     let _ = dial.set_pointer_capture(event.pointer_id());
                 }
                 turn_to(&event);
@@ -79,12 +79,12 @@ pub(crate) fn Dial(
     }
 }
 
-/// A pointer's place is in whole pixels or finer, by the version of the browser's interface.
+/// Pointer coordinates are integers or floats, depending on the version of the browser's interface.
 fn number(pixels: impl Into<f64>) -> f64 {
     pixels.into()
 }
 
-/// What is drawn in the dial at an angle.
+/// The content of the dial at an angle.
 fn face(degrees: f64) -> String {
     let ticks: String = (0..12).map(tick).collect();
     format!(
@@ -110,7 +110,7 @@ fn bearing(x: f64, y: f64) -> f64 {
     mathematics::atan2(x, -y).rem_euclid(360.0)
 }
 
-/// The raw position of whole degrees, which is as finely as one drags.
+/// The raw position of whole degrees, the resolution of a drag.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "whole degrees up to 360 are exact in any float"
@@ -119,9 +119,9 @@ fn raw_of(degrees: f64) -> i32 {
     PositionTarget::from_degrees(degrees.round() as f32).into()
 }
 
-/// From straight up clockwise to an angle, as path data.
+/// The arc from straight up clockwise to an angle, as path data.
 fn arc(degrees: f64) -> String {
-    // A full turn ends where it began and would be drawn as nothing.
+    // A full turn ends at its start, and SVG draws no such arc.
     let (sin, cos) = mathematics::sin_cos(degrees.min(359.9));
     let large = i32::from(degrees > 180.0);
     format!(

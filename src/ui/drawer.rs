@@ -1,5 +1,4 @@
-//! The drawer: a panel that lies over the right of the desk and closes nothing off. STOP and the rest of the page
-//! stay in reach.
+//! The drawer: a panel over the right part of the page that is not modal. STOP and the rest of the page stay usable.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -9,11 +8,11 @@ use crate::ui::{button::PressButton, reactive::dynamic};
 /// A panel of the drawer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Drawer {
-    /// How well the line works, and what is wrong with it.
+    /// The quality of the link, and its problems.
     Link,
-    /// Several motors as one.
+    /// Driving several motors together.
     Together,
-    /// Limits, the setup as a file, and what is kept.
+    /// Limits, the setup as a file, and stored data.
     Settings,
 }
 

@@ -1,4 +1,4 @@
-//! What a person types into a field, read into a value in range or into words that say why not.
+//! Parses the text of a field into a value in range, or into a message about what is wrong.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -8,43 +8,43 @@ use motorlink_messages::{
 
 use crate::ui::format;
 
-/// What stands in a field.
+/// The parsed content of a field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Typed {
     /// A value in range.
     Value(i32),
-    /// Empty or a lone sign: somebody is typing.
+    /// Empty or only a sign: the user is still typing.
     Unfinished,
-    /// No number, or one out of range; the words name the rule.
+    /// Not a number, or one out of range; the text names the rule.
     Wrong(String),
 }
 
-/// How a field reads and shows its value.
+/// How a field parses and displays its value.
 #[derive(Clone, Copy)]
 pub(crate) struct Entry {
     /// Least value.
     pub(crate) min: i32,
     /// Greatest value.
     pub(crate) max: i32,
-    /// From text.
+    /// Parses a text.
     pub(crate) read: fn(&str) -> Typed,
-    /// To text.
+    /// Formats a value.
     pub(crate) show: fn(i32) -> String,
-    /// What is shown for a value of 1.
+    /// Displayed number per unit of the value.
     pub(crate) scale: f64,
-    /// How far an arrow key moves what is shown.
+    /// Change of the displayed number by an arrow key.
     pub(crate) step: f64,
-    /// How far page up and down move it.
+    /// Change of the displayed number by page up and page down.
     pub(crate) page: f64,
 }
 
 impl Entry {
-    /// What is shown for this value, as a number.
+    /// The displayed number of a value.
     pub(crate) fn shown(self, value: i32) -> f64 {
         f64::from(value) * self.scale
     }
 
-    /// The same as plain text, for those who read attributes.
+    /// The displayed number as plain text, for attributes.
     pub(crate) fn plain(self, value: i32) -> String {
         if self.scale < 1.0 {
             format!("{:.2}", self.shown(value))
@@ -53,20 +53,20 @@ impl Entry {
         }
     }
 
-    /// The value for what is shown now, moved by this much.
+    /// The value after a change of the displayed number.
     #[allow(
         clippy::cast_possible_truncation,
         reason = "a float cast saturates, and the value is clamped to its range"
     )]
     pub(crate) fn moved(self, value: i32, by: f64) -> i32 {
-        // What is shown as a fraction goes in whole steps.
+        // Fractions move in whole steps.
         let grid = if self.scale < 1.0 { self.step } else { 1.0 };
         let shown = (self.shown(value) / grid).round() * grid + by;
         ((shown / self.scale).round() as i32).clamp(self.min, self.max)
     }
 }
 
-/// Degrees of one step of the raw position.
+/// Degrees per step of the raw position.
 const DEGREES_PER_RAW: f64 = 360.0 / PositionTarget::MAX as f64;
 
 /// Speed in rpm.
@@ -146,7 +146,7 @@ pub(crate) const ANGLE: Entry = Entry {
     page: 10.0,
 };
 
-/// Drive frames a second.
+/// Drive frames per second.
 pub(crate) const RATE: Entry = Entry {
     min: CommandRate::MIN as i32,
     max: CommandRate::MAX as i32,
@@ -214,7 +214,7 @@ fn within_pair(value: i32, (min, max): (u16, u16), quantity: &str) -> Result<i32
     within(value, min.into(), max.into(), quantity)
 }
 
-/// Amps to a tenth.
+/// Amps, rounded to a tenth.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "a float cast saturates, and the value is in its range"
@@ -247,7 +247,7 @@ fn within(value: i32, min: i32, max: i32, quantity: &str) -> Result<i32, String>
     }
 }
 
-/// Without spaces, and with the minus of a keyboard.
+/// The text without spaces and with an ASCII minus.
 pub(crate) fn plain(text: &str) -> String {
     text.chars()
         .filter(|character| !character.is_whitespace())
@@ -263,7 +263,7 @@ fn is_unfinished(text: &str) -> bool {
     matches!(text, "" | "-" | "+")
 }
 
-/// A whole number that this takes.
+/// Parses a whole number that `check` accepts.
 pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, E>) -> Typed {
     let text = plain(text);
     if is_unfinished(&text) {
@@ -273,7 +273,7 @@ pub(crate) fn whole<E: ToString>(text: &str, check: impl Fn(i32) -> Result<i32, 
         Ok(value) => {
             check(value).map_or_else(|error| Typed::Wrong(error.to_string()), Typed::Value)
         }
-        // Digits alone that do not fit are far out of any range; say the range, not "no number".
+        // A number that does not fit is far out of range: the message names the range instead of "no number".
         Err(_) if is_digits(text.trim_start_matches(['-', '+'])) => {
             let far = if text.starts_with('-') {
                 i32::MIN
@@ -305,8 +305,8 @@ fn degrees(text: &str) -> Typed {
     }
 }
 
-/// A plain decimal number, to a thousandth. The parser of the standard library knows exponents and
-/// every last bit, and weighs 20 KB.
+/// Parses a plain decimal number, to a thousandth. The parser of the standard library also handles exponents and
+/// exact rounding, and adds 20 KB.
 fn decimal(text: &str) -> Option<f32> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(digits) => (-1.0, digits),

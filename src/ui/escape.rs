@@ -1,6 +1,6 @@
-//! Text within HTML.
+//! Escaping of text in HTML.
 
-/// As text within HTML: what a person typed is shown and never taken for a tag.
+/// Escapes a text for HTML, so that user input is never parsed as a tag.
 pub(crate) fn escaped(text: &str) -> String {
     let mut html = String::new();
     for character in text.chars() {

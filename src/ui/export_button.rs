@@ -1,22 +1,22 @@
-//! A button that has a file written, and meanwhile shows its progress and cancels it.
+//! A button that starts the export of a file, and then shows its progress and cancels it.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::ui::{button::PressButton, reactive::dynamic};
 
-/// A button of this name; while the file is being written `Cancel export`, with a progress bar.
+/// A button with this label. While the file is being written, it is `Cancel export` with a progress bar.
 #[component]
 pub(crate) fn ExportButton(
-    /// What it reads.
+    /// Its label.
     label: &'static str,
-    /// What the file holds.
+    /// The content of the file.
     hint: &'static str,
-    /// How much is written, while the file is being written.
+    /// The written part, while the file is being written.
     per_mille: Signal<Option<u64>>,
     /// Why it cannot be pressed.
     disabled_reason: Signal<Option<String>>,
-    /// Starts to write the file, or cancels it.
+    /// Starts or cancels the export.
     #[prop(into)]
     on_press: Callback<()>,
 ) -> impl IntoView {

@@ -4,15 +4,15 @@ use leptos::{html::Div, prelude::*};
 
 use crate::ui::reactive::effect;
 
-/// Gives a dialog the focus as a whole when it opens: it is on nothing that Space or Enter could
-/// press, so somebody who hammers on Space stops again and confirms nothing.
+/// Moves the focus to the dialog itself when it opens, not to a button in it. So Space or Enter press nothing, and a
+/// user who presses Space repeatedly stops again and confirms nothing.
 pub(crate) fn focus_when(open: Memo<bool>, dialog: NodeRef<Div>) {
     effect(move || {
         if open.get() {
-            // By then it is shown; what is hidden takes no focus.
+            // In the next frame it is shown; hidden elements take no focus.
             request_animation_frame(move || {
                 if let Some(dialog) = dialog.try_get_untracked().flatten() {
-                    // Without the focus the dialog is read all the same.
+                    // Without the focus the dialog works all the same.
                     let _ = dialog.focus();
                 }
             });

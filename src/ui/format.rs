@@ -1,4 +1,4 @@
-//! Numbers as the page shows them: a sign where one is meant, a real minus, a dash for unknown.
+//! Formats numbers for the page: a sign for directions, a typographic minus, a dash for unknown.
 
 use std::time::Duration;
 
@@ -6,16 +6,16 @@ pub(crate) use motorlink_i18n::terms::in_language;
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Current, CurrentTarget, PositionTarget, Rpm, Setpoint};
 
-/// Shown where nothing is known. Unknown is not zero.
+/// Shown for an unknown value. Unknown is not zero.
 pub(crate) const UNKNOWN: &str = "–";
 
-/// The typographic minus, as wide as the plus, so that a figure keeps its width when it turns.
+/// The typographic minus, as wide as the plus, so that a number keeps its width when its sign changes.
 const MINUS: char = '\u{2212}';
 
-/// Narrow, and no line breaks at it.
+/// A narrow space without line breaks.
 const GROUP_SPACE: char = '\u{202F}';
 
-/// `2.7`, `0.125`: amps from milliamps, to a tenth where that is all.
+/// `2.7`, `0.125`: amps from milliamps, with one decimal if that is exact.
 pub(crate) fn milliamps(milliamps: u16) -> String {
     let (amps, rest) = (milliamps / 1_000, milliamps % 1_000);
     in_language(if rest.is_multiple_of(100) {
@@ -66,7 +66,7 @@ pub(crate) fn angle_of(target: PositionTarget) -> String {
     in_language(format!("{:.2}", target.degrees()))
 }
 
-/// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: what a motor is driven to.
+/// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: a setpoint.
 pub(crate) fn goal(setpoint: Setpoint) -> String {
     match setpoint {
         Setpoint::Velocity { speed, .. } => format!("{} rpm", signed(speed.rpm().into())),
@@ -76,7 +76,7 @@ pub(crate) fn goal(setpoint: Setpoint) -> String {
     }
 }
 
-/// `0.1 s`, `2.5 s`, `12 s`, `3 min`: how old a reading is, rounded up so that it never looks newer.
+/// `0.1 s`, `2.5 s`, `12 s`, `3 min`: the age of a reading, rounded up so that it never looks newer.
 pub(crate) fn age(age: Duration) -> String {
     let tenths = age.as_secs() * 10 + u64::from(age.subsec_nanos().div_ceil(100_000_000));
     let tenths = tenths.max(1);
@@ -87,7 +87,7 @@ pub(crate) fn age(age: Duration) -> String {
     }
 }
 
-/// With a capital letter first, as at the beginning of a sentence. Our words begin in ASCII.
+/// The text with a capital first letter, for the start of a sentence. The page's texts begin with ASCII.
 pub(crate) fn capitalized(text: &str) -> String {
     let mut text = text.to_owned();
     if let Some(first) = text.get_mut(..1) {

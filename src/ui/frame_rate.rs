@@ -1,9 +1,9 @@
-//! How often the page draws what changes with the data. One rate for all of it: a frame costs more than what is
-//! drawn in it, so everything is drawn in the same frames.
+//! The frame rate of everything that changes with the data. There is one rate for all parts: a frame costs more than
+//! the drawing in it, so all parts are drawn in the same frames.
 
 use std::cell::Cell;
 
-/// Frames a second.
+/// Frames per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameRate {
     /// The wheel turns in every frame of the screen; the rest changes 20 times a second at most.
@@ -18,7 +18,7 @@ pub enum FrameRate {
 }
 
 impl FrameRate {
-    /// Frames a second; `None` for as many as the screen has.
+    /// Frames per second; `None` for the rate of the screen.
     #[must_use]
     pub const fn hertz(self) -> Option<u32> {
         match self {
@@ -51,7 +51,7 @@ impl FrameRate {
         }
     }
 
-    /// What changes with the data is drawn at multiples of so many milliseconds.
+    /// Period of drawing, in milliseconds: data is drawn at multiples of it.
     #[must_use]
     pub const fn step_ms(self) -> f64 {
         match self {
@@ -66,7 +66,7 @@ thread_local! {
     static RATE: Cell<FrameRate> = const { Cell::new(FrameRate::Full) };
 }
 
-/// The present rate.
+/// The current rate.
 #[must_use]
 pub fn frame_rate() -> FrameRate {
     RATE.get()

@@ -1,11 +1,11 @@
-//! Lists that are HTML from a pure function, under people who work in them.
+//! Lists whose HTML comes from a pure function, and which keep the focus when they change.
 
 use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement, MouseEvent};
 
-/// A list that changes under somebody who goes through it by keyboard does not throw the person out:
-/// the element with the same attribute has the focus again.
+/// Replaces the HTML of a list and keeps the focus of a keyboard user: the element with the same value of `attribute`
+/// gets it again.
 pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &str) {
     let held = document()
         .active_element()
@@ -17,7 +17,7 @@ pub(crate) fn replace_keeping_focus(list: &HtmlElement, html: &str, attribute: &
     if let Some(element) = again.ok().flatten()
         && let Ok(element) = element.dyn_into::<HtmlElement>()
     {
-        // Without the focus it is in the list all the same.
+        // Without the focus the element is in the list all the same.
         let _ = element.focus();
     }
 }

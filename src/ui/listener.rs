@@ -1,4 +1,4 @@
-//! Listeners on the window that see an event before anything else does.
+//! Listeners on the window that get events before all others.
 
 use leptos::prelude::*;
 use wasm_bindgen::{JsCast, prelude::Closure};
@@ -10,10 +10,10 @@ struct Listener {
     closure: Closure<dyn FnMut(Event)>,
 }
 
-/// Calls `handle` with every event of this name in the page, until the present owner is gone.
+/// Calls `handle` with every event of this name in the page, until the current owner is dropped.
 ///
-/// It listens in the capture phase, while the event goes down from the window to its target, so it comes first, and it
-/// gets events that do not bubble.
+/// It listens in the capture phase, in which an event goes from the window to its target. So it comes first, and gets
+/// events that do not bubble.
 pub(crate) fn on_window(name: &'static str, handle: impl FnMut(Event) + 'static) {
     let Some(window) = web_sys::window() else {
         return;
@@ -38,7 +38,7 @@ pub(crate) fn on_window(name: &'static str, handle: impl FnMut(Event) + 'static)
 impl Drop for Listener {
     fn drop(&mut self) {
         let callback = self.closure.as_ref().unchecked_ref();
-        // One that cannot be removed was never added.
+        // A listener that cannot be removed was never added.
         let _ = self
             .window
             .remove_event_listener_with_callback_and_bool(self.name, callback, true);

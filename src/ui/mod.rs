@@ -1,4 +1,4 @@
-//! Parts of a view that know nothing of motors.
+//! Parts of views that do not depend on motors.
 
 pub(crate) mod animation;
 pub(crate) mod attribute;

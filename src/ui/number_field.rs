@@ -1,4 +1,4 @@
-//! A spinbutton that keeps what was typed, good or not, and says what is wrong with it.
+//! A spinbutton that keeps the typed text, valid or not, and shows what is wrong with it.
 
 use leptos::prelude::*;
 use web_sys::KeyboardEvent;
@@ -9,12 +9,12 @@ use crate::ui::{
     target::Target,
 };
 
-/// A labelled spinbutton. A text field by nature: a number field of the browser turns with the
-/// mouse wheel, loses what it cannot read, and shows no plus.
+/// A labelled spinbutton. It is a text field, because a number field of the browser changes with the mouse wheel,
+/// loses invalid text and shows no plus.
 #[component]
 pub(crate) fn NumberField(
-    /// Of the element, and by which what is being typed here is told from what is being typed in
-    /// another field of the same value; its name, where it has none of its own.
+    /// The id of the element. It also tells the text typed here from that of other fields of the same value. The
+    /// default is its name.
     #[prop(optional)]
     id: Option<&'static str>,
     /// Its accessible name.
@@ -22,18 +22,18 @@ pub(crate) fn NumberField(
     /// Shown after the number.
     #[prop(optional)]
     unit: &'static str,
-    /// Shown below its name while nothing is wrong.
+    /// Shown below its name while the value is valid.
     #[prop(optional, into)]
     hint: Signal<String>,
     /// The value.
     target: Target,
-    /// How it is read and shown.
+    /// How it is parsed and displayed.
     entry: Entry,
-    /// What is wrong with the value though it is in its range.
+    /// What is wrong with a value in range.
     #[prop(optional, into)]
     objection: Signal<Option<String>>,
-    /// Called when a person has entered a value here: by Enter, by leaving the field, or in steps.
-    /// Not while it is typed, since a wheel that follows would pass 1 and 15 on its way to 150.
+    /// Called when the user has entered a value here: by Enter, by leaving the field, or in steps. It is not called
+    /// while typing, because a wheel would follow 1 and 15 on the way to 150.
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
@@ -81,7 +81,7 @@ pub(crate) fn NumberField(
                     {unit}
                 </span>
             </span>
-            // One place for both, so that nothing moves when something is wrong.
+            // The hint and the error share one place, so that nothing moves.
             <p class="field-words" id=words_id aria-live="polite">
                 {dynamic(move || trouble.get().unwrap_or_else(|| hint.get()))}
             </p>
@@ -89,7 +89,7 @@ pub(crate) fn NumberField(
     }
 }
 
-/// Arrow and page keys step, Enter finishes. Whether the value was changed.
+/// Handles arrow and page keys, which step, and Enter, which finishes. Returns whether the value was changed.
 fn step(target: Target, field: &'static str, entry: Entry, event: &KeyboardEvent) -> bool {
     let by = match event.key().as_str() {
         "ArrowUp" => entry.step,

@@ -1,16 +1,16 @@
 //! Boxed closures for views, effects and event handlers.
 //!
-//! Leptos compiles its code once per closure type, and every closure has a type of its own. Boxed closures
-//! with the same signature share one type: 20 KB less of the page's gzip.
+//! Leptos compiles its code once per closure type, and every closure is its own type. Boxed closures with the same
+//! signature share one type, which saves 20 KB of the page's gzip.
 
 use leptos::prelude::{Effect, Memo};
 
-/// A dynamic text or attribute of a view: read again whenever a signal in it changes.
+/// A dynamic text or attribute of a view: evaluated again whenever a signal in it changes.
 pub(crate) fn dynamic<T>(read: impl FnMut() -> T + Send + 'static) -> Box<dyn FnMut() -> T + Send> {
     Box::new(read)
 }
 
-/// Runs `run` now, and again whenever a signal changes that it has read.
+/// Runs `run` now, and again whenever a signal that it has read changes.
 pub(crate) fn effect(run: impl FnMut() + 'static) {
     effect_boxed(Box::new(run));
 }

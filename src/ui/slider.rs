@@ -8,21 +8,21 @@ use crate::ui::{
     target::Target,
 };
 
-/// A slider; its filled part begins at zero, wherever zero is.
+/// A slider; its filled part begins at zero.
 #[component]
 pub(crate) fn Slider(
     /// Its accessible name.
     name: &'static str,
-    /// Said after the number.
+    /// The unit, for screen readers.
     unit: &'static str,
     /// The value.
     target: Target,
     /// Its range.
     entry: Entry,
-    /// What stands below it: see [`marks`].
+    /// The labels below it: see [`marks`].
     #[prop(into)]
     marks: Signal<String>,
-    /// Called with every new value that a person enters here.
+    /// Called with every new value that the user enters here.
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
@@ -53,7 +53,7 @@ pub(crate) fn Slider(
     }
 }
 
-/// What stands below a slider's left end, its middle and its right end, as HTML.
+/// The labels below a slider's left end, its middle and its right end, as HTML.
 pub(crate) fn marks(words: [&str; 3]) -> String {
     words.map(|words| format!("<span>{words}</span>")).concat()
 }

@@ -14,7 +14,7 @@ pub(crate) fn panel_id(key: &str) -> String {
     format!("panel-{key}")
 }
 
-/// A tab's panel. While it is closed it is out of sight and out of reach; it keeps its place, so that nothing
+/// A tab's panel. While it is closed, it is invisible and cannot be focused, but it keeps its space, so that nothing
 /// moves when the tab changes.
 pub(crate) fn tab_panel(
     key: &str,

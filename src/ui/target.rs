@@ -1,19 +1,19 @@
-//! A value that is entered: the last good one, and what is being typed over it.
+//! An entered value: the last valid one, and the text being typed.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::ui::entry::{Entry, Typed};
 
-/// An entered value. Several fields may show it, in units of their own.
+/// An entered value. Several fields can show it, each in its unit.
 #[derive(Clone, Copy)]
 pub(crate) struct Target(RwSignal<Entered>);
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Entered {
-    /// The last good value.
+    /// The last valid value.
     value: i32,
-    /// What stands in one of the fields while a person types, good or not.
+    /// The text in one of the fields while the user types, valid or not.
     draft: Option<Draft>,
 }
 
@@ -38,12 +38,12 @@ impl Target {
         self.0.with_untracked(|entered| entered.value)
     }
 
-    /// From elsewhere than a field: what was being typed is given up.
+    /// Sets the value from outside of the fields, and discards the text being typed.
     pub(crate) fn set(self, value: i32) {
         self.0.set(Entered { value, draft: None });
     }
 
-    /// Takes what now stands in a field. If that is no value, the old one stays.
+    /// Takes the present text of a field. If it is not a value, the old value stays.
     pub(crate) fn type_in(self, field: &'static str, text: String, entry: Entry) {
         let typed = (entry.read)(&text);
         self.0.update(|entered| {
@@ -63,8 +63,8 @@ impl Target {
         });
     }
 
-    /// The person has left the field or pressed Enter: a value is shown as we write it, anything
-    /// else stays with words that say what is wrong. Whether a value was entered.
+    /// Handles the end of typing: the user has left the field or pressed Enter. A valid text is formatted, an invalid
+    /// one stays with its error. Returns whether a value was entered.
     pub(crate) fn finish(self, field: &'static str, entry: Entry) -> bool {
         let mut good = false;
         self.0.update(|Entered { draft, .. }| {
@@ -82,7 +82,7 @@ impl Target {
         good
     }
 
-    /// What the field shows.
+    /// The text of the field.
     pub(crate) fn text(self, field: &'static str, entry: Entry) -> String {
         self.0.with(|entered| {
             let mine = entered.draft.as_ref().filter(|draft| draft.field == field);
@@ -90,7 +90,7 @@ impl Target {
         })
     }
 
-    /// What is wrong with what stands in this field.
+    /// What is wrong with the text in this field.
     pub(crate) fn trouble_in(self, field: &'static str) -> Option<String> {
         self.0.with(|entered| {
             let mine = entered.draft.as_ref().filter(|draft| draft.field == field);
@@ -98,7 +98,7 @@ impl Target {
         })
     }
 
-    /// What is wrong with what stands in any of its fields.
+    /// What is wrong with the text in any of its fields.
     pub(crate) fn trouble(self) -> Option<String> {
         self.0
             .with(|entered| entered.draft.as_ref()?.trouble.clone())
