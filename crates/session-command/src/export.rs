@@ -1,4 +1,4 @@
-//! A session as another file.
+//! Exports a session to another file format.
 
 use std::{
     fs::File,
@@ -16,7 +16,7 @@ use crate::{
     file::{Failure, Opened},
 };
 
-/// Bytes that are written in one go.
+/// Bytes per write.
 const PIECE: usize = 64 << 10;
 
 /// Writes a session in this format, to a file or the standard output.
@@ -83,8 +83,8 @@ fn plot(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
     out.write_all(lines.as_bytes())
 }
 
-/// A session written anew: of a CSV file, or of what is readable of a damaged one. The setup and experiment runs
-/// go along.
+/// Writes the session to a new session file: of a CSV file, or of the readable part of a damaged one. It keeps the
+/// setup and the experiment runs.
 fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
     let about = opened.session.about().clone();
     let about = about.iter().filter(|(name, _)| *name != "version");
@@ -113,7 +113,7 @@ fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
     out.write_all(&writer.finish())
 }
 
-/// Gives every record, up to the first that cannot be written.
+/// Passes every record to `write`, up to the first that cannot be written.
 fn each(opened: &mut Opened, mut write: impl FnMut(&Record) -> io::Result<()>) -> io::Result<()> {
     let mut written = Ok(());
     for_each_record(&mut opened.bytes, &opened.session, |record| {

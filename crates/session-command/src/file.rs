@@ -1,4 +1,4 @@
-//! A file that is open, whatever it was.
+//! An open file: a session file, or a CSV file that was imported.
 
 use std::{
     fmt,
@@ -10,15 +10,15 @@ use std::{
 
 use motorlink_session::{Import, NotASession, Problems, Session, Source, open};
 
-/// Bytes of a CSV file that are read in one go.
+/// Bytes per read of a CSV file.
 const PIECE: usize = 1 << 20;
 
-/// Why a command has no result.
+/// Why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     /// A file cannot be read or written.
     Io(String, io::Error),
-    /// It is no session.
+    /// The file is not a session.
     NotASession(String, NotASession),
 }
 
@@ -31,25 +31,25 @@ impl fmt::Display for Failure {
     }
 }
 
-/// A session that is open.
+/// An open session.
 #[derive(Debug)]
 pub struct Opened {
     /// The name of the file, without folders.
     pub name: String,
-    /// What lies where.
+    /// The index of the session.
     pub session: Session,
-    /// Where its bytes are.
+    /// The source of its bytes.
     pub bytes: Bytes,
-    /// What could not be read of a CSV file.
+    /// The unreadable parts of a CSV file.
     pub imported: Problems,
 }
 
-/// Bytes of a session.
+/// The source of a session's bytes.
 #[derive(Debug)]
 pub enum Bytes {
-    /// Of a file.
+    /// A file and its length.
     File(File, u64),
-    /// Made of a CSV file.
+    /// A session made of a CSV file.
     Memory(Vec<u8>),
 }
 

@@ -1,4 +1,4 @@
-//! What is in a file.
+//! The commands `info` and `check`.
 
 use std::{io, process::ExitCode};
 
@@ -7,7 +7,7 @@ use motorlink_session::{Overview, Source, What, for_each_record, overview};
 
 use crate::file::{Failure, Opened};
 
-/// Prints what the index says.
+/// Prints the content of a file by its index.
 pub fn info(opened: &mut Opened) -> Result<ExitCode, Failure> {
     let name = opened.name.clone();
     let io = |error: io::Error| Failure::Io(name.clone(), error);
@@ -61,7 +61,7 @@ fn print_overview(overview: &Overview) {
     }
 }
 
-/// Reads every record.
+/// Reads every record and prints the problems.
 pub fn check(opened: &mut Opened) -> Result<ExitCode, Failure> {
     let name = opened.name.clone();
     let (mut lines, mut events) = (0_u64, 0_u64);
@@ -88,7 +88,7 @@ fn iso(ns: u64) -> String {
     text
 }
 
-/// A text of the file, without what a terminal would obey.
+/// A text of the file without control characters, which a terminal would execute.
 fn one_line(text: &str) -> String {
     let harmless = text.chars().filter(|letter| !letter.is_control());
     harmless.take(200).collect()

@@ -1,9 +1,9 @@
-//! Names in the file.
+//! Names in a session file.
 
 /// The profile of the container.
 pub(crate) const PROFILE: &str = "motorlink";
 
-/// The metadata record that says what the file is.
+/// The metadata record that marks the file as a session.
 pub(crate) const METADATA: &str = "motorlink";
 
 /// The version of the channels, in the metadata.

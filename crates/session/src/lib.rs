@@ -1,17 +1,17 @@
-//! The session file: everything that passed on a line, in a file that other programs open too.
+//! The session file: all events of a bus, in a file that other programs can open too.
 //!
-//! It is an MCAP file (<https://mcap.dev>) with JSON messages; `docs/sessions.md` describes its channels. Here is
-//! no I/O: [`Writer`] takes records and gives bytes, [`Opening`] and [`Cursor`] say which bytes they need and give
-//! records. Neither keeps more than a chunk, the index and the [`Overview`].
+//! It is an MCAP file (<https://mcap.dev>) with JSON messages; `docs/sessions.md` describes its channels. The crate
+//! does no I/O: [`Writer`] takes records and returns bytes, [`Opening`] and [`Cursor`] request bytes and return
+//! records. None of them keeps more than a chunk, the index and the [`Overview`].
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `record` | what a session holds, one by one |
+//! | `record` | the records of a session |
 //! | `writer` | records in, bytes of a file out |
 //! | `reader` | bytes of a file in, records out |
 //! | `export` | CSV tables and a report |
 //! | `import` | CSV files as sessions |
-//! | `overview` | the whole session in one line |
+//! | `overview` | a summary of the whole session over time |
 //! | `channels` | the messages of each channel, as JSON |
 //! | `mcap` | the container |
 //!

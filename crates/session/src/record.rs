@@ -1,12 +1,12 @@
-//! What a session holds, one by one.
+//! The records of a session.
 
 use motorlink_bus::{LineEvent, LineEventKind, StopOutcome};
 use motorlink_protocol::Instant;
 
-/// One thing that happened.
+/// One event of a session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// On the monotonic clock of the session.
+    /// Time on the monotonic clock of the session.
     pub at: Instant,
     /// Nanoseconds since 1970, UTC.
     pub utc_ns: u64,
@@ -17,14 +17,14 @@ pub struct Record {
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// Something on the line, as the packet log has it.
+    /// An event of the bus, as in the packet log.
     Line(LineEventKind),
-    /// Something between frames.
+    /// An event between frames.
     Event(Event),
 }
 
 impl Record {
-    /// The event of the line, where it is one.
+    /// The event of the bus, if it is one.
     #[must_use]
     pub const fn line(&self) -> Option<LineEvent> {
         match self.what {
@@ -34,16 +34,16 @@ impl Record {
     }
 }
 
-/// Something that happened between frames.
+/// An event between frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// Of what kind.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// Whether it is bad news.
+    /// Whether it is an error.
     pub error: bool,
-    /// In words, in English.
+    /// Its text, in English.
     pub text: String,
-    /// Of a stop: what each motor confirmed.
+    /// For a stop: what each motor confirmed.
     pub motors: Vec<StopOutcome>,
 }
 
@@ -64,7 +64,7 @@ pub enum EventKind {
     Fault,
     /// An automatic run began or ended.
     Run,
-    /// A person's note.
+    /// A note by the user.
     Bookmark,
     /// Any other notice or line of the packet log.
     Notice,
@@ -100,7 +100,7 @@ impl EventKind {
         }
     }
 
-    /// The kind of this name. One that a later version has is a notice.
+    /// The kind of this name. An unknown kind of a later version becomes a notice.
     #[must_use]
     pub fn from_name(name: &str) -> Self {
         let named = Self::ALL.into_iter().find(|kind| kind.name() == name);
@@ -120,7 +120,7 @@ impl Event {
         }
     }
 
-    /// The same, as bad news.
+    /// The same event as an error.
     #[must_use]
     pub fn bad(self) -> Self {
         Self {

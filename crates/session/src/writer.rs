@@ -1,4 +1,4 @@
-//! The writer of sessions: records go in, bytes of a file come out.
+//! The writer of sessions: takes records, returns bytes of a file.
 
 use std::collections::BTreeMap;
 
@@ -20,16 +20,16 @@ use crate::{
     record::{Event, EventKind, Record, What},
 };
 
-/// Writes a session file. Whoever calls it takes the bytes away as they come ([`Writer::take`]); it keeps one
-/// chunk, the overview and the index, a few megabytes for an hour.
+/// Writes a session file. The caller takes the bytes regularly ([`Writer::take`]). The writer keeps one chunk, the
+/// overview and the index: a few megabytes for an hour.
 #[derive(Debug)]
 pub struct Writer {
     container: Container,
-    /// What the clock showed at [`Instant::ZERO`], in microseconds since 1970.
+    /// The wall clock at [`Instant::ZERO`], in microseconds since 1970.
     zero_unix_us: i64,
     last: Instant,
     batch: Batch,
-    /// Telemetry of the frames in the batch: it is written behind them, so that times in the file grow.
+    /// Telemetry of the frames in the batch. It is written after them, so that times in the file increase.
     telemetry: Vec<(MotorId, Instant, String)>,
     spare: Vec<String>,
     motors: Motors,
@@ -43,8 +43,8 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins a file. The clock showed so many microseconds since 1970, UTC, at [`Instant::ZERO`]. `about` says
-    /// in names and values where the session comes from, such as the version of the page.
+    /// Starts a file. `zero_unix_us` is the wall clock at [`Instant::ZERO`], in microseconds since 1970, UTC. `about`
+    /// describes the origin of the session in names and values, such as the version of the page.
     #[must_use]
     pub fn new(zero_unix_us: i64, about: &[(&str, &str)]) -> Self {
         let library = concat!("motorlink-session ", env!("CARGO_PKG_VERSION"));
@@ -78,7 +78,7 @@ impl Writer {
         }
     }
 
-    /// What comes from here on is by a clock that was read anew.
+    /// Sets a new offset of the wall clock for the following records.
     pub fn set_clock(&mut self, zero_unix_us: i64) {
         if self.zero_unix_us != zero_unix_us {
             self.flush();
@@ -86,7 +86,7 @@ impl Writer {
         }
     }
 
-    /// Adds what passed on the line.
+    /// Adds an event of the bus.
     pub fn line(&mut self, event: &LineEvent) {
         if let Some(second) = self.meter.add_event(event) {
             self.flush();
@@ -113,7 +113,7 @@ impl Writer {
         }
     }
 
-    /// Adds what happened between frames. Faults are derived from replies, and not taken from here.
+    /// Adds an event between frames. Faults are derived from replies, so fault events are ignored here.
     pub fn event(&mut self, at: Instant, event: &Event) {
         if event.kind != EventKind::Fault {
             self.put_event(at, event);
@@ -170,25 +170,25 @@ impl Writer {
         }
     }
 
-    /// Adds a file within the file, such as the setup.
+    /// Adds an attachment, such as the setup.
     pub fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) {
         self.flush();
         let log_ns = utc_ns(self.zero_unix_us, self.last);
         self.container.attach(log_ns, name, media_type, data);
     }
 
-    /// Bytes that are complete and not taken.
+    /// Number of completed bytes that were not taken.
     #[must_use]
     pub const fn written(&self) -> usize {
         self.container.written()
     }
 
-    /// Takes the bytes that are complete.
+    /// Takes the completed bytes.
     pub fn take(&mut self) -> Vec<u8> {
         self.container.take()
     }
 
-    /// Ends the file, and gives the bytes that were not taken.
+    /// Ends the file. Returns the bytes that were not taken.
     #[must_use]
     pub fn finish(mut self) -> Vec<u8> {
         self.flush();

@@ -1,4 +1,4 @@
-//! `/events`: what happened between frames.
+//! `/events`: events between frames.
 
 use motorlink_bus::StopOutcome;
 use motorlink_protocol::{Instant, MotorId, Rpm};

@@ -1,22 +1,22 @@
-//! `/link`: how the line worked, second by second. Derived from `/wire`.
+//! `/link`: statistics of the bus per second, derived from `/wire`.
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_protocol::{Instant, MotorId, Reply, Request};
 
 const SECOND_US: u64 = 1_000_000;
 
-/// Counts what passes in a second.
+/// Counts the frames of each second.
 #[derive(Debug, Default)]
 pub(crate) struct Meter {
     second: Option<Second>,
-    /// The last request that is answered, and when it was sent.
+    /// The last request that expects a reply, and its time.
     asked: Option<(MotorId, Instant)>,
 }
 
-/// What passed in a second.
+/// The counts of one second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Second {
-    /// On the monotonic clock.
+    /// The number of the second on the monotonic clock.
     number: u64,
     sent: u32,
     replies: u32,
@@ -30,7 +30,7 @@ pub(crate) struct Second {
 }
 
 impl Meter {
-    /// Takes what passed. Gives the second before, when it has ended.
+    /// Counts an event. Returns the previous second when it has ended.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Second> {
         let number = event.at.as_micros() / SECOND_US;
         let ended = self.second.take_if(|second| second.number != number);
@@ -57,7 +57,7 @@ impl Meter {
             LineEventKind::Junk(_) => second.junk += 1,
             LineEventKind::Silence { .. } => {
                 second.lost += 1;
-                // What comes now is late, and no round trip.
+                // A reply after this is late and gives no round trip.
                 self.asked = None;
             }
             LineEventKind::NotSent { .. } => second.not_sent += 1,
@@ -65,7 +65,7 @@ impl Meter {
         ended
     }
 
-    /// The second that has not ended.
+    /// The current second, which has not ended.
     pub(crate) fn end(&mut self) -> Option<Second> {
         self.second.take()
     }
@@ -81,7 +81,7 @@ impl Second {
         self.round_trips += 1;
     }
 
-    /// When it began.
+    /// Its start.
     pub(crate) const fn began(&self) -> Instant {
         Instant::from_micros(self.number.saturating_mul(SECOND_US))
     }

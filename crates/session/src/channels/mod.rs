@@ -1,11 +1,11 @@
-//! The channels of a session file: what a message of each holds.
+//! The channels of a session file, and the content of their messages.
 //!
 //! | topic | messages |
 //! |---|---|
 //! | `/wire` | frames, several in a message |
-//! | `/motors/<id>/telemetry` | what a motor reported, derived from its replies |
-//! | `/events` | what happened between frames |
-//! | `/link` | counts and round trips of a second, derived from frames |
+//! | `/motors/<id>/telemetry` | telemetry of a motor, derived from its replies |
+//! | `/events` | events between frames |
+//! | `/link` | counts and round trips per second, derived from frames |
 //!
 //! `docs/sessions.md` describes them for people who read such files.
 
@@ -18,7 +18,7 @@ pub(crate) mod wire;
 
 pub(crate) use json::{integer, push_text};
 
-/// A topic that a reader reads.
+/// A topic that the reader uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topic {
     Wire,
@@ -30,7 +30,7 @@ impl Topic {
     pub(crate) const EVENTS: &str = "/events";
     pub(crate) const LINK: &str = "/link";
 
-    /// What else a file has is derived from these, or is not of a session.
+    /// `None` for other topics: they are derived from these, or do not belong to a session.
     pub(crate) fn from_name(name: &str) -> Option<Self> {
         match name {
             Self::WIRE => Some(Self::Wire),

@@ -1,5 +1,5 @@
-//! JSON schemas of the messages. Foxglove asks for the encoding `jsonschema`, messages in `json`, and an object
-//! at the top: <https://docs.foxglove.dev/docs/sdk/schemas>.
+//! JSON schemas of the messages. Foxglove requires the encoding `jsonschema`, messages in `json`, and an object at
+//! the top: <https://docs.foxglove.dev/docs/sdk/schemas>.
 
 /// A name and a schema.
 pub(crate) type Schema = (&'static str, &'static str);

@@ -1,8 +1,8 @@
-//! `/motors/<id>/telemetry`: what a motor reported, for programs that draw it.
+//! `/motors/<id>/telemetry`: telemetry for programs that plot it.
 //!
-//! Everything here is derived from `/wire`, which has every reply. At 500 replies a second these messages would
-//! weigh more than the frames: each has 31 bytes and its place in an index. So a file has
-//! [`PER_SECOND`] a second for each motor, each of one reply, and every change of mode or faults.
+//! All of it is derived from `/wire`, which has every reply. At 500 replies a second these messages would take more
+//! space than the frames: each has 31 bytes and an index entry. So a file has at most [`PER_SECOND`] messages per
+//! second, motor and kind of reply, and one for every change of mode or faults.
 
 use std::{collections::BTreeMap, fmt::Write, time::Duration};
 
@@ -14,15 +14,15 @@ use motorlink_recorder::digits::push_decimal;
 
 use super::{push_text, wire::mode_name};
 
-/// Messages a second for each motor at most, for replies to drive frames and to queries each.
+/// Maximal messages per second and motor, counted separately for replies to drive frames and to queries.
 pub const PER_SECOND: u32 = 50;
 
 const PERIOD: Duration = Duration::from_micros(1_000_000 / PER_SECOND as u64);
 
-/// So much earlier than a period is early enough: replies at just this rate are all written.
+/// Tolerance of the period: replies that come at exactly this rate with jitter are all written.
 const EARLY: Duration = Duration::from_micros(2_500);
 
-/// What is known of every motor.
+/// The state of every motor.
 #[derive(Debug, Default)]
 pub(crate) struct Motors(BTreeMap<MotorId, Motor>);
 
@@ -30,28 +30,28 @@ pub(crate) struct Motors(BTreeMap<MotorId, Motor>);
 struct Motor {
     drive: Option<(Drive, Option<Mode>)>,
     replied: Option<(Instant, Reply)>,
-    /// Degrees of the last angle, and how many degrees the wheel has turned since the first.
+    /// The time of the last angle, and its degrees.
     angle: Option<(Instant, f64)>,
     turned_deg: f64,
-    /// When the last message was written, by layout.
+    /// The time of the last message, by layout of the reply.
     written: [Option<Instant>; 3],
 }
 
-/// What a reply is to those that draw it.
+/// A reply with the state that a plot needs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reported {
     pub(crate) reply: Reply,
-    /// What the last drive frame asked for.
+    /// The last drive frame, and the loop that it was read in.
     drive: Option<(Drive, Option<Mode>)>,
     turns: Option<f64>,
-    /// Whether it is written: see [`PER_SECOND`].
+    /// Whether a message is due: see [`PER_SECOND`].
     pub(crate) is_due: bool,
-    /// The faults before, where they have changed.
+    /// The previous faults, if they have changed.
     pub(crate) faults_changed: Option<Faults>,
 }
 
 impl Motors {
-    /// Takes what passed on the line. Gives what a motor reported, where it is a good reply.
+    /// Takes an event of the bus. Returns the telemetry if it is a valid reply.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         match event.kind {
             LineEventKind::Sent { frame, mode } => {
@@ -102,8 +102,8 @@ impl Motor {
         }
     }
 
-    /// Counts whole turns: of all ways to the new angle, the one that fits the speed. The reported angle falls at
-    /// a positive speed; turns count up.
+    /// Counts turns: of all rotations to the new angle, it selects the one that fits the speed. The reported angle
+    /// falls at positive speed; turns count up.
     fn turn_to(&mut self, at: Instant, degrees: f64, rpm: f64) {
         if let Some((before_at, before)) = self.angle {
             let expected = 6.0 * rpm * at.since(before_at).as_secs_f64();
@@ -124,7 +124,7 @@ fn degrees_of(reply: &Reply) -> Option<f64> {
 }
 
 impl Reported {
-    /// The message. What a reply does not say is left out, never repeated.
+    /// Writes the message. A value that the reply does not contain is left out, never repeated.
     pub(crate) fn write(&self, out: &mut String, at: Instant) {
         let Reply {
             mode,
@@ -158,7 +158,7 @@ impl Reported {
             Detail::Undetermined(_) => {}
         }
         if let Some(turns) = self.turns {
-            // Writing into a text does not fail.
+            // Writing to a string cannot fail.
             let _ = write!(out, ",\"turns\":{turns:.4}");
         }
         out.push_str(",\"mode\":\"");
@@ -209,7 +209,7 @@ fn push_scaled<const DECIMALS: usize>(out: &mut String, negative: bool, value: S
     if negative {
         out.push('-');
     }
-    // Writing into a text does not fail.
+    // Writing to a string cannot fail.
     let _ = write!(out, "{value}");
 }
 

@@ -1,7 +1,7 @@
-//! `/wire`: what passed on the line, several events in a message.
+//! `/wire`: events of the bus, several per message.
 //!
-//! A message of its own for each frame would cost 31 bytes in the chunk and 16 in its index, more than the frame
-//! itself. Times are differences, because these repeat and compress: one hour takes 34 MB instead of 44 MB.
+//! A separate message per frame would cost 31 bytes in the chunk and 16 in its index, more than the frame itself.
+//! Times are stored as differences, because these repeat and compress well: one hour takes 34 MB instead of 44 MB.
 
 use std::time::Duration;
 
@@ -12,9 +12,9 @@ use nojson::{RawJson, RawJsonValue};
 
 use super::integer;
 
-/// Events in a message at most.
+/// Maximal events per message.
 const EVENTS_MAX: usize = 256;
-/// Time in a message at most: a reader that jumps to a moment reads no more than this before it.
+/// Maximal time per message: a reader that seeks to a moment reads no more than this before it.
 const SPAN: Duration = Duration::from_millis(100);
 
 /// The message that is being filled.
@@ -27,7 +27,7 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    /// Whether this event would have to go into another message.
+    /// Whether an event at this time has to go into the next message.
     pub(crate) fn is_full_for(&self, at: Instant) -> bool {
         let fits = self.events < EVENTS_MAX && at >= self.last && at.since(self.first) < SPAN;
         self.events > 0 && !fits
@@ -52,7 +52,7 @@ impl Batch {
         self.events += 1;
     }
 
-    /// The moment and the text of the message, where there is one. The next one begins.
+    /// Ends the message and starts the next one. Returns its time and text, if there is one.
     pub(crate) fn end(&mut self) -> Option<(Instant, &str)> {
         if self.events == 0 {
             return None;
@@ -110,7 +110,7 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
     out.push_str("\"}");
 }
 
-/// The first byte, which is the motor's address in most frames.
+/// Adds the first byte, which is the motor's address in most frames.
 fn push_id(out: &mut String, frame: &Frame) {
     let [first, ..] = *frame.bytes();
     out.push_str(",\"id\":");
@@ -130,7 +130,7 @@ fn mode_of(name: &str) -> Option<Mode> {
     modes.into_iter().find(|mode| mode_name(*mode) == name)
 }
 
-/// The events in a message, and whether each of its frames could be read.
+/// Parses the events of a message, and returns whether all of its frames could be parsed.
 pub(crate) fn read(data: &[u8]) -> Option<(Vec<LineEvent>, bool)> {
     let json = RawJson::parse(std::str::from_utf8(data).ok()?).ok()?;
     let message = json.value();
@@ -150,7 +150,7 @@ pub(crate) fn read(data: &[u8]) -> Option<(Vec<LineEvent>, bool)> {
     Some((events, complete))
 }
 
-/// The members of one frame. They are read in one pass: an hour has millions of them.
+/// The members of one frame, collected in a single pass: an hour has millions of them.
 #[derive(Default)]
 struct Members<'a> {
     after_us: u64,
@@ -223,7 +223,7 @@ impl Members<'_> {
     }
 }
 
-/// At most ten bytes in hex, without spaces.
+/// Parses at most ten bytes in hex, without spaces.
 fn bytes_of(hex: &str) -> Option<([u8; 10], usize)> {
     let digits = hex.as_bytes();
     let mut bytes = [0; 10];

@@ -1,4 +1,4 @@
-//! The CSV files that the page exports too, by the same writer.
+//! CSV files in the formats of the page's own exports, by the same writer.
 
 use motorlink_recorder::{CsvLines, LocalTime, WallClock};
 
@@ -12,13 +12,13 @@ use crate::{
 pub struct Table(CsvLines);
 
 impl Table {
-    /// Every entry of the packet log.
+    /// A table of every entry of the packet log.
     #[must_use]
     pub fn of_log() -> Self {
         Self(CsvLines::of_log())
     }
 
-    /// Every good reply.
+    /// A table of every valid reply.
     #[must_use]
     pub fn of_telemetry() -> Self {
         Self(CsvLines::of_telemetry())
@@ -29,7 +29,7 @@ impl Table {
         self.0.head(out);
     }
 
-    /// Adds the line of a record, where it has one.
+    /// Adds the line of a record, if it has one.
     pub fn record(&mut self, out: &mut Vec<u8>, record: &Record) {
         let zero_us = zero_unix_us(record.at, record.utc_ns);
         let clock = WallClock::from_us(zero_us, LocalTime::default());

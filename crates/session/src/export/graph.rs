@@ -7,7 +7,7 @@ use crate::overview::{Extent, MotorOverview, Overview};
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 160.0;
-/// Room above and below the trace, in pixels.
+/// Margin above and below the trace, in pixels.
 const MARGIN: f64 = 12.0;
 
 /// A quantity of the graph.
@@ -15,7 +15,7 @@ pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) unit: &'static str,
     pub(super) colour: &'static str,
-    /// Least and greatest value of a bucket.
+    /// Returns the least and greatest value of a bucket.
     pub(super) of: fn(&Extent) -> (f64, f64),
 }
 
@@ -55,9 +55,9 @@ pub(super) fn graph(overview: &Overview, motor: &MotorOverview, quantity: &Quant
         let Some(extent) = extent else { continue };
         let (least, greatest) = (quantity.of)(extent);
         let x = f64::from(number) * bucket / duration * WIDTH;
-        // Half a pixel more on each side, so that a constant value is seen.
+        // Half a pixel more on each side, so that a constant value is visible.
         let (top, bottom) = (y(greatest) - 0.5, y(least) + 0.5);
-        // Writing into a text does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(path, "M{x:.1} {top:.1}V{bottom:.1}");
     }
     let mark_lines = overview

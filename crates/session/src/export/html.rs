@@ -1,4 +1,4 @@
-//! HTML and SVG, built as elements. Every text and attribute is escaped.
+//! Builds HTML and SVG from elements. Every text and attribute is escaped.
 
 /// An element with its content.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ impl Element {
         }
         out.push('>');
         if EMPTY.contains(&self.name) {
-            // SVG within HTML may leave out the end tag of a shape only where it is closed at once.
+            // SVG in HTML may omit the end tag of a shape only if the tag is self-closing.
             if self.name != "meta" {
                 out.insert(out.len() - 1, '/');
             }
@@ -68,7 +68,7 @@ impl Element {
         for content in &self.content {
             match content {
                 Content::Element(element) => element.write(out),
-                // A style sheet is ours, and has no entities.
+                // The style sheet is a constant, and HTML does not decode entities in it.
                 Content::Text(text) if self.name == "style" => out.push_str(text),
                 Content::Text(text) => push_escaped(out, text),
             }

@@ -1,4 +1,4 @@
-//! A session as other files: CSV tables and a report.
+//! Exports of a session: CSV tables and a report.
 
 mod article;
 mod graph;

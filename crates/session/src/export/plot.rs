@@ -1,4 +1,4 @@
-//! A CSV file for PlotJuggler and others that draw columns of numbers.
+//! A CSV file for PlotJuggler and other programs that plot columns of numbers.
 //!
 //! | column | content |
 //! |---|---|
@@ -11,7 +11,7 @@
 //! | `motor_<id>_fault_code` | byte 8 of the reply |
 //! | `motor_<id>_setpoint` | of the last drive frame: rpm, A or degrees, by its loop |
 //!
-//! A line is a reply, or a drive frame. What it does not say is empty.
+//! Each line is a reply or a drive frame. Values that it does not contain are empty.
 
 use std::fmt::Write;
 
@@ -45,7 +45,7 @@ pub struct PlotTable {
 }
 
 impl PlotTable {
-    /// With the columns of these motors.
+    /// A table with the columns of these motors.
     #[must_use]
     pub fn new(overview: &Overview) -> Self {
         Self {
@@ -62,13 +62,13 @@ impl PlotTable {
             .iter()
             .flat_map(|id| QUANTITIES.map(|q| (id, q)))
         {
-            // Writing into a text does not fail.
+            // Writing to a string cannot fail.
             let _ = write!(out, ",motor_{}_{quantity}", motor.get());
         }
         out.push_str("\r\n");
     }
 
-    /// Adds the line of a record, where it has one.
+    /// Adds the line of a record, if it has one.
     pub fn record(&mut self, out: &mut String, record: &Record) {
         let first = *self.first.get_or_insert(record.at);
         let What::Line(kind) = &record.what else {

@@ -1,4 +1,4 @@
-//! What happened in a session, as one HTML file without anything from elsewhere.
+//! A report of a session as one self-contained HTML file.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::{
     record::EventKind,
 };
 
-/// Events in the table at most: a report is read by people.
+/// Maximal events in the table, so that it stays readable.
 const EVENTS_MAX: usize = 500;
 
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;\
@@ -24,12 +24,12 @@ padding:.2rem .8rem .2rem 0;border-bottom:1px solid #ccc;vertical-align:top}td.n
 svg{width:100%;border:1px solid #ccc;margin:.3rem 0}path{fill:none;stroke-width:1.2}.zero{stroke:#999}\
 .mark{stroke:#c00;stroke-dasharray:3 3}svg text{font-size:11px;fill:#555}.bad{color:#a00}";
 
-/// What a report says beside the overview.
+/// Content of the report besides the overview.
 #[derive(Clone, Copy, Debug)]
 pub struct About<'a> {
     /// The name of the file.
     pub name: &'a str,
-    /// What could not be read.
+    /// The unreadable parts of the session.
     pub problems: &'a Problems,
 }
 
@@ -174,7 +174,7 @@ fn duration_text(duration: Duration) -> String {
     format!("{hours}:{minutes:02}:{:02}.{millis:03}", seconds % 60)
 }
 
-/// `12 (0.4 %)`, by whole numbers.
+/// `12 (0.4 %)`, in integer arithmetic.
 fn share(part: u64, whole: u64) -> String {
     let tenths = part.saturating_mul(1_000).checked_div(whole).unwrap_or(0);
     format!("{part} ({}.{} %)", tenths / 10, tenths % 10)

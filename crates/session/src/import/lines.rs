@@ -1,14 +1,14 @@
-//! Lines of a CSV file, by `csv-core`, in memory that has a bound.
+//! Splits a CSV file into lines with `csv-core`, in bounded memory.
 
 use csv_core::{ReadRecordResult, Reader};
 
-/// Bytes of a line at most. What the page says has a thousand.
+/// Maximal bytes per line. The longest texts of the page have a thousand.
 const LINE_BYTES_MAX: usize = 8 << 10;
 
-/// Cells of a line at most. The widest file has ten.
+/// Maximal cells per line. The widest file has ten.
 const CELLS_MAX: usize = 32;
 
-/// Puts lines together.
+/// Assembles lines.
 #[derive(Debug)]
 pub(super) struct Lines {
     reader: Reader,
@@ -16,7 +16,7 @@ pub(super) struct Lines {
     ends: Vec<usize>,
     text_len: usize,
     cells: usize,
-    /// The line is longer than any that is known.
+    /// The current line exceeds a maximum.
     is_too_long: bool,
 }
 
@@ -34,7 +34,7 @@ impl Default for Lines {
 }
 
 impl Lines {
-    /// Takes bytes, and gives every line that they complete; `None` for one that is too long, or is no UTF-8.
+    /// Takes bytes, and passes every completed line to `line`: `None` if it is too long or not UTF-8.
     pub(super) fn feed(&mut self, bytes: &[u8], mut line: impl FnMut(Option<&[&str]>)) {
         let mut rest = bytes;
         while !rest.is_empty() {
@@ -43,12 +43,12 @@ impl Lines {
         }
     }
 
-    /// Gives the last line, where it has no end.
+    /// Passes the last line to `line` if it has no line break.
     pub(super) fn end(&mut self, mut line: impl FnMut(Option<&[&str]>)) {
         while !self.step(&[], &mut line).0 {}
     }
 
-    /// Says whether the file has ended, and how many bytes were read.
+    /// Returns whether the file has ended, and how many bytes were read.
     fn step(&mut self, bytes: &[u8], line: &mut impl FnMut(Option<&[&str]>)) -> (bool, usize) {
         let text = self.text.get_mut(self.text_len..).unwrap_or_default();
         let ends = self.ends.get_mut(self.cells..).unwrap_or_default();

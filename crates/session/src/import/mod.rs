@@ -1,6 +1,7 @@
-//! CSV files as sessions: our exports, the monitor script of the article, and the log of the original page.
+//! Imports CSV files as sessions: our exports, the monitor script of the article, and the log of the original page.
 //!
-//! A CSV file becomes a session file, and that is opened: so there is one reader, and everything else works.
+//! The import converts a CSV file to a session file, which is then opened. So there is only one reader, and all other
+//! functions work.
 //!
 //! | first line | file |
 //! |---|---|
@@ -24,7 +25,7 @@ use crate::{
     writer::Writer,
 };
 
-/// Makes a session file out of a CSV file, piece by piece.
+/// Converts a CSV file to a session file, piece by piece.
 #[derive(Debug, Default)]
 pub struct Import {
     lines: Lines,
@@ -34,7 +35,7 @@ pub struct Import {
 
 #[derive(Debug, Default)]
 enum State {
-    /// The first line is not complete.
+    /// The first line is incomplete.
     #[default]
     Head,
     /// Before the first line with a time.
@@ -63,7 +64,7 @@ impl Import {
         lines.feed(bytes, |cells| take(state, problems, cells));
     }
 
-    /// Takes the bytes of the session file that are complete.
+    /// Takes the completed bytes of the session file.
     pub fn take(&mut self) -> Vec<u8> {
         match &mut self.state {
             State::Rows(running) => running.writer.take(),
@@ -71,16 +72,16 @@ impl Import {
         }
     }
 
-    /// Whether the columns are those of no known file: more bytes change nothing.
+    /// Whether the columns belong to no known file: more bytes change nothing.
     #[must_use]
     pub const fn is_unknown(&self) -> bool {
         matches!(self.state, State::Unknown)
     }
 
-    /// Ends the session file. Gives the bytes that were not taken, and what could not be read of the CSV file.
+    /// Ends the session file. Returns its remaining bytes, and the unreadable parts of the CSV file.
     ///
     /// # Errors
-    /// The columns are those of no known file.
+    /// The columns belong to no known file.
     pub fn finish(mut self) -> Result<(Vec<u8>, Problems), NotASession> {
         let Self {
             lines,
@@ -96,7 +97,7 @@ impl Import {
     }
 }
 
-/// Takes one line; `None` is one that is too long.
+/// Takes one line; `None` is a line that is too long.
 fn take(state: &mut State, problems: &mut Problems, cells: Option<&[&str]>) {
     match state {
         State::Head => {

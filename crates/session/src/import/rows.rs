@@ -1,4 +1,4 @@
-//! What the lines of each file say.
+//! Parses the lines of each kind of file.
 
 use std::collections::BTreeMap;
 
@@ -19,13 +19,13 @@ use crate::{
 pub(super) enum Columns {
     Log,
     Telemetry,
-    /// Of the original page.
+    /// The log of the original page.
     Original,
 }
 
 impl Columns {
-    /// The columns that the first line names. A byte order mark is passed over: programs that save a file anew
-    /// add one.
+    /// The columns by the first line. A byte order mark is skipped, because some programs add one when they save a
+    /// file.
     pub(super) fn of_head(head: &[&str]) -> Option<Self> {
         let (first, rest) = head.split_first()?;
         let first = first.trim_start_matches('\u{FEFF}');
@@ -42,16 +42,16 @@ impl Columns {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Line<'a> {
     pub(super) time: Time,
-    said: Said<'a>,
+    content: Content<'a>,
 }
 
-/// What a line says.
+/// The content of a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Said<'a> {
-    /// A frame, and what it means in words, where the line says it.
+enum Content<'a> {
+    /// A frame and its description, if the line has one.
     Sent(Frame, &'a str),
     Received(Frame, &'a str),
-    /// With its layout.
+    /// A reply with its layout.
     Telemetry(Frame, Option<Layout>),
     Line(LineEventKind),
     Text {
@@ -60,7 +60,7 @@ enum Said<'a> {
     },
 }
 
-/// Reads lines, and knows what came before: it says what a reply answers.
+/// Parses lines. It remembers the request before a reply, which determines the reply's layout.
 #[derive(Debug)]
 pub(super) struct Rows {
     columns: Columns,
@@ -77,15 +77,16 @@ impl Rows {
         }
     }
 
-    /// What the cells of a line say; `None` where they cannot be read.
+    /// Parses the cells of a line; `None` if they are invalid.
     pub(super) fn read<'a>(&self, cells: &[&'a str]) -> Option<Line<'a>> {
         let time = Time::read(cells.first()?)?;
-        let said = match (self.columns, cells) {
+        let content = match (self.columns, cells) {
             (Columns::Log, [_, _, direction, id, hex, meaning]) => {
                 log_line(direction, id, hex, meaning)?
             }
             (Columns::Telemetry, [_, _, _, _, _, temperature, position, _, _, hex]) => {
-                // Both layouts have a position, only one has a temperature. The article's script only queries.
+                // Both layouts have a position, but only one has a temperature. The article's script only sends
+                // queries.
                 let layout = match (temperature.is_empty(), position.is_empty()) {
                     (false, _) => Some(Layout::Query),
                     (true, false) => Some(Layout::Drive),
@@ -93,22 +94,22 @@ impl Rows {
                 };
                 let frame: Frame = hex.parse().ok()?;
                 Reply::decode(&frame, layout).ok()?;
-                Said::Telemetry(frame, layout)
+                Content::Telemetry(frame, layout)
             }
             (Columns::Original, [_, kind, content]) => original_line(kind, content)?,
             _ => return None,
         };
-        Some(Line { time, said })
+        Some(Line { time, content })
     }
 
-    /// Writes a line.
+    /// Writes a line to the session.
     pub(super) fn write(&mut self, at: Instant, line: &Line<'_>, writer: &mut Writer) {
-        let kind = match line.said {
-            Said::Sent(frame, meaning) => self.sent(frame, meaning),
-            Said::Received(frame, meaning) => self.received(frame, meaning),
-            Said::Telemetry(frame, asked) => LineEventKind::Received { frame, asked },
-            Said::Line(kind) => kind,
-            Said::Text { error, text } => {
+        let kind = match line.content {
+            Content::Sent(frame, meaning) => self.sent(frame, meaning),
+            Content::Received(frame, meaning) => self.received(frame, meaning),
+            Content::Telemetry(frame, asked) => LineEventKind::Received { frame, asked },
+            Content::Line(kind) => kind,
+            Content::Text { error, text } => {
                 let event = Event::new(EventKind::Notice, text);
                 return writer.event(at, &Event { error, ..event });
             }
@@ -116,8 +117,8 @@ impl Rows {
         writer.line(&LineEvent { at, kind });
     }
 
-    /// The words say the loop in which the motor reads the frame. Without words it is the one that the motor
-    /// reported last.
+    /// A sent frame. The description names the loop in which the motor reads it. Without one it is the last reported
+    /// loop.
     fn sent(&mut self, frame: Frame, meaning: &str) -> LineEventKind {
         let request = Request::parse(&frame).ok();
         let id = request.and_then(|request| request.addressee());
@@ -129,13 +130,13 @@ impl Rows {
             Some(Mode::Current),
             Some(Mode::Position),
         ];
-        let said = |mode: &Option<Mode>| explain_sent(&frame, *mode).to_string() == meaning;
+        let matches = |mode: &Option<Mode>| explain_sent(&frame, *mode).to_string() == meaning;
         let reported = id.and_then(|id| self.modes.get(&id).copied());
-        let mode = modes.into_iter().find(said).unwrap_or(reported);
+        let mode = modes.into_iter().find(matches).unwrap_or(reported);
         LineEventKind::Sent { frame, mode }
     }
 
-    /// The words say the layout. Without words it follows from the request before.
+    /// A received frame. The description tells its layout. Without one the request before it does.
     fn received(&mut self, frame: Frame, meaning: &str) -> LineEventKind {
         let Ok(reply) = Reply::decode(&frame, None) else {
             return LineEventKind::Junk(JunkBytes::new(frame.bytes()));
@@ -144,42 +145,42 @@ impl Rows {
         let asked = self.asked.take().filter(|(id, _)| *id == reply.id);
         let layouts = [None, Some(Layout::Drive), Some(Layout::Query)];
         let meaning = without_apostrophe(meaning);
-        let said =
+        let matches =
             |layout: &Option<Layout>| explain_received(&frame, *layout).to_string() == meaning;
         let followed = asked.map(|(_, layout)| layout);
-        let asked = layouts.into_iter().find(said).unwrap_or(followed);
+        let asked = layouts.into_iter().find(matches).unwrap_or(followed);
         LineEventKind::Received { frame, asked }
     }
 }
 
-/// An apostrophe in front keeps spreadsheets from running a text.
+/// Removes the leading apostrophe, which keeps spreadsheets from executing a text.
 fn without_apostrophe(text: &str) -> &str {
     let bare = text.strip_prefix('\'');
     let is_formula = |text: &&str| text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
     bare.filter(is_formula).unwrap_or(text)
 }
 
-fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Option<Said<'a>> {
+fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Option<Content<'a>> {
     let error = direction == "ERR";
     Some(match direction {
-        "TX" => Said::Sent(hex.parse().ok()?, meaning),
-        "RX" => Said::Received(hex.parse().ok()?, meaning),
+        "TX" => Content::Sent(hex.parse().ok()?, meaning),
+        "RX" => Content::Received(hex.parse().ok()?, meaning),
         "ERR" if !hex.is_empty() && meaning.starts_with("not sent") => {
             let frame = hex.parse().ok()?;
-            Said::Line(LineEventKind::NotSent { frame })
+            Content::Line(LineEventKind::NotSent { frame })
         }
-        "ERR" if !hex.is_empty() => Said::Line(LineEventKind::Junk(junk(hex)?)),
+        "ERR" if !hex.is_empty() => Content::Line(LineEventKind::Junk(junk(hex)?)),
         "ERR" if !id.is_empty() => {
             let id = u8::from_str_radix(id.strip_prefix("0x")?, 16).ok()?;
             let waited = meaning
                 .strip_prefix("no reply within ")?
                 .strip_suffix(" ms")?;
-            Said::Line(LineEventKind::Silence {
+            Content::Line(LineEventKind::Silence {
                 id: MotorId::new(id).ok()?,
                 waited_us: tenths(waited)?.checked_mul(100)?,
             })
         }
-        "SYS" | "ERR" => Said::Text {
+        "SYS" | "ERR" => Content::Text {
             error,
             text: without_apostrophe(meaning),
         },
@@ -188,19 +189,19 @@ fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Optio
 }
 
 /// `→ TX [ID 0x01]: 01 64 00 64 00 00 00 00 00 4F`, and texts.
-fn original_line<'a>(kind: &str, content: &'a str) -> Option<Said<'a>> {
+fn original_line<'a>(kind: &str, content: &'a str) -> Option<Content<'a>> {
     let frame = || content.split_once("]: ")?.1.trim().parse().ok();
     Some(match kind {
-        "TX" => Said::Sent(frame()?, ""),
-        "RX" => Said::Received(frame()?, ""),
-        _ => Said::Text {
+        "TX" => Content::Sent(frame()?, ""),
+        "RX" => Content::Received(frame()?, ""),
+        _ => Content::Text {
             error: kind == "Error",
             text: content,
         },
     })
 }
 
-/// One to ten bytes.
+/// Parses one to ten bytes.
 fn junk(hex: &str) -> Option<JunkBytes> {
     let bytes = hex.split(' ').map(|byte| {
         let is_hex = byte.len() == 2 && byte.bytes().all(|digit| digit.is_ascii_hexdigit());

@@ -109,7 +109,7 @@ fn the_log_of_the_articles_script_is_read() {
 ";
     let (records, problems) = import(csv, 11).unwrap();
     let problems: Vec<_> = problems.iter().collect();
-    // Its CRC does not hold: the article made it up.
+    // Its CRC is wrong: the article invented the sample.
     assert_eq!(problems, [(Problem::LineDamaged, 1)]);
     assert!(records.is_empty());
 }

@@ -1,16 +1,16 @@
-//! Times of CSV files.
+//! Parses the times of CSV files.
 
 const US_A_SECOND: i64 = 1_000_000;
 const SECONDS_A_DAY: i64 = 86_400;
-/// A time of day that goes back by more than this is of the next day.
+/// A time of day that goes back by more than this belongs to the next day.
 const HALF_A_DAY_US: i64 = SECONDS_A_DAY / 2 * US_A_SECOND;
 
-/// A time as it is written.
+/// A time as written in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Time {
     /// Microseconds since 1970, UTC.
     Utc(i64),
-    /// Microseconds since midnight, somewhere on earth.
+    /// Microseconds since midnight, in an unknown time zone.
     OfDay(i64),
 }
 
@@ -51,7 +51,7 @@ fn clock_us(text: &str) -> Option<i64> {
     is_clock.then_some(seconds * US_A_SECOND + fraction_us)
 }
 
-/// A number of exactly so many digits.
+/// A number with exactly this many digits.
 fn digits_of(text: &str, digits: usize) -> Option<i64> {
     let is_number = text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit());
     text.parse().ok().filter(|_| is_number)
@@ -71,7 +71,7 @@ const fn days_from_civil(year: i64, month: i64, day: i64) -> i64 {
     era * 146_097 + day_of_era - 719_468
 }
 
-/// Puts times of day behind each other, over midnight.
+/// Converts times of day to increasing times, also over midnight.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Clock {
     days_us: i64,

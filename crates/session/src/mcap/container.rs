@@ -1,4 +1,4 @@
-//! The writer of the container: messages go in, bytes come out as they are complete.
+//! The writer of the container: takes messages, and returns bytes when they are complete.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ use super::{
     summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
 };
 
-/// Bytes of a chunk before compression. Six seconds of 500 exchanges: a jump decompresses so much, in 1 ms.
-/// Twice as many save 2 % of the file.
+/// Bytes per chunk before compression: six seconds of 500 exchanges a second. A seek decompresses one chunk, in 1 ms.
+/// Chunks of twice the size make the file 2 % smaller.
 const CHUNK_BYTES: usize = 512 << 10;
 
-/// Time in a chunk at most, so that a file that is cut loses no more.
+/// Maximal time per chunk, so that a truncated file loses no more.
 const CHUNK_NS: u64 = 10_000_000_000;
 
-/// A channel as it is registered.
+/// A registered channel.
 #[derive(Debug)]
 struct Channel {
     schema: u16,
@@ -31,9 +31,9 @@ struct Channel {
 #[derive(Debug)]
 pub(crate) struct Container {
     out: Vec<u8>,
-    /// Bytes that were taken before those in `out`.
+    /// Number of bytes that were taken before those in `out`.
     taken: u64,
-    /// Of everything before `out`.
+    /// The CRC of everything before `out`.
     crc: DataCrc,
     chunk: Chunk,
     schemas: Vec<(&'static str, &'static str)>,
@@ -43,7 +43,7 @@ pub(crate) struct Container {
     metadata: Vec<MetadataIndex>,
 }
 
-/// A CRC of bytes that are gone.
+/// A CRC of bytes that were taken already.
 struct DataCrc(Digest<'static, u32>);
 
 impl std::fmt::Debug for DataCrc {
@@ -52,7 +52,7 @@ impl std::fmt::Debug for DataCrc {
     }
 }
 
-/// The chunk that is being filled.
+/// The chunk being filled.
 #[derive(Debug, Default)]
 struct Chunk {
     raw: Vec<u8>,
@@ -81,7 +81,7 @@ impl Container {
         }
     }
 
-    /// Registers a JSON schema, and gives its ID.
+    /// Registers a JSON schema. Returns its ID.
     pub(crate) fn schema(&mut self, name: &'static str, json: &'static str) -> u16 {
         self.schemas.push((name, json));
         let id = u16::try_from(self.schemas.len()).unwrap_or(u16::MAX);
@@ -89,7 +89,7 @@ impl Container {
         id
     }
 
-    /// Registers a channel, and gives its ID.
+    /// Registers a channel. Returns its ID.
     pub(crate) fn channel(&mut self, schema: u16, topic: String) -> u16 {
         let id = u16::try_from(self.channels.len() + 1).unwrap_or(u16::MAX);
         put_channel(&mut self.chunk.raw, id, schema, &topic);
@@ -101,7 +101,7 @@ impl Container {
         id
     }
 
-    /// Adds a message to the chunk that is being filled.
+    /// Adds a message to the chunk being filled.
     pub(crate) fn message(&mut self, channel: u16, log_ns: u64, data: &[u8]) {
         let since = self
             .chunk
@@ -130,8 +130,8 @@ impl Container {
         index.push((log_ns, offset));
     }
 
-    /// Writes the chunk that is being filled. Channels are named in each chunk anew, so that each can be read
-    /// where the others are damaged.
+    /// Writes the chunk being filled. Each chunk contains its channels again, so that it can be read if others are
+    /// damaged.
     pub(crate) fn end_chunk(&mut self) {
         let chunk = std::mem::take(&mut self.chunk);
         let Some((from_ns, to_ns)) = chunk.times else {
@@ -180,7 +180,7 @@ impl Container {
         }
     }
 
-    /// Adds a file within the file. It lies behind the messages so far.
+    /// Adds an attachment after the messages so far.
     pub(crate) fn attach(&mut self, log_ns: u64, name: &str, media_type: &str, data: &[u8]) {
         self.end_chunk();
         let offset = self.offset();
@@ -205,7 +205,7 @@ impl Container {
         });
     }
 
-    /// Adds named texts.
+    /// Adds a metadata record.
     pub(crate) fn metadata(&mut self, name: &str, pairs: &[(&str, &str)]) {
         let offset = self.offset();
         record(&mut self.out, op::METADATA, |out| {
@@ -219,19 +219,19 @@ impl Container {
         });
     }
 
-    /// Bytes that are complete and not taken.
+    /// Number of completed bytes that were not taken.
     pub(crate) const fn written(&self) -> usize {
         self.out.len()
     }
 
-    /// Takes the bytes that are complete.
+    /// Takes the completed bytes.
     pub(crate) fn take(&mut self) -> Vec<u8> {
         self.taken += self.out.len() as u64;
         self.crc.0.update(&self.out);
         std::mem::take(&mut self.out)
     }
 
-    /// Writes the summary, and gives the bytes that were not taken.
+    /// Writes the summary. Returns the bytes that were not taken.
     pub(crate) fn finish(mut self) -> Vec<u8> {
         self.end_chunk();
         let mut last = self.take();
@@ -276,7 +276,7 @@ impl Container {
                 put::u64(out, length);
             });
         }
-        // Its CRC is of the summary and of this record up to the CRC, with the record's final length.
+        // The CRC covers the summary and this record up to the CRC, with the record's final length.
         summary.push(op::FOOTER);
         put::u64(&mut summary, FOOTER_LEN);
         put::u64(&mut summary, summary_start);
@@ -318,7 +318,7 @@ impl Container {
 /// Content of the footer: two offsets and a CRC.
 const FOOTER_LEN: u64 = 20;
 
-/// Head and CRC of the record between data and summary.
+/// Length of the record between data and summary: head and CRC.
 const RECORD_DATA_END_LEN: u64 = super::RECORD_HEAD_LEN + 4;
 
 fn put_schema(out: &mut Vec<u8>, id: u16, (name, json): (&str, &str)) {

@@ -1,6 +1,6 @@
-//! Records and their fields, out of bytes that may be anything.
+//! Parses records and their fields from untrusted bytes.
 
-/// The fields of a record, in order. A field that the bytes do not hold is `None`.
+/// The fields of a record, in order. A field is `None` if the bytes are too short.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
 
@@ -33,7 +33,7 @@ impl<'a> Fields<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// Bytes behind their length as 32 bits.
+    /// Bytes after their length in 32 bits.
     pub(crate) fn bytes(&mut self) -> Option<&'a [u8]> {
         let length = self.u32()?;
         self.take(length.into())
@@ -43,7 +43,7 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(self.bytes()?).ok()
     }
 
-    /// Pairs of texts behind their length in bytes.
+    /// Pairs of texts after their length in bytes.
     pub(crate) fn texts(&mut self) -> Option<Vec<(String, String)>> {
         let mut pairs = Fields(self.bytes()?);
         let mut read = Vec::new();

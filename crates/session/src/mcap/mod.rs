@@ -1,6 +1,6 @@
-//! The container: records of MCAP, written and read. It knows nothing of motors.
+//! Reads and writes the records of the MCAP container. This module does not depend on motors.
 //!
-//! Source: <https://mcap.dev/spec>. A record is an opcode, a length and so many bytes of content:
+//! Source: <https://mcap.dev/spec>. A record is an opcode, a length and content of this length:
 //!
 //! | bytes | content |
 //! |---|---|
@@ -8,8 +8,8 @@
 //! | 1-8 | length of the content, little endian |
 //! | 9.. | content |
 //!
-//! The `mcap` crate writes and reads the same, and weighs 93 kB gzipped in a page without any compression. This
-//! folder writes and reads what a session needs. The tests read its files with that crate.
+//! The `mcap` crate does the same, but adds 93 kB gzipped to the page, even without compression. This module has only
+//! what a session needs. The tests read its files with that crate.
 
 pub(crate) mod compression;
 pub(crate) mod container;
@@ -25,10 +25,10 @@ pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// Opcode and length of a record.
 pub(crate) const RECORD_HEAD_LEN: u64 = 9;
 
-/// The footer record and the magic behind it.
+/// Length of the footer record and the magic after it.
 pub(crate) const TAIL_LEN: u64 = RECORD_HEAD_LEN + 20 + 8;
 
-/// Bytes of a chunk before compression at most. Writers use a few megabytes; what claims more is damaged.
+/// Maximal bytes of a chunk before compression. Writers use a few megabytes; a larger value is a sign of damage.
 pub(crate) const CHUNK_BYTES_MAX: u64 = 16 << 20;
 
 /// The CRC of every part of the file.

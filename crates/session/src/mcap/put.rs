@@ -1,4 +1,4 @@
-//! Records and their fields, as bytes.
+//! Writes records and their fields.
 
 /// Adds a record with the content that `write` adds.
 pub(crate) fn record(out: &mut Vec<u8>, opcode: u8, write: impl FnOnce(&mut Vec<u8>)) {
@@ -22,7 +22,7 @@ pub(crate) fn u64(out: &mut Vec<u8>, value: u64) {
     out.extend(value.to_le_bytes());
 }
 
-/// Bytes behind their length as 32 bits.
+/// Adds bytes after their length in 32 bits.
 pub(crate) fn bytes(out: &mut Vec<u8>, value: &[u8]) {
     sized(out, |out| out.extend(value));
 }
@@ -31,7 +31,7 @@ pub(crate) fn text(out: &mut Vec<u8>, value: &str) {
     bytes(out, value.as_bytes());
 }
 
-/// What `write` adds, behind its length in bytes.
+/// Adds the content that `write` adds, after its length in bytes.
 pub(crate) fn sized(out: &mut Vec<u8>, write: impl FnOnce(&mut Vec<u8>)) {
     let length_at = out.len();
     out.extend([0; 4]);

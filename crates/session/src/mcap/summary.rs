@@ -1,4 +1,4 @@
-//! The records of the summary, which say where everything lies.
+//! The records of the summary: the index of the file.
 
 use super::{
     fields::Fields,
@@ -6,15 +6,15 @@ use super::{
     put::{self, record},
 };
 
-/// Where a chunk lies, and what it holds.
+/// The position and the content of a chunk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ChunkIndex {
     pub(crate) from_ns: u64,
     pub(crate) to_ns: u64,
-    /// Of the chunk's record, with its opcode.
+    /// Offset of the chunk's record, including its opcode.
     pub(crate) offset: u64,
     pub(crate) length: u64,
-    /// By channel, where the index of its messages lies.
+    /// The offset of the message index of each channel.
     pub(crate) message_indexes: Vec<(u16, u64)>,
     pub(crate) index_length: u64,
     pub(crate) compression: String,
@@ -42,7 +42,7 @@ impl ChunkIndex {
         });
     }
 
-    /// A reader of sessions reads whole chunks, and needs no index of messages.
+    /// Parses the record without the message indexes: the reader of sessions reads whole chunks.
     pub(crate) fn read(content: &[u8]) -> Option<Self> {
         let mut fields = Fields(content);
         let (from_ns, to_ns) = (fields.u64()?, fields.u64()?);
@@ -61,7 +61,7 @@ impl ChunkIndex {
         })
     }
 
-    /// The same out of the head of a chunk that lies here, in a file without a summary.
+    /// The same from the head of a chunk at this offset, for a file without a summary.
     pub(crate) fn of_chunk(offset: u64, content_length: u64, head: &[u8]) -> Option<Self> {
         let head = ChunkHead::read(&mut Fields(head))?;
         Some(Self {
@@ -78,20 +78,20 @@ impl ChunkIndex {
     }
 }
 
-/// What lies before the compressed bytes of a chunk.
+/// The part of a chunk before the compressed bytes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ChunkHead<'a> {
     pub(crate) from_ns: u64,
     pub(crate) to_ns: u64,
     pub(crate) size: u64,
-    /// Zero where the writer computed none.
+    /// Zero if the writer computed none.
     pub(crate) crc: u32,
     pub(crate) compression: &'a str,
     pub(crate) compressed_size: u64,
 }
 
 impl<'a> ChunkHead<'a> {
-    /// Bytes in which every head lies: the names of compressions are short.
+    /// Maximal length of a head: the names of compressions are short.
     pub(crate) const LEN_MAX: u64 = 64;
 
     pub(crate) fn read(fields: &mut Fields<'a>) -> Option<Self> {
@@ -106,7 +106,7 @@ impl<'a> ChunkHead<'a> {
     }
 }
 
-/// Where an attachment lies.
+/// The position of an attachment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct AttachmentIndex {
     pub(crate) offset: u64,
@@ -144,7 +144,7 @@ impl AttachmentIndex {
         })
     }
 
-    /// The same out of the head of an attachment that lies here, in a file without a summary.
+    /// The same from the head of an attachment at this offset, for a file without a summary.
     pub(crate) fn of_attachment(offset: u64, content_length: u64, head: &[u8]) -> Option<Self> {
         let mut fields = Fields(head);
         let (log_ns, _created_ns) = (fields.u64()?, fields.u64()?);
@@ -160,7 +160,7 @@ impl AttachmentIndex {
         })
     }
 
-    /// The data in an attachment's record; `None` where its CRC does not hold.
+    /// The data in an attachment's record; `None` if its CRC is wrong.
     pub(crate) fn data(record: &[u8]) -> Option<&[u8]> {
         let (opcode, content) = Fields(record).record()?;
         let (checked, crc) = content.split_last_chunk::<4>()?;
@@ -177,7 +177,7 @@ impl AttachmentIndex {
     }
 }
 
-/// Where a metadata record lies.
+/// The position of a metadata record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct MetadataIndex {
     pub(crate) offset: u64,

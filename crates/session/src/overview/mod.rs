@@ -1,7 +1,7 @@
-//! The whole session in one line: least and greatest values of each bucket of time, marks, and totals.
+//! A summary of the whole session over time: least and greatest values of each bucket of time, marks, and totals.
 //!
-//! It is computed while a session is written and stored in it, so that the first picture needs no frame. A file
-//! without one, such as one that is cut, is read once.
+//! It is computed while a session is written and stored in the file, so that the first picture needs no frames. For a
+//! file without one, such as a truncated file, all records are read once.
 
 mod motor;
 mod stored;
@@ -15,36 +15,36 @@ use crate::record::{EventKind, Record, What};
 
 pub use motor::{Extent, MotorOverview};
 
-/// Buckets at most: more than a timeline has pixels.
+/// Maximal number of buckets: more than a timeline has pixels.
 pub const BUCKETS_MAX: usize = 2_048;
 
-/// Marks at most. What comes later is counted only.
+/// Maximal number of marks. Later ones are only counted.
 pub const MARKS_MAX: usize = 4_096;
 
-/// The first buckets. They double whenever there are too many.
+/// Initial length of a bucket in microseconds. It doubles whenever there are too many buckets.
 const BUCKET_US: u64 = 1_000;
 
-/// The whole session in one line.
+/// A summary of the whole session over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overview {
     /// Length of a bucket in microseconds.
     bucket_us: u64,
-    /// The first moment, on both clocks.
+    /// The time of the first record, on both clocks.
     first: Option<(Instant, u64)>,
     last: Option<(Instant, u64)>,
     motors: BTreeMap<MotorId, MotorOverview>,
     marks: Vec<Mark>,
-    /// Marks that had no room.
+    /// Number of marks beyond [`MARKS_MAX`].
     pub marks_left_out: u64,
-    /// Frames and other events of the line.
+    /// Frames and other events of the bus.
     pub line_events: u64,
     /// Frames sent.
     pub sent: u64,
-    /// Good frames received.
+    /// Valid frames received.
     pub received: u64,
     /// Requests without a reply.
     pub lost: u64,
-    /// Pieces of bytes that are no frame.
+    /// Pieces of junk: bytes that are not a frame.
     pub junk: u64,
     /// Frames that the port refused.
     pub not_sent: u64,
@@ -69,16 +69,16 @@ impl Default for Overview {
     }
 }
 
-/// An event on the line of time.
+/// An event on the timeline.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mark {
-    /// Time since the first moment of the session.
+    /// Time since the first record of the session.
     pub after: Duration,
-    /// Of what kind.
+    /// Kind of the event.
     pub kind: EventKind,
-    /// Whether it is bad news.
+    /// Whether it is an error.
     pub error: bool,
-    /// In words.
+    /// Its text.
     pub text: String,
 }
 
@@ -131,7 +131,7 @@ impl Overview {
         self.motors.entry(id).or_default()
     }
 
-    /// The bucket of a moment, after buckets were doubled until there are not too many.
+    /// The bucket of a time. Doubles the buckets until there are not too many.
     fn bucket_of(&mut self, after: Duration) -> usize {
         let after_us = u64::try_from(after.as_micros()).unwrap_or(u64::MAX);
         while after_us / self.bucket_us >= BUCKETS_MAX as u64 {
@@ -149,7 +149,7 @@ impl Overview {
         Duration::from_micros(self.bucket_us)
     }
 
-    /// From the first to the last record.
+    /// Time from the first to the last record.
     #[must_use]
     pub fn duration(&self) -> Duration {
         match (self.first, self.last) {
@@ -158,13 +158,13 @@ impl Overview {
         }
     }
 
-    /// The first and the last moment, in nanoseconds since 1970, UTC.
+    /// The times of the first and the last record, in nanoseconds since 1970, UTC.
     #[must_use]
     pub fn span_ns(&self) -> Option<(u64, u64)> {
         Some((self.first?.1, self.last?.1))
     }
 
-    /// Every motor that was asked or heard.
+    /// Every motor that was sent a frame or replied.
     pub fn motors(&self) -> impl Iterator<Item = (MotorId, &MotorOverview)> {
         self.motors.iter().map(|(id, motor)| (*id, motor))
     }

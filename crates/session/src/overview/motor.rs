@@ -2,12 +2,12 @@
 
 use motorlink_protocol::{Current, Detail, Faults, Reply, Rpm};
 
-/// What a motor did.
+/// The summary of one motor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotorOverview {
     /// Frames sent to it.
     pub sent: u64,
-    /// Good replies.
+    /// Valid replies.
     pub replies: u64,
     /// Requests without a reply.
     pub lost: u64,
@@ -21,9 +21,9 @@ pub struct MotorOverview {
 /// Least and greatest values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Of the speed.
+    /// Least and greatest speed.
     pub speed: (Rpm, Rpm),
-    /// Of the current.
+    /// Least and greatest current.
     pub current: (Current, Current),
 }
 
@@ -73,14 +73,14 @@ impl MotorOverview {
             .collect();
     }
 
-    /// Least and greatest values of each bucket; `None` where there was no reply. Buckets behind the last reply
-    /// are left out.
+    /// Least and greatest values of each bucket; `None` if it has no reply. There are no buckets after the last
+    /// reply.
     #[must_use]
     pub fn buckets(&self) -> &[Option<Extent>] {
         &self.buckets
     }
 
-    /// Least and greatest values of all; `None` without a reply.
+    /// Least and greatest values of the whole session; `None` without a reply.
     #[must_use]
     pub fn extent(&self) -> Option<Extent> {
         self.buckets.iter().copied().fold(None, Extent::joined)

@@ -1,4 +1,4 @@
-//! The overview as an attachment, in JSON.
+//! Stores the overview as a JSON attachment.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use nojson::{DisplayJson, JsonFormatter, RawJson, RawJsonValue};
 use super::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
 use crate::{channels::integer, record::EventKind};
 
-/// The version of this form. Another one is computed anew.
+/// The version of the format. An overview of another version is computed again.
 const VERSION: u8 = 1;
 
 impl DisplayJson for Extent {
@@ -76,7 +76,7 @@ impl Overview {
         json.to_string()
     }
 
-    /// The overview in this JSON; `None` where it is none, or of another version.
+    /// Parses an overview; `None` if it is invalid or of another version.
     #[must_use]
     pub fn from_json(json: &[u8]) -> Option<Self> {
         let json = RawJson::parse(std::str::from_utf8(json).ok()?).ok()?;
@@ -118,7 +118,7 @@ fn micros(duration: Duration) -> u64 {
     u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
-/// So many numbers in an array.
+/// Parses an array of `N` numbers.
 fn numbers<T: std::str::FromStr, const N: usize>(array: RawJsonValue<'_, '_>) -> Option<[T; N]> {
     let all = array.to_array().ok()?;
     let all: Option<Vec<T>> = all
@@ -167,7 +167,7 @@ fn motor(motor: RawJsonValue<'_, '_>) -> Option<(MotorId, MotorOverview)> {
     Some((MotorId::new(integer(motor, "id")?).ok()?, overview))
 }
 
-/// A bucket with its values.
+/// Parses the values of a bucket.
 fn extent(bucket: RawJsonValue<'_, '_>) -> Option<Extent> {
     let [speed_min, speed_max, current_min, current_max] = numbers(bucket)?;
     Some(Extent {

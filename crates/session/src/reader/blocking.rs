@@ -1,13 +1,13 @@
-//! The same for callers that can read at once: programs, tests.
+//! A blocking interface to the reader, for programs and tests.
 
 use std::ops::Range;
 
 use super::{Cursor, Next, NotASession, Opening, Problems, Session, Step};
 use crate::{overview::Overview, record::Record};
 
-/// Something that gives bytes of a file.
+/// A source of a file's bytes.
 pub trait Source {
-    /// Why it cannot.
+    /// Why reading failed.
     type Error;
 
     /// The length of the file.
@@ -18,7 +18,7 @@ pub trait Source {
         self.len() == 0
     }
 
-    /// These bytes; fewer where the file ends before.
+    /// Reads these bytes; fewer if the file ends before.
     ///
     /// # Errors
     /// The file cannot be read.
@@ -43,7 +43,7 @@ impl Source for &[u8] {
 /// Opens a session.
 ///
 /// # Errors
-/// The outer error is that of the source, the inner one says why the file is no session.
+/// The outer error comes from the source, the inner one tells why the file is not a session.
 pub fn open<S: Source>(source: &mut S) -> Result<Result<Session, NotASession>, S::Error> {
     let mut opening = Opening::new(source.len());
     while let Step::Read(range) = opening.step() {
@@ -53,7 +53,7 @@ pub fn open<S: Source>(source: &mut S) -> Result<Result<Session, NotASession>, S
     Ok(opening.finish())
 }
 
-/// Gives every record. Says what was missing.
+/// Passes every record to `each`. Returns the problems of the file.
 ///
 /// # Errors
 /// Those of the source.
@@ -72,7 +72,7 @@ pub fn for_each_record<S: Source>(
     }
 }
 
-/// The overview: the stored one, or one of every record where there is none.
+/// The stored overview. If there is none, it is computed from every record.
 ///
 /// # Errors
 /// Those of the source.

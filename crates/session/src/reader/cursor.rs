@@ -1,4 +1,4 @@
-//! Records from any moment on.
+//! Reads records from any time on.
 
 use std::{
     collections::{BTreeMap, VecDeque},
@@ -21,10 +21,10 @@ use crate::{
     record::{Record, What},
 };
 
-/// Bytes of a message at most. Those of a writer have 40 kB.
+/// Maximal bytes per message. The messages of the writer have 40 kB.
 const MESSAGE_BYTES_MAX: usize = 1 << 20;
 
-/// A message that begins so long before a moment has no frame at that moment: it spans a tenth of a second.
+/// A message that begins this long before a time has no frame at that time: messages span a tenth of a second.
 const SPAN_NS: u64 = 1_000_000_000;
 
 /// Reads records in the order of the file.
@@ -32,28 +32,28 @@ const SPAN_NS: u64 = 1_000_000_000;
 pub struct Cursor {
     next_chunk: usize,
     chunk: Vec<u8>,
-    /// How much of the chunk was read.
+    /// Number of bytes of the chunk that were read.
     read: usize,
     records: VecDeque<Record>,
-    /// Records before this moment are passed over, up to the first behind it.
+    /// Records before this time are skipped, up to the first one at or after it.
     from_ns: Option<u64>,
     topics: BTreeMap<u16, Topic>,
     problems: Problems,
 }
 
-/// What a cursor has next.
+/// The next result of a cursor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A record.
     Record(Record),
     /// It needs these bytes: see [`Cursor::supply`].
     Read(Range<u64>),
-    /// There is no more.
+    /// There are no more records.
     End,
 }
 
 impl Cursor {
-    /// From the first record on.
+    /// A cursor at the first record.
     #[must_use]
     pub fn new(session: &Session) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl Cursor {
         }
     }
 
-    /// From this moment on, in nanoseconds since 1970, UTC.
+    /// A cursor at this time, in nanoseconds since 1970, UTC.
     #[must_use]
     pub fn at(session: &Session, utc_ns: u64) -> Self {
         let before = session
@@ -81,13 +81,13 @@ impl Cursor {
         }
     }
 
-    /// What was found missing so far.
+    /// The problems found so far.
     #[must_use]
     pub const fn problems(&self) -> &Problems {
         &self.problems
     }
 
-    /// What comes next.
+    /// Returns the next record, or the bytes that are needed for it.
     pub fn next(&mut self, session: &Session) -> Next {
         loop {
             while let Some(record) = self.records.pop_front() {
@@ -105,7 +105,7 @@ impl Cursor {
         }
     }
 
-    /// Takes the bytes that were asked for.
+    /// Takes the requested bytes.
     pub fn supply(&mut self, bytes: &[u8]) {
         self.next_chunk += 1;
         self.read = 0;
@@ -116,7 +116,7 @@ impl Cursor {
         }
     }
 
-    /// Reads the next record of the chunk. Says whether there was one.
+    /// Reads the next message of the chunk. Returns whether there was one.
     fn read_message(&mut self) -> bool {
         let rest = self.chunk.get(self.read..).unwrap_or_default();
         let mut fields = Fields(rest);
@@ -124,7 +124,7 @@ impl Cursor {
             if !rest.is_empty() {
                 self.problems.add(Problem::ChunkDamaged);
             }
-            // It is not needed any more.
+            // Frees the memory: the chunk is not needed any more.
             self.chunk = Vec::new();
             self.read = 0;
             return false;
@@ -168,7 +168,7 @@ impl Cursor {
     }
 }
 
-/// The records in a message, and whether that is all of them; `None` where it is damaged.
+/// Parses the records of a message, and returns whether all could be parsed; `None` if it is damaged.
 fn read(
     topic: Option<Topic>,
     log_ns: u64,
@@ -220,7 +220,7 @@ fn decompressed(record: &[u8]) -> Result<Vec<u8>, Problem> {
         LZ4 => compression::decompress(bytes, head.size),
         _ => return Err(Problem::CompressionUnknown),
     };
-    // Zero says that the writer computed none.
+    // Zero means that the writer computed none.
     raw.filter(|raw| head.crc == 0 || head.crc == CRC.checksum(raw))
         .ok_or(Problem::ChunkDamaged)
 }

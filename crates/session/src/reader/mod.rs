@@ -1,13 +1,13 @@
-//! The reader of sessions. It asks for parts of the file and keeps none but one chunk.
+//! The reader of sessions. It requests parts of the file and keeps at most one chunk.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `opening` | a file on its way to a [`Session`] |
+//! | `opening` | opens a file as a [`Session`] |
 //! | `summary` | the index at the end of a file |
 //! | `scan` | the index of a file whose end is missing |
-//! | `cursor` | records from any moment on |
-//! | `blocking` | the same for callers that can read at once |
-//! | `problems` | what is missing, in words |
+//! | `cursor` | reads records from any time on |
+//! | `blocking` | a blocking interface for programs and tests |
+//! | `problems` | missing and unreadable parts |
 
 mod blocking;
 mod cursor;
@@ -30,16 +30,16 @@ use crate::{
     overview::Overview,
 };
 
-/// Chunks at most. An hour at 500 exchanges a second has 700.
+/// Maximal number of chunks. An hour at 500 exchanges a second has 700.
 const CHUNKS_MAX: usize = 200_000;
 
-/// Bytes of the overview at most. One of 32 motors has a megabyte.
+/// Maximal bytes of the overview. An overview of 32 motors has a megabyte.
 const OVERVIEW_BYTES_MAX: u64 = 4 << 20;
 
-/// Bytes of another attachment at most: experiment runs are tables.
+/// Maximal bytes of another attachment: experiment runs are tables.
 const ATTACHMENT_BYTES_MAX: u64 = 16 << 20;
 
-/// A session file that is open: what lies where in it.
+/// An open session file: its index.
 #[derive(Debug, Default)]
 pub struct Session {
     chunks: Vec<ChunkIndex>,
@@ -49,31 +49,31 @@ pub struct Session {
     problems: Problems,
 }
 
-/// A file within the file.
+/// A file that is attached to the session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
     /// Its name, such as `setup.json`.
     pub name: String,
-    /// What it is, such as `application/json`.
+    /// Its media type, such as `application/json`.
     pub media_type: String,
-    /// Its bytes.
+    /// Its size in bytes.
     pub size: u64,
 }
 
 impl Session {
-    /// What is missing or unreadable, as far as is known. Reading chunks may find more: see [`Cursor::problems`].
+    /// Missing and unreadable parts, as far as known. Reading chunks can find more: see [`Cursor::problems`].
     #[must_use]
     pub const fn problems(&self) -> &Problems {
         &self.problems
     }
 
-    /// Where the session comes from, in names and values.
+    /// The origin of the session, as names and values.
     #[must_use]
     pub const fn about(&self) -> &BTreeMap<String, String> {
         &self.about
     }
 
-    /// The first and the last moment by the index, in nanoseconds since 1970, UTC.
+    /// The first and the last time in the index, in nanoseconds since 1970, UTC.
     #[must_use]
     pub fn span_ns(&self) -> Option<(u64, u64)> {
         let from = self.chunks.iter().map(|chunk| chunk.from_ns).min()?;
@@ -81,13 +81,13 @@ impl Session {
         Some((from, to))
     }
 
-    /// Chunks that the index has.
+    /// Number of chunks in the index.
     #[must_use]
     pub const fn chunks(&self) -> usize {
         self.chunks.len()
     }
 
-    /// Every file within the file.
+    /// All attachments.
     pub fn attachments(&self) -> impl Iterator<Item = Attachment> {
         self.attachments.iter().map(|index| Attachment {
             name: index.name.clone(),
@@ -96,7 +96,8 @@ impl Session {
         })
     }
 
-    /// Where the attachment of this name lies; `None` where there is none, or it is too large to be read at once.
+    /// The position of the attachment of this name; `None` if there is none, or if it is too large to be read at
+    /// once.
     #[must_use]
     pub fn attachment_range(&self, name: &str) -> Option<Range<u64>> {
         let index = self.attachments.iter().rfind(|index| index.name == name)?;
@@ -109,7 +110,7 @@ impl Session {
         (index.length <= max).then_some(index.offset..end)
     }
 
-    /// The attachment in these bytes, which were read where [`Self::attachment_range`] says.
+    /// The data of the attachment in these bytes, which were read at [`Self::attachment_range`].
     ///
     /// # Errors
     /// The bytes are damaged.
@@ -117,14 +118,14 @@ impl Session {
         AttachmentIndex::data(bytes).ok_or(Problem::AttachmentDamaged)
     }
 
-    /// Where the stored overview lies. A file that is cut has none.
+    /// The position of the stored overview. A truncated file has none.
     #[must_use]
     pub fn overview_range(&self) -> Option<Range<u64>> {
         self.attachment_range(format::OVERVIEW)
     }
 
-    /// The overview in these bytes, which were read where [`Self::overview_range`] says; `None` where it cannot be
-    /// read and has to be computed from every record.
+    /// The overview in these bytes, which were read at [`Self::overview_range`]; `None` if it is unreadable and has
+    /// to be computed from every record.
     #[must_use]
     pub fn stored_overview(bytes: &[u8]) -> Option<Overview> {
         Overview::from_json(Self::attachment(bytes).ok()?)

@@ -1,4 +1,4 @@
-//! A file on its way to a [`Session`]: parts are asked for, and given.
+//! Opens a file as a [`Session`]: requests parts of the file until the index is complete.
 
 use std::{fmt, ops::Range};
 
@@ -12,13 +12,13 @@ use crate::{
     mcap::{MAGIC, TAIL_LEN},
 };
 
-/// Bytes of the summary at most. That of an hour has 100 kB.
+/// Maximal bytes of the summary. The summary of an hour has 100 kB.
 const SUMMARY_BYTES_MAX: u64 = 32 << 20;
 
-/// Bytes of a metadata record at most.
+/// Maximal bytes of a metadata record.
 const METADATA_BYTES_MAX: u64 = 1 << 20;
 
-/// Bytes by which a file is known.
+/// Bytes that identify the kind of a file.
 const HEAD_LEN: u64 = 64;
 
 /// Opens a file part by part, so that the caller may wait for each of them.
@@ -34,13 +34,13 @@ enum Stage {
     Head,
     Tail,
     Summary(Range<u64>),
-    /// The metadata record that says the version.
+    /// The metadata record with the version.
     Metadata(Range<u64>),
     Scan(Scan),
     Done(Result<(), NotASession>),
 }
 
-/// What an opening needs next.
+/// The next request of an opening.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// These bytes of the file: see [`Opening::supply`].
@@ -49,10 +49,10 @@ pub enum Step {
     Done,
 }
 
-/// Why a file is no session.
+/// Why a file is not a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotASession {
-    /// There are no bytes in it.
+    /// The file is empty.
     Empty,
     /// It is a ZIP archive.
     Zip,
@@ -85,7 +85,7 @@ impl fmt::Display for NotASession {
 impl std::error::Error for NotASession {}
 
 impl Opening {
-    /// Begins with a file of so many bytes.
+    /// Starts to open a file of `len` bytes.
     #[must_use]
     pub fn new(len: u64) -> Self {
         let stage = if len == 0 {
@@ -100,7 +100,7 @@ impl Opening {
         }
     }
 
-    /// What is needed next.
+    /// The next request.
     #[must_use]
     pub fn step(&self) -> Step {
         match &self.stage {
@@ -112,7 +112,7 @@ impl Opening {
         }
     }
 
-    /// Takes the bytes that were asked for. Fewer are those of a file that is shorter than it was said to be.
+    /// Takes the requested bytes. Fewer bytes mean that the file is shorter than `len`.
     pub fn supply(&mut self, bytes: &[u8]) {
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Ok(())));
         self.stage = match stage {
@@ -128,7 +128,7 @@ impl Opening {
             }
             Stage::Scan(mut scan) => {
                 if scan.supply(self.len, bytes, &mut self.session) {
-                    self.session.say_what_is_unknown(scan.is_whole);
+                    self.session.record_problems(scan.is_whole);
                     Stage::Done(Ok(()))
                 } else {
                     Stage::Scan(scan)
@@ -174,7 +174,7 @@ impl Opening {
     /// The session, after [`Step::Done`].
     ///
     /// # Errors
-    /// The file is no session, or not all of it was supplied.
+    /// The file is not a session, or not all of it was supplied.
     pub fn finish(self) -> Result<Session, NotASession> {
         let Self { stage, session, .. } = self;
         match stage {
@@ -189,7 +189,7 @@ impl Opening {
     }
 }
 
-/// Whether this is how a session begins.
+/// Checks whether a file begins like a session.
 fn sort(head: &[u8]) -> Result<(), NotASession> {
     if head.starts_with(&MAGIC) {
         return Ok(());

@@ -1,25 +1,25 @@
-//! What is missing or unreadable.
+//! Missing and unreadable parts of a file.
 
 use std::{collections::BTreeMap, fmt};
 
-/// One kind of loss. What could be read is given all the same.
+/// One kind of problem. All readable parts are returned nevertheless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Problem {
     /// The file was written by a later version of the page.
     NewerVersion,
-    /// No channel of a session is in it.
+    /// The file has no channel of a session.
     NoSession,
-    /// The end is missing: the file was not closed, or cut.
+    /// The end is missing: the file was not closed, or truncated.
     Cut,
     /// The index at the end is damaged.
     IndexDamaged,
-    /// Bytes that are no record: everything behind them is unknown.
+    /// Bytes that are not a record: everything after them is unknown.
     RecordDamaged,
     /// There are more chunks than can be read.
     TooManyChunks,
     /// A chunk is damaged.
     ChunkDamaged,
-    /// A chunk has a compression that is not read here, such as zstd.
+    /// A chunk has an unsupported compression, such as zstd.
     CompressionUnknown,
     /// A message could not be read.
     MessageDamaged,
@@ -27,11 +27,11 @@ pub enum Problem {
     AttachmentDamaged,
     /// A line of a CSV file could not be read.
     LineDamaged,
-    /// The times of a CSV file say no date, so they begin in 1970.
+    /// The times of a CSV file have no date, so they begin in 1970.
     NoDate,
 }
 
-/// Each with a hint what to do, where something can be done.
+/// A text with a hint what to do, if something can be done.
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -63,7 +63,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Every problem, and how often.
+/// All problems and how often each occurred.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problems(BTreeMap<Problem, u64>);
 
@@ -78,7 +78,7 @@ impl Problems {
         }
     }
 
-    /// Every problem of both.
+    /// The problems of both.
     #[must_use]
     pub fn and(&self, other: &Self) -> Self {
         let mut all = self.clone();
@@ -88,25 +88,25 @@ impl Problems {
         all
     }
 
-    /// Whether all of the file was read.
+    /// Whether there are no problems.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// How often this one was found.
+    /// How often this problem occurred.
     #[must_use]
     pub fn times(&self, problem: Problem) -> u64 {
         self.0.get(&problem).copied().unwrap_or_default()
     }
 
-    /// Each problem, and how often.
+    /// Each problem and how often it occurred.
     pub fn iter(&self) -> impl Iterator<Item = (Problem, u64)> {
         self.0.iter().map(|(problem, times)| (*problem, *times))
     }
 }
 
-/// A line for each.
+/// One line per problem.
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (problem, times) in self.iter() {

@@ -1,4 +1,4 @@
-//! The index of a file whose end is missing: its records are read from the start, without what is in them.
+//! Rebuilds the index of a file whose end is missing: it reads the heads of all records from the start.
 
 use std::ops::Range;
 
@@ -10,14 +10,14 @@ use crate::mcap::{
     summary::{AttachmentIndex, ChunkHead, ChunkIndex},
 };
 
-/// Bytes that are asked for in one go. Every head of a record lies in them.
+/// Bytes per request. They contain the whole head of a record.
 const WINDOW: u64 = 64 << 10;
 
-/// How far a file was read.
+/// The progress of a scan.
 #[derive(Debug)]
 pub(super) struct Scan {
     at: u64,
-    /// Whether the end of the data was reached, behind which the summary begins.
+    /// Whether the end of the data was reached, after which the summary begins.
     pub(super) is_whole: bool,
 }
 
@@ -30,15 +30,15 @@ impl Default for Scan {
     }
 }
 
-/// What follows from one record.
+/// The result of one record.
 enum Found {
     /// The next record begins here.
     Next(u64),
     /// More bytes from here are needed.
     More,
-    /// There is no more that can be read.
+    /// Nothing more can be read.
     End,
-    /// Here the data ends.
+    /// The data ends here.
     DataEnd,
 }
 
@@ -48,7 +48,7 @@ impl Scan {
         from..from.saturating_add(WINDOW).min(len)
     }
 
-    /// Takes the bytes of [`Self::range`]. Says whether that was all.
+    /// Takes the bytes of [`Self::range`]. Returns whether the scan is complete.
     pub(super) fn supply(&mut self, len: u64, bytes: &[u8], session: &mut Session) -> bool {
         let start = self.at;
         if bytes.is_empty() {
@@ -59,7 +59,7 @@ impl Scan {
             let Some(window) = bytes.get(skipped..).filter(|window| !window.is_empty()) else {
                 return self.at >= len;
             };
-            // A window that begins with the record has all of its head.
+            // A window that begins at the record contains all of its head.
             let has_head = skipped == 0 || self.at + window.len() as u64 >= len;
             match record(self.at, len, window, session) {
                 Found::Next(at) => self.at = at,
@@ -89,7 +89,7 @@ fn record(at: u64, len: u64, window: &[u8], session: &mut Session) -> Found {
         .checked_add(RECORD_HEAD_LEN)
         .and_then(|at| at.checked_add(length));
     let Some(end) = end.filter(|end| *end <= len) else {
-        // Cut within this record, or its length is damaged.
+        // The file is truncated in this record, or its length is damaged.
         return Found::End;
     };
     let is_near = |bytes: u64| fields.0.len() as u64 >= bytes.min(length);
@@ -121,7 +121,7 @@ fn record(at: u64, len: u64, window: &[u8], session: &mut Session) -> Found {
                 session.read_channel(fields.0);
             }
         }
-        // What follows is the summary, which was found damaged.
+        // The summary follows, which was found damaged.
         op::DATA_END => return Found::DataEnd,
         _ => {}
     }

@@ -1,4 +1,4 @@
-//! The index at the end of a file.
+//! Reads the index at the end of a file.
 
 use super::{CHUNKS_MAX, Problem, Session};
 use crate::{
@@ -19,7 +19,7 @@ pub(super) struct Footer {
 }
 
 impl Footer {
-    /// Out of the last bytes of a file; `None` where they are others.
+    /// Parses the last bytes of a file; `None` if they are not a footer.
     pub(super) fn read(tail: &[u8]) -> Option<Self> {
         let record = tail.strip_suffix(&MAGIC)?;
         let (opcode, content) = Fields(record).record()?;
@@ -28,8 +28,8 @@ impl Footer {
     }
 }
 
-/// Reads the summary with its footer, which begins at `start`. Gives where metadata lies; `None` where the bytes
-/// are damaged.
+/// Reads the summary with its footer, which begins at `start`. Returns the position of the metadata; `None` if the
+/// bytes are damaged.
 pub(super) fn read_summary(
     bytes: &[u8],
     start: u64,
@@ -37,7 +37,7 @@ pub(super) fn read_summary(
 ) -> Option<Vec<MetadataIndex>> {
     let (checked, crc) = bytes.split_last_chunk::<4>()?;
     let crc = u32::from_le_bytes(*crc);
-    // Zero says that the writer computed none.
+    // Zero means that the writer computed none.
     if crc != 0 && crc != CRC.checksum(checked) {
         return None;
     }
@@ -52,13 +52,13 @@ pub(super) fn read_summary(
             _ => {}
         }
     }
-    // Their order in the file is that of the monotonic clock, whatever the other clock did.
+    // The order in the file is the order of the monotonic clock, even if the wall clock changed.
     session.chunks.sort_by_key(|chunk| chunk.offset);
     records.0.is_empty().then_some(metadata)
 }
 
 impl Session {
-    /// Adds a chunk that ends before this place. One that cannot be is left out.
+    /// Adds a chunk that ends before this offset. An impossible one is skipped.
     pub(super) fn add_chunk(&mut self, chunk: ChunkIndex, end: u64) {
         let ends = chunk.offset.checked_add(chunk.length);
         let fits = ends.is_some_and(|ends| ends <= end) && chunk.length <= 2 * CHUNK_BYTES_MAX;
@@ -72,7 +72,7 @@ impl Session {
     }
 
     pub(super) fn add_attachment(&mut self, attachment: AttachmentIndex) {
-        // A session has a handful; a file of nothing else is no reason to remember millions.
+        // A session has a few attachments. The bound protects against files with millions.
         if self.attachments.len() < CHUNKS_MAX {
             self.attachments.push(attachment);
         }
@@ -89,8 +89,9 @@ impl Session {
         }
     }
 
-    /// After a scan. A file that has its end, but whose records do not lead there, is damaged in between.
-    pub(super) fn say_what_is_unknown(&mut self, is_whole: bool) {
+    /// Records the problems of a scan. If a file has its end, but its records do not lead there, it is damaged in
+    /// between.
+    pub(super) fn record_problems(&mut self, is_whole: bool) {
         let has_end = self.problems.times(Problem::Cut) == 0;
         if has_end && !is_whole && self.problems.times(Problem::RecordDamaged) == 0 {
             self.problems.add(Problem::RecordDamaged);
