@@ -1,14 +1,14 @@
-//! Experiments: a sequence of setpoints, its run over virtual time, and the figures that follow from it.
+//! Experiments: a sequence of setpoints, its run over virtual time, and the figures computed from it.
 //!
-//! There is no port, clock or page here: time is an argument, and what a run needs goes in and comes out
-//! as values. What each figure means is in `docs/experiments.md`.
+//! This crate uses no port, clock or page: time is an argument, and all inputs and outputs are values.
+//! `docs/experiments.md` explains each figure.
 //!
 //! | module | what it is |
 //! |---|---|
 //! | [`sequence`] | steps and limits as types; JSON, CSV and templates |
-//! | [`plan`] | a sequence that has been checked, ready to run or to draw |
-//! | [`runner`] | armed, running, paused, ended: what to send at each tick, and what ends a run |
-//! | [`analysis`] | figures of samples: step response, frequency response, friction, inertia, heating |
+//! | [`plan`] | a checked sequence, ready to run or to draw |
+//! | [`runner`] | a run: what to send at each tick, and what ends it |
+//! | [`analysis`] | figures from samples: step response, frequency response, friction, inertia, heating |
 //! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example

@@ -1,6 +1,6 @@
-//! Numbers of the mathematics (`f64`) and of counting.
+//! Conversion of floats to counts.
 
-/// The nearest whole number from 0 on.
+/// The nearest whole number that is not negative.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

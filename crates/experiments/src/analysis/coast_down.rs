@@ -1,31 +1,31 @@
-//! Coast-down: how friction slows a wheel that nothing drives.
+//! Coast-down: the friction of a wheel without drive.
 
 use super::{
     Point, RAD_S_PER_RPM, crossing::changes, least_squares::LeastSquares, statistics::Estimate,
 };
 
-/// Below this a wheel may rock or stand, and friction is none of both kinds.
+/// Below this speed a wheel can rock or stand still, and the friction model does not apply.
 const ROLLS_RPM: f64 = 3.0;
 
-/// Friction over inertia, from wheels that coast.
+/// Friction divided by inertia, from wheels that coast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoastDown {
-    /// Dry (Coulomb) friction over inertia, in rad/s2.
+    /// Dry (Coulomb) friction divided by inertia, in rad/s2.
     pub dry_rad_s2: Estimate,
-    /// Viscous friction over inertia, in 1/s.
+    /// Viscous friction divided by inertia, in 1/s.
     pub viscous_per_s: Estimate,
 }
 
 /// Fits `J dw/dt = -dry - viscous w` to wheels that coast in either direction.
 ///
 /// Each run is the reported speed in rpm while nothing drives the wheel. The equation is fitted in its integrated
-/// form, `w = w0 - (dry / J) t - (viscous / J) angle`, so that no speed is differentiated. Each run has its own
-/// `w0`; it is taken out with the mean. Nothing without a run that slows down.
+/// form, `w = w0 - (dry / J) t - (viscous / J) angle`, so that no speed is differentiated. Each run has its own `w0`;
+/// subtracting the means removes it. `None` without a run that slows down.
 #[must_use]
 pub fn coast_down(runs: &[&[Point]]) -> Option<CoastDown> {
     let runs: Vec<Vec<Row>> = runs.iter().map(|run| rows_of(run)).collect();
-    // The speed is exact and the time of its change is not: a wheel that slows down faster is known less well.
-    // How fast it does follows from a first fit.
+    // The speed is exact and the time of its change is not, so points at a high deceleration are less certain. A
+    // first fit gives the deceleration.
     let first = fit(&runs, |_| 1.0)?;
     let slows = |w: f64| first.dry_rad_s2.value + first.viscous_per_s.value * w;
     fit(&runs, |w| 1.0 / slows(w).max(f64::EPSILON))
@@ -61,7 +61,7 @@ struct Row {
     t_s: f64,
     /// Speed without direction, in rad/s.
     w: f64,
-    /// Turned since the beginning, in rad.
+    /// Angle since the start, in rad.
     angle: f64,
 }
 
@@ -70,7 +70,7 @@ fn rows_of(run: &[Point]) -> Vec<Row> {
     let rolling: Vec<Point> = run.iter().take_while(rolling).copied().collect();
     let known = changes(&rolling);
     let mut rows: Vec<Row> = Vec::new();
-    // The first and last point are no changes: there the speed is known to half an rpm only.
+    // The first and last point are not changes: their speed is only known to half an rpm.
     let inner = known.len().saturating_sub(2);
     for point in known.iter().skip(1).take(inner) {
         let w = point.value.abs() * RAD_S_PER_RPM;

@@ -1,16 +1,16 @@
-//! When a reported signal exceeds a level.
+//! Finds when a reported signal crosses a level.
 
 use super::Point;
 
 /// The points at which a rounded signal is known best.
 ///
-/// A motor reports whole rpm. Where the report changes from one number to the next, the true value is halfway
-/// between them, to within the time between two replies; in between it is only known to half a unit. So the
-/// middle of every change is kept, and the first and last point.
+/// A motor reports whole rpm. When the report changes from one number to the next, the true value is halfway between
+/// them, to within the time between two replies. Between changes it is only known to half a unit. So the result is
+/// the middle of every change, and the first and last point.
 pub(super) fn changes(points: &[Point]) -> Vec<Point> {
     let pairs = points.iter().zip(points.iter().skip(1));
     let middles = pairs.filter(|(one, next)| {
-        // Equal reports are equal bits.
+        // Equal reports have equal bits.
         one.value.to_bits() != next.value.to_bits()
     });
     let middles = middles.map(|(one, next)| Point {
@@ -31,7 +31,7 @@ pub(super) fn first_reaching(points: &[Point], level: f64, from_s: f64) -> Optio
         .find(|(one, next)| one.value < level && next.value >= level);
     match crossing {
         Some((one, next)) => Some(between(*one, *next, level).max(from_s)),
-        // It is there already.
+        // The first point has reached it already.
         None => points
             .iter()
             .find(later)
@@ -40,7 +40,7 @@ pub(super) fn first_reaching(points: &[Point], level: f64, from_s: f64) -> Optio
     }
 }
 
-/// The last time at which lines between the points are further than `off` from `level`.
+/// The last time at which lines between the points deviate more than `off` from `level`.
 pub(super) fn last_outside(points: &[Point], level: f64, off: f64) -> Option<f64> {
     let outside = |point: &Point| (point.value - level).abs() > off;
     let place = points.iter().rposition(outside)?;

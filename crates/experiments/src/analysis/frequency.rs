@@ -1,48 +1,48 @@
-//! The frequency response: gain and phase at one frequency after the other.
+//! The frequency response: gain and phase at each frequency.
 //!
-//! Each point is measured with its own sine. What the motor was commanded is known exactly, as a value that is
-//! held until the next frame; its part at the frequency is an integral. What it answered is known where a reply
-//! came; its part is fitted to the replies by least squares, so that lost replies leave no gap to fill.
+//! Each point is measured with its own sine. The command is known exactly, as a value that is held until the next
+//! frame; its phasor is an integral. The response is only known at the replies; its phasor is fitted to them by least
+//! squares, so that lost replies need no interpolation.
 
 use std::f64::consts::TAU;
 
 use super::{Point, least_squares::LeastSquares};
 
-/// Fewest periods that are measured.
+/// Minimal number of measured periods.
 const PERIODS_MIN: f64 = 2.0;
-/// Fewest replies a period; two would not tell the frequency from its mirror image.
+/// Minimal replies per period; with two, a frequency and its mirror image are indistinguishable.
 const REPLIES_A_PERIOD_MIN: f64 = 4.0;
-/// Largest part of replies that may be lost.
+/// Maximal part of lost replies.
 const LOST_MAX: f64 = 0.2;
-/// Least coherence: below it more than a fifth of the power is something else than the sine.
+/// Minimal coherence: below it more than a fifth of the power is not the sine.
 const COHERENCE_MIN: f64 = 0.8;
-/// Least amplitude of the answer, in steps of the report. Below half a step rounding hides or invents it.
+/// Minimal amplitude of the response, in steps of the report. Below half a step, rounding can hide or create it.
 const STEPS_MIN: f64 = 0.5;
-/// A current this near its bound is at its bound.
+/// A current above this part of its bound counts as saturated.
 const AT_BOUND: f64 = 0.98;
 
-/// A wave whose sine is larger than half of its height by this has a flat top: one cut off at 0.9 has 1.07,
-/// and one that is only rounded to a third of its amplitude 1.02.
+/// If the fitted sine exceeds half the height of the wave by this factor, the wave is clipped. A wave clipped at 0.9
+/// has 1.07, and one that is only rounded to a third of its amplitude has 1.02.
 const CUT_OFF: f64 = 1.06;
 
-/// One sine of a setpoint and what was reported meanwhile.
+/// One sine of a setpoint, and the reports during it.
 #[derive(Clone, Copy, Debug)]
 pub struct SineRun<'a> {
     /// Its frequency.
     pub hz: f64,
-    /// From here on, when the motor follows evenly.
+    /// Start of the measurement, when the motor follows steadily.
     pub from_s: f64,
     /// The end of the sine.
     pub to_s: f64,
-    /// The setpoints, each from when the motor had heard it until the next.
+    /// The setpoints, each from the time at which the motor received it until the next.
     pub command: &'a [Point],
-    /// The reported values with the times at which they were measured.
+    /// The reported values with the times of their measurement.
     pub response: &'a [Point],
     /// The reported current in A.
     pub amps: &'a [Point],
-    /// The current at which the motor is at its bound, if that is known.
+    /// The current bound of the motor, if known.
     pub amps_max: Option<f64>,
-    /// Requests a second, of which some may have had no reply.
+    /// Requests per second, including those without a reply.
     pub request_hz: f64,
     /// The smallest difference that a reply can show: 1 for rpm.
     pub resolution: f64,
@@ -53,30 +53,30 @@ pub struct SineRun<'a> {
 pub struct BodePoint {
     /// The frequency.
     pub hz: f64,
-    /// Answer to command, in dB.
+    /// Response over command, in dB.
     pub gain_db: f64,
-    /// Of the answer against the command, in degrees: negative is behind. See [`unwrap_phases`].
+    /// Phase of the response against the command, in degrees: negative is a lag. See [`unwrap_phases`].
     pub phase_deg: f64,
-    /// The part of the answer's power that is this sine, 0 to 1.
+    /// The part of the response's power at this frequency, 0 to 1.
     pub coherence: f64,
-    /// Why the point does not count. It is shown as such, and nothing is put in its place.
+    /// Why the point is invalid. It is shown as invalid and not replaced.
     pub invalid: Option<Invalid>,
 }
 
-/// Why a point of a frequency response does not count.
+/// Why a point of a frequency response is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invalid {
     /// Fewer than two periods, or too few replies a period.
     TooShort,
     /// More than a fifth of the replies were lost.
     RepliesLost,
-    /// The current was at its bound: the motor could not follow.
+    /// The current reached its bound, so the motor could not follow.
     Saturated,
-    /// The sine was cut off at the range of the setpoint.
+    /// The sine was clipped at the range of the setpoint.
     Clipped,
-    /// The answer is smaller than the steps of the report.
+    /// The response is smaller than the resolution of the report.
     TooSmall,
-    /// Too much of the answer is something else than the sine.
+    /// Too much of the response is not the sine.
     NotCoherent,
 }
 
@@ -90,7 +90,7 @@ pub fn frequency_point(run: &SineRun<'_>) -> BodePoint {
         coherence: f64::NAN,
         invalid: Some(invalid),
     };
-    // Whole periods, so that the mean and other frequencies fall out; the last ones are the steadiest.
+    // Whole periods, so that the mean and other frequencies cancel. The last ones are the steadiest.
     let periods = ((run.to_s - run.from_s) * run.hz + 1e-6).floor();
     if periods < PERIODS_MIN {
         return invalid(Invalid::TooShort);
@@ -151,7 +151,7 @@ pub fn unwrap_phases(points: &mut [BodePoint]) {
     }
 }
 
-/// Cosine and sine part of a value that is held from point to point, and whether the value is cut off.
+/// Cosine and sine part of a value that is held from point to point, and whether it is clipped.
 fn input_phasor(
     command: &[Point],
     omega: f64,
@@ -183,7 +183,7 @@ fn input_phasor(
     Some((phasor, phasor.0.hypot(phasor.1) > CUT_OFF * half))
 }
 
-/// Cosine and sine part of samples, and the part of their power that these are.
+/// Cosine and sine part of samples, and their part of the total power.
 fn output_phasor(response: &[Point], omega: f64, from_s: f64) -> Option<((f64, f64), f64)> {
     let mut whole = LeastSquares::<4>::new();
     let mut without = LeastSquares::<2>::new();
@@ -203,12 +203,12 @@ fn output_phasor(response: &[Point], omega: f64, from_s: f64) -> Option<((f64, f
     Some(((cos, sin), coherence.clamp(0.0, 1.0)))
 }
 
-/// Size and angle of one phasor in another, the angle from minus a turn to 0.
+/// Magnitude and angle of the ratio of two phasors; the angle is between minus one turn and 0.
 fn ratio(output: (f64, f64), input: (f64, f64)) -> (f64, f64) {
     let size = output.0.hypot(output.1) / input.0.hypot(input.1);
-    // a cos + b sin is behind the cosine by atan2(b, a).
+    // a cos + b sin lags the cosine by atan2(b, a).
     let behind = |phasor: (f64, f64)| phasor.1.atan2(phasor.0);
     let angle = behind(input) - behind(output);
-    // Noise may put a phase of nothing a little in front.
+    // With noise a phase near zero can be slightly positive.
     (size, (angle - 0.1).rem_euclid(TAU) - TAU + 0.1)
 }

@@ -2,7 +2,7 @@
 
 use super::{Point, least_squares::LeastSquares, statistics::Estimate};
 
-/// Slower than this, dry friction has no sure direction.
+/// Below this speed the direction of dry friction is uncertain.
 const TURNS_RPM: f64 = 2.0;
 
 /// The current that a motor needs to keep its speed without load.
@@ -16,7 +16,7 @@ pub struct Friction {
 
 /// Fits `current = coulomb * sign(speed) + viscous * speed`.
 ///
-/// Each pair is one reply at an even speed, as `(rpm, amps)`. Nothing without at least two speeds.
+/// Each pair is one reply at a constant speed, as `(rpm, amps)`. `None` for fewer than two speeds.
 #[must_use]
 pub fn friction(replies: impl IntoIterator<Item = (f64, f64)>) -> Option<Friction> {
     let mut rows = LeastSquares::<2>::new();
@@ -32,7 +32,7 @@ pub fn friction(replies: impl IntoIterator<Item = (f64, f64)>) -> Option<Frictio
     })
 }
 
-/// The replies at an even setpoint, as [`friction`] takes them: those from `settle_s` on.
+/// The replies at a constant setpoint, as input of [`friction`]: those from `settle_s` on.
 #[must_use]
 pub fn even_replies(speed: &[Point], amps: &[Point], settle_s: f64) -> Vec<(f64, f64)> {
     let from_s = speed.first().map_or(0.0, |first| first.t_s) + settle_s;

@@ -1,34 +1,34 @@
-//! Heating at an even current.
+//! Heating at a constant current.
 
 use super::{Point, crossing::changes, least_squares::LeastSquares, statistics::Estimate};
 
-/// Time constants that are tried: a winding of half a kilogram has minutes.
+/// Range of the time constants: a winding of half a kilogram has minutes.
 const TIME_CONSTANT_S: (f64, f64) = (5.0, 20_000.0);
-/// Steps of the search. Each shrinks the interval to 0.62 of it: from 4000:1 to a part in a million.
+/// Steps of the search. Each one shrinks the interval to 0.62 of it: from 4000:1 to one part in a million.
 const SEARCH_STEPS: u32 = 45;
-/// Golden section.
+/// Ratio of the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// How a winding warms up: `final - rise * exp(-t / time constant)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heating {
-    /// Where it would settle, in deg C.
+    /// Final temperature, in deg C.
     pub final_c: Estimate,
-    /// From the beginning to there, in K.
+    /// Rise from the start to the final temperature, in K.
     pub rise_k: Estimate,
-    /// The time in which 63 % of it is done.
+    /// The time to 63 % of the rise.
     pub time_constant_s: Estimate,
 }
 
 /// Fits an exponential to reported temperatures in deg C.
 ///
 /// For a given time constant the rest is linear, so that only one value is searched for, by golden section. The
-/// confidence is that of the linear equations at the minimum, all three unknowns together. Nothing for fewer
-/// than six changes of temperature.
+/// confidence comes from the linear equations at the minimum, with all three unknowns. `None` for fewer than six
+/// changes of temperature.
 #[must_use]
 pub fn heating(temperature: &[Point]) -> Option<Heating> {
     let known = changes(temperature);
-    // The first and the last report are known to half a degree only.
+    // The first and the last report are only known to half a degree.
     let inner = known.len().checked_sub(2).filter(|inner| *inner >= 6)?;
     let known: Vec<Point> = known.into_iter().skip(1).take(inner).collect();
     let begins_s = temperature.first()?.t_s;
@@ -52,7 +52,7 @@ pub fn heating(temperature: &[Point]) -> Option<Heating> {
     }
     let constant_s = f64::midpoint(low, high).exp();
     let [_, rise_k] = linear(constant_s)?.unknowns;
-    // The third column is how the model changes with the time constant.
+    // The third column is the derivative of the model by the time constant.
     let mut rows = LeastSquares::<3>::new();
     for point in &known {
         let decay = at(point.t_s, constant_s);

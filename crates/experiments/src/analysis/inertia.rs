@@ -1,4 +1,4 @@
-//! Inertia, by how fast a known torque changes the speed.
+//! Inertia, from the acceleration by a known torque.
 
 use super::{
     CoastDown, Point, RAD_S_PER_RPM,
@@ -7,22 +7,22 @@ use super::{
     statistics::{Estimate, mean},
 };
 
-/// Fewest pushes: their spread is the confidence.
+/// Minimal number of pushes: their spread gives the confidence.
 const PUSHES_MIN: u32 = 4;
 
-/// A wheel under an even torque of the current loop.
+/// A wheel under a constant torque of the current loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<'a> {
-    /// The commanded current times the torque of an ampere, in N.m.
+    /// The commanded current times the torque per ampere, in N.m.
     pub torque_nm: f64,
-    /// The reported speed in rpm, from when the torque is there.
+    /// The reported speed in rpm, from the start of the torque.
     pub speed: &'a [Point],
 }
 
-/// Inertia, and with it friction as torque.
+/// Inertia, and friction as torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inertia {
-    /// Of all that turns, in kg.m2.
+    /// Inertia of all turning parts, in kg.m2.
     pub inertia_kg_m2: Estimate,
     /// Dry friction in N.m.
     pub dry_nm: Estimate,
@@ -32,7 +32,7 @@ pub struct Inertia {
 
 /// Fits `J dw/dt = torque - friction` to pushes, with the friction of a coast-down.
 ///
-/// Nothing with fewer than four pushes that show a slope.
+/// `None` for fewer than four pushes with a slope.
 #[must_use]
 pub fn inertia(pushes: &[Push<'_>], coast: &CoastDown) -> Option<Inertia> {
     let found: Vec<f64> = pushes
@@ -55,7 +55,7 @@ pub fn inertia(pushes: &[Push<'_>], coast: &CoastDown) -> Option<Inertia> {
     })
 }
 
-/// The slope of the speed, with what friction took away, for each N.m.
+/// The slope of the speed per N.m, corrected for friction.
 fn one_over_j(push: &Push<'_>, coast: &CoastDown) -> Option<f64> {
     let known = changes(push.speed);
     let mut rows = LeastSquares::<2>::new();

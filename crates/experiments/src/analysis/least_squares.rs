@@ -3,7 +3,7 @@
 //! Rows are rotated into a triangle one by one (Givens rotations; Golub and Van Loan, Matrix Computations,
 //! 5.2.5), so that no sum of squares is formed and no row is kept.
 
-/// A diagonal this small beside its column means that the rows do not tell the unknowns apart.
+/// A diagonal element this small relative to its column means that the rows do not determine the unknowns.
 const RANK_MIN: f64 = 1e-9;
 
 /// Rows of `y = x[0] * unknown[0] + x[1] * unknown[1] + ..`.
@@ -16,15 +16,15 @@ pub(super) struct LeastSquares<const N: usize> {
     rows: u32,
 }
 
-/// The unknowns, and how well the rows determine them.
+/// The unknowns and their errors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit<const N: usize> {
     pub(super) unknowns: [f64; N],
-    /// Standard error of each.
+    /// Standard error of each unknown.
     pub(super) errors: [f64; N],
     /// Sum of the squares of the residuals.
     pub(super) squares: f64,
-    /// Rows beyond the number of unknowns.
+    /// Degrees of freedom: rows minus unknowns.
     pub(super) freedom: f64,
 }
 
@@ -64,7 +64,7 @@ impl<const N: usize> LeastSquares<N> {
         self.rows += 1;
     }
 
-    /// The unknowns; nothing if there are not more rows than unknowns, or if the rows do not tell them apart.
+    /// The unknowns; `None` if there are not more rows than unknowns, or if the rows do not determine them.
     pub(super) fn solve(&self) -> Option<Fit<N>> {
         let unknown_count = u32::try_from(N).ok()?;
         let freedom = f64::from(self.rows.checked_sub(unknown_count)?);

@@ -1,6 +1,6 @@
-//! Figures of samples. Every function is pure: samples in, figures out, nothing kept.
+//! Computes figures from samples. Every function is pure.
 //!
-//! `docs/experiments.md` says what each figure means and where its formula is from.
+//! `docs/experiments.md` explains each figure and the source of its formula.
 
 mod coast_down;
 mod crossing;
@@ -33,7 +33,7 @@ const RAD_S_PER_RPM: f64 = std::f64::consts::TAU / 60.0;
 /// A value at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Seconds since the beginning of the run.
+    /// Seconds since the start of the run.
     pub t_s: f64,
     /// The value, in the unit of its quantity.
     pub value: f64,

@@ -4,7 +4,7 @@ use distrs::StudentsT;
 
 use super::least_squares::Fit;
 
-/// The confidence of every interval that is stated: 99 of 100 such intervals hold the true value.
+/// The confidence of all intervals: 99 of 100 such intervals contain the true value.
 pub const CONFIDENCE: f64 = 0.99;
 
 /// A value with its confidence interval.
@@ -12,18 +12,18 @@ pub const CONFIDENCE: f64 = 0.99;
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Half the width of its interval at [`CONFIDENCE`].
+    /// Half the width of its confidence interval at [`CONFIDENCE`].
     pub plus_minus: f64,
 }
 
 impl Estimate {
-    /// Whether the interval holds this value.
+    /// Whether the interval contains this value.
     #[must_use]
     pub fn holds(self, value: f64) -> bool {
         (value - self.value).abs() <= self.plus_minus
     }
 
-    /// An estimate by its standard error, with so many degrees of freedom.
+    /// An estimate from its standard error and degrees of freedom.
     pub(super) fn by_error(value: f64, error: f64, freedom: f64) -> Self {
         let quantile = StudentsT::ppf(f64::midpoint(1.0, CONFIDENCE), freedom);
         Self {
@@ -58,20 +58,20 @@ impl Estimate {
     }
 }
 
-/// The middle of repeated figures, and how far they lie apart.
+/// Median and quartiles of repeated figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Half of the figures are below it.
+    /// The median.
     pub median: f64,
-    /// A quarter of them is below it.
+    /// The lower quartile.
     pub low: f64,
-    /// A quarter of them is above it.
+    /// The upper quartile.
     pub high: f64,
-    /// How many there are.
+    /// Number of figures.
     pub count: usize,
 }
 
-/// Median and quartiles; nothing without figures. Between two figures it goes in proportion (type 7 of
+/// Median and quartiles; `None` without figures. Between two figures they are interpolated linearly (type 7 of
 /// Hyndman and Fan 1996).
 #[must_use]
 pub fn spread(figures: impl IntoIterator<Item = f64>) -> Option<Spread> {
@@ -94,7 +94,7 @@ pub fn spread(figures: impl IntoIterator<Item = f64>) -> Option<Spread> {
     })
 }
 
-/// The mean; nothing without values.
+/// The mean; `None` without values.
 pub(super) fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for value in values {

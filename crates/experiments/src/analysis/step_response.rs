@@ -1,4 +1,4 @@
-//! The step response: how a motor gets from one setpoint to another.
+//! The step response: how a motor goes from one setpoint to another.
 
 use super::{
     Point,
@@ -6,21 +6,21 @@ use super::{
     statistics::{Spread, mean, spread},
 };
 
-/// Motion has begun when this part of the step is done.
+/// Motion begins at this part of the step.
 const BEGINS: f64 = 0.01;
-/// The rise is from the first to the second part of the step.
+/// The rise is from the first to the second of these parts of the step.
 const RISE: (f64, f64) = (0.1, 0.9);
-/// Settled is what stays this near, as a part of the step.
+/// Settled means within this band, as a part of the step.
 const SETTLED: f64 = 0.02;
-/// The last part of the time over which the steady value is averaged.
+/// The steady value is the average over this last part of the time.
 const STEADY: f64 = 0.25;
-/// Fewest replies for any figure.
+/// Minimal number of replies.
 const REPLIES_MIN: usize = 8;
 
-/// One step of a setpoint and what was reported after it.
+/// One step of a setpoint, and the reports after it.
 #[derive(Clone, Copy, Debug)]
 pub struct StepRun<'a> {
-    /// When the motor had heard the setpoint.
+    /// When the motor received the setpoint.
     pub at_s: f64,
     /// The value before.
     pub from: f64,
@@ -32,20 +32,20 @@ pub struct StepRun<'a> {
     pub amps: &'a [Point],
 }
 
-/// The figures of one step. One that the replies do not show is `None`.
+/// The figures of one step. A figure is `None` if the replies do not show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepFigures {
     /// Seconds from the setpoint to 1 % of the step.
     pub latency_s: Option<f64>,
     /// Seconds from 10 to 90 % of the way to the steady value.
     pub rise_s: Option<f64>,
-    /// How far it went beyond the steady value, as a part of the step.
+    /// Overshoot beyond the steady value, as a part of the step.
     pub overshoot: Option<f64>,
     /// Seconds from the setpoint until it stays within 2 % of the step.
     pub settling_s: Option<f64>,
-    /// The setpoint less the steady value, in the unit of the setpoint.
+    /// The setpoint minus the steady value, in the unit of the setpoint.
     pub steady_error: Option<f64>,
-    /// The largest current without direction, in A.
+    /// The largest current magnitude, in A.
     pub peak_amps: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
     };
     let steady_error = Some(step * (1.0 - steady));
     if steady <= RISE.0 {
-        // It hardly moved: there is no rise to speak of.
+        // It hardly moved, so there is no rise to measure.
         return StepFigures {
             steady_error,
             ..none
@@ -108,7 +108,7 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
     let rise_s = reaches(RISE.0 * steady)
         .zip(reaches(RISE.1 * steady))
         .map(|(low_s, high_s)| high_s - low_s);
-    // A ramp behind a lag begins with the square of the time: its root is a straight line between two changes.
+    // A ramp with a lag begins with the square of the time, so its root is linear between two changes.
     let roots: Vec<Point> = parts
         .iter()
         .map(|point| Point::new(point.t_s, point.value.abs().sqrt() * point.value.signum()))
@@ -120,7 +120,7 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
         latency_s: begins.map(|at_s| at_s - run.at_s),
         rise_s,
         overshoot: highest.map(|highest| (highest - steady).max(0.0)),
-        // What leaves the band near the end has not settled.
+        // A value that leaves the band near the end has not settled.
         settling_s: settles
             .filter(|at_s| *at_s < tail_s)
             .map(|at_s| at_s - run.at_s),
@@ -129,7 +129,7 @@ pub fn step_figures(run: &StepRun<'_>) -> StepFigures {
     }
 }
 
-/// Median and spread of the figures of repeats, such as those of one acceleration.
+/// Median and spread of the figures over repeats, for example of one acceleration.
 #[must_use]
 pub fn step_summary(repeats: &[StepFigures]) -> StepSummary {
     let over = |figure: fn(&StepFigures) -> Option<f64>| spread(repeats.iter().filter_map(figure));

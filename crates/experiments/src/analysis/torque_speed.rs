@@ -1,21 +1,21 @@
-//! Speed against torque, at a load that grows.
+//! Speed against torque, under an increasing load.
 
 use super::{TORQUE_NM_PER_A, least_squares::LeastSquares, statistics::Estimate};
 
-/// The straight line of speed over torque.
+/// The linear relation of speed to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TorqueSpeed {
     /// Speed without torque, in rpm.
     pub no_load_rpm: Estimate,
-    /// Speed that each N.m costs, in rpm per N.m.
+    /// Decrease of speed per N.m, in rpm per N.m.
     pub droop_rpm_per_nm: Estimate,
-    /// The largest torque that was measured, in N.m. The line is not known beyond it.
+    /// The largest measured torque, in N.m. The line is unknown beyond it.
     pub torque_max_nm: f64,
 }
 
 /// Fits `speed = no_load - droop * torque` to replies `(rpm, amps)` in one direction.
 ///
-/// Nothing where the torque hardly changed.
+/// `None` if the torque hardly changed.
 #[must_use]
 pub fn torque_speed(replies: impl IntoIterator<Item = (f64, f64)>) -> Option<TorqueSpeed> {
     let mut rows = LeastSquares::<2>::new();

@@ -7,9 +7,9 @@ use crate::runner::Record;
 
 /// Signals of one motor of a run, in seconds since its start.
 ///
-/// Times are those at the motor. It has heard a setpoint when the last byte of its frame has passed, and has
-/// measured what it reports when the first byte of its reply leaves: the airtime of a frame after the one and
-/// before the other.
+/// Times are times at the motor. It receives a setpoint with the last byte of the frame, and measures its telemetry
+/// when the first byte of the reply leaves. So setpoints are shifted later and replies earlier by the airtime of a
+/// frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Setpoints that differ from the one before, in rpm, A or degrees. A brake is 0.

@@ -1,7 +1,7 @@
-//! A sequence as a program that runs without this one, and a setup for ROS 2.
+//! Generates standalone programs from a sequence, and a setup for ROS 2.
 //!
-//! Each program asks before it moves anything, sends setpoints as the runner does, checks the limits of the run,
-//! faults and silence, and stops every motor at its end, on an error and on Ctrl-C: it switches to the velocity
+//! Each program asks before it moves anything. It sends setpoints as the runner does, and checks the limits of the
+//! run, faults and silence. At its end, on an error and on Ctrl-C it stops every motor: it switches to the velocity
 //! loop and brakes until each motor reports a standstill.
 
 mod ros2;
@@ -20,15 +20,15 @@ const ARDUINO: &str = include_str!("program.ino");
 const RUST: &str = include_str!("program.rs.txt");
 const RUST_MANIFEST: &str = include_str!("Cargo.toml.txt");
 
-/// Time for one exchange with a motor, which takes 2.4 ms, and for an adapter that is a little slow.
+/// Time for one exchange with a motor, which takes 2.4 ms, with a margin for a slow adapter.
 const EXCHANGE_MS: usize = 4;
-/// Shortest period between two rounds: 100 setpoints a second, which every adapter can do.
+/// Shortest period between two rounds: 100 setpoints a second, which every adapter supports.
 const PERIOD_MIN_MS: usize = 10;
 
-/// What a program is made of.
+/// The input of a generator.
 #[derive(Clone, Copy, Debug)]
 pub struct Program<'a> {
-    /// What runs.
+    /// The plan to run.
     pub plan: &'a Plan,
     /// The name of the sequence.
     pub name: &'a str,
@@ -96,17 +96,17 @@ pub fn rust(program: &Program<'_>) -> RustFiles {
     }
 }
 
-/// One item a line.
+/// One item per line.
 fn lines(items: impl Iterator<Item = String>) -> String {
     let mut text = String::new();
     for item in items {
-        // Writing into a String cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "    {item},");
     }
     text
 }
 
-/// Puts the parts of a program into its text. `none` is a limit that is not set.
+/// Fills the placeholders of a program's template. `none` is the text of a limit that is not set.
 fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str) -> String {
     let plan = program.plan;
     let limit = |limit: Option<f64>| limit.map_or(none.to_owned(), |limit| format!("{limit:?}"));
@@ -124,7 +124,7 @@ fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str)
     ];
     let put = |text: String, (name, part): &(&str, String)| text.replace(name, part);
     let text = parts.iter().fold(text.to_owned(), put);
-    // Lists stand on lines of their own, behind a comment of each language.
+    // A list replaces a whole line, which is a comment in each language.
     let list = |text: String, name: &str, list: &str| {
         let mut filled = String::new();
         for line in text.lines() {
@@ -140,7 +140,7 @@ fn fill(text: &str, program: &Program<'_>, motors: &str, rows: &str, none: &str)
     list(list(text, "@MOTORS@", motors), "@ROWS@", rows)
 }
 
-/// What a person reads before the start.
+/// The text that the user reads before the start.
 fn what_moves(plan: &Plan) -> String {
     let mut text = String::new();
     for motor in &plan.motors {
@@ -152,7 +152,7 @@ fn what_moves(plan: &Plan) -> String {
     text
 }
 
-/// A text that is the same in every language that it is put into.
+/// A text without characters that any of the languages interprets.
 pub(crate) fn plain(text: &str) -> String {
     let allowed =
         |character: char| character.is_ascii_alphanumeric() || " /._:+-".contains(character);

@@ -16,9 +16,9 @@ pub struct Ros2<'a> {
     pub left: MotorId,
     /// The motor of the right wheel, which is mounted mirrored.
     pub right: MotorId,
-    /// Between the middles of the wheels, in m.
+    /// Distance between the middles of the wheels, in m.
     pub wheel_separation_m: f64,
-    /// In m; 0.0503 for the bare wheel of the DDSM115.
+    /// Radius of a wheel in m; 0.0503 for the bare wheel of the DDSM115.
     pub wheel_radius_m: f64,
     /// Highest speed of a wheel in rpm.
     pub rpm_max: f64,

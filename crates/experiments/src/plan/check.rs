@@ -1,4 +1,4 @@
-//! The rules of a sequence, each with the place of what breaks it.
+//! Checks the rules of a sequence. Each error names its place.
 
 use motorlink_protocol::MotorId;
 
@@ -9,11 +9,11 @@ use crate::sequence::{
     Shape, Step, Wave, Who,
 };
 
-/// A step that waits takes at least one tick, at 500 Hz.
+/// Minimal time of a step with a condition: one tick at 500 Hz.
 const WAIT_MIN_S: f64 = 0.002;
-/// Shortest time of one pass of a loop: as many passes fit into a run as there are ticks in it.
+/// Minimal time of one pass of a loop, so that a run has at most as many passes as ticks.
 const PASS_MIN_S: f64 = WAIT_MIN_S;
-/// Least limits, as those of the bus.
+/// The smallest limits, as on the bus.
 const LIMITS_MIN: [f64; 3] = [1.0, 0.1, 30.0];
 
 type Result<T> = std::result::Result<T, SequenceError>;
@@ -70,7 +70,7 @@ fn check_limits(limits: RunLimits, fleet: &Fleet) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a value outside its range. Not a number is outside any.
+/// Refuses a value outside its range. NaN is outside of every range.
 fn within(value: f64, min: f64, max: f64, place: impl FnOnce() -> String) -> Result<()> {
     if value >= min && value <= max {
         return Ok(());
@@ -83,7 +83,7 @@ fn within(value: f64, min: f64, max: f64, place: impl FnOnce() -> String) -> Res
     Err(SequenceError::at(place(), problem))
 }
 
-/// How long steps take.
+/// Durations of steps.
 #[derive(Clone, Copy, Default)]
 struct Times {
     least_s: f64,
@@ -220,8 +220,8 @@ impl Check<'_> {
         }
     }
 
-    /// The number of a motor, which keeps its loop for the whole run: another loop would need a
-    /// standstill that no row of the table shows.
+    /// The index of a motor. It keeps its loop for the whole run: a change of loop needs a standstill, which no row
+    /// of the table shows.
     fn motor(&mut self, id: MotorId, demand: Demand, place: &str) -> Result<usize> {
         let quantity = match demand {
             Demand::Follow { quantity, .. } => quantity,
@@ -245,14 +245,14 @@ impl Check<'_> {
             return Err(SequenceError::at(place, Problem::OtherLoop { id, before }));
         }
         let (least, greatest) = match demand {
-            // From where a ramp begins is within the range already.
+            // The start of a ramp is a checked value already.
             Demand::Follow { shape, .. } => match shape {
                 Shape::Ramp { to } => (to, to),
                 _ => shape.range(0.0),
             },
             Demand::Brake => (0.0, 0.0),
         };
-        // A run begins at a standstill, and angles where the wheel is.
+        // A run begins at a standstill, and at the present angle of the wheel.
         let start = if quantity == Quantity::Degrees {
             least
         } else {

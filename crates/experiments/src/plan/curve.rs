@@ -1,14 +1,14 @@
-//! The setpoints of a plan as lines to draw.
+//! The setpoints of a plan as curves to draw.
 
 use super::{Op, Plan, PlanMotor, PlannedMove};
 use crate::sequence::{Demand, End, Shape};
 
-/// Most points of all curves together. A screen is 4,000 columns wide at the most; beyond five points a
-/// column nothing more is seen.
+/// Maximal number of points of all curves together. A screen is at most 4,000 columns wide; more than five points per
+/// column are not visible.
 pub const POINTS_MAX: usize = 20_000;
-/// Points of one period of a sine.
+/// Points per period of a sine.
 const POINTS_A_PERIOD: f64 = 24.0;
-/// Most points of one step.
+/// Maximal number of points of one step.
 const POINTS_A_STEP_MAX: f64 = 2_000.0;
 
 /// The setpoints of one motor.
@@ -18,18 +18,18 @@ pub struct Curve {
     pub motor: PlanMotor,
     /// In order of time.
     pub points: Vec<CurvePoint>,
-    /// Whether the plan goes on behind the last point, where there was no room for more.
+    /// Whether the plan continues after the last point, because the maximum was reached.
     pub cut: bool,
 }
 
 /// A point of a curve. Lines between them are straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
-    /// Seconds from the beginning. A step that waits is drawn as long as it may last.
+    /// Seconds from the start. A step that waits has its maximal duration.
     pub t_s: f64,
     /// The setpoint. A brake is 0.
     pub value: f64,
-    /// Whether the step waits for a condition, so that this time is an upper bound.
+    /// Whether the step waits for a condition, which makes this time an upper bound.
     pub waits: bool,
 }
 
@@ -98,7 +98,7 @@ impl Drawing {
                 continue;
             };
             let from = curve.points.last().map_or(0.0, |point| point.value);
-            // The setpoint before is kept until here.
+            // The motor keeps the previous setpoint until here.
             let mut points = vec![(0.0, from)];
             match step.demand {
                 Demand::Brake => points.extend([(0.0, 0.0), (seconds, 0.0)]),
@@ -121,7 +121,7 @@ impl Drawing {
     }
 }
 
-/// Straight lines that show this shape.
+/// Number of straight lines for this shape.
 fn points_of(shape: Shape, seconds: f64) -> u32 {
     let periods = match shape {
         Shape::Step { .. } | Shape::Ramp { .. } => return 1,

@@ -1,4 +1,4 @@
-//! A sequence that has been checked against the motors that are there.
+//! A plan: a sequence that was checked against the available motors.
 
 mod check;
 mod curve;
@@ -9,24 +9,24 @@ pub use curve::{Curve, CurvePoint, POINTS_MAX};
 
 use crate::sequence::{Condition, Demand, End, Quantity, RunLimits};
 
-/// Highest speed that any motor is commanded, in rpm.
+/// Maximal speed command of any motor, in rpm.
 pub const RPM_MAX: f64 = 330.0;
-/// Most motors of a run: as many as the bus drives as one group.
+/// Maximal number of motors in a run: as many as the bus drives as one group.
 pub const MOTORS_MAX: usize = 16;
 
-/// The motors and groups that are there.
+/// The available motors and groups.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fleet {
-    /// Every motor that may be driven.
+    /// All motors that can be driven.
     pub motors: Vec<MotorId>,
-    /// Groups by name. Motors that are not in [`Fleet::motors`] are left out of a run.
+    /// Groups by name. A run leaves out motors that are not in [`Fleet::motors`].
     pub groups: Vec<(String, Vec<MotorId>)>,
-    /// Highest speed of the slowest model, in rpm.
+    /// Maximal speed of the slowest model, in rpm.
     pub rpm_max: f64,
 }
 
 impl Fleet {
-    /// These motors without groups, up to [`RPM_MAX`].
+    /// These motors without groups, with a speed up to [`RPM_MAX`].
     pub fn of(motors: impl IntoIterator<Item = MotorId>) -> Self {
         Self {
             motors: motors.into_iter().collect(),
@@ -36,7 +36,7 @@ impl Fleet {
     }
 }
 
-/// A sequence that may be run. There is none that breaks a rule of [`Plan::new`].
+/// A sequence that can be run. It breaks no rule of [`Plan::new`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     pub(crate) motors: Vec<PlanMotor>,
@@ -49,9 +49,9 @@ pub struct Plan {
 /// A motor of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanMotor {
-    /// Which motor.
+    /// The motor.
     pub id: MotorId,
-    /// Its loop for the whole run.
+    /// Its quantity, and so its loop, for the whole run.
     pub quantity: Quantity,
     /// Least setpoint, in the unit of the quantity.
     pub least: f64,
@@ -86,18 +86,18 @@ pub(crate) enum Op {
     },
 }
 
-/// A step with its motors by their number in [`Plan::motors`].
+/// A step with its motors as indices in [`Plan::motors`].
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlannedMove {
     pub(crate) motors: Vec<usize>,
     pub(crate) demand: Demand,
     pub(crate) end: End,
-    /// As in `steps[3]`.
+    /// Its place in the file, such as `steps[3]`.
     pub(crate) place: String,
 }
 
 impl PlannedMove {
-    /// How long the shape goes on. One that waits goes on as long as it may wait.
+    /// Duration in seconds; for a step with a condition, the longest.
     pub(crate) const fn seconds(&self) -> f64 {
         match self.end {
             End::After(seconds) => seconds,
@@ -107,25 +107,25 @@ impl PlannedMove {
 }
 
 impl Plan {
-    /// The motors that it moves, with their loops and how far their setpoints go.
+    /// Its motors with their loops and the range of their setpoints.
     #[must_use]
     pub fn motors(&self) -> &[PlanMotor] {
         &self.motors
     }
 
-    /// How long it takes at most, in seconds.
+    /// Maximal duration, in seconds.
     #[must_use]
     pub const fn longest_s(&self) -> f64 {
         self.longest_s
     }
 
-    /// Whether it waits for something, and so may be over sooner.
+    /// Whether it has conditions, which can make it shorter.
     #[must_use]
     pub const fn has_conditions(&self) -> bool {
         self.has_conditions
     }
 
-    /// The step of the file that an instruction is of, as in `steps[3]`; empty for none.
+    /// The place in the file of an instruction, such as `steps[3]`; empty if there is none.
     #[must_use]
     pub fn place(&self, step: usize) -> &str {
         match self.program.get(step) {
@@ -134,7 +134,7 @@ impl Plan {
         }
     }
 
-    /// What ends the run.
+    /// The limits that end the run.
     #[must_use]
     pub const fn limits(&self) -> RunLimits {
         self.limits

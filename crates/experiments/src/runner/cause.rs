@@ -1,4 +1,4 @@
-//! How a run ends, and why it does not start.
+//! Why a run ends, and why it does not start.
 
 use std::fmt;
 
@@ -7,30 +7,30 @@ use motorlink_protocol::{Faults, Instant, Mode, MotorId};
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// Its last step is over.
+    /// Its last step has ended.
     Finished {
         /// When.
         at: Instant,
     },
-    /// Something ended it before.
+    /// It was aborted before.
     Aborted {
-        /// What.
+        /// Why.
         cause: Cause,
         /// When.
         at: Instant,
     },
 }
 
-/// What ends a run before its last step. The bus reports some of them, the worker others.
+/// Why a run is aborted. The bus reports some of the causes, the worker others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// A person pressed stop.
+    /// The user pressed stop.
     Stopped,
-    /// A person drove a motor of the run by hand.
+    /// The user drove a motor of the run by hand.
     Driven(MotorId),
     /// A motor reports a fault.
     Fault(MotorId, Faults),
-    /// A motor has not replied for half a second, or the bus has withdrawn its setpoint for silence.
+    /// A motor has not replied for half a second, or the bus has withdrawn its setpoint because it did not reply.
     Silent(MotorId),
     /// A limit was exceeded.
     Limit(MotorId, ExceededLimit),
@@ -38,24 +38,24 @@ pub enum Cause {
     OtherLoop(MotorId, Mode),
     /// The bus refused a setpoint of the run.
     Refused(MotorId),
-    /// The adapter is gone.
+    /// The adapter was unplugged.
     Unplugged,
     /// The page is closed, reloaded or frozen.
     TabClosed,
     /// The page does not answer.
     PageSilent,
-    /// The page has lost the focus, and is set to stop then.
+    /// The page has lost the focus, and [`Options::stop_on_lost_focus`](super::Options) is set.
     FocusLost,
     /// The computer slept.
     Slept,
     /// The worker did not run for over half a second.
     Late,
-    /// A condition did not come to hold in its time.
+    /// A condition was not fulfilled in time.
     WaitedInVain {
         /// The instruction that waited: see [`Plan::place`](crate::plan::Plan::place).
         step: usize,
     },
-    /// It was paused for longer than allowed.
+    /// The pause was longer than allowed.
     PausedTooLong,
 }
 
@@ -83,31 +83,31 @@ pub enum ExceededLimit {
         /// Allowed.
         limit: f64,
     },
-    /// A limit of the bus, which says more of it.
+    /// A limit of the bus, which reports the details.
     OfBus,
 }
 
 /// Why a run does not start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StartRefusal {
-    /// It is running or over.
+    /// It is running or has ended.
     NotArmed,
-    /// Armed over a minute ago.
+    /// It was armed more than a minute ago.
     ArmedTooLongAgo,
-    /// No reply of the last half second.
+    /// The motor has not replied in the last half second.
     NotAnswering(MotorId),
-    /// The motor is in another loop than the run needs.
+    /// The motor is not in the loop that the run needs.
     OtherLoop {
-        /// Which motor.
+        /// The motor.
         id: MotorId,
-        /// What the run needs.
+        /// The needed loop.
         needed: Mode,
-        /// What it reports.
+        /// The reported loop.
         reported: Mode,
     },
     /// The motor reports a fault.
     Fault(MotorId, Faults),
-    /// The motor has not reported its angle, which the run begins at.
+    /// The motor has not reported its angle, at which the run begins.
     NoAngle(MotorId),
 }
 

@@ -1,4 +1,4 @@
-//! Where a run is in its plan, and the setpoints there.
+//! The position of a run in its plan, and the setpoints there.
 
 use std::time::Duration;
 
@@ -13,10 +13,10 @@ use crate::{
     sequence::{Demand, End, Quantity},
 };
 
-/// Most instructions in one tick: a table of steps without any time, once through.
+/// Maximal instructions in one tick: a table of steps without duration, once through.
 const OPS_AT_ONCE_MAX: usize = 2 * crate::sequence::STEPS_MAX;
 
-/// A motor's part in the present.
+/// What a motor does at present.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     /// It keeps this setpoint.
@@ -25,10 +25,10 @@ enum Part {
     Follows { op: usize, since_s: f64, from: f64 },
 }
 
-/// What came of a step forward.
+/// The result of advancing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Progress {
-    /// In a step that ends at this time of the plan, at the latest.
+    /// The cursor is in a step that ends at this time of the plan, at the latest.
     In {
         ends: Duration,
     },
@@ -43,15 +43,15 @@ pub(super) struct Cursor {
     op: usize,
     /// When the present instruction began, in seconds of the plan.
     began_s: f64,
-    /// Whether its motors have been given to it.
+    /// Whether its motors follow it.
     entered: bool,
-    /// Passes left of each loop that the cursor is in, this one included.
+    /// Remaining passes of each loop that contains the cursor, including the current one.
     passes: Vec<u32>,
     parts: Vec<Part>,
 }
 
 impl Cursor {
-    /// At the beginning; the motors keep these setpoints until their first step.
+    /// A cursor at the start. The motors keep these setpoints until their first step.
     pub(super) fn new(held: Vec<Setpoint>) -> Self {
         Self {
             op: 0,
@@ -62,7 +62,7 @@ impl Cursor {
         }
     }
 
-    /// Moves on to this time of the plan. A step that ends by time ends at its time, not at this call's.
+    /// Advances to this time of the plan. A timed step ends at its own time, not at the time of this call.
     pub(super) fn advance(
         &mut self,
         plan: &Plan,
@@ -129,7 +129,7 @@ impl Cursor {
                 }
             }
         }
-        // More instructions than fit in a moment: the rest follows in the next.
+        // The maximum per tick is reached: the rest follows in the next one.
         Progress::In { ends: passed }
     }
 
@@ -140,7 +140,7 @@ impl Cursor {
         parts.map(|part| setpoint(plan, *part, now_s)).collect()
     }
 
-    /// No speed, no current, and angles as they were last sent.
+    /// The setpoints while paused: no speed, no current, and the last sent angles.
     pub(super) fn paused(&self, plan: &Plan, passed: Duration) -> Vec<Setpoint> {
         let at_rest = |setpoint| match setpoint {
             Setpoint::Velocity { .. } | Setpoint::Brake => neutral(Quantity::Rpm),

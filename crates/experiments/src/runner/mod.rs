@@ -1,11 +1,11 @@
 //! A run: armed, running, paused, ended.
 //!
-//! The owner of the bus calls it: [`Runner::telemetry`] for each reply, [`Runner::sent`] for each frame
-//! that was sent, [`Runner::tick`] when the last tick said, [`Runner::abort`] for whatever ends a run, and a
-//! tick at once after that. What it gives are setpoints and nothing else: the bus
-//! decides the frames, checks its own limits, and stops the motors when [`Tick::Stop`] says so.
+//! The owner of the bus calls [`Runner::telemetry`] for each reply, [`Runner::sent`] for each sent frame,
+//! [`Runner::tick`] at the time that the last tick returned, and [`Runner::abort`] for each event that ends a run,
+//! with a tick at once after it. The runner returns only setpoints: the bus chooses the frames, checks its own
+//! limits, and stops the motors at [`Tick::Stop`].
 //!
-//! An ended run never goes on. There is no command for it; another run needs another [`Runner::arm`].
+//! An ended run never continues. There is no command for it; another run needs another [`Runner::arm`].
 
 mod cause;
 mod cursor;
@@ -24,18 +24,18 @@ use crate::plan::{Plan, PlanMotor};
 use cursor::{Cursor, Progress};
 use watch::Watch;
 
-/// An armed run must be started within this: what was read about it was read just now.
+/// Maximal time between arming and the start, so that the user has just read what will move.
 pub const ARMED_FOR: Duration = Duration::from_secs(60);
-/// Longest gap between two ticks, as for the bus: after it a setpoint is from another time.
+/// Longest gap between two ticks, as on the bus: after a longer one the setpoint is out of date.
 pub const GAP_MAX: Duration = Duration::from_millis(500);
-/// Telemetry older than this says nothing of the motor (rule 5 of the bus).
+/// Maximal age of telemetry (rule 5 of the bus).
 pub const FRESH_FOR: Duration = Duration::from_millis(500);
-/// Longest pause. A wheel that is held for longer has been forgotten.
+/// Longest pause. After that, the user has probably forgotten the run.
 pub const PAUSE_MAX: Duration = Duration::from_secs(600);
-/// Shortest period between setpoints: 500 a second, the most that a motor takes.
+/// Shortest period between setpoints: 500 a second, the maximum of a motor.
 pub const PERIOD_MIN: Duration = Duration::from_millis(2);
 
-/// What a user has set for a run.
+/// The user's settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Time between two setpoints of a motor.
@@ -54,7 +54,7 @@ impl Default for Options {
     }
 }
 
-/// Where a run is.
+/// The state of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     /// A person has read what will move, and may start it until then.
@@ -127,13 +127,13 @@ impl Runner {
         }
     }
 
-    /// What will move, how far, and for how long: what a person reads before the start.
+    /// The plan: what will move, how far, and for how long. The user reads it before the start.
     #[must_use]
     pub const fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Where the run is.
+    /// The state of the run.
     #[must_use]
     pub fn phase(&self) -> Phase {
         match &self.state {
@@ -146,16 +146,16 @@ impl Runner {
         }
     }
 
-    /// What was sent and reported. It is kept however the run ended.
+    /// The sent setpoints and the telemetry, kept after every end of the run.
     #[must_use]
     pub const fn record(&self) -> &Record {
         &self.record
     }
 
-    /// Starts an armed run, by an act of a person.
+    /// Starts an armed run. Only the user may start it.
     ///
     /// # Errors
-    /// [`StartRefusal`] says what is missing; nothing has changed then.
+    /// [`StartRefusal`] tells what is missing; the run is unchanged then.
     pub fn start(&mut self, now: Instant) -> Result<(), StartRefusal> {
         let State::Armed { since } = self.state else {
             return Err(StartRefusal::NotArmed);
@@ -184,7 +184,7 @@ impl Runner {
         }
     }
 
-    /// Goes on with a paused run, by an act of a person, at the setpoint where it was paused.
+    /// Resumes a paused run at the setpoint where it was paused. Only the user may resume it.
     pub fn resume(&mut self, now: Instant) {
         if let State::Paused { run, since } = &self.state {
             let mut run = run.clone();
@@ -193,7 +193,7 @@ impl Runner {
         }
     }
 
-    /// Ends the run for this cause, unless it has ended. The data stays.
+    /// Aborts the run for this cause, unless it has ended. The data is kept.
     pub fn abort(&mut self, now: Instant, cause: Cause) {
         self.end(End::Aborted { cause, at: now });
     }
@@ -235,7 +235,7 @@ impl Runner {
         }
     }
 
-    /// What to do now. A call that is early or late changes no time of the plan.
+    /// Returns what to do now. An early or late call does not shift the plan.
     pub fn tick(&mut self, now: Instant) -> Tick {
         if let Some(cause) = self.overdue(now) {
             self.abort(now, cause);
@@ -288,7 +288,7 @@ impl Runner {
         }
     }
 
-    /// What ends a run by time alone.
+    /// The cause that ends a run by time alone, if there is one.
     fn overdue(&self, now: Instant) -> Option<Cause> {
         let run = match &self.state {
             State::Armed { .. } | State::Ended { .. } => return None,
@@ -318,7 +318,7 @@ fn pairs(motors: &[PlanMotor], setpoints: &[Setpoint]) -> Vec<(MotorId, Setpoint
     ids.zip(setpoints.iter().copied()).collect()
 }
 
-/// The next of the moments `base + n * period`. A late tick makes none of the later ones late.
+/// The next of the times `base + n * period`. A late tick does not delay the later ones.
 fn next_on_grid(base: Instant, passed: Duration, period: Duration) -> Instant {
     let micros = |time: Duration| u64::try_from(time.as_micros()).unwrap_or(u64::MAX);
     let period = micros(period).max(1);

@@ -1,15 +1,15 @@
-//! What a run has sent and heard.
+//! The sent setpoints and the telemetry of a run.
 
 use motorlink_protocol::{Current, Instant, MotorId, Setpoint};
 
 use super::{End, Telemetry};
 
-/// Most samples that are kept: 33 minutes at 200 Hz, 16 MB. Beyond it every second one is dropped, so that
-/// a day is kept whole, at a lower rate.
+/// Maximal number of samples: 33 minutes at 200 Hz, 16 MB. Beyond it every second one is dropped, so that the record
+/// of a day stays complete, at a lower rate.
 const SAMPLES_MAX: usize = 400_000;
-/// Most changes of setpoints that are kept.
+/// Maximal number of changes of setpoints.
 const SENT_MAX: usize = 400_000;
-/// Most beginnings of steps that are kept.
+/// Maximal number of starts of steps.
 const MARKS_MAX: usize = 100_000;
 
 /// One reply of a run.
@@ -40,16 +40,16 @@ pub struct SentSetpoint {
     pub setpoint: Setpoint,
 }
 
-/// The beginning of a step.
+/// The start of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// When the plan began it.
+    /// When it started in the plan.
     pub at: Instant,
     /// The instruction of the plan: see [`Plan::place`](crate::plan::Plan::place).
     pub step: usize,
 }
 
-/// What a run has sent and heard, with bounds.
+/// The sent setpoints and the telemetry of a run, with bounds.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     began: Option<Instant>,
@@ -59,7 +59,7 @@ pub struct Record {
     /// The last setpoint of each motor.
     last: Vec<(MotorId, Setpoint)>,
     marks: Vec<Mark>,
-    /// One of so many samples is kept, as a power of two.
+    /// Base-2 logarithm of the decimation of samples.
     halved: u32,
     received: u64,
     left_out: bool,
@@ -90,13 +90,13 @@ impl Record {
         &self.sent
     }
 
-    /// The beginnings of steps, in order of time.
+    /// The starts of steps, in order of time.
     #[must_use]
     pub fn marks(&self) -> &[Mark] {
         &self.marks
     }
 
-    /// Whether something was left out for want of room.
+    /// Whether samples or other entries were dropped because a maximum was reached.
     #[must_use]
     pub const fn is_thinned(&self) -> bool {
         self.halved > 0 || self.left_out

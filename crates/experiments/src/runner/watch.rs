@@ -1,4 +1,4 @@
-//! The newest telemetry of each motor of a run, and what ends the run by it.
+//! The newest telemetry of each motor of a run, and the checks that end the run.
 
 use std::time::Duration;
 
@@ -12,14 +12,13 @@ use crate::{
     sequence::{Condition, Quantity, RunLimits},
 };
 
-/// A current above its limit is tolerated for this long, as by the bus: a starting wheel draws more for a
-/// moment.
+/// A current above its limit is tolerated for this long, as on the bus: a starting wheel briefly draws more.
 const OVERCURRENT_FOR: Duration = Duration::from_millis(500);
 
 /// What a motor reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {
-    /// Which motor.
+    /// The motor.
     pub id: MotorId,
     /// When its last byte was received.
     pub at: Instant,
@@ -29,16 +28,16 @@ pub struct Telemetry {
     pub rpm: i16,
     /// Torque current.
     pub current: Current,
-    /// Angle in degrees, in the layout of a drive frame.
+    /// Angle in degrees; replies to drive frames only.
     pub degrees: Option<f32>,
-    /// Temperature in deg C, in the layout of a feedback query.
+    /// Temperature in deg C; replies to feedback queries only.
     pub celsius: Option<u8>,
     /// Its faults.
     pub faults: Faults,
 }
 
 impl Telemetry {
-    /// What this reply says.
+    /// The telemetry in this reply.
     #[must_use]
     pub fn of(at: Instant, reply: &Reply) -> Self {
         let (degrees, celsius) = match reply.detail {
@@ -71,7 +70,7 @@ struct Known {
     over_current_since: Option<Instant>,
 }
 
-/// What the motors of a run have reported, in the order of the plan.
+/// The telemetry of the motors of a run, in the order of the plan.
 #[derive(Clone, Debug)]
 pub(super) struct Watch(Vec<Known>);
 
@@ -87,7 +86,7 @@ impl Watch {
         Self(ids.map(unknown).collect())
     }
 
-    /// Takes a reply; gives what it ends a run for.
+    /// Takes a reply. Returns a cause if it ends the run.
     pub(super) fn receive(
         &mut self,
         place: usize,
@@ -114,7 +113,7 @@ impl Watch {
             .map(|exceeded| Cause::Limit(reply.id, exceeded))
     }
 
-    /// The first motor without a reply of the last half second.
+    /// The first motor that has not replied in the last half second.
     pub(super) fn silent(&self, now: Instant) -> Option<MotorId> {
         let fresh = |known: &Known| {
             known
@@ -125,7 +124,7 @@ impl Watch {
         silent.map(|known| known.id)
     }
 
-    /// The setpoint with which a motor begins: no speed, no current, or the angle that it has.
+    /// The setpoint with which a motor starts: no speed, no current, or its present angle.
     pub(super) fn ready(&self, motor: &PlanMotor, now: Instant) -> Result<Setpoint, StartRefusal> {
         let id = motor.id;
         let known = self.0.iter().find(|known| known.id == id);
@@ -154,7 +153,7 @@ impl Watch {
         Ok(setpoint_of(Quantity::Degrees, degrees))
     }
 
-    /// Whether a condition holds for a motor, by telemetry that is not older than `since`.
+    /// Whether a condition is fulfilled for a motor, by telemetry that is not older than `since`.
     pub(super) fn holds(&self, place: usize, condition: Condition, since: Instant) -> bool {
         let Some(known) = self.0.get(place) else {
             return false;
@@ -162,7 +161,7 @@ impl Watch {
         let newest = known.newest.filter(|reply| reply.at >= since);
         let rpm = newest.map(|reply| f64::from(reply.rpm).abs());
         let recent = |value: Timed<f64>| value.filter(|(at, _)| *at >= since);
-        // Temperature changes in minutes and is asked for seldom: an older value counts.
+        // Temperature changes within minutes and is queried seldom, so an older value is accepted.
         let celsius = known.celsius.map(|(_, celsius)| celsius);
         match condition {
             Condition::RpmAbove(least) => rpm.is_some_and(|rpm| rpm >= least),
@@ -214,7 +213,7 @@ pub(super) fn neutral(quantity: Quantity) -> Setpoint {
     setpoint_of(quantity, 0.0)
 }
 
-/// The setpoint of this value at the motor's own acceleration, in the steps of the wire.
+/// The setpoint of this value with the motor's own acceleration, in the resolution of the protocol.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "the plan has checked the range; what the wire carries is coarser than f32"

@@ -5,9 +5,9 @@ use motorlink_protocol::MotorId;
 
 use super::{Problem, Quantity, STEPS_MAX, Sequence, SequenceError, Step, Who};
 
-/// Longest field: a number with every digit that a spreadsheet writes.
+/// Maximal length of a field: a number with every digit that a spreadsheet writes.
 const FIELD_MAX: usize = 64;
-/// Most columns: the time, and a motor each.
+/// Maximal number of columns: the time and one per motor.
 const COLUMNS_MAX: usize = 17;
 
 /// A column of setpoints.
@@ -25,9 +25,9 @@ struct Column {
 /// 2.5,0,0
 /// ```
 ///
-/// The first column is the time from the beginning in seconds. The name of another is the number of a motor
-/// and `rpm`, `amps` or `degrees`; without a number it is for all motors. An empty cell changes nothing.
-/// Columns may be divided by semicolons, and then a comma is a decimal mark.
+/// The first column is the time from the start in seconds. The name of another column is the number of a motor and
+/// `rpm`, `amps` or `degrees`; without a number it applies to all motors. An empty cell changes nothing. If
+/// semicolons separate the columns, a comma is a decimal mark.
 ///
 /// # Errors
 /// [`SequenceError`] names the place by line and column, as in `line 3, column 2`.
@@ -61,7 +61,7 @@ pub fn from_csv(text: &str) -> Result<Sequence, SequenceError> {
         if before.is_some_and(|before| time <= before) {
             return Err(at(line, 1, Problem::TimeFalls));
         }
-        // The row before lasts until this one. The last one is set, and the run is over.
+        // The previous row lasts until this one. The last row is sent, and then the run ends.
         lengthen(&mut steps, time - before.unwrap_or(time));
         before = Some(time);
         for (place, (value, column)) in values.iter().zip(&columns).enumerate() {
@@ -174,10 +174,10 @@ impl Iterator for Rows<'_> {
             let (result, read, written) = self.reader.read_field(self.rest, &mut field);
             self.rest = self.rest.get(read..).unwrap_or_default();
             match result {
-                // Without any input left the next call ends the last row.
+                // Without remaining input the next call ends the last row.
                 ReadFieldResult::InputEmpty if written == 0 => {}
                 ReadFieldResult::InputEmpty => {
-                    // The last line has no line break: what was written belongs to its last field.
+                    // The last line has no line break: the written bytes belong to its last field.
                     let text = field.get(..written).unwrap_or_default();
                     row.push(String::from_utf8_lossy(text).into_owned());
                     self.ended = true;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use motorlink_protocol::{Mode, MotorId};
 
-/// What does not fit, with its place in the file, as in `steps[3].rpm`.
+/// An error with its place in the file, such as `steps[3].rpm`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SequenceError {
     /// The place; empty for the file as a whole.
@@ -16,7 +16,7 @@ pub struct SequenceError {
 /// What is wrong at a place.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Problem {
-    /// The text is no JSON from this line and column on.
+    /// The text is not JSON from this line and column on.
     NotJson {
         /// From 1.
         line: usize,
@@ -27,17 +27,17 @@ pub enum Problem {
     TooLarge,
     /// Written by a newer program.
     NewerVersion,
-    /// No such version, or none at all.
+    /// An unknown version, or none.
     NoVersion,
-    /// Something else was expected, named here.
+    /// Another type was expected, which is named here.
     Expected(&'static str),
     /// No field of this name belongs here.
     UnknownField,
-    /// The field is there twice.
+    /// The field occurs twice.
     Twice,
     /// The field is missing.
     Missing,
-    /// The field does not go with another, named here.
+    /// The field cannot be combined with another one, which is named here.
     NotWith(&'static str),
     /// Too large.
     Above {
@@ -53,7 +53,7 @@ pub enum Problem {
         /// What is allowed.
         min: f64,
     },
-    /// A time before the one above it in a CSV file.
+    /// A time in a CSV file that is before the previous one.
     TimeFalls,
     /// No such motor.
     UnknownMotor(MotorId),
@@ -61,9 +61,9 @@ pub enum Problem {
     UnknownGroup,
     /// No motors to run with.
     NoMotors,
-    /// More motors than can be driven as one group.
+    /// More motors than the bus drives as one group.
     TooManyMotors {
-        /// How many are allowed.
+        /// The maximum.
         max: usize,
     },
     /// The motor is driven in another loop before.
@@ -79,12 +79,12 @@ pub enum Problem {
     TimelessLoop,
     /// Repeats in repeats in repeats.
     TooDeep {
-        /// How many are allowed.
+        /// The maximum.
         max: usize,
     },
     /// Too many steps.
     TooManySteps {
-        /// How many are allowed.
+        /// The maximum.
         max: usize,
     },
     /// No step at all.

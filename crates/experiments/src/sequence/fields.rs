@@ -1,10 +1,10 @@
-//! The values of a JSON file, each with the place by which an error names it.
+//! The values of a JSON file, each with its place for errors.
 
 use nojson::RawJsonValue;
 
 use super::{Problem, SequenceError};
 
-/// Of an unknown field, as many characters are repeated.
+/// Maximal characters of an unknown field that an error quotes.
 const FIELD_SHOWN_MAX: usize = 32;
 
 pub(super) type Result<T> = std::result::Result<T, SequenceError>;
@@ -30,7 +30,7 @@ impl<'a> Node<'a> {
     pub(super) fn number(&self) -> Result<f64> {
         let number = self.value.as_number_str().ok();
         let number = number.and_then(|digits| digits.parse::<f64>().ok());
-        // Digits enough make an infinite number, which is in no range.
+        // A number with too many digits is infinite, which is out of every range.
         let finite = number.filter(|value| value.is_finite());
         finite.ok_or_else(|| self.wrong(Problem::Expected("a number")))
     }
@@ -57,7 +57,7 @@ impl<'a> Node<'a> {
     }
 }
 
-/// The fields of an object; every one has to be taken.
+/// The fields of an object. All of them must be taken.
 pub(super) struct Object<'a> {
     place: String,
     fields: Vec<(String, RawJsonValue<'a, 'a>)>,
@@ -109,7 +109,7 @@ impl<'a> Object<'a> {
         self.take(name).ok_or(missing)
     }
 
-    /// No other field belongs here.
+    /// Refuses remaining fields.
     pub(super) fn end(self) -> Result<()> {
         match self.fields.first() {
             None => Ok(()),

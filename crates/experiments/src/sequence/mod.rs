@@ -1,4 +1,4 @@
-//! A sequence: steps, each with a setpoint in its shape and an end.
+//! A sequence: steps, each with a setpoint, its shape and its end.
 
 mod csv;
 mod error;
@@ -19,10 +19,10 @@ pub use template::Template;
 
 /// The version of the file format that this program reads and writes.
 pub const VERSION: f64 = 1.0;
-/// Most steps of a sequence. A table of ten thousand rows is what an imported recording of three
-/// minutes at 50 Hz has; beyond it nobody reads the table.
+/// Maximal number of steps. An imported recording of three minutes at 50 Hz has ten thousand rows; a longer table is
+/// not readable.
 pub const STEPS_MAX: usize = 10_000;
-/// Most passes of one repeat.
+/// Maximal passes of one repeat.
 pub const PASSES_MAX: u32 = 10_000;
 /// Deepest nesting of repeats.
 pub const DEPTH_MAX: usize = 4;
@@ -32,27 +32,27 @@ pub const RUN_MAX: Duration = Duration::from_secs(24 * 3600);
 pub const HZ_MAX: f64 = 50.0;
 /// Lowest frequency: a period of 1000 s.
 pub const HZ_MIN: f64 = 0.001;
-/// Largest current: above 25,000 raw a person is asked, and in a run there is no one to ask.
+/// Largest current: above 25,000 raw the page asks the user, which is impossible in a run.
 pub const AMPS_MAX: f64 = 6.1;
 /// The largest angle.
 pub const DEGREES_MAX: f64 = 360.0;
-/// Highest temperature of a condition or a limit: there the motor protects itself.
+/// Highest temperature of a condition or a limit: at this one the motor protects itself.
 pub const CELSIUS_MAX: f64 = 80.0;
-/// Most characters of a name.
+/// Maximal number of characters of a name.
 pub const NAME_MAX: usize = 64;
 
-/// What runs: a name, limits that end the run, and steps.
+/// A sequence: a name, limits that end the run, and steps.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sequence {
-    /// For people.
+    /// Name for the user.
     pub name: String,
-    /// Crossing one ends the run.
+    /// Exceeding one ends the run.
     pub limits: RunLimits,
-    /// In order.
+    /// Steps in their order.
     pub steps: Vec<Step>,
 }
 
-/// Limits of one run, beside those of the bus. `None` is no limit of this run.
+/// Limits of one run, besides the limits of the bus. `None` is no limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RunLimits {
     /// Speed in rpm, without direction: one reply above it.
@@ -72,18 +72,18 @@ pub enum Step {
     Repeat(Repeat),
 }
 
-/// A setpoint with its shape, for one or more motors. The others keep their last setpoint.
+/// A setpoint with its shape, for one or more motors. The other motors keep their last setpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
-    /// Whose setpoint it is.
+    /// The motors.
     pub who: Who,
-    /// What they are to do.
+    /// Their setpoint.
     pub demand: Demand,
     /// When the next step begins.
     pub end: End,
 }
 
-/// Whose setpoint a step is.
+/// The motors of a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Who {
     /// Every motor of the fleet.
@@ -95,23 +95,23 @@ pub enum Who {
     Group(String),
 }
 
-/// What a motor is to do. The quantity decides the loop.
+/// What a motor does. The quantity determines the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
-    /// A value in its shape.
+    /// A setpoint over time.
     Follow {
-        /// What the values mean.
+        /// The quantity of the values.
         quantity: Quantity,
-        /// How the value goes over time.
+        /// The value over time.
         shape: Shape,
-        /// How gently the motor follows a higher speed; velocity loop only.
+        /// Acceleration of the motor towards a higher speed; velocity loop only.
         acceleration: Acceleration,
     },
     /// The electric brake, in the velocity loop.
     Brake,
 }
 
-/// What a setpoint is a value of.
+/// The quantity of a setpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Speed: the velocity loop.
@@ -122,7 +122,7 @@ pub enum Quantity {
     Degrees,
 }
 
-/// How a setpoint goes over the time of its step.
+/// A setpoint over the time of its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// This value at once.
@@ -130,7 +130,7 @@ pub enum Shape {
         /// The value.
         to: f64,
     },
-    /// From the setpoint before to this value, evenly over the step's time.
+    /// From the previous setpoint to this value, linearly over the step's time.
     Ramp {
         /// The value at the end.
         to: f64,
@@ -139,7 +139,7 @@ pub enum Shape {
     Sine(Wave),
     /// A triangle that begins in the centre and rises.
     Triangle(Wave),
-    /// A sine whose frequency rises or falls evenly per octave over the step's time.
+    /// A sine whose frequency changes evenly per octave over the step's time.
     Chirp {
         /// The sine at the beginning.
         wave: Wave,
@@ -153,23 +153,23 @@ pub enum Shape {
 pub struct Wave {
     /// The value in the middle.
     pub centre: f64,
-    /// How far it goes to either side.
+    /// The deviation to each side.
     pub amplitude: f64,
-    /// Periods a second.
+    /// Periods per second.
     pub hz: f64,
 }
 
 /// When a step ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// After this time. Zero goes on at once.
+    /// After this time in seconds. Zero continues at once.
     After(f64),
-    /// When the condition holds for every motor of the step. If it does not within this time, the run is
+    /// When the condition is fulfilled for every motor of the step. If it is not within this time, the run is
     /// aborted.
     Until {
-        /// What is waited for.
+        /// The condition.
         condition: Condition,
-        /// In seconds.
+        /// Maximal time, in seconds.
         within_s: f64,
     },
 }
@@ -177,31 +177,31 @@ pub enum End {
 /// A condition of telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Condition {
-    /// Speed without direction is this or more.
+    /// The magnitude of the speed is at least this.
     RpmAbove(f64),
-    /// Speed without direction is this or less.
+    /// The magnitude of the speed is at most this.
     RpmBelow(f64),
-    /// The reported angle is this near, the shorter way round.
+    /// The reported angle is within a tolerance, the shorter way round.
     DegreesNear {
         /// The angle.
         degrees: f64,
         /// Tolerance to either side.
         tolerance: f64,
     },
-    /// The winding has this temperature or more.
+    /// The winding has at least this temperature.
     CelsiusAbove(f64),
-    /// The winding has this temperature or less.
+    /// The winding has at most this temperature.
     CelsiusBelow(f64),
 }
 
 /// Steps that are run several times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Repeat {
-    /// How often; also with a condition, so that every loop ends.
+    /// Number of passes; with a condition the maximum, so that every loop ends.
     pub passes: u32,
-    /// After a pass in which this holds for any motor of the run there is no other.
+    /// If this is fulfilled for any motor of the run during a pass, no other pass follows.
     pub until: Option<Condition>,
-    /// What is repeated.
+    /// The repeated steps.
     pub steps: Vec<Step>,
 }
 
@@ -209,7 +209,7 @@ impl Quantity {
     /// All three.
     pub const ALL: [Self; 3] = [Self::Rpm, Self::Amps, Self::Degrees];
 
-    /// Its field in a file.
+    /// Its field name in a file.
     #[must_use]
     pub const fn field(self) -> &'static str {
         match self {
@@ -233,8 +233,8 @@ impl Shape {
         }
     }
 
-    /// The value at `t_s` of a step of `for_s` that began at the setpoint `from`. Past its end a shape
-    /// keeps its last value.
+    /// The value at `t_s` of a step of `for_s` that began at the setpoint `from`. After its end a shape keeps its
+    /// last value.
     #[must_use]
     pub fn value(self, from: f64, t_s: f64, for_s: f64) -> f64 {
         let t_s = t_s.clamp(0.0, for_s);
@@ -255,7 +255,7 @@ impl Shape {
         }
     }
 
-    /// Least and greatest value, of a step that began at `from`.
+    /// Least and greatest value of a step that began at `from`.
     #[must_use]
     pub fn range(self, from: f64) -> (f64, f64) {
         match self {
@@ -268,7 +268,7 @@ impl Shape {
     }
 }
 
-/// Periods since the beginning of a chirp: the integral of `hz * (to_hz / hz) ^ (t / for_s)`.
+/// Periods since the start of a chirp: the integral of `hz * (to_hz / hz) ^ (t / for_s)`.
 fn chirp_turns(hz: f64, to_hz: f64, t_s: f64, for_s: f64) -> f64 {
     let octaves = (to_hz / hz).ln();
     if for_s <= 0.0 || octaves.abs() < 1e-9 {
@@ -278,13 +278,13 @@ fn chirp_turns(hz: f64, to_hz: f64, t_s: f64, for_s: f64) -> f64 {
 }
 
 impl Step {
-    /// This value for one motor and a time, as a table begins.
+    /// A step that holds a value for a time, as in a new table.
     #[must_use]
     pub fn hold(who: Who, quantity: Quantity, to: f64, for_s: f64) -> Self {
         Self::follow(who, quantity, Shape::Step { to }, End::After(for_s))
     }
 
-    /// This shape at the motor's own acceleration.
+    /// A step with this shape at the motor's own acceleration.
     #[must_use]
     pub const fn follow(who: Who, quantity: Quantity, shape: Shape, end: End) -> Self {
         Self::Move(Move {

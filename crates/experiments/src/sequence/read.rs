@@ -1,4 +1,4 @@
-//! Reads a sequence from JSON: what is there and of what kind. Ranges are checked by the plan.
+//! Reads a sequence from JSON and checks its types. The plan checks its ranges.
 
 use motorlink_protocol::{Acceleration, MotorId};
 use nojson::{JsonValueKind, RawJson};
@@ -9,10 +9,10 @@ use super::{
     fields::{Node, Object, Result},
 };
 
-/// Most bytes of a file: ten times those of a table that is full.
+/// Maximal bytes of a file: ten times the size of a full table.
 const BYTES_MAX: usize = 1000 * STEPS_MAX;
 impl Sequence {
-    /// Reads a file, all of it before any of it is taken.
+    /// Reads a whole file, or refuses it.
     ///
     /// # Errors
     /// [`SequenceError`] names the place that does not fit.
@@ -22,7 +22,7 @@ impl Sequence {
         }
         let json = RawJson::parse(text).map_err(|error| not_json(text, &error))?;
         let mut file = Object::of(&Node::root(json.value()), "an object in braces")?;
-        // First of all: another version may have other fields.
+        // Checked first, because another version can have other fields.
         match file.take("motorlink_sequence").map(|node| node.number()) {
             Some(Ok(found)) if (found - VERSION).abs() < f64::EPSILON => {}
             Some(Ok(found)) if found > VERSION => {
@@ -96,7 +96,7 @@ fn repeat(mut fields: Object, depth: usize, count: &mut usize) -> Result<Repeat>
     if matches!(passes.value.kind(), JsonValueKind::Null) {
         return Err(endless);
     }
-    // The plan compares it with the most that are allowed.
+    // The plan checks the maximum.
     let passes = passes.whole(f64::from(u32::MAX))?;
     let until = fields.take("until").as_ref().map(condition).transpose()?;
     let list = fields.need("steps")?;

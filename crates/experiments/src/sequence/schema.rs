@@ -5,7 +5,7 @@ use super::{
 };
 use crate::plan::RPM_MAX;
 
-/// The file, with names in place of what the program knows.
+/// The schema, with placeholders for the limits.
 const TEMPLATE: &str = include_str!("schema.template");
 
 /// The schema as a file, as `docs/sequence.schema.json` has it.

@@ -1,36 +1,36 @@
-//! Sequences to begin with.
+//! Templates of sequences.
 
 use super::{
     Condition, End, PASSES_MAX, Quantity, Repeat, RunLimits, Sequence, Shape, Step, Wave, Who,
 };
 
-/// A sequence to begin with. Each runs with all motors of the fleet.
+/// A template of a sequence. Each runs with all motors of the fleet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Template {
     /// Both directions, from slow to fast: grease and bearings first.
     WarmUp,
-    /// To one side and the other, ten times.
+    /// To both sides, ten times.
     BackAndForth,
-    /// Speeds one after the other, each long enough to settle: speed against current.
+    /// Increasing speeds, each long enough to settle: speed against current.
     Staircase,
-    /// One sine after the other, 0.2 to 20 Hz: the frequency response.
+    /// Sines from 0.2 to 20 Hz: the frequency response.
     SineSweep,
-    /// Eight angles, each waited for.
+    /// Eight angles; each step waits until the angle is reached.
     PositionTour,
     /// Back and forth until the winding is warm, or for hours.
     Endurance,
 }
 
-/// Speed round which the sine sweep goes: away from standstill, where dry friction changes its sign.
+/// Centre of the sine sweep: away from standstill, where dry friction changes its sign.
 const SWEEP_CENTRE_RPM: f64 = 80.0;
-/// The first frequencies have this amplitude.
+/// Amplitude of the lowest frequencies.
 const SWEEP_AMPLITUDE_RPM: f64 = 20.0;
-/// Greatest change of speed that the sweep asks for, in rpm a second. The motor's own ramp is 277 rpm a
-/// second; above it a speed is not followed but limited.
+/// Maximal rate of the sweep's setpoint, in rpm per second. The motor's own ramp is 277 rpm per second; it limits
+/// faster setpoints.
 const SWEEP_SLOPE_MAX: f64 = 200.0;
-/// Least amplitude. The wire carries whole rpm.
+/// Minimal amplitude. The protocol has whole rpm.
 const SWEEP_AMPLITUDE_MIN_RPM: f64 = 3.0;
-/// Points from 0.2 to 20 Hz: ten a decade.
+/// Points from 0.2 to 20 Hz: ten per decade.
 const SWEEP_POINTS: u32 = 21;
 
 impl Template {
@@ -44,7 +44,7 @@ impl Template {
         Self::Endurance,
     ];
 
-    /// Its name for people.
+    /// Its name for the user.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -133,7 +133,7 @@ fn staircase() -> Vec<Step> {
 fn sine_sweep() -> Vec<Step> {
     let mut steps = vec![ramp(SWEEP_CENTRE_RPM, 2.0), hold(SWEEP_CENTRE_RPM, 1.0)];
     for point in 0..SWEEP_POINTS {
-        // Rounded, so that a file shows 0.252 and not its sixteen digits.
+        // Rounded, so that a file has 0.252 instead of sixteen digits.
         let hz = 0.2 * 10_f64.powf(f64::from(point) / 10.0);
         let hz = (hz * 1000.0).round() / 1000.0;
         let amplitude = SWEEP_SLOPE_MAX / (std::f64::consts::TAU * hz);
@@ -143,7 +143,7 @@ fn sine_sweep() -> Vec<Step> {
             amplitude: (amplitude * 10.0).round() / 10.0,
             hz,
         };
-        // Three periods at the least, and enough replies to tell one rpm from its rounding.
+        // At least three periods, and enough replies to average out the rounding to 1 rpm.
         let periods = (6.0 * hz).ceil().max(3.0);
         let for_s = (periods / hz * 1000.0).round() / 1000.0;
         steps.push(Step::follow(

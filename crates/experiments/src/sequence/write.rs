@@ -1,4 +1,4 @@
-//! Writes a sequence as JSON, a line a field, as a person edits it.
+//! Writes a sequence as JSON that a user can edit: one field per line.
 
 use nojson::{DisplayJson, JsonFormatter, JsonObjectFormatter, json};
 
@@ -7,7 +7,7 @@ use super::{Condition, Demand, End, Move, Repeat, RunLimits, Sequence, Shape, St
 type Fields<'a, 'b, 'c> = JsonObjectFormatter<'a, 'b, 'c>;
 
 impl Sequence {
-    /// The file of this sequence. [`Sequence::from_json`] reads the same sequence from it.
+    /// The sequence as a file. [`Sequence::from_json`] reads the same sequence from it.
     #[must_use]
     pub fn to_json(&self) -> String {
         let text = json(|f| {
