@@ -1,4 +1,4 @@
-//! A USB-RS485 adapter that can be plugged and pulled, with virtual motors on its wire.
+//! A USB-RS485 adapter that can be plugged and unplugged, with virtual motors on its bus.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use crate::line::Line;
 use crate::motors::Motors;
 use crate::wire_log::WireLog;
 
-/// What the adapter says of itself over USB.
+/// The USB descriptors of the adapter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Usb {
     /// Vendor ID.
@@ -31,12 +31,11 @@ impl Usb {
     /// The chips whose permitted adapters the page may use without asking.
     pub const PERMITTED: [(u16, u16); 2] = [Self::CH340, Self::FTDI];
 
-    /// What a permitted adapter gives as its serial number. Chromium remembers a permission by
-    /// vendor, product and serial number, and only for adapters that have one; pages never see it,
-    /// and identical adapters may well share it.
+    /// The serial number of a permitted adapter. Chromium remembers a permission by vendor, product and serial
+    /// number, and only for adapters that have one. Pages never see it, and identical adapters can share it.
     pub(crate) const SERIAL_PERMITTED: &str = "permitted";
 
-    /// An adapter of this chip that the page may use.
+    /// A permitted adapter with this chip.
     #[must_use]
     pub fn of((vendor, product): (u16, u16)) -> Self {
         Self {
@@ -47,7 +46,7 @@ impl Usb {
         }
     }
 
-    /// The same adapter, which the page may not use unless a person picks it.
+    /// The same adapter without the permission: the page can use it only after the user picks it.
     #[must_use]
     pub fn unpermitted(self) -> Self {
         Self {
@@ -56,7 +55,7 @@ impl Usb {
         }
     }
 
-    /// The udev properties of this adapter, one a line.
+    /// The udev properties of this adapter, one per line.
     fn properties(&self, node: &Path) -> String {
         let Self {
             vendor,
@@ -64,7 +63,7 @@ impl Usb {
             name,
             permitted,
         } = self;
-        // udev writes a space of the name as \x20.
+        // udev writes a space in the name as \x20.
         let name = name.replace(' ', r"\x20");
         let serial = if *permitted {
             Self::SERIAL_PERMITTED
@@ -85,32 +84,32 @@ impl Default for Usb {
     }
 }
 
-/// A port that another program has for itself alone, until dropped.
+/// A port that another program has opened exclusively, until dropped.
 pub struct Held(File);
 
 impl Drop for Held {
     fn drop(&mut self) {
-        // The program at its other end keeps the terminal open, so closing it here would not do.
+        // Closing it is not enough: the program at the other end keeps the terminal open.
         let _ = ioctl_tiocnxcl(&self.0);
     }
 }
 
-/// An adapter on the bench.
+/// An adapter of a bench.
 pub struct Adapter {
     line: Line,
     usb: Usb,
     name: String,
-    /// Where its node, its logs and the program's errors are.
+    /// Directory of its node, its logs and the program's errors.
     dir: PathBuf,
-    /// Where the browser looks for adapters.
+    /// Directory in which the browser looks for adapters.
     udev_dir: PathBuf,
     motors: Option<Motors>,
-    /// One log for each time that it was plugged, oldest first.
+    /// One log per plugging, oldest first.
     logs: Vec<PathBuf>,
 }
 
 impl Adapter {
-    /// An adapter that is not plugged yet.
+    /// An adapter that is not yet plugged.
     pub(crate) fn new(name: String, dir: PathBuf, udev_dir: PathBuf, line: Line, usb: Usb) -> Self {
         Self {
             line,
@@ -135,13 +134,13 @@ impl Adapter {
         self.motors = Some(Motors::start(&self.line, &node, &log, &self.dir)?);
         self.logs.push(log);
         let hidden = self.udev_dir.join(format!(".{}", self.name));
-        // The node is given by its own path, as udev would: the link is only how we learn it.
+        // The node is given by its own path, as by udev. The link only serves to find it.
         fs::write(&hidden, self.usb.properties(&fs::canonicalize(&node)?))?;
         fs::rename(hidden, self.udev_dir.join(&self.name))?;
         Ok(())
     }
 
-    /// Pulls it out: its node goes first, then the browser is told, as with a real one.
+    /// Unplugs it: its node disappears, then the browser is notified, as with a real one.
     ///
     /// # Errors
     ///
@@ -152,8 +151,7 @@ impl Adapter {
             .with_context(|| format!("{} is not plugged", self.name))
     }
 
-    /// Opens it as another program that wants it for itself alone. A browser of
-    /// [`crate::Bench::start_as_user`] cannot open it then.
+    /// Opens it exclusively, as another program. A browser of [`crate::Bench::start_as_user`] cannot open it then.
     ///
     /// # Errors
     ///
@@ -164,8 +162,8 @@ impl Adapter {
         Ok(Held(file))
     }
 
-    /// Takes its node away while the browser still lists it: opening it fails, as it does for a port
-    /// that is held by another program or that one may not use.
+    /// Removes its node while the browser still lists it. Opening it then fails, as for a port that another program
+    /// has opened or that the user has no right to open.
     ///
     /// # Errors
     ///
@@ -176,8 +174,8 @@ impl Adapter {
         Ok(())
     }
 
-    /// Acts on a motor as a hand or the weather does: `block 1 on`, `load 1 0.5`, `temperature 1 85`,
-    /// `power 1 off`, `mute 1 on`. Gives the answer.
+    /// Changes the physics or the state of a motor: `block 1 on`, `load 1 0.5`, `temperature 1 85`, `power 1 off`,
+    /// `mute 1 on`. Returns the answer.
     ///
     /// # Errors
     ///
@@ -189,7 +187,7 @@ impl Adapter {
             .send_command(command)
     }
 
-    /// Everything that has been on its wire so far, over all the times that it was plugged.
+    /// All frames on its bus so far, over all times that it was plugged.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What has to be built before the bench can run, and where it is.
+//! Finds the artefacts that must be built before the bench can run.
 
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::{env, fs};
 
 use anyhow::{Result, bail};
 
-/// The preloaded library: `MOTORLINK_UDEV_SHIM`, else the workspace's target directory.
+/// The preloaded library: `MOTORLINK_UDEV_SHIM`, or in the workspace's target directory.
 ///
 /// # Errors
 ///
@@ -19,8 +19,7 @@ pub fn udev_shim() -> Result<PathBuf> {
     )
 }
 
-/// The program at the far end of the wire: `MOTORLINK_VIRTUAL_MOTOR`, else the workspace's target
-/// directory.
+/// The program at the far end of the wire: `MOTORLINK_VIRTUAL_MOTOR`, or in the workspace's target directory.
 ///
 /// # Errors
 ///
@@ -33,7 +32,7 @@ pub fn virtual_motor() -> Result<PathBuf> {
     )
 }
 
-/// The built page: `MOTORLINK_DIST`, else the workspace's `dist`.
+/// The built page: `MOTORLINK_DIST`, or the workspace's `dist`.
 ///
 /// # Errors
 ///
@@ -59,7 +58,7 @@ pub fn axe() -> Result<PathBuf> {
     )
 }
 
-/// The browser: `MOTORLINK_CHROMIUM`, else the first on the path that is a Chromium.
+/// The browser: `MOTORLINK_CHROMIUM`, or the first Chromium in the path.
 ///
 /// # Errors
 ///
@@ -84,7 +83,7 @@ pub fn chromium() -> Result<PathBuf> {
     )
 }
 
-/// Copies a site with all that is in its folders, for a scenario that changes some of it.
+/// Copies a site with all its folders, for a scenario that changes a part of it.
 ///
 /// # Errors
 ///
@@ -112,11 +111,11 @@ fn find(variable: &str, candidates: &[PathBuf], command: &str) -> Result<PathBuf
             .map_or("anywhere".into(), |path| path.to_string_lossy());
         bail!("not found: {first}. Run `{command}`, or set {variable} to where it is");
     };
-    // The shim's path goes to the loader of a process with another working directory.
+    // The path must be absolute: the loader of a process with another working directory uses it.
     Ok(std::path::absolute(found)?)
 }
 
-/// Where cargo may have put a file, the newest first: what was built last is what is meant.
+/// The places in which cargo may have put a file. The newest is first, because the last build is meant.
 fn in_target(file: &str) -> Vec<PathBuf> {
     let target = env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| workspace().join("target"), |dir| workspace().join(dir));

@@ -21,11 +21,11 @@ use crate::page::Page;
 use crate::retry::retry;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// A page is loaded in half a second.
+/// Time to load a page, which takes half a second.
 const SOON: Duration = Duration::from_secs(5);
 
-/// A browser, a server of the page, and the adapters that are plugged in. Benches are independent, so
-/// that tests may run at the same time, in one process or in several.
+/// A browser, a server of the page, and adapters. Benches are independent, so that tests can run in parallel, in one
+/// process or in several.
 pub struct Bench {
     // Dropped in this order: the browser before what it uses.
     chromium: Chromium,
@@ -45,16 +45,16 @@ impl Bench {
         Self::serving(&artefacts::dist()?)
     }
 
-    /// A bench whose browser has no more rights than a person's: what another has for itself alone it
-    /// does not open. A port that it has opened once stays closed to it, since the program at the other
-    /// end keeps the terminal, and the terminal keeps who has it.
+    /// A bench whose browser has only the rights of a user, so it cannot open a port that another program has opened
+    /// exclusively. A port that it has opened once stays closed to it afterwards, because the program at the other
+    /// end keeps the terminal, and the terminal keeps its exclusive owner.
     ///
     /// # Errors
     ///
     /// As for [`Bench::start`].
     pub fn start_as_user() -> Result<Self> {
         if rustix::process::geteuid().is_root() {
-            // Of this thread and what it starts: the browser.
+            // This applies to this thread and its children, so to the browser.
             remove_capability_from_bounding_set(CapabilitySet::SYS_ADMIN)?;
         }
         Self::start()
@@ -67,7 +67,7 @@ impl Bench {
     /// As for [`Bench::start`].
     pub fn serving(pages: &Path) -> Result<Self> {
         let mut dir = tempfile::Builder::new().prefix("motorlink-").tempdir()?;
-        // The wire logs and files of a scenario that fails show why.
+        // Keeps the wire logs and files of a failed scenario.
         dir.disable_cleanup(env::var_os("MOTORLINK_BENCH_KEEP").is_some());
         let udev_dir = udev_dir(dir.path());
         fs::create_dir(&udev_dir)?;
@@ -112,7 +112,7 @@ impl Bench {
         self.open_url(&format!("{}{path}", self.origin))
     }
 
-    /// Opens a tab in front that has asked for nothing yet.
+    /// Opens an empty tab in front.
     pub(crate) fn open_blank(&self) -> Result<Page> {
         self.open_url("about:blank")
     }
@@ -125,8 +125,8 @@ impl Bench {
                 Ok(page) => return Ok(Ok(page)),
                 Err(error) => error,
             };
-            // After a crash Chromium may give the new tab to the process that is about to end, and on
-            // a busy machine it sometimes does not tell that a page was loaded. For another tab it does.
+            // After a crash Chromium may assign the new tab to the process that is ending. On a busy machine it
+            // sometimes does not report that a page was loaded. A second tab works.
             tab.blocking()
                 .wait("a tab to close", tab.tab().clone().close())?;
             wait_max = WAIT_MAX;
@@ -134,7 +134,7 @@ impl Bench {
         })
     }
 
-    /// Hides a page as a person does, by a new tab in front of it; [`Page::show`] brings it back.
+    /// Hides a page as a user does, with a new tab in front of it. [`Page::show`] brings it back.
     ///
     /// # Errors
     ///
@@ -144,7 +144,7 @@ impl Bench {
         page.wait_for_visibility("hidden")
     }
 
-    /// Closes a page's tab as a person does (`pagehide` happens), and waits until it is gone.
+    /// Closes a page's tab as a user does, with a `pagehide` event, and waits until it is closed.
     ///
     /// # Errors
     ///
@@ -165,7 +165,7 @@ impl Bench {
         })
     }
 
-    /// Ends the server: from now on the browser is offline.
+    /// Stops the server: from now on the browser is offline.
     pub fn stop_serving(&self) {
         self.server.replace(None);
     }

@@ -1,8 +1,8 @@
 //! The `DevTools` protocol by method name and JSON.
 //!
-//! chromiumoxide has a type for every command, but their replies are closed enums of the protocol
-//! as of its own release: one new accessibility property of a newer Chromium and the reply is lost.
-//! So commands whose replies we read go through here.
+//! chromiumoxide has a type for every command, but its replies are closed enums of the protocol at its release: one
+//! new accessibility property of a newer Chromium makes the reply unreadable. So commands with needed replies use
+//! this module.
 
 use std::future::Future;
 use std::sync::Arc;
@@ -40,12 +40,12 @@ impl Command for AnyCommand {
     type Response = Value;
 }
 
-/// Runs what Chromium is asked, blocking.
+/// Runs requests to Chromium and blocks until they end.
 #[derive(Clone)]
 pub struct Blocking(Arc<Runtime>);
 
 impl Blocking {
-    /// One thread for the connection; the rest is done by the thread that waits.
+    /// One thread for the connection; the waiting thread does the rest.
     pub fn new() -> Result<Self> {
         let runtime = tokio::runtime::Builder::new_multi_thread()
             .worker_threads(1)
@@ -55,7 +55,7 @@ impl Blocking {
         Ok(Self(Arc::new(runtime)))
     }
 
-    /// Waits for `future`, at most as long as the bench is patient.
+    /// Waits for `future`, at most for [`WAIT_MAX`].
     pub fn wait<T, E>(&self, what: &str, future: impl Future<Output = Result<T, E>>) -> Result<T>
     where
         E: std::error::Error + Send + Sync + 'static,
@@ -79,12 +79,12 @@ impl Blocking {
             .with_context(|| format!("Chromium refused {what}"))
     }
 
-    /// Waits for a `future` that bounds itself.
+    /// Waits for a `future` that has its own timeout.
     pub fn wait_plain<T>(&self, future: impl Future<Output = T>) -> T {
         self.0.block_on(future)
     }
 
-    /// Lets `future` run beside everything else.
+    /// Runs `future` in the background.
     pub fn spawn(&self, future: impl Future<Output = ()> + Send + 'static) {
         self.0.spawn(future);
     }
@@ -103,22 +103,22 @@ impl Session {
         Self { blocking, tab }
     }
 
-    /// What runs the futures of [`Session::tab`].
+    /// The runtime for the futures of [`Session::tab`].
     pub fn blocking(&self) -> &Blocking {
         &self.blocking
     }
 
-    /// The tab, for what chromiumoxide itself does well.
+    /// The tab, for functions of chromiumoxide itself.
     pub fn tab(&self) -> &chromiumoxide::Page {
         &self.tab
     }
 
-    /// Calls a method and gives its result.
+    /// Calls a method and returns its result.
     pub fn call(&self, method: &'static str, params: Value) -> Result<Value> {
         self.call_within(WAIT_MAX, method, params)
     }
 
-    /// Calls a method and gives its result, if it comes in time.
+    /// Calls a method and returns its result, with a timeout.
     pub fn call_within(
         &self,
         wait_max: Duration,
@@ -161,7 +161,7 @@ impl Session {
     }
 }
 
-/// The part of a reply at a JSON pointer, null if there is none.
+/// The part of a reply at a JSON pointer; null if there is none.
 pub fn at<'a>(reply: &'a Value, pointer: &str) -> &'a Value {
     reply.pointer(pointer).unwrap_or(&Value::Null)
 }

@@ -21,8 +21,8 @@ use crate::cdp::{Blocking, Session};
 use crate::retry::retry;
 use crate::wait::WAIT_MAX;
 
-/// The flags of a quiet browser. None of those that tests usually add against throttling: how a
-/// hidden page is throttled is one of the things that this bench measures.
+/// The flags of a browser without background activity. The usual flags against throttling are missing, because this
+/// bench measures how a hidden page is throttled.
 const FLAGS: [&str; 13] = [
     "disable-gpu",
     "no-first-run",
@@ -30,7 +30,7 @@ const FLAGS: [&str; 13] = [
     "disable-default-apps",
     "mute-audio",
     "password-store=basic",
-    // There may be no network, and then it would wait for one at every start.
+    // Without a network it would wait for one at every start.
     "disable-background-networking",
     "disable-component-update",
     "disable-domain-reliability",
@@ -38,23 +38,23 @@ const FLAGS: [&str; 13] = [
     "disable-quic",
     // /dev/shm is tiny in containers.
     "disable-dev-shm-usage",
-    // Crashes of the browser are to be seen here, not collected.
+    // Crashes of the browser must be visible here, not collected.
     "disable-breakpad",
 ];
 
-/// Longest time for the browser to end by itself, which takes some 0.1 s.
+/// Maximal time for the browser to exit, which takes about 0.1 s.
 const END_MAX: Duration = Duration::from_secs(5);
 
 /// A running browser; killed when dropped.
 pub struct Chromium {
-    // The browser must go before the thread that ends it.
+    // The browser must be dropped before the thread that ends it.
     browser: Browser,
     blocking: Blocking,
 }
 
 impl Chromium {
-    /// Starts a browser with a fresh profile in `profile`, that finds its serial adapters in
-    /// `udev_dir`, lets `origin` use the permitted ones, and puts files into `downloads`.
+    /// Starts a browser with a new profile in `profile`. It finds its serial adapters in `udev_dir`, lets `origin`
+    /// use the permitted ones, and saves files in `downloads`.
     pub fn start(profile: &Path, udev_dir: &Path, downloads: &Path, origin: &str) -> Result<Self> {
         permit_serial(profile, origin)?;
         let shim = artefacts::udev_shim()?;
@@ -74,13 +74,13 @@ impl Chromium {
             config = config.no_sandbox();
         }
         let config = config.build().map_err(|error| anyhow!(error))?;
-        // Seen once in many hundred starts: a segmentation fault of the browser while it starts.
+        // The browser crashed with a segmentation fault in one of many hundred starts.
         let (browser, mut connection) = retry("start Chromium", 2, || {
             let launched = blocking.wait("start", Browser::launch(config.clone()));
             Ok(launched.map_err(|error| format!("{error:#}")))
         })?;
         blocking.spawn(async move {
-            // An event that chromiumoxide does not know is an error here, but not to us.
+            // chromiumoxide reports an unknown event as an error; it is harmless here.
             while connection.next().await.is_some() {}
         });
         let downloading = SetDownloadBehaviorParams {
@@ -100,7 +100,7 @@ impl Chromium {
         Ok(Session::new(self.blocking.clone(), tab))
     }
 
-    /// Lets go of a tab as if nobody had ever debugged it.
+    /// Detaches the debugger from a tab.
     pub fn detach(&self, tab: &chromiumoxide::Page) -> Result<()> {
         let params = DetachFromTargetParams::builder()
             .session_id(tab.session_id().clone())
@@ -121,8 +121,8 @@ impl Chromium {
 
 impl Drop for Chromium {
     fn drop(&mut self) {
-        // Asked to end, it ends its helpers first. Killed, it leaves them behind for a second or
-        // two, in which they write into a profile that has just been removed.
+        // On request it ends its helper processes first. If it is killed, they run for a second or two and write into
+        // a profile that has just been removed.
         let Self { browser, blocking } = self;
         let asked = blocking.wait_for("its end", END_MAX, async {
             browser.close().await.map_err(io::Error::other)?;
@@ -134,11 +134,10 @@ impl Drop for Chromium {
     }
 }
 
-/// Writes a profile in which `origin` may use the permitted adapters, as if a person had picked
-/// each of them once.
+/// Writes a profile in which `origin` can use the permitted adapters, as if the user had picked each of them once.
 ///
-/// A managed policy would do too, but needs root, a file in /etc that all tests on the machine
-/// share, and permits either all adapters or none.
+/// A managed policy would work too, but it needs root and a file in /etc that all tests on the machine share, and it
+/// permits either all adapters or none.
 fn permit_serial(profile: &Path, origin: &str) -> Result<()> {
     let adapters: Vec<Value> = Usb::PERMITTED
         .iter()
@@ -159,7 +158,7 @@ fn permit_serial(profile: &Path, origin: &str) -> Result<()> {
     let dir = profile.join("Default");
     fs::create_dir_all(&dir).with_context(|| format!("no profile in {}", profile.display()))?;
     fs::write(dir.join("Preferences"), preferences.to_string())?;
-    // Lets chrome://discards be opened.
+    // This allows chrome://discards to be opened.
     let local_state = json!({ "internal_only_uis_enabled": true });
     fs::write(profile.join("Local State"), local_state.to_string())?;
     Ok(())

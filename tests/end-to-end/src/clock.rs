@@ -1,4 +1,4 @@
-//! The one clock of the bench.
+//! The clock of the bench.
 
 use rustix::time::{ClockId, clock_gettime};
 

@@ -1,4 +1,4 @@
-//! What a page complains of.
+//! Errors of a page.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -41,7 +41,7 @@ impl Console {
                 .and_then(|thrown| thrown.description.as_ref());
             Some(format!("uncaught: {}", thrown.unwrap_or(&details.text)))
         })?;
-        // The browser's own words, and those of workers, which have no console here.
+        // Messages of the browser itself, and of workers, which have no console here.
         console.collect(session, |event: &EventEntryAdded| {
             let entry = &event.entry;
             let url = entry.url.as_deref().unwrap_or_default();
@@ -49,7 +49,7 @@ impl Console {
                 .then(|| format!("{}: {} {url}", entry.source.as_ref(), entry.text))
         })?;
         console.collect(session, |event: &EventLoadingFailed| {
-            // A page that goes away cancels what it was still loading.
+            // A page that is closed cancels its unfinished requests.
             let canceled = event.canceled == Some(true);
             (!canceled).then(|| format!("request failed: {}", event.error_text))
         })?;

@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 use crate::cdp::{Session, at};
 use crate::keyboard::Key;
 
-/// A node of the accessibility tree. It goes stale when the page replaces its element: find it
-/// again for every use.
+/// A node of the accessibility tree. It becomes invalid when the page replaces its element: find it again for every
+/// use.
 pub struct Control {
     pub(crate) session: Session,
     /// The node's id in the `DevTools` protocol.
     pub(crate) node: i64,
-    /// Its role, as the browser calls it.
+    /// Its role, in the browser's terms.
     pub role: String,
     /// Its accessible name.
     pub name: String,
@@ -20,14 +20,14 @@ pub struct Control {
     pub description: String,
     /// Whether it is disabled.
     pub disabled: bool,
-    /// Its value, of a field, slider or choice; else empty.
+    /// The value of a field, slider or combobox; otherwise empty.
     pub value: String,
     /// Whether it is checked, pressed or selected.
     pub on: bool,
 }
 
 impl Control {
-    /// Reads a node of `Accessibility.queryAXTree`; none if it is ignored (hidden, say).
+    /// Parses a node of `Accessibility.queryAXTree`; `None` if it is ignored, for example hidden.
     pub(crate) fn read(session: &Session, node: &Value) -> Option<Self> {
         if at(node, "/ignored").as_bool() != Some(false) {
             return None;
@@ -74,18 +74,18 @@ impl Control {
             .join(" "))
     }
 
-    /// Gives it the keyboard's focus.
+    /// Focuses it.
     ///
     /// # Errors
     ///
-    /// When it cannot have it.
+    /// When it cannot be focused.
     pub fn focus(&self) -> Result<()> {
         self.session
             .call("DOM.focus", json!({ "backendNodeId": self.node }))?;
         Ok(())
     }
 
-    /// Replaces what is in a text field or spinbutton by typing, and confirms with Enter.
+    /// Replaces the content of a text field or spinbutton by typing, and confirms with Enter.
     ///
     /// # Errors
     ///
@@ -95,7 +95,7 @@ impl Control {
         press(&self.session, &Key::named("Enter")?)
     }
 
-    /// Replaces what is in a text field or spinbutton by typing.
+    /// Replaces the content of a text field or spinbutton by typing.
     ///
     /// # Errors
     ///
@@ -116,9 +116,8 @@ impl Control {
         Ok(())
     }
 
-    /// Moves a slider to a value, with the events of a drag that ends there. A mouse cannot hit
-    /// every value of a wide range; for real key presses use [`crate::Page::press`] after
-    /// [`Control::focus`].
+    /// Moves a slider to a value, with the events at the end of a drag. A mouse cannot hit every value of a wide
+    /// range; for real key presses use [`crate::Page::press`] after [`Control::focus`].
     ///
     /// # Errors
     ///
@@ -138,11 +137,11 @@ impl Control {
         self.ask(function, &[json!(value)]).map(drop)
     }
 
-    /// Chooses the option of a combobox that reads `option`.
+    /// Chooses an option of a combobox by its text.
     ///
     /// # Errors
     ///
-    /// When it is disabled or has no such option: the error lists those that it has.
+    /// When it is disabled or has no such option: the error lists its options.
     pub fn choose(&self, option: &str) -> Result<()> {
         ensure!(
             !self.disabled,
@@ -150,7 +149,7 @@ impl Control {
             self.title(),
             self.description
         );
-        // A person has it in hand first, and a list may fill only then.
+        // A user focuses it first, and a list may be filled only then.
         self.ask("function () { this.focus(); return null; }", &[])?;
         let function = "function (wanted) {
             const words = (option) => option.textContent.trim().replace(/\\s+/g, ' ');
@@ -167,7 +166,7 @@ impl Control {
         }
     }
 
-    /// Its role and name, as messages call it.
+    /// Its role and name, for messages.
     #[must_use]
     pub fn title(&self) -> String {
         format!("{} {:?}", self.role, self.name)
@@ -185,7 +184,7 @@ impl Control {
     }
 }
 
-/// Presses a key and lets it go.
+/// Presses and releases a key.
 pub(crate) fn press(session: &Session, key: &Key) -> Result<()> {
     session.call("Input.dispatchKeyEvent", key.down())?;
     session.call("Input.dispatchKeyEvent", key.up())?;

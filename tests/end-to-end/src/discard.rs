@@ -1,4 +1,4 @@
-//! Discarding: a browser that wants memory throws a hidden page away, and no event happens.
+//! Discarding: a browser that needs memory discards a hidden page, without an event.
 
 use anyhow::Result;
 
@@ -6,8 +6,8 @@ use crate::bench::Bench;
 use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// Presses `[Urgent Discard]` in the row of the tab with this address, unless it is discarded; says so, or
-/// what the row reads.
+/// Presses `[Urgent Discard]` in the row of the tab with this address, unless it is discarded. Returns that it is
+/// discarded, or the text of the row.
 const DISCARD: &str = "(address) => {
     const inside = (root) => [...root.querySelectorAll('*')].flatMap((element) =>
         element.shadowRoot ? [element, ...inside(element.shadowRoot)] : [element]);
@@ -21,8 +21,8 @@ const DISCARD: &str = "(address) => {
 }";
 
 impl Bench {
-    /// Has the browser discard a page, by its own page for that, and lets go of the page before: a
-    /// page that somebody debugs is not discarded.
+    /// Makes the browser discard a page through its internal page for that. It detaches the debugger first, because a
+    /// page with a debugger is not discarded.
     ///
     /// # Errors
     ///

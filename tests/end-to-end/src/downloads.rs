@@ -1,4 +1,4 @@
-//! Files that the page gives to a person, or takes from one.
+//! Downloads and uploads of files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use crate::cdp::at;
 use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// What Chromium calls a file until it is complete.
+/// Chromium's extension of an incomplete file.
 const INCOMPLETE: &str = "crdownload";
 
 /// A complete file.
@@ -19,19 +19,19 @@ const INCOMPLETE: &str = "crdownload";
 pub struct Download {
     /// The name that the page gave it.
     pub name: String,
-    /// Where it is, as long as the bench.
+    /// Its path, valid as long as the bench.
     pub path: PathBuf,
 }
 
 impl Download {
-    /// What its name ends in, without the dot.
+    /// Its extension, without the dot.
     #[must_use]
     pub fn extension(&self) -> &str {
         let extension = Path::new(&self.name).extension();
         extension.and_then(|it| it.to_str()).unwrap_or_default()
     }
 
-    /// What is in it.
+    /// Its content.
     ///
     /// # Errors
     ///
@@ -51,7 +51,7 @@ impl Page {
         self.download_within(WAIT_MAX, button)
     }
 
-    /// The same within another time.
+    /// The same with another timeout.
     ///
     /// # Errors
     ///
@@ -61,7 +61,7 @@ impl Page {
         self.next_download(wait_max, button)
     }
 
-    /// Waits for a file that is already on its way; `what` names it in messages.
+    /// Waits for a file that is already being downloaded; `what` names it in messages.
     ///
     /// # Errors
     ///
@@ -75,14 +75,14 @@ impl Page {
         self.put_away(&complete)
     }
 
-    /// Clicks a button that asks for a file, and gives this one.
+    /// Clicks a button that asks for a file, and selects this one.
     ///
-    /// The chooser of the browser lies outside of the page and is not opened: the file is given to the
-    /// page's only field for files.
+    /// The file chooser of the browser is outside of the page and is not opened: the file goes to the page's only
+    /// file field.
     ///
     /// # Errors
     ///
-    /// When the button cannot be clicked, or nobody asks for a file.
+    /// When the button cannot be clicked, or the page does not ask for a file.
     pub fn upload(&self, button: &str, file: &Path) -> Result<()> {
         let intercept = |enabled| {
             let params = json!({ "enabled": enabled });
@@ -104,7 +104,7 @@ impl Page {
         intercept(false).map(drop)
     }
 
-    /// Moves a file out of the way of the next, which may have the same name.
+    /// Moves a file away, because the next one may have the same name.
     fn put_away(&self, file: &Path) -> Result<Download> {
         let name = file.file_name().context("a file without a name")?;
         let place = tempfile::Builder::new()
@@ -129,8 +129,8 @@ fn files_in(dir: &Path) -> Result<Vec<PathBuf>> {
     entries.map(|entry| Ok(entry?.path())).collect()
 }
 
-/// Chromium writes under another name, some versions under a hidden one, and renames at the end. Until then
-/// an empty file keeps the place: no file of ours is empty.
+/// Whether a file is complete. Chromium writes to another name, which some versions hide, and renames it at the end.
+/// Until then an empty file reserves the name; no exported file is empty.
 fn is_complete(path: &Path) -> bool {
     if fs::metadata(path).is_ok_and(|file| file.len() == 0) {
         return false;

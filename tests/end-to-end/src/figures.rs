@@ -1,27 +1,27 @@
-//! A table of what was measured beside what must be.
+//! A table of measured values and their bounds.
 
 use std::fmt::Display;
 use std::fs;
 
 use anyhow::{Context, Result};
 
-/// A table that is being printed.
+/// A table being printed.
 pub struct Table(Processor);
 
 impl Table {
-    /// Prints its head.
+    /// Prints its header.
     ///
     /// # Errors
     ///
-    /// When the machine does not tell how busy it is.
+    /// When the machine does not report its load.
     pub fn begin() -> Result<Self> {
         println!("| figure | must | measured | reached |");
         println!("|---|---|---|---|");
         Ok(Self(Processor::now()?))
     }
 
-    /// Prints how much of its processors the machine did not get meanwhile: without them a virtual
-    /// machine is late whatever runs on it.
+    /// Prints how much processor time the host withheld from the machine (steal): it makes a virtual machine late in
+    /// any case.
     ///
     /// # Errors
     ///
@@ -58,7 +58,7 @@ pub fn ratio(dividend: u64, divisor: u64) -> f64 {
     dividend as f64 / divisor as f64
 }
 
-/// The smallest of these values, sorted, that so many of a hundred do not exceed; none of none.
+/// The percentile of sorted values: the smallest value that this percentage does not exceed; `None` for no values.
 #[must_use]
 pub fn percentile<T: Copy>(sorted: &[T], percent: usize) -> Option<T> {
     let place = (sorted.len() * percent).div_ceil(100).max(1) - 1;
@@ -71,7 +71,7 @@ pub fn ms(us: u64) -> String {
     format!("{:.1} ms", ratio(us, 1_000))
 }
 
-/// What the processors did since the machine started, in ticks.
+/// Processor times since the machine started, in ticks.
 struct Processor {
     all: u64,
     stolen: u64,

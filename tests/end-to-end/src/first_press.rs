@@ -1,4 +1,4 @@
-//! How soon a page can be used.
+//! Measures how soon a page can be used.
 
 use std::time::Duration;
 
@@ -9,11 +9,11 @@ use crate::bench::Bench;
 use crate::page::Page;
 use crate::wait::wait_until;
 
-/// Even a processor that is slowed down much has the page whole within this.
+/// Maximal time until the page is complete, also on a slowed-down processor.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 
-/// Presses a button in the first frame in which a person could, and goes on until the frame that is painted
-/// before the page is gone.
+/// Presses a button in the first frame in which a user could, and continues until the frame painted before the page
+/// is removed.
 const PRESS_SOON: &str = r#"((name) => {
     const first = (globalThis.firstPress = {});
     const canBePressed = (button) => {
@@ -39,16 +39,16 @@ const PRESS_SOON: &str = r#"((name) => {
     requestAnimationFrame(look);
 })"#;
 
-/// A first visit by somebody who presses a button at once.
+/// A first visit by a user who presses a button at once.
 pub struct FirstPress {
-    /// From the visit to the press, in milliseconds.
+    /// Time from the visit to the press, in milliseconds.
     pub usable_ms: f64,
-    /// From the visit until all of the page was there, in milliseconds.
+    /// Time from the visit until the page is complete, in milliseconds.
     pub whole_ms: f64,
 }
 
 impl FirstPress {
-    /// Visits the page on a processor slowed down so many times, and presses the button of this name.
+    /// Visits the page on a processor slowed down by a factor, and presses the button of this name.
     ///
     /// # Errors
     ///
@@ -80,7 +80,7 @@ impl FirstPress {
 }
 
 impl Page {
-    /// Slows the page's main thread down so many times, until it is gone.
+    /// Slows down the page's main thread by a factor, until the page is closed.
     fn slow_down(&self, times: f64) -> Result<()> {
         let rate = json!({ "rate": times });
         let slowed = self.session.call("Emulation.setCPUThrottlingRate", rate);

@@ -1,4 +1,4 @@
-//! The page as the browser's own installer sees it, and what is kept of it.
+//! The page as the browser's installer sees it, and its cached files.
 
 use anyhow::Result;
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
 impl Page {
-    /// The address of the page's manifest as the browser found it, and what is wrong with it.
+    /// The address of the page's manifest as found by the browser, and the manifest's errors.
     ///
     /// # Errors
     ///
@@ -31,7 +31,7 @@ impl Page {
         Ok(list(&errors, "/installabilityErrors"))
     }
 
-    /// Waits until the browser keeps the whole page.
+    /// Waits until the browser has cached the whole page.
     ///
     /// # Errors
     ///

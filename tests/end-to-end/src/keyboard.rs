@@ -3,14 +3,14 @@
 use anyhow::{Result, bail};
 use serde_json::{Value, json};
 
-/// What the browser is told of one key.
+/// The description of a key for the browser.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key {
     /// The value of `KeyboardEvent.key`.
     name: String,
-    /// That of `KeyboardEvent.code`.
+    /// The value of `KeyboardEvent.code`.
     code: String,
-    /// That of `KeyboardEvent.keyCode`.
+    /// The value of `KeyboardEvent.keyCode`.
     number: u32,
     text: Option<String>,
     shift: bool,
@@ -101,7 +101,7 @@ impl Key {
         )
     }
 
-    /// Parameters of `Input.dispatchKeyEvent` for letting it go.
+    /// Parameters of `Input.dispatchKeyEvent` for releasing it.
     pub fn up(&self) -> Value {
         self.event("keyUp", None)
     }

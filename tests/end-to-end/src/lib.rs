@@ -1,10 +1,9 @@
-//! The test bench: a headless, unmodified Chromium whose real Web Serial stack sees pseudo-terminals as
-//! USB adapters, with virtual motors at their far ends, and a log of each wire.
+//! The test bench: a headless, unmodified Chromium. Its real Web Serial stack sees pseudo-terminals as USB adapters,
+//! with virtual motors at their far ends. Each wire is logged.
 //!
-//! A test starts a [`Bench`], plugs adapters into it ([`Bench::plug`]), opens the page
-//! ([`Bench::open`]), uses it as a person would, by the roles and names that a screen reader says
-//! ([`Page::click`], [`Page::wait_for_text`]), and checks the frames on the wire
-//! ([`Adapter::wire`]). Every call blocks for a bounded time, and everything ends when dropped.
+//! A test starts a [`Bench`], plugs adapters into it ([`Bench::plug`]) and opens the page ([`Bench::open`]). It uses
+//! the page like a user of a screen reader, by roles and names ([`Page::click`], [`Page::wait_for_text`]), and checks
+//! the frames on the wire ([`Adapter::wire`]). Every call has a timeout, and everything ends when dropped.
 //!
 //! It needs Linux, Chromium, and three artefacts, which `cargo xtask test` builds and names in
 //! environment variables: see [`artefacts`].

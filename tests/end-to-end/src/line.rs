@@ -1,18 +1,18 @@
-//! What is on the line of an adapter.
+//! The bus of an adapter.
 
-/// What is on the wire: arguments of `virtual-motor`.
+/// The motors on a bus, as arguments of `virtual-motor`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     /// The motors on the bus.
     pub ids: Vec<u8>,
-    /// From the last bit of a request to the first of its reply.
+    /// Time from the last bit of a request to the first bit of its reply.
     pub turnaround_us: u32,
     /// Further arguments, such as `["--echo", "whole"]` or `["--loss", "0.15", "--seed", "7"]`.
     pub extra: Vec<String>,
 }
 
 impl Default for Line {
-    /// One motor with ID 1 that answers in 0.6 ms, the turnaround that all figures are held to.
+    /// One motor with ID 1 that answers in 0.6 ms, the turnaround of the product's bounds.
     fn default() -> Self {
         Self {
             ids: vec![1],
@@ -23,7 +23,7 @@ impl Default for Line {
 }
 
 impl Line {
-    /// A line with these motors.
+    /// A bus with these motors.
     #[must_use]
     pub fn with_motors(ids: &[u8]) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl Line {
         }
     }
 
-    /// The same line with further arguments.
+    /// The same bus with further arguments.
     #[must_use]
     pub fn with(mut self, extra: &[&str]) -> Self {
         self.extra

@@ -1,4 +1,4 @@
-//! What keeps the page's main thread busy, as the browser itself measures it.
+//! Measures the load of the page's main thread with the browser's own measurements.
 
 use std::time::Duration;
 
@@ -7,23 +7,23 @@ use serde_json::Value;
 
 use crate::page::Page;
 
-/// What kept the main thread busy for a while.
+/// The load of the main thread in a period.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Work {
     /// Tasks of more than 50 ms, oldest first.
     pub long_tasks: Vec<Duration>,
-    /// What the page measured of its own work (`performance.measure`), by name, oldest first.
+    /// The page's own measurements (`performance.measure`), by name, oldest first.
     pub measures: Vec<(String, Duration)>,
 }
 
 impl Work {
-    /// The longest task; zero where none took more than 50 ms.
+    /// The longest task; zero if none took more than 50 ms.
     #[must_use]
     pub fn longest_task(&self) -> Duration {
         self.long_tasks.iter().max().copied().unwrap_or_default()
     }
 
-    /// How long each measure of this name took, shortest first.
+    /// The durations of this measurement, shortest first.
     #[must_use]
     pub fn durations_of(&self, name: &str) -> Vec<Duration> {
         let of_name = self.measures.iter().filter(|(of, _)| of == name);
@@ -34,13 +34,13 @@ impl Work {
 }
 
 impl Page {
-    /// What kept the main thread busy since this was asked last, or since the page was loaded.
+    /// The load of the main thread since the last call, or since the page was loaded.
     ///
     /// # Errors
     ///
     /// When Chromium does not answer.
     pub fn work(&self) -> Result<Work> {
-        // The browser tells of a task when it is over and the next one has begun.
+        // The browser reports a task after it has ended and the next one has begun.
         let taken = self.evaluate(
             "new Promise((resolve) => setTimeout(() => setTimeout(() => resolve(benchWork.take()))))",
         )?;

@@ -1,4 +1,4 @@
-//! How much memory a page and its workers hold.
+//! Measures the memory of a page and its workers.
 
 use std::sync::Arc;
 
@@ -12,36 +12,36 @@ use crate::cdp::{Session, at};
 use crate::page::Page;
 use crate::wait::WAIT_MAX;
 
-/// What a page or a worker holds, in bytes, once everything that can be freed has been.
+/// Memory of a page or a worker in bytes, after garbage collection.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Memory {
-    /// Of JavaScript: objects, and what they hold outside the heap.
+    /// JavaScript: objects, and their memory outside the heap.
     pub script: u64,
-    /// Of WebAssembly: its linear memories, which never shrink.
+    /// WebAssembly: its linear memories, which never shrink.
     pub wasm: u64,
 }
 
 impl Page {
-    /// What the page itself holds, without its workers.
+    /// The memory of the page itself, without its workers.
     ///
     /// # Errors
     ///
     /// When it does not answer.
     pub fn memory(&self) -> Result<Memory> {
-        // Controls are found in a tree that the browser makes for that, and that only grows. It lets go
-        // of it when it is told to, but only what was asked for by name.
+        // Looking for controls makes the browser build an accessibility tree that only grows. Disabling the domain
+        // frees it, but only if it was enabled explicitly.
         self.session.call("Accessibility.enable", json!({}))?;
         self.session.call("Accessibility.disable", json!({}))?;
         memory(&mut |method, params| self.session.call(method, params.clone()))
     }
 
-    /// What the worker of this name holds.
+    /// The memory of the worker of this name.
     ///
     /// # Errors
     ///
     /// When there is no such worker, or it does not answer.
     pub fn memory_of_worker(&self, name: &str) -> Result<Memory> {
-        // The reply of the page's own session; that of the browser lists all pages' workers.
+        // From the page's own session: the browser's session lists the workers of all pages.
         let targets = self.session.call(
             "Target.getTargets",
             json!({ "filter": [{ "type": "worker" }] }),
@@ -59,12 +59,12 @@ impl Page {
     }
 }
 
-/// A line to one worker. chromiumoxide has sessions of pages only, so what is said to a worker is
-/// wrapped into messages of its page's session.
+/// A connection to one worker. chromiumoxide only has sessions of pages, so messages to a worker are wrapped in
+/// messages of its page's session.
 struct Worker<'a> {
     page: &'a Session,
     session_id: String,
-    heard: Box<dyn Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin>,
+    received: Box<dyn Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin>,
     next_call: u64,
 }
 
@@ -73,14 +73,14 @@ impl<'a> Worker<'a> {
         let listening = page
             .tab()
             .event_listener::<EventReceivedMessageFromTarget>();
-        let heard = page.blocking().wait("a worker's messages", listening)?;
+        let received = page.blocking().wait("a worker's messages", listening)?;
         let params = json!({ "targetId": target_id, "flatten": false });
         let attached = page.call("Target.attachToTarget", params)?;
         let session_id = at(&attached, "/sessionId").as_str();
         Ok(Self {
             page,
             session_id: session_id.context("a worker without a session")?.to_owned(),
-            heard: Box::new(heard),
+            received: Box::new(received),
             next_call: 0,
         })
     }
@@ -105,9 +105,9 @@ impl<'a> Worker<'a> {
         let message = json!({ "id": id, "method": method, "params": params });
         let params = json!({ "sessionId": self.session_id, "message": message.to_string() });
         self.page.call("Target.sendMessageToTarget", params)?;
-        let (heard, session_id) = (&mut self.heard, &self.session_id);
+        let (received, session_id) = (&mut self.received, &self.session_id);
         self.page.blocking().wait_plain(async {
-            let reply = timeout(WAIT_MAX, reply_to(id, session_id, heard)).await;
+            let reply = timeout(WAIT_MAX, reply_to(id, session_id, received)).await;
             reply.map_err(|_| anyhow!("no answer from a worker to {method} in {WAIT_MAX:?}"))?
         })
     }
@@ -127,7 +127,7 @@ fn memory(call: &mut Call) -> Result<Memory> {
     })
 }
 
-/// The browser counts linear memories in none of its figures, but finds them as objects.
+/// The size of linear memories. The browser's statistics do not include them, but it finds them as objects.
 fn wasm_bytes(call: &mut Call) -> Result<u64> {
     let prototype = json!({ "expression": "WebAssembly.Memory.prototype" });
     let prototype = call("Runtime.evaluate", &prototype)?;
@@ -146,13 +146,13 @@ fn wasm_bytes(call: &mut Call) -> Result<u64> {
     Ok(whole(bytes.context("it does not tell of its memories")?))
 }
 
-/// The result of a call, among everything that workers say.
+/// The result of a call, among all messages of workers.
 async fn reply_to(
     id: u64,
     session_id: &str,
-    heard: &mut (impl Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin),
+    received: &mut (impl Stream<Item = Arc<EventReceivedMessageFromTarget>> + Unpin),
 ) -> Result<Value> {
-    while let Some(event) = heard.next().await {
+    while let Some(event) = received.next().await {
         if event.session_id.inner() != session_id {
             continue;
         }

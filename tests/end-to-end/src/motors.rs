@@ -1,4 +1,4 @@
-//! The program at the far end of the wire, and a hand that acts on its motors.
+//! The virtual motors at the far end of the wire, and commands to them.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -13,24 +13,24 @@ use crate::artefacts;
 use crate::line::Line;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// Longest time for the program to end by itself: it only removes its link.
+/// Maximal time for the program to exit: it only removes its link.
 const END_MAX: Duration = Duration::from_secs(2);
 
 /// Running virtual motors; they end when dropped.
 pub(crate) struct Motors {
     program: Child,
     node: PathBuf,
-    /// What the program says: `ready ..` once, then an answer to each command.
-    said: PathBuf,
+    /// The file with the program's output: `ready ..` once, then an answer to each command.
+    output: PathBuf,
 }
 
 impl Motors {
-    /// Starts them with their terminal at `node` and their wire in `log`; `dir` is for what they say.
+    /// Starts them with their terminal at `node` and their wire log in `log`; `dir` is for their output.
     pub(crate) fn start(line: &Line, node: &Path, log: &Path, dir: &Path) -> Result<Self> {
         let program = artefacts::virtual_motor()?;
         let ids: Vec<String> = line.ids.iter().map(ToString::to_string).collect();
         let errors = dir.join("virtual-motor.stderr");
-        let said = dir.join("virtual-motor.stdout");
+        let output = dir.join("virtual-motor.stdout");
         let child = Command::new(&program)
             .args(["--ids", &ids.join(",")])
             .args(["--turnaround-us", &line.turnaround_us.to_string()])
@@ -40,14 +40,14 @@ impl Motors {
             .arg(log)
             .args(&line.extra)
             .stdin(Stdio::piped())
-            .stdout(File::create(&said)?)
+            .stdout(File::create(&output)?)
             .stderr(File::create(&errors)?)
             .spawn()
             .with_context(|| format!("cannot start {}", program.display()))?;
         let mut motors = Self {
             program: child,
             node: node.to_owned(),
-            said,
+            output,
         };
         wait_until("virtual-motor to make its node", WAIT_MAX, || {
             if let Some(status) = motors.program.try_wait()? {
@@ -59,7 +59,7 @@ impl Motors {
         Ok(motors)
     }
 
-    /// Gives a command and its answer.
+    /// Sends a command. Returns its answer.
     pub(crate) fn send_command(&mut self, command: &str) -> Result<String> {
         let before = self.answers()?.len();
         let stdin = self.program.stdin.as_mut().context("it hears nothing")?;
@@ -72,10 +72,10 @@ impl Motors {
         Ok(answer)
     }
 
-    /// All answers so far; a line still being written is left out.
+    /// All answers so far, without an incomplete last line.
     fn answers(&self) -> Result<Vec<String>> {
-        let said = fs::read_to_string(&self.said)?;
-        let lines = said
+        let output = fs::read_to_string(&self.output)?;
+        let lines = output
             .split_inclusive('\n')
             .filter_map(|line| line.strip_suffix('\n'));
         let answers = lines.filter(|line| line.starts_with("ok") || line.starts_with("error"));
@@ -89,7 +89,7 @@ impl Drop for Motors {
             .ok()
             .and_then(Pid::from_raw)
         {
-            // If it is gone already, that is what is wanted.
+            // It may have ended already.
             let _ = kill_process(pid, Signal::TERM);
         }
         let ended = wait_until("virtual-motor to end", END_MAX, || {

@@ -1,4 +1,4 @@
-//! The mouse over a control, as a person moves it.
+//! Mouse actions on a control.
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ impl Control {
     ///
     /// # Errors
     ///
-    /// When it is disabled, has no size, or something else lies over it: a person could not either.
+    /// When it is disabled, has no size, or is covered: a user could not click it either.
     pub fn click(&self) -> Result<()> {
         let (x, y) = self.reachable_middle()?;
         for kind in ["mouseMoved", "mousePressed", "mouseReleased"] {
@@ -31,7 +31,7 @@ impl Control {
         self.mouse("mousePressed", x, y)
     }
 
-    /// Lets the mouse go.
+    /// Releases the mouse.
     ///
     /// # Errors
     ///
@@ -45,7 +45,7 @@ impl Control {
     ///
     /// # Errors
     ///
-    /// When it has no size, or something else lies over it.
+    /// When it has no size, or is covered.
     pub fn turn_wheel(&self, pixels: f64) -> Result<()> {
         let (x, y) = self.reachable_middle()?;
         let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": pixels });
@@ -70,7 +70,7 @@ impl Control {
         let Some(covered_by) = self.what_covers(self.middle()?)? else {
             return self.middle();
         };
-        // Something that stays in its place may lie over it: a person scrolls on.
+        // A fixed element may cover it: a user scrolls on.
         self.ask(
             "function () { this.scrollIntoView({ block: 'center', behavior: 'instant' }); }",
             &[],
@@ -85,9 +85,9 @@ impl Control {
         }
     }
 
-    /// What a click at this point hits instead of it.
+    /// The element that a click at this point hits instead.
     fn what_covers(&self, (x, y): (f64, f64)) -> Result<Option<String>> {
-        // A label over its own field passes the click on to it.
+        // A label over its own field forwards the click to it.
         let function = "function (x, y) {
             const hit = document.elementFromPoint(x, y);
             const mine = this === hit || this.contains(hit) || hit?.closest('label')?.control === this;

@@ -1,7 +1,7 @@
-//! Moving pictures of a page: an animated WebP file, whose frames the browser draws, scales and packs.
+//! Animated WebP files of a page. The browser draws, scales and encodes the frames.
 //!
-//! What is left to do is the container round them (RFC 9649), a few bytes a frame, so that no encoder has
-//! to be built for one picture.
+//! This module only writes the container around them (RFC 9649), a few bytes per frame, so that no encoder has to be
+//! built for one picture.
 
 use std::{
     fs,
@@ -18,19 +18,19 @@ use serde_json::json;
 use crate::page::Page;
 use crate::view::View;
 
-/// One picture, as the browser packs it, and when it was taken.
+/// One picture, as encoded by the browser, and its time.
 struct Shot {
     webp: Vec<u8>,
     at: Duration,
 }
 
 impl Page {
-    /// Saves what a window of this view shows for `length` in `count` pictures, scaled to `width`. Each is
-    /// shown for as long as passed until the next was taken, so the pace is the true one.
+    /// Records a window of this view for `length` in `count` pictures, scaled to `width`. Each picture is shown for
+    /// the time until the next one, so the speed is realistic.
     ///
     /// # Errors
     ///
-    /// When a picture cannot be taken or packed, or the file not written.
+    /// When a picture cannot be taken or encoded, or the file not written.
     pub fn record_webp(
         &self,
         view: View,
@@ -39,7 +39,7 @@ impl Page {
         length: Duration,
         file: &Path,
     ) -> Result<()> {
-        // Drawn small at once: a large picture that is scaled takes the browser a third of a second.
+        // Drawn at the final size: scaling a large picture takes the browser a third of a second.
         let metrics = json!({
             "width": view.width,
             "height": view.height,
@@ -72,7 +72,7 @@ impl Page {
     }
 }
 
-/// The file: RIFF, the header of an animation that is repeated for ever, and its frames.
+/// The file: RIFF, the header of an endless animation, and its frames.
 fn animated(shots: &[Shot], end: Duration, size: (u32, u32)) -> Result<Vec<u8>> {
     const ANIMATED: u32 = 0b10;
     let mut body = b"WEBP".to_vec();
@@ -80,7 +80,7 @@ fn animated(shots: &[Shot], end: Duration, size: (u32, u32)) -> Result<Vec<u8>> 
     header.extend(less_one(size.0)?);
     header.extend(less_one(size.1)?);
     put_chunk(&mut body, *b"VP8X", &header)?;
-    // Background, which no picture leaves to be seen, and how often: 0 is for ever.
+    // Background, which the pictures cover, and number of repeats: 0 is endless.
     put_chunk(&mut body, *b"ANIM", &[0; 6])?;
     let ends = shots.iter().skip(1).map(|next| next.at).chain([end]);
     for (shot, until) in shots.iter().zip(ends) {
@@ -89,7 +89,7 @@ fn animated(shots: &[Shot], end: Duration, size: (u32, u32)) -> Result<Vec<u8>> 
         frame.extend(less_one(size.0)?);
         frame.extend(less_one(size.1)?);
         frame.extend(three_bytes(shown_ms)?);
-        // It replaces the picture before it.
+        // It replaces the previous picture.
         frame.push(0b10);
         frame.extend(image_of(&shot.webp).context("the browser's picture is no lossy WebP")?);
         put_chunk(&mut body, *b"ANMF", &frame)?;
@@ -113,7 +113,7 @@ fn image_of(webp: &[u8]) -> Option<&[u8]> {
     }
 }
 
-/// Name, length and content, which is filled up to an even length.
+/// Writes name, length and content, which is padded to an even length.
 fn put_chunk(file: &mut Vec<u8>, name: [u8; 4], content: &[u8]) -> Result<()> {
     file.extend(name);
     file.extend(u32::try_from(content.len())?.to_le_bytes());
@@ -154,7 +154,7 @@ mod tests {
             b"WEBPVP8X\x0A\0\0\0\x02\0\0\0\xBF\x03\0\x57\x02\0"
         );
         assert_eq!(&file[44..52], b"ANMF\x1E\0\0\0");
-        // Its place, its size, 125 ms, and the image.
+        // Position, size, 125 ms, and the image.
         assert_eq!(
             &file[52..68],
             b"\0\0\0\0\0\0\xBF\x03\0\x57\x02\0\x7D\0\0\x02"

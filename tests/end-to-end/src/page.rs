@@ -1,4 +1,4 @@
-//! A page in a tab, used as a person uses it.
+//! A page in a tab, with the actions of a user.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,8 +13,8 @@ use crate::keyboard::Key;
 use crate::stopwatch::{self, KeyPress};
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// Put into every page before its own scripts. The browser reports tasks of more than 50 ms and no
-/// others; the page may measure parts of its own work.
+/// Runs in every page before its own scripts. The browser only reports tasks of more than 50 ms; the page can measure
+/// parts of its own work.
 pub(crate) const NOTE_WORK: &str = "
     globalThis.benchWork = { tasks: [], measures: [] };
     const benchObserver = (type, note) => {
@@ -41,17 +41,17 @@ pub(crate) const NOTE_WORK: &str = "
 pub struct Page {
     pub(crate) session: Session,
     console: Console,
-    /// Where the browser puts its files.
+    /// Directory of its downloads.
     pub(crate) downloads: PathBuf,
 }
 
 impl Page {
-    /// Loads `url` into a tab whose files go to `downloads`.
+    /// Loads `url` into a tab with this download directory.
     pub(crate) fn load(session: Session, url: &str, downloads: PathBuf) -> Result<Self> {
         Self::load_within(WAIT_MAX, session, url, downloads)
     }
 
-    /// The same within another time.
+    /// The same with another timeout.
     pub(crate) fn load_within(
         wait_max: Duration,
         session: Session,
@@ -64,8 +64,8 @@ impl Page {
             console,
             downloads,
         };
-        // chromiumoxide has every worker wait for it at its start, and lets go of a service worker so soon
-        // that one on a busy machine waits for ever.
+        // chromiumoxide pauses every worker at its start, and detaches from a service worker so early that on a busy
+        // machine the worker stays paused forever.
         let no_service_workers = json!({
             "autoAttach": true,
             "waitForDebuggerOnStart": false,
@@ -80,7 +80,7 @@ impl Page {
         Ok(page)
     }
 
-    /// Has a script run before those of every page that is loaded into this tab from now on.
+    /// Runs a script before the scripts of every page that is loaded into this tab from now on.
     ///
     /// # Errors
     ///
@@ -92,7 +92,7 @@ impl Page {
             .map(drop)
     }
 
-    /// Leaves this page for `url`, in the same tab.
+    /// Navigates to `url`, in the same tab.
     ///
     /// # Errors
     ///
@@ -108,10 +108,10 @@ impl Page {
         self.wait_until_whole()
     }
 
-    /// The header can be used before the rest has loaded; a scenario begins after that.
+    /// Waits until the page is complete. The header can be used earlier, but a scenario begins after that.
     fn wait_until_whole(&self) -> Result<()> {
         wait_until("all of the page", WAIT_MAX, || {
-            // While it loads there is nobody to ask.
+            // While it loads, evaluation fails.
             let whole = self.evaluate("document.getElementById('starting') === null");
             Ok(match whole {
                 Ok(Value::Bool(true)) => Ok(()),
@@ -146,11 +146,11 @@ impl Page {
             .collect())
     }
 
-    /// The control of this role and name, as soon as it is there.
+    /// The control of this role and name, as soon as it exists.
     ///
     /// # Errors
     ///
-    /// When there is none, or more than one: the error says what is there instead.
+    /// When there is none, or more than one: the error lists the present controls.
     pub fn find(&self, role: &str, name: &str) -> Result<Control> {
         wait_until(&format!("{role} {name:?}"), WAIT_MAX, || {
             let mut found = self.find_all(role, name)?;
@@ -162,11 +162,11 @@ impl Page {
         })
     }
 
-    /// Clicks the control with the mouse, as soon as it is there and not disabled.
+    /// Clicks the control with the mouse, as soon as it exists and is enabled.
     ///
     /// # Errors
     ///
-    /// When it is missing, stays disabled, or something lies over it.
+    /// When it is missing, stays disabled, or is covered.
     pub fn click(&self, role: &str, name: &str) -> Result<()> {
         let control = wait_until(&format!("{role} {name:?} to be enabled"), WAIT_MAX, || {
             let control = self.find(role, name)?;
@@ -206,7 +206,7 @@ impl Page {
         self.find("combobox", name)?.choose(option)
     }
 
-    /// Presses a key, named as in `KeyboardEvent.key`, and lets it go, wherever the focus is.
+    /// Presses and releases a key, named as in `KeyboardEvent.key`, wherever the focus is.
     ///
     /// # Errors
     ///
@@ -225,7 +225,7 @@ impl Page {
         self.session.call("Input.dispatchKeyEvent", down).map(drop)
     }
 
-    /// Lets a key go.
+    /// Releases a key.
     ///
     /// # Errors
     ///
@@ -235,7 +235,7 @@ impl Page {
         self.session.call("Input.dispatchKeyEvent", up).map(drop)
     }
 
-    /// Presses a key and says when the page learnt of it, on the clock of the wire.
+    /// Presses a key. Returns when the page received it, on the clock of the wire.
     ///
     /// # Errors
     ///
@@ -253,11 +253,11 @@ impl Page {
         self.find(role, name)?.text()
     }
 
-    /// Waits until the text of a read-out is as it should be, and gives it.
+    /// Waits until the text of a read-out fulfils a condition, and returns it.
     ///
     /// # Errors
     ///
-    /// When it does not become so in [`WAIT_MAX`]: the error says what it reads instead.
+    /// When it does not in [`WAIT_MAX`]: the error contains the last text.
     pub fn wait_for_text(
         &self,
         role: &str,
@@ -267,7 +267,7 @@ impl Page {
         self.wait_for_text_within(WAIT_MAX, role, name, wanted)
     }
 
-    /// The same within another time.
+    /// The same with another timeout.
     ///
     /// # Errors
     ///
@@ -286,7 +286,7 @@ impl Page {
                 let Some(control) = self.find_all(role, name)?.pop() else {
                     return Ok(Err(self.controls_with_role(role)?));
                 };
-                // Between finding it and reading it the page may have replaced it.
+                // The page may replace it between finding and reading it.
                 let text = control.text().unwrap_or_default();
                 Ok(if wanted(&text) {
                     Ok(text)
@@ -297,8 +297,8 @@ impl Page {
         )
     }
 
-    /// Errors so far: of the console, uncaught exceptions, failed requests, and what the browser
-    /// itself says, of the page and of its workers.
+    /// Errors so far of the page and of its workers: console errors, uncaught exceptions, failed requests, and
+    /// messages of the browser.
     #[must_use]
     pub fn console_errors(&self) -> Vec<String> {
         self.console.errors()
@@ -314,7 +314,7 @@ impl Page {
     }
 
     pub(crate) fn query(&self, field: &str, wanted: &str) -> Result<Vec<Control>> {
-        // Ids of nodes do not outlive a document, so the root is asked for each time.
+        // Node IDs are valid for one document only, so the root is requested each time.
         let document = self
             .session
             .call("DOM.getDocument", json!({ "depth": 0 }))?;
@@ -342,7 +342,7 @@ impl Page {
     }
 }
 
-/// What Chromium calls a role.
+/// Chromium's name of a role.
 pub(crate) fn browser_role(role: &str) -> &str {
     match role {
         "output" => "status",

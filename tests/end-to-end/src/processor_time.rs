@@ -1,4 +1,4 @@
-//! How long the browser's threads have worked.
+//! Measures the processor time of the browser's threads.
 
 use std::{fs, time::Duration};
 
@@ -7,16 +7,15 @@ use serde_json::json;
 
 use crate::{cdp::at, page::Page};
 
-/// Ticks of `/proc` a second (`sysconf(_SC_CLK_TCK)`), on every Linux that Chromium runs on.
+/// Ticks of `/proc` per second (`sysconf(_SC_CLK_TCK)`), on every Linux that Chromium supports.
 const TICKS_A_SECOND: u64 = 100;
 
 impl Page {
-    /// How long the main thread has run script, computed styles and laid out since the page was
-    /// loaded.
+    /// Time of scripts, style computation and layout on the main thread since the page was loaded.
     ///
     /// # Errors
     ///
-    /// When Chromium does not tell.
+    /// When Chromium does not answer.
     pub fn script_and_layout(&self) -> Result<Duration> {
         self.session.call("Performance.enable", json!({}))?;
         let told = self.session.call("Performance.getMetrics", json!({}))?;
@@ -35,15 +34,15 @@ impl Page {
     }
 }
 
-/// How long all threads of this machine whose names begin so have worked, in user and system.
+/// User and system time of all threads of this machine whose names start with `name`.
 ///
 /// # Errors
 ///
-/// When the machine does not tell.
+/// When `/proc` cannot be read.
 pub fn threads_time(name: &str) -> Result<Duration> {
     let mut ticks = 0;
     for process in fs::read_dir("/proc")?.flatten() {
-        // Processes and threads end while they are looked at.
+        // Processes and threads may end meanwhile.
         let Ok(threads) = fs::read_dir(process.path().join("task")) else {
             continue;
         };

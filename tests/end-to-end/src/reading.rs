@@ -1,4 +1,4 @@
-//! What is inside a read-out: items of a list, pixels of a picture.
+//! Reads the content of a read-out: items of a list, pixels of a picture.
 
 use anyhow::{Context, Result, bail};
 
@@ -7,7 +7,7 @@ use crate::page::{Page, browser_role};
 use crate::wait::{WAIT_MAX, wait_until};
 
 impl Page {
-    /// The control of this role whose name has `part` in it, as soon as it is there.
+    /// The control of this role whose name contains `part`, as soon as it exists.
     ///
     /// # Errors
     ///
@@ -43,12 +43,11 @@ impl Control {
         serde_json::from_value(texts).context("a list without items")
     }
 
-    /// How many pixels of a picture that is drawn on a canvas are of a strong colour: of no grey, and
-    /// of no ink that is nearly one.
+    /// Number of pixels of a canvas with a strong colour, not grey or nearly grey.
     ///
     /// # Errors
     ///
-    /// When it holds no canvas.
+    /// When it contains no canvas.
     pub fn coloured_pixels(&self) -> Result<u64> {
         let count = self.ask(
             "function () {

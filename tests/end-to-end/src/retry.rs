@@ -1,6 +1,6 @@
 //! Retries: bounded, printed and counted.
 //!
-//! A scenario retries only what a slow machine, and not the page, may have prevented.
+//! A scenario only retries what a slow machine may have prevented, never a failure of the page.
 
 use std::env;
 use std::fs::OpenOptions;
@@ -9,11 +9,11 @@ use std::thread;
 
 use anyhow::{Result, bail};
 
-/// Makes an attempt until one succeeds, at most `attempts_max` times. An attempt gives a value, or
-/// why it did not succeed.
+/// Repeats an attempt until one succeeds, at most `attempts_max` times. An attempt returns a value, or the reason why
+/// it did not succeed.
 ///
-/// Each further attempt is a line of the file in `MOTORLINK_RETRIES`, which `cargo xtask test`
-/// counts: what a test prints is not shown when it passes.
+/// Each further attempt adds a line to the file in `MOTORLINK_RETRIES`, which `cargo xtask test` counts: the output
+/// of a passing test is not shown.
 ///
 /// # Errors
 ///
@@ -36,7 +36,7 @@ pub fn retry<T>(
     bail!("{what}: none of {attempts_max} attempts succeeded; the last: {reason}")
 }
 
-/// Writes down that something is done again.
+/// Records a retry.
 fn note(what: &str, reason: &str) -> Result<()> {
     let thread = thread::current();
     let test = thread.name().unwrap_or_default();
@@ -44,7 +44,7 @@ fn note(what: &str, reason: &str) -> Result<()> {
     let line = format!("{test}: {what}: {reason}\n");
     eprint!("again: {line}");
     if let Some(path) = env::var_os("MOTORLINK_RETRIES") {
-        // One write: scenarios run at the same time.
+        // A single write, because scenarios run in parallel.
         let mut file = OpenOptions::new().append(true).create(true).open(path)?;
         file.write_all(line.as_bytes())?;
     }

@@ -1,8 +1,8 @@
-//! When the page learns of a key, on the clock of the wire.
+//! Measures when the page receives a key, on the clock of the wire.
 //!
-//! A page's `performance.now()` runs on `CLOCK_MONOTONIC` too, in steps of 0.1 ms from a zero that
-//! Chromium tells to the microsecond: the start of the navigation. That the two are one clock is
-//! checked each time, by asking the page for its time between two looks at ours.
+//! A page's `performance.now()` also runs on `CLOCK_MONOTONIC`, in steps of 0.1 ms. Chromium reports its zero, the
+//! start of the navigation, to the microsecond. Each measurement checks that both clocks agree: it reads our clock
+//! before and after asking the page for its time.
 
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
@@ -11,13 +11,13 @@ use crate::cdp::{Session, at};
 use crate::clock::now_us;
 use crate::keyboard::Key;
 
-/// How often the page is asked for its time. One answer would do, were it quick.
+/// Number of times that the page is asked for its time. One fast answer would be enough.
 const ROUNDS: usize = 5;
 
 /// The step of `performance.now()` in a page that is not cross-origin isolated, microseconds.
 const STEP_US: f64 = 100.0;
 
-/// Put into every page before its own scripts: notes every key as early as a page can.
+/// Runs in every page before its own scripts: records every key as early as possible.
 pub const NOTE_KEYS: &str = "
     globalThis.benchKeys = [];
     addEventListener('keydown', (event) => {
@@ -25,16 +25,16 @@ pub const NOTE_KEYS: &str = "
     }, { capture: true });
 ";
 
-/// A key press as the page saw it, on the clock of [`now_us`], each time 0.1 ms off at most.
+/// A key press as seen by the page, on the clock of [`now_us`], to 0.1 ms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeyPress {
     /// When the browser sent the event (`event.timeStamp`).
     pub sent_us: u64,
-    /// When the page's first listener heard it.
+    /// When the page's first listener received it.
     pub received_us: u64,
 }
 
-/// Where the zero of the page's clock is, in microseconds of ours.
+/// Zero of the page's clock, in microseconds of our clock.
 fn zero_us(session: &Session) -> Result<f64> {
     let metrics = session.call("Performance.getMetrics", json!({}))?;
     let metrics = at(&metrics, "/metrics")
@@ -63,7 +63,7 @@ fn zero_us(session: &Session) -> Result<f64> {
     Ok(zero_us)
 }
 
-/// Presses a key and lets it go; when the page learnt of it.
+/// Presses and releases a key. Returns when the page received it.
 pub fn press(session: &Session, key: &Key) -> Result<KeyPress> {
     let zero_us = zero_us(session)?;
     session.evaluate("benchKeys.length = 0")?;
@@ -81,7 +81,7 @@ pub fn press(session: &Session, key: &Key) -> Result<KeyPress> {
     })
 }
 
-/// Microseconds since boot stay far under 2^53: no machine runs for 285 years.
+/// Microseconds since boot stay below 2^53 for 285 years.
 #[expect(clippy::cast_precision_loss, reason = "see above")]
 fn exact(us: u64) -> f64 {
     us as f64

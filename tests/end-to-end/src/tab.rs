@@ -1,4 +1,4 @@
-//! What happens to a page as a tab: it is hidden, shown, frozen, closed, or crashes.
+//! Events of a page's tab: it is hidden, shown, frozen, closed, or crashes.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use crate::cdp::at;
 use crate::page::Page;
 use crate::wait::{WAIT_MAX, wait_until};
 
-/// A crash takes milliseconds.
+/// Time for a crash, which takes milliseconds.
 const AFTER_A_CRASH: Duration = Duration::from_millis(500);
 
 impl Page {
@@ -37,15 +37,15 @@ impl Page {
         self.wait_for_visibility("visible")
     }
 
-    /// Dismisses the browser's picker as a person does who turns back to the page. Without a
-    /// display nobody can choose in it, as it takes neither keys nor clicks of the protocol.
+    /// Dismisses the browser's picker like a user who returns to the page. Without a display nothing can be chosen in
+    /// it, because it accepts no keys or clicks of the protocol.
     ///
-    /// `dismissed` says whether the page has been told; until then it is done again, as the picker
-    /// takes a moment to show.
+    /// `dismissed` returns whether the page was notified. Until then the call is repeated, because the picker takes a
+    /// moment to appear.
     ///
     /// # Errors
     ///
-    /// When the page is not told.
+    /// When the page is not notified.
     pub fn dismiss_picker(&self, dismissed: impl Fn() -> Result<bool>) -> Result<()> {
         wait_until("the picker to be dismissed", WAIT_MAX, || {
             self.show()?;
@@ -65,7 +65,7 @@ impl Page {
         })
     }
 
-    /// Goes back to the page before this one, as a person does.
+    /// Navigates back to the previous page.
     ///
     /// # Errors
     ///
@@ -80,7 +80,7 @@ impl Page {
             .map(drop)
     }
 
-    /// Freezes the page, as a browser does with one long hidden: `freeze` happens, then nothing.
+    /// Freezes the page, as a browser does with a page hidden for long: a `freeze` event, then nothing runs.
     ///
     /// # Errors
     ///
@@ -91,21 +91,20 @@ impl Page {
             .map(drop)
     }
 
-    /// Ends the page's process at once, its workers too: no event happens, as when a browser
-    /// crashes or discards a page.
+    /// Kills the page's process with its workers: there is no event, as when a browser crashes or discards a page.
     pub fn crash(self) {
-        // The page does not live to answer.
+        // The page cannot answer any more.
         let _ = self
             .session
             .call_within(AFTER_A_CRASH, "Page.crash", json!({}));
     }
 
-    /// Closes the tab as a person does; [`crate::Bench::close`] waits until it is gone.
+    /// Closes the tab as a user does; [`crate::Bench::close`] waits until it is closed.
     pub(crate) fn close(&self) -> Result<()> {
         self.session.call("Page.close", json!({})).map(drop)
     }
 
-    /// What tells its tab from others.
+    /// The ID of its tab.
     pub(crate) fn tab_id(&self) -> &TargetId {
         self.session.tab().target_id()
     }

@@ -1,4 +1,4 @@
-//! How a page is looked at, for screenshots.
+//! Views of a page for screenshots.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::page::Page;
 
-/// The colours that a person's system asks for.
+/// The colour scheme of the user's system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scheme {
     /// Dark on light.
@@ -21,7 +21,7 @@ pub enum Scheme {
 }
 
 impl Scheme {
-    /// Its name in files and words.
+    /// Its name in files and texts.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -31,7 +31,7 @@ impl Scheme {
         }
     }
 
-    /// As `prefers-color-scheme` and `prefers-contrast` say it.
+    /// Its values of `prefers-color-scheme` and `prefers-contrast`.
     fn wishes(self) -> [&'static str; 2] {
         match self {
             Self::Light => ["light", "no-preference"],
@@ -48,24 +48,24 @@ pub struct View {
     pub width: u32,
     /// CSS pixels.
     pub height: u32,
-    /// Colours asked for.
+    /// Colour scheme.
     pub scheme: Scheme,
 }
 
 impl View {
-    /// A desktop's window.
+    /// The window of a desktop.
     pub const DESKTOP: Self = Self {
         width: 1440,
         height: 900,
         scheme: Scheme::Light,
     };
-    /// A tablet's, or half a desktop's.
+    /// The window of a tablet, or half a desktop.
     pub const TABLET: Self = Self {
         width: 1024,
         height: 768,
         scheme: Scheme::Light,
     };
-    /// A phone's.
+    /// The window of a phone.
     pub const PHONE: Self = Self {
         width: 390,
         height: 844,
@@ -86,7 +86,7 @@ impl View {
 }
 
 impl Page {
-    /// Looks at the page in a window of this size and these colours from now on.
+    /// Shows the page in a window of this size and colour scheme from now on.
     ///
     /// # Errors
     ///
@@ -112,7 +112,7 @@ impl Page {
         Ok(())
     }
 
-    /// Saves what the window shows as a PNG file.
+    /// Saves the visible part as a PNG file.
     ///
     /// # Errors
     ///
@@ -121,7 +121,7 @@ impl Page {
         self.save(ScreenshotParams::default(), file)
     }
 
-    /// Saves what the window shows as a WebP file, a quarter of the weight.
+    /// Saves the visible part as a WebP file, a quarter of the size.
     ///
     /// # Errors
     ///
@@ -134,7 +134,7 @@ impl Page {
         self.save(small, file)
     }
 
-    /// Saves the page from its top to its bottom as a PNG file.
+    /// Saves the whole page as a PNG file.
     ///
     /// # Errors
     ///

@@ -1,23 +1,23 @@
-//! Waiting for a condition, always for a bounded time.
+//! Waiting for a condition, always with a timeout.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 
-/// Longest time for anything on the bench that the test itself does not time. Chromium starts in about
-/// a second and does the rest in milliseconds; a loaded machine may need ten times as long.
+/// Default timeout. Chromium starts in about a second and does the rest in milliseconds; a loaded machine can take
+/// ten times as long.
 pub const WAIT_MAX: Duration = Duration::from_secs(20);
 
-/// Between two looks: short for a test, long for the machine.
+/// Time between two checks: short for a test, long for the machine.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Looks until `look` gives a value, at most for `wait_max`.
+/// Calls `look` until it returns a value, at most for `wait_max`.
 ///
 /// # Errors
 ///
-/// When `look` fails, or when time is up: the message then says `what` was awaited, and what
-/// `look` said instead the last time.
+/// When `look` fails, or at the timeout: the message contains `what` was awaited, and the last reason that `look`
+/// returned.
 pub fn wait_until<T>(
     what: &str,
     wait_max: Duration,

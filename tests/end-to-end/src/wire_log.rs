@@ -1,4 +1,4 @@
-//! What went over a wire, as `virtual-motor` logged it.
+//! The log of a wire, as written by `virtual-motor`.
 
 use std::path::Path;
 use std::{fmt, fs};
@@ -16,7 +16,7 @@ pub enum Side {
     Motor,
 }
 
-/// One frame, or whatever else came in one piece.
+/// One frame, or other bytes that came in one piece.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Frame {
     /// `CLOCK_MONOTONIC`, microseconds.
@@ -84,19 +84,19 @@ impl Frame {
 /// The times between frames, in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gaps {
-    /// How many gaps: one less than frames.
+    /// Number of gaps: one less than frames.
     pub count: usize,
     /// The shortest.
     pub min_us: u64,
-    /// The middle one.
+    /// The median.
     pub median_us: u64,
-    /// 99 of 100 are at most this.
+    /// The 99th percentile.
     pub p99_us: u64,
     /// The longest.
     pub max_us: u64,
 }
 
-/// Frames in the order in which they were on the wire.
+/// Frames in the order of the wire.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct WireLog {
     /// The frames.
@@ -104,7 +104,7 @@ pub struct WireLog {
 }
 
 impl WireLog {
-    /// This log, and after it that in a file. A last line still being written is left out.
+    /// This log followed by the log in a file, without an incomplete last line.
     pub(crate) fn followed_by(mut self, path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path)
             .with_context(|| format!("no wire log at {}", path.display()))?;
@@ -160,19 +160,19 @@ impl WireLog {
         self.only(Frame::is_drive)
     }
 
-    /// The frames at or after an instant, as [`crate::now_us`] gives it.
+    /// The frames at or after a time of [`crate::now_us`].
     #[must_use]
     pub fn since(&self, at_us: u64) -> Self {
         self.only(|frame| frame.at_us >= at_us)
     }
 
-    /// The frames before an instant.
+    /// The frames before a time.
     #[must_use]
     pub fn until(&self, at_us: u64) -> Self {
         self.only(|frame| frame.at_us < at_us)
     }
 
-    /// How many frames.
+    /// Number of frames.
     #[must_use]
     pub fn len(&self) -> usize {
         self.frames.len()
@@ -196,7 +196,7 @@ impl WireLog {
         self.frames.last()
     }
 
-    /// The times between successive frames of this log; none for fewer than two.
+    /// The times between successive frames of this log; `None` for fewer than two.
     #[must_use]
     pub fn gaps(&self) -> Option<Gaps> {
         let pairs = self.frames.iter().zip(self.frames.iter().skip(1));
@@ -215,7 +215,7 @@ impl WireLog {
 }
 
 impl fmt::Display for WireLog {
-    /// One frame a line, with its time since the first, as a failed test wants to show them.
+    /// One frame per line, with the time since the first, for the output of a failed test.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let start_us = self.first().map_or(0, |frame| frame.at_us);
         for Frame { at_us, side, bytes } in &self.frames {

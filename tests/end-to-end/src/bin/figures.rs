@@ -1,4 +1,4 @@
-//! Measures what the product promises, on the bench, and prints it as a table.
+//! Measures the promised figures of the product on the bench, and prints them as a table.
 //!
 //! `cargo xtask bench` builds what is needed and runs this. `--seconds N` shortens the long runs.
 
@@ -11,9 +11,9 @@ use end_to_end::{
     now_us,
 };
 
-/// How long a drive is watched, visible and hidden.
+/// Duration of a measurement of a drive, visible and hidden.
 const WATCHED_S: u64 = 60;
-/// Stops from 100 rpm.
+/// Number of stops from 100 rpm.
 const STOPS: usize = 20;
 
 fn main() -> ExitCode {
@@ -131,7 +131,7 @@ fn answered_queries(wire: &WireLog) -> u64 {
     answered.count() as u64
 }
 
-/// What one stop looked like from the wire, in microseconds after the key was heard in the page.
+/// One stop as seen on the wire, in microseconds after the page received the key.
 struct Stop {
     to_brake: u64,
     to_zero: u64,
@@ -221,7 +221,7 @@ fn stop(adapter: &Adapter, page: &Page) -> Result<Stop> {
         to_brake: after(first_stop.at_us),
         to_zero: after(first_zero.at_us),
         to_standstill: after(standing.at_us),
-        // The frame that was on its way when the key came is not the stop's.
+        // A frame that was already being sent does not belong to the stop.
         braked_until_then: until_then
             .frames
             .iter()
@@ -231,7 +231,7 @@ fn stop(adapter: &Adapter, page: &Page) -> Result<Stop> {
     })
 }
 
-/// Every request of a first visit stays with the host that the page came from.
+/// Checks that all requests of a first visit go to the host of the page.
 fn first_visit() -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open("/")?;

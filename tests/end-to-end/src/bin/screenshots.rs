@@ -1,8 +1,8 @@
 //! Takes pictures of the page with a virtual motor, in every theme and width, and the README's.
 //!
-//! `cargo xtask screenshots` builds what is needed and runs this. They go into `screenshots/`, or the
-//! directory that is given. Those that the manifest names go into `public/screenshots/`; where `public` is
-//! given, no others are taken. The README's goes into `docs/`, alone where `docs` is given; it moves.
+//! `cargo xtask screenshots` builds everything and runs this. The pictures go into `screenshots/`, or the given
+//! directory. The pictures of the manifest go into `public/screenshots/`; with `public` only these are taken. The
+//! animated picture of the README goes into `docs/`; with `docs` only this one is taken.
 
 use std::{
     env, fs,
@@ -67,7 +67,7 @@ const VIEWS: [(&str, View); 3] = [
     ("phone", View::PHONE),
 ];
 
-/// Every colours in one language, and every language: words and colours do not depend on each other.
+/// Every colour scheme in one language, and every language in one scheme: texts and colours are independent.
 const PICTURES: &[(Language, &[Scheme])] = &[
     (
         Language::English,
@@ -77,7 +77,7 @@ const PICTURES: &[(Language, &[Scheme])] = &[
     (Language::German, &[Scheme::Dark]),
 ];
 
-/// The two pictures that a browser shows when it asks whether the page is to be installed.
+/// The two pictures that a browser shows when it offers to install the page.
 fn for_installer(dir: &Path) -> Result<()> {
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
     for (name, view) in [("wide", View::DESKTOP), ("narrow", View::PHONE)] {
@@ -90,7 +90,7 @@ fn for_installer(dir: &Path) -> Result<()> {
             page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
             pause(2_000);
         }
-        // A click below has scrolled the phone's page there.
+        // The click has scrolled the phone's page down.
         page.evaluate("scrollTo(0, 0)")?;
         let file = dir.join(format!("{name}.webp"));
         println!("{}", file.display());
@@ -99,7 +99,7 @@ fn for_installer(dir: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The README's: the wheel turns once while it is shown, so that its end is its beginning; slowly, since a
+/// The picture of the README. The wheel makes one turn, so that the loop has no jump. It turns slowly, because a
 /// machine without a GPU takes two pictures a second.
 fn spinning(file: &Path) -> Result<()> {
     let turn = Duration::from_secs(12);
@@ -183,7 +183,7 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
     album.shot(&page, "help")
 }
 
-/// What lies over the right of the desk, with the virtual motor.
+/// The panels of the drawer, with the virtual motor.
 fn the_panels(album: &Album, view: View) -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open(&album.address())?;
@@ -201,7 +201,7 @@ fn the_panels(album: &Album, view: View) -> Result<()> {
     Ok(())
 }
 
-/// The tools with three motors on a line.
+/// The tools with three motors on the bus.
 fn the_tools(album: &Album, view: View) -> Result<()> {
     let bench = Bench::start()?;
     let _adapter = bench.plug(Line::with_motors(&[1, 2, 7]), Usb::default())?;
@@ -230,7 +230,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     page.click("tab", translated("Raw Hex"))?;
     page.find("textbox", translated("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
-    // On a busy machine an answer may be late, and is said to be none.
+    // On a busy machine a reply can be late and is then shown as missing.
     wait_until("an answer", WAIT_MAX, || {
         page.click("button", translated("Send"))?;
         pause(300);
@@ -244,7 +244,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
     album.shot(&page, "raw-hex")
 }
 
-/// Until what moves has moved.
+/// Waits until animations have ended.
 fn pause(ms: u64) {
     thread::sleep(Duration::from_millis(ms));
 }

@@ -8,7 +8,7 @@ use end_to_end::{
     figures::{Table, percentile, row},
 };
 
-/// As Lighthouse takes a phone's.
+/// Slowdown of the processor, as Lighthouse simulates a phone.
 const TIMES_SLOWER: f64 = 4.0;
 const VISITS: usize = 5;
 const USABLE_MS_MAX: f64 = 1_500.0;
@@ -28,7 +28,7 @@ fn measure() -> Result<()> {
     let mut usable = Vec::new();
     let mut whole = Vec::new();
     for _ in 0..VISITS {
-        // A browser of its own: nothing is kept from the visit before.
+        // A new browser, so that nothing is cached from the previous visit.
         let bench = Bench::start()?;
         let (page, first) = FirstPress::on(&bench, TIMES_SLOWER, "Virtual motor")?;
         page.wait_for_text("status", "Connection", |text| text.contains("Connected"))?;

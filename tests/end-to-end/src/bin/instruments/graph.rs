@@ -1,4 +1,4 @@
-//! What drawing the graph costs, a frame.
+//! Measures the cost of drawing the graph, per frame.
 
 use std::{thread, time::Duration};
 
@@ -13,15 +13,15 @@ use crate::{
     tap::{Taker, TappedPage},
 };
 
-/// How long the graph shows.
+/// The shown period of the graph.
 const SHOWN_S: u64 = 60;
-/// How long it is watched then.
+/// Duration of the measurement.
 const WATCHED_S: u64 = 20;
-/// How wide its canvas is to be, in CSS pixels.
+/// Width of its canvas, in CSS pixels.
 const WIDTH: i64 = 1_200;
-/// Script of one frame.
+/// Maximal time of the script of one frame.
 const DRAW_US_MAX: u64 = 4_000;
-/// What the page calls the script of one frame.
+/// The page's name for the measurement of one frame.
 const MEASURE: &str = "graph-draw";
 
 pub fn measure() -> Result<()> {
@@ -62,11 +62,10 @@ pub fn measure() -> Result<()> {
     crate::ensure_quiet(page)
 }
 
-/// The desk grows no wider than a large screen; here it is to, so that its graph does.
+/// The page has a maximal width; this removes it, so that the graph becomes wide enough.
 const UNBOUND: &str = "document.querySelector('main').style.maxWidth = 'none'";
 
-/// Makes the window so wide that the graph has the width that is asked for; gives the width that it
-/// has.
+/// Widens the window until the graph has the width that is asked for. Returns the width that it has.
 fn widen(page: &Page) -> Result<i64> {
     page.evaluate(UNBOUND)?;
     let mut view = View::DESKTOP;
@@ -78,7 +77,7 @@ fn widen(page: &Page) -> Result<i64> {
         if missing == 0 {
             break;
         }
-        // The graph gets two sevenths of what the window grows by.
+        // The graph gets two sevenths of the window's growth.
         view.width = u32::try_from(i64::from(view.width) + missing * 7 / 2)?;
     }
     Ok(width)

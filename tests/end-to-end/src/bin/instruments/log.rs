@@ -1,4 +1,4 @@
-//! A full packet log at 1,000 frames a second: what is lost, what stalls, what grows, and its export.
+//! Measures a full packet log at 1,000 frames a second: lost frames, stalls, growth, and its export.
 
 use std::{
     fmt, thread,
@@ -17,21 +17,21 @@ use crate::{
     traffic::{at_once, in_time, newest_without_gap},
 };
 
-/// Entries that a log keeps.
+/// Maximal entries of a log.
 const KEPT: u32 = 1_000_000;
-/// Frames before the measurement: more than fit, so that old ones give way already.
+/// Frames before the measurement: more than fit, so that the log drops old ones already.
 const FILLED: u32 = 1_010_000;
-/// Frames of one buffer while the log is filled.
+/// Frames per buffer while the log is filled.
 const FILL_BUFFER: u32 = 2_000;
-/// Between two frames.
+/// Time between two frames.
 const SPACING_US: u64 = 1_000;
-/// Frames that are given to the page at a time, and so made.
+/// Frames that are sent to the page at a time.
 const GIVEN: u32 = 2_000;
-/// A million entries take a while to be taken in.
+/// Timeout of filling the log with a million entries.
 const FILL_PATIENCE: Duration = Duration::from_secs(120);
-/// For an export that does not come.
+/// Timeout of an export.
 const EXPORT_PATIENCE: Duration = Duration::from_secs(120);
-/// What the heap of script may be larger by: its own rubbish.
+/// Maximal growth of the JavaScript heap: garbage that is not collected yet.
 const GROWTH_MAX: u64 = 1_000_000;
 
 pub fn measure(seconds: u64) -> Result<()> {
@@ -95,7 +95,7 @@ pub fn measure(seconds: u64) -> Result<()> {
 
 /// Fills the log.
 fn fill(tapped: &TappedPage) -> Result<()> {
-    // Times have to have been, so they lie close together, and the page has to be old enough.
+    // Times must be in the past, so they are close together and the page must be old enough.
     let last_us = loop {
         let now_us = tapped.now_us()?;
         if now_us > u64::from(FILLED) {
@@ -122,7 +122,7 @@ fn fill(tapped: &TappedPage) -> Result<()> {
     })
 }
 
-/// Gives frames for so long; the number behind that of the last one.
+/// Sends frames for a number of seconds. Returns the number after the last frame.
 fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
     let until = FILLED + u32::try_from(seconds * 1_000_000 / SPACING_US)?;
     let began = Instant::now();
@@ -130,7 +130,7 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
     for from in (FILLED..until).step_by(usize::try_from(GIVEN)?) {
         let behind = until.min(from + GIVEN);
         let at_us = from_us + u64::from(from - FILLED) * SPACING_US;
-        // Half a second ahead. The page is not asked for the time: that, too, stays in its memory.
+        // Half a second ahead. The page is not asked for its time, because that grows its memory too.
         let ahead = Duration::from_micros(at_us - from_us) + Duration::from_millis(500);
         thread::sleep(ahead.saturating_sub(began.elapsed()));
         tapped.give(Taker::Recorder, &in_time(from, behind, SPACING_US, at_us))?;
@@ -143,7 +143,7 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
             Err(waiting.to_string())
         })
     })?;
-    // The counts follow when the last rows are taken in.
+    // The counts are complete when the last rows have arrived.
     let shown = wait_until("the log to stand still", WAIT_MAX, || {
         let before = entries(&tapped.page)?;
         thread::sleep(Duration::from_millis(500));
@@ -161,13 +161,13 @@ fn feed(tapped: &TappedPage, seconds: u64) -> Result<u32> {
 /// The numbers in the output `Entries`.
 fn entries(page: &Page) -> Result<Vec<u64>> {
     let text = page.text("output", "Entries")?;
-    // Thousands are set apart by a space, and numbers by words.
+    // A space separates thousands, and words separate numbers.
     let text: String = text.split_whitespace().collect();
     let numbers = text.split(|c: char| !c.is_ascii_digit());
     Ok(numbers.filter_map(|digits| digits.parse().ok()).collect())
 }
 
-/// What page and recorder hold.
+/// Memory of the page and the recorder.
 struct Held {
     page: Memory,
     recorder: Memory,
@@ -203,7 +203,7 @@ impl fmt::Display for Held {
     }
 }
 
-/// Reads the file; how many rows it has, where no frame is missing up to the last one.
+/// Reads the file. Returns the number of rows if no frame is missing up to the last one.
 fn check(file: &Download, fed: u32) -> Result<u64> {
     let bytes = file.bytes()?;
     let mut reader = csv::Reader::from_reader(bytes.as_slice());

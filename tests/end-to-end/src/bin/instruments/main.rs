@@ -1,8 +1,7 @@
-//! Measures the instruments: scans, the graph, the packet log and its export, and prints it as a
-//! table.
+//! Measures the instruments: scans, the graph, the packet log and its export. Prints a table.
 //!
-//! `cargo xtask bench` builds what is needed and runs this behind `figures`. `--seconds N` shortens
-//! the long run, `--only scans`, `graph` or `log` measures a part.
+//! `cargo xtask bench` builds everything and runs this after `figures`. `--seconds N` shortens the long run, `--only
+//! scans`, `graph` or `log` measures a part.
 
 mod graph;
 mod log;
@@ -16,7 +15,7 @@ use std::{env, process::ExitCode};
 use anyhow::{Context, Result, bail, ensure};
 use end_to_end::{Page, figures::Table};
 
-/// How long the log is fed.
+/// Duration of sending frames to the log.
 const FED_S: u64 = 600;
 
 fn main() -> ExitCode {
@@ -54,7 +53,7 @@ fn wanted() -> Result<Wanted> {
     Ok(wanted)
 }
 
-/// Measures what is wanted. What cannot be measured keeps nothing else from it.
+/// Measures the selected parts. If one of them fails, the others are still measured.
 fn measure(wanted: &Wanted) -> Result<()> {
     let seconds = wanted.seconds;
     let parts: [(&str, &dyn Fn() -> Result<()>); 3] = [

@@ -1,4 +1,4 @@
-//! What the worker would tell of a motor that reports 500 times a second.
+//! Simulates the worker's messages about a motor that reports 500 times a second.
 
 use anyhow::Result;
 use motorlink_messages::{
@@ -13,14 +13,14 @@ use motorlink_messages::{
 
 use crate::tap::Message;
 
-/// Between two replies: 500 Hz.
+/// Time between two replies: 500 Hz.
 const SAMPLE_US: u64 = 2_000;
-/// Between two messages: a screen of 60 Hz.
+/// Time between two messages: a screen of 60 Hz.
 const UPDATE_US: u64 = 16_667;
 /// Ten queries a second are among the drive frames.
 const QUERIED_EVERY: u64 = 50;
 
-/// What is told from one moment to another, both in microseconds of the worker's clock.
+/// The messages of a period, in microseconds of the worker's clock.
 pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
     let mut messages = Vec::new();
     let mut told_us = from_us;
@@ -49,7 +49,7 @@ pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
     Ok(messages)
 }
 
-/// A driven motor whose last reply is this.
+/// A driven motor with this last reply.
 fn status(last: Option<Sample>) -> MotorStatus {
     let setpoint = SpeedTarget::new(100).map(Setpoint::velocity);
     MotorStatus {
@@ -64,7 +64,7 @@ fn status(last: Option<Sample>) -> MotorStatus {
     }
 }
 
-/// The reply at a step of 2 ms: slow waves with noise, so that no two columns of a graph are alike.
+/// The reply at a step of 2 ms: slow waves with noise, so that all columns of a graph differ.
 fn sample(step: u64) -> Sample {
     let detail = if step.is_multiple_of(QUERIED_EVERY) {
         Detail::Query {
@@ -90,11 +90,11 @@ fn sample(step: u64) -> Sample {
     }
 }
 
-/// A triangle of this period in steps and this height, and noise of this height.
+/// A triangle with this period in steps, this height, and noise of this height.
 fn wave(step: u64, period: u64, height: u64, noise: u64) -> i16 {
     let phase = step % period;
     let rising = phase.min(period - phase) * 4 * height / period;
-    // Knuth's multiplier: the same noise in every run, and no two steps alike.
+    // Knuth's multiplier gives the same noise in every run, and different noise at each step.
     let shaken = (step.wrapping_mul(2_654_435_761) >> 16) % (2 * noise + 1);
     let value = (rising + shaken).cast_signed() - (height + noise).cast_signed();
     i16::try_from(value).unwrap_or_default()

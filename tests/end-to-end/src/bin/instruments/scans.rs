@@ -1,4 +1,4 @@
-//! How long a full scan takes.
+//! Measures the duration of a full scan.
 
 use std::time::{Duration, Instant};
 
@@ -9,9 +9,9 @@ use end_to_end::{
     wait_until,
 };
 
-/// The motors on the line, at both ends of the addresses and between.
+/// The motors on the bus: at both ends of the addresses and in the middle.
 const MOTORS: [u8; 3] = [1, 42, 254];
-/// Scans of each kind of adapter.
+/// Number of scans per kind of adapter.
 const SCANS: usize = 5;
 
 pub fn measure() -> Result<()> {
@@ -64,9 +64,9 @@ fn scans(where_: &str, line: Line, chip: (u16, u16), most_ms: u64) -> Result<()>
     crate::ensure_quiet(&page)
 }
 
-/// From the click to the end of the scan, which is when it cannot be cancelled any more.
+/// Time from the click to the end of the scan, when it can no longer be cancelled.
 fn scan(page: &Page) -> Result<Duration> {
-    // Where several motors answered at once, a notice offers one, too.
+    // If several motors answered at once, a notice has such a button, too.
     let button = page.find_all("button", "Full scan")?.pop();
     let button = button.context("no button Full scan")?;
     ensure!(!button.disabled, "{}", button.description);

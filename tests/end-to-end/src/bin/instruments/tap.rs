@@ -1,5 +1,5 @@
-//! A page whose workers the bench can speak for: a wire carries 350 exchanges a second, a page must
-//! bear 500.
+//! A page for which the bench simulates the worker's messages: a real bus carries 350 exchanges a second, but the
+//! page must handle 500.
 
 use std::fmt::Write;
 
@@ -10,34 +10,34 @@ use serde_json::{Value, json};
 
 const TAP: &str = include_str!("tap.js");
 
-/// Who is spoken to.
+/// The receiver of messages.
 #[derive(Debug, Clone, Copy)]
 pub enum Taker {
-    /// The page, as by the worker that owns the port.
+    /// The page, which gets messages from the worker that owns the port.
     Page,
-    /// The recorder, as by that worker.
+    /// The recorder, which gets messages from that worker.
     Recorder,
 }
 
-/// A message and when it is to be taken, in microseconds of the worker's clock.
+/// A message and its delivery time, in microseconds of the worker's clock.
 pub struct Message {
     pub due_us: u64,
     pub bytes: Vec<u8>,
 }
 
-/// A page with a tap on its lines.
+/// A page with a tap on its message ports.
 pub struct TappedPage {
     pub page: Page,
-    /// By which the page takes what it is given: as arguments. The text of a script would stay in its
-    /// memory, which is measured.
-    hand: Control,
-    /// Where the zero of the worker's clock is on the page's.
+    /// An element of the page: scripts that are called on it get the messages as arguments. The text of a script would
+    /// stay in the memory of the page, which is measured.
+    element: Control,
+    /// Zero of the worker's clock, on the page's clock.
     worker_zero_ms: f64,
 }
 
 impl TappedPage {
     pub fn open(bench: &Bench, view: View) -> Result<Self> {
-        // With which the page measures its drawings.
+        // This parameter makes the page measure its drawings.
         let page = bench.open("/?measure")?;
         page.look(view)?;
         page.before_load(TAP)?;
@@ -53,15 +53,15 @@ impl TappedPage {
             anyhow::bail!("the worker says something before Hello");
         };
         let page_origin_ms = number(&page.evaluate("performance.timeOrigin")?)?;
-        let hand = page.find("button", "Help")?;
+        let element = page.find("button", "Help")?;
         Ok(Self {
             page,
-            hand,
+            element,
             worker_zero_ms: time_origin_ms - page_origin_ms,
         })
     }
 
-    /// Keeps the worker from saying anything more.
+    /// Drops all further messages of the worker.
     pub fn mute_worker(&self) -> Result<()> {
         self.page.evaluate("benchTap.muted = true").map(drop)
     }
@@ -72,7 +72,7 @@ impl TappedPage {
         Ok(whole((page_ms - self.worker_zero_ms) * 1e3))
     }
 
-    /// Gives messages, oldest first; they are taken at their times.
+    /// Sends messages, oldest first; they are delivered at their times.
     pub fn give(&self, taker: Taker, messages: &[Message]) -> Result<()> {
         let messages: Vec<Value> = messages
             .iter()
@@ -87,10 +87,10 @@ impl TappedPage {
         };
         let give = "function (taker, messages) { benchTap.give(taker, messages); }";
         let given = [Value::from(taker), Value::from(messages)];
-        self.hand.ask(give, &given).map(drop)
+        self.element.ask(give, &given).map(drop)
     }
 
-    /// How many messages wait for their times.
+    /// Number of messages that wait for their delivery times.
     pub fn waiting(&self) -> Result<u64> {
         let waiting = self.page.evaluate("benchTap.waiting")?;
         waiting.as_u64().context("the page does not count")
@@ -104,7 +104,7 @@ fn number(value: &Value) -> Result<f64> {
 fn hex_of(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(2 * bytes.len());
     for byte in bytes {
-        // Writing into a text does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
     }
     text

@@ -1,4 +1,4 @@
-//! A packet log's food: exchanges of numbered frames.
+//! Generates traffic for the packet log: exchanges of numbered frames.
 
 use anyhow::{Result, ensure};
 use motorlink_messages::{
@@ -9,14 +9,14 @@ use motorlink_messages::{
 
 use crate::tap::Message;
 
-/// Between two messages: a screen of 60 Hz.
+/// Time between two messages: a screen of 60 Hz.
 const MESSAGE_US: u64 = 16_667;
 
-/// Where a frame's number is in a reply: in the bytes of current and speed.
+/// Position of a frame's number in a reply: the bytes of current and speed.
 const NUMBER: std::ops::Range<usize> = 2..6;
 
-/// Frames number `from` to `until`, in buffers of so many, to be taken as soon as may be. They have
-/// passed `spacing_us` apart, the last of them at `last_us`.
+/// Frames number `from` to `until`, in buffers of this size, for delivery as soon as possible. They are `spacing_us`
+/// apart, with the last one at `last_us`.
 pub fn at_once(
     from: u32,
     until: u32,
@@ -38,8 +38,7 @@ pub fn at_once(
         .collect()
 }
 
-/// Frames number `from` to `until`, `spacing_us` apart from a moment on, in buffers that come 60 times
-/// a second.
+/// Frames number `from` to `until`, `spacing_us` apart from `from_us` on, in buffers that come 60 times a second.
 pub fn in_time(from: u32, until: u32, spacing_us: u64, from_us: u64) -> Vec<Message> {
     let at_us = |number: u32| from_us + u64::from(number - from) * spacing_us;
     let mut messages = Vec::new();
@@ -67,7 +66,7 @@ fn buffer(frames: impl Iterator<Item = (u32, u64)>) -> Vec<u8> {
     bytes
 }
 
-/// Even numbers are drive frames, odd ones replies that carry their number.
+/// The event of a number: even numbers are drive frames, odd ones replies that contain their number.
 fn passed(number: u32) -> LineEventKind {
     if number.is_multiple_of(2) {
         return LineEventKind::Sent {
@@ -82,11 +81,11 @@ fn passed(number: u32) -> LineEventKind {
     }
 }
 
-/// The number of the newest reply among the rows of an exported log, of which none is missing.
+/// The number of the newest reply in the rows of an exported log, if none is missing.
 ///
 /// # Errors
 ///
-/// When one is: the error says between which.
+/// When one is missing: the error names the replies around it.
 pub fn newest_without_gap<'a>(rows: impl Iterator<Item = (&'a str, &'a str)>) -> Result<u32> {
     let mut newest = None;
     let mut sent = false;

@@ -1,4 +1,4 @@
-//! How many exchanges the page gets out of a line, against a loop that does nothing else.
+//! Compares the exchange rate of the page with a bare loop that does nothing else.
 
 use std::{path::Path, time::Duration};
 
@@ -10,9 +10,9 @@ use end_to_end::{
 
 use crate::driving::{connected, spin, watch, watch_both};
 
-/// Of what the bare loop gets, the page is to get so much.
+/// Minimal part of the bare loop's rate that the page must reach.
 const RATIO_MIN: f64 = 0.97;
-/// Turnarounds in microseconds: that of all figures, and the shortest.
+/// Turnarounds in microseconds: the default one, and the shortest.
 const TURNAROUNDS_US: [u32; 2] = [600, 100];
 
 pub fn measure(watched: Duration) -> Result<()> {
@@ -21,7 +21,7 @@ pub fn measure(watched: Duration) -> Result<()> {
             turnaround_us,
             ..Line::default()
         };
-        // In turn, so that a machine that grows slower meanwhile favours neither.
+        // Alternating, so that a machine that becomes slower favours neither.
         let part = watched / 2;
         let (mut bare, mut visible, mut hidden) = (0, 0, 0);
         for _ in 0..2 {
@@ -60,7 +60,7 @@ fn bare_exchanges(line: Line, watched: Duration) -> Result<u64> {
     Ok(watch(&adapter, watched)?.from_motors().len() as u64)
 }
 
-/// While it is visible, and draws; and while it is hidden.
+/// Exchanges of the page while it is visible, and while it is hidden.
 fn page_exchanges(line: Line, watched: Duration) -> Result<(u64, u64)> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, line)?;

@@ -1,4 +1,4 @@
-//! Many motors on one line, and one that falls silent.
+//! Measures many motors on one bus, and one that stops answering.
 
 use std::{ops::RangeInclusive, time::Duration};
 
@@ -10,7 +10,7 @@ use end_to_end::{
 
 use crate::driving::{connected, has_digits, watch, watch_both};
 
-/// Answers sooner than the motor of all other figures, as the issue has it.
+/// Turnaround, shorter than in the other measurements, as the issue requires.
 const TURNAROUND_US: u32 = 200;
 const GAP_MAX_US: u64 = 30_000;
 
@@ -28,10 +28,10 @@ pub fn line(motors: u8) -> Line {
     }
 }
 
-/// Finds so many motors and drives the first of them together.
+/// Scans for `found` motors and drives the first `driven` of them together.
 pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
     page.click("tab", "ID Manager")?;
-    // Where several motors answered at once, a notice offers one, too.
+    // If several motors answered at once, a notice has such a button, too.
     let scan = page.find_all("button", "Full scan")?.pop();
     scan.context("no button Full scan")?.click()?;
     page.wait_for_text("status", "Scan result", |text| {
@@ -70,7 +70,7 @@ fn six(watched: Duration) -> Result<()> {
     crate::ensure_quiet(&page)
 }
 
-/// A row that says whether each of these motors is driven at 50 Hz.
+/// Prints a row with the result whether each of these motors is driven at 50 Hz.
 fn held(
     figure: &str,
     must: &str,
@@ -123,7 +123,7 @@ fn twelve(watched: Duration) -> Result<()> {
 fn silent(watched: Duration) -> Result<()> {
     let bench = Bench::start()?;
     let (mut adapter, page) = connected(&bench, line(4))?;
-    // A group would be stopped as a whole: the fourth is asked for telemetry only.
+    // A group would be stopped as a whole, so the fourth motor is only queried.
     drive(&page, 4, 3)?;
     adapter.act("power 4 off")?;
     for (page_is, wire) in watch_both(&bench, &adapter, &page, watched)? {

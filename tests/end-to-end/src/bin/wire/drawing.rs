@@ -1,4 +1,4 @@
-//! What a page that is seen costs the processor, thread by thread, beside one that is hidden.
+//! Compares the processor time of a visible and a hidden page, thread by thread.
 
 use std::{thread, time::Duration};
 
@@ -7,11 +7,11 @@ use end_to_end::{Bench, Line, figures::row_without_bound, threads_time};
 
 use crate::driving::{connected, spin};
 
-/// Nothing is measured before: the page may lower its frame rate by then.
+/// Time before the measurement, in which the page may lower its frame rate.
 const WARM: Duration = Duration::from_secs(10);
 const HERTZ: u16 = 50;
 
-/// Names of Chromium's threads, as the system cuts them off, and what they do.
+/// Names of Chromium's threads, truncated by the system, and their purpose.
 const THREADS: [(&str, &str); 5] = [
     ("VizCompositorTh", "putting layers together"),
     ("chromium", "main threads of page and browser"),

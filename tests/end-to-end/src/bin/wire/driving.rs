@@ -1,4 +1,4 @@
-//! What the measurements share: a page that drives, and a wire that is watched.
+//! Helpers of all measurements: a page that drives, and a recorded wire.
 
 use std::{thread, time::Duration};
 
@@ -15,7 +15,7 @@ pub fn connected(bench: &Bench, line: Line) -> Result<(Adapter, Page)> {
     Ok((adapter, page))
 }
 
-/// Has the chosen motor driven at +100 rpm.
+/// Drives the chosen motor at +100 rpm.
 pub fn spin(page: &Page, hertz: u16) -> Result<()> {
     page.fill("spinbutton", "Command rate", &hertz.to_string())?;
     page.press("Enter")?;
@@ -24,7 +24,7 @@ pub fn spin(page: &Page, hertz: u16) -> Result<()> {
     Ok(())
 }
 
-/// What goes over the wire for so long, after a second for everything to settle.
+/// Records the wire for a time, after a second to settle.
 pub fn watch(adapter: &Adapter, watched: Duration) -> Result<WireLog> {
     thread::sleep(Duration::from_secs(1));
     let from_us = now_us();
@@ -33,8 +33,8 @@ pub fn watch(adapter: &Adapter, watched: Duration) -> Result<WireLog> {
     Ok(adapter.wire()?.since(from_us).until(until_us))
 }
 
-/// The same for a page that is seen, and draws, and then for one that is hidden: on a machine with few
-/// cores and no GPU the drawing is most of what keeps the worker waiting.
+/// The same for a visible page and then for a hidden one. On a machine with few cores and no GPU, drawing is the main
+/// cause of the worker's delays.
 pub fn watch_both(
     bench: &Bench,
     adapter: &Adapter,

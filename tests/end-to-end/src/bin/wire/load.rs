@@ -1,7 +1,7 @@
-//! What 500 exchanges a second cost the page and its worker.
+//! Measures the load of 500 exchanges a second on the page and its worker.
 //!
-//! No adapter carries so many; the built-in bus does. Its motor is simulated in the worker, which makes
-//! the worker's share larger than it is with a real one.
+//! No adapter is fast enough, so the built-in bus is used. Its motor is simulated in the worker, which makes the
+//! worker's share larger than with a real motor.
 
 use std::{thread, time::Duration};
 
@@ -14,9 +14,9 @@ use end_to_end::{
 
 use crate::driving::spin;
 
-/// Nothing is measured before.
+/// Time before the measurement.
 const WARM: Duration = Duration::from_secs(20);
-/// How much longer the heap is watched.
+/// Factor by which the heap is observed longer.
 const HEAP_TIMES: u32 = 10;
 const HEAP_GROWS_BYTES_MAX: u64 = 5_000_000;
 
@@ -70,7 +70,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     crate::ensure_quiet(&page)
 }
 
-/// What page and workers hold after ten times as long, against what they hold after so long.
+/// Compares the memory of page and workers after the time and after ten times as long.
 pub fn measure_heap(watched: Duration) -> Result<()> {
     let bench = Bench::start()?;
     let page = spinning(&bench)?;
@@ -108,8 +108,7 @@ fn per_cent(time: Duration, of: Duration) -> f64 {
     100.0 * time.as_secs_f64() / of.as_secs_f64()
 }
 
-/// Counts frames from now on. A minute is longer than an answer is waited for, so the count is asked for
-/// by itself.
+/// Counts frames from now on. The count is read separately, because a minute is longer than the timeout of a call.
 const COUNT_FRAMES: &str = "(() => {
     globalThis.framesOfBench = 0;
     const count = () => {

@@ -1,9 +1,8 @@
-//! Measures how much of a line the page uses, with one motor and with many, and what that costs, and
-//! prints it as a table.
+//! Measures how much of the bus capacity the page uses, with one motor and with many, and its cost. Prints a table.
 //!
-//! `cargo xtask bench` builds what is needed and runs this behind `instruments`. `--seconds N` sets how long each
-//! line is watched, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `stop`, `stall` or `heap` measures a
-//! part. The heap is watched ten times as long, and the graph of `stop` fills for five times as long.
+//! `cargo xtask bench` builds everything and runs this after `instruments`. `--seconds N` sets the duration of each
+//! measurement, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `stop`, `stall` or `heap` measures a part.
+//! The heap is measured ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
 mod crowd;
@@ -19,7 +18,7 @@ use std::{env, process::ExitCode, time::Duration};
 use anyhow::{Context, Result, bail, ensure};
 use end_to_end::{Page, figures::Table};
 
-/// How long a line is watched.
+/// Duration of each measurement.
 const WATCHED_S: u64 = 60;
 
 const PARTS: [&str; 8] = [
@@ -62,7 +61,7 @@ fn wanted() -> Result<Wanted> {
     Ok(wanted)
 }
 
-/// Measures what is wanted. What cannot be measured keeps nothing else from it.
+/// Measures the selected parts. If one of them fails, the others are still measured.
 fn measure(wanted: &Wanted) -> Result<()> {
     let table = Table::begin()?;
     let mut failed = None;

@@ -1,4 +1,4 @@
-//! How well a command rate is kept.
+//! Measures the jitter of command rates.
 
 use std::time::Duration;
 
@@ -48,15 +48,15 @@ fn rows(page_is: &str, wire: &WireLog) -> Result<()> {
     Ok(())
 }
 
-/// How late each frame is against a schedule of even periods, sorted. The schedule begins at the frame
-/// that is the earliest on it, within each second: the clocks of a browser and of the wire may differ.
+/// The lateness of each frame against an even schedule, sorted. In each second the schedule is aligned to its
+/// earliest frame, because the clocks of browser and wire can drift.
 fn lateness(times: &[u64]) -> Vec<u64> {
     let a_second = usize::from(HERTZ);
     let mut late: Vec<u64> = times
         .chunks(a_second)
         .flat_map(|second| {
             let due = |place: usize| place as u64 * PERIOD_US;
-            // How much later than the schedule that begins at zero.
+            // Lateness against a schedule that begins at zero.
             let offsets: Vec<u64> = second
                 .iter()
                 .enumerate()

@@ -1,4 +1,4 @@
-//! What an adapter that stalls puts on the wire behind a stop.
+//! Measures what a stalled adapter sends after a stop.
 
 use std::{thread, time::Duration};
 
@@ -7,7 +7,7 @@ use end_to_end::{Bench, Line, figures::row, now_us};
 
 use crate::driving::{connected, spin};
 
-/// How long it stalls, and how long after STOP the wire is watched.
+/// Duration of the stall, and of the measurement after STOP.
 const STALL_MS: u64 = 1_000;
 const WATCHED: Duration = Duration::from_secs(2);
 /// When STOP is pressed: before the motor counts as silent and after.

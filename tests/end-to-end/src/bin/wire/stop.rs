@@ -1,5 +1,4 @@
-//! A stop that is pressed while the page is busiest: eight motors, a full line, all of it in the log, five minutes
-//! of graph.
+//! Measures a stop under full load: eight motors, a full bus, all of it in the log, five minutes of graph.
 
 use std::{thread, time::Duration};
 
@@ -16,7 +15,7 @@ use crate::{
 
 const MOTORS: u8 = 8;
 const STOPS: usize = 50;
-/// The graph is full after so many times the time for which other lines are watched.
+/// Time to fill the graph, as a multiple of the duration of other measurements.
 const FILLED_TIMES: u32 = 5;
 const STOP_MAX_US: u64 = 8_000;
 
@@ -50,7 +49,7 @@ pub fn measure(watched: Duration) -> Result<()> {
     crate::ensure_quiet(&page)
 }
 
-/// From the moment when the browser sent the key to the first brake on the wire.
+/// Time from the key event in the browser to the first brake on the wire.
 fn stop(adapter: &Adapter, page: &Page) -> Result<u64> {
     let pressed = page.press_timed("Escape")?;
     page.wait_for_text("alertdialog", "Stopped", |text| {
