@@ -1,4 +1,4 @@
-//! How sharp a turning pattern looks: a function of speed alone.
+//! How sharp a turning pattern looks: a function of speed and frame rate.
 //!
 //! A screen shows still pictures, sixty a second or fewer. A pattern that repeats every few degrees and moves
 //! more than half its pitch from one picture to the next seems to turn backwards. So each pattern
