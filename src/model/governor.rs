@@ -5,16 +5,16 @@
 //! frame rate until the wire is on time. Where that does not help, drawing is not the cause, and the page draws as
 //! before.
 
-use std::time::Duration;
-
 use motorlink_messages::{bus::LineStatus, protocol::Instant};
 
 use crate::ui::frame_rate::FrameRate;
 
+const SECOND_US: u64 = 1_000_000;
+
 /// The bus counts over the last second.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+const LOOK_EVERY_US: u64 = SECOND_US;
 /// A longer time between two looks is a gap: the page hung, and nothing follows from what was before.
-const GAP: Duration = Duration::from_secs(2);
+const GAP_US: u64 = 2 * SECOND_US;
 /// Looks of one judgement: the lateness of a single second is chance.
 const LOOKS: u32 = 3;
 /// From this many exchanges a second on the governor works, and below the other it rests: with fewer, nothing is
@@ -28,30 +28,31 @@ const LATE_MIN: u32 = 8;
 const CALM_PER_MILLE: u32 = 25;
 const CALM_MAX: u32 = 4;
 /// How long the wire is on time before the rate goes up. Twice as long after each raise that was undone
-/// [`TOO_SOON`].
-const RAISE_AFTER: Duration = Duration::from_secs(5);
-const RAISE_AFTER_MAX: Duration = Duration::from_secs(80);
+/// [`TOO_SOON_US`].
+const RAISE_AFTER_US: u64 = 5 * SECOND_US;
+const RAISE_AFTER_MAX_US: u64 = 80 * SECOND_US;
 /// A rate that has to be lowered so soon after it was raised was raised too soon.
-const TOO_SOON: Duration = Duration::from_secs(10);
+const TOO_SOON_US: u64 = 10 * SECOND_US;
 /// How long the page draws as before where drawing less did not help.
-const GIVEN_UP_FOR: Duration = Duration::from_secs(60);
+const GIVEN_UP_FOR_US: u64 = 60 * SECOND_US;
 
 /// Decides the frame rate from what is late on the wire.
 #[derive(Clone, Debug)]
 pub(crate) struct Governor {
     rate: FrameRate,
     works: bool,
-    looked: Instant,
+    /// Microseconds on the worker's clock, here and below.
+    looked: u64,
     /// Looks since the last judgement, and what they have counted.
     looks: u32,
     late: u32,
     exchanges: u32,
     /// Late exchanges, per mille, when the rate was last lowered from the full one.
     late_at_full: u32,
-    calm_since: Option<Instant>,
-    raised: Option<Instant>,
-    raise_after: Duration,
-    given_up_until: Option<Instant>,
+    calm_since: Option<u64>,
+    raised: Option<u64>,
+    raise_after: u64,
+    given_up_until: Option<u64>,
 }
 
 impl Default for Governor {
@@ -59,14 +60,14 @@ impl Default for Governor {
         Self {
             rate: FrameRate::Full,
             works: false,
-            looked: Instant::default(),
+            looked: 0,
             looks: 0,
             late: 0,
             exchanges: 0,
             late_at_full: 0,
             calm_since: None,
             raised: None,
-            raise_after: RAISE_AFTER,
+            raise_after: RAISE_AFTER_US,
             given_up_until: None,
         }
     }
@@ -85,10 +86,12 @@ impl Governor {
             *self = Self::default();
             return self.rate;
         };
-        if now.since(self.looked) < LOOK_EVERY {
+        let now = now.as_micros();
+        let since_look = now.saturating_sub(self.looked);
+        if since_look < LOOK_EVERY_US {
             return self.rate_if_works();
         }
-        let has_gap = now.since(self.looked) > GAP;
+        let has_gap = since_look > GAP_US;
         self.looked = now;
         let least = if self.works {
             RESTS_BELOW_HZ
@@ -127,7 +130,7 @@ impl Governor {
         self.raised = None;
     }
 
-    fn judge(&mut self, now: Instant) {
+    fn judge(&mut self, now: u64) {
         if self.given_up_until.is_some_and(|until| now < until) {
             return;
         }
@@ -141,22 +144,22 @@ impl Governor {
         if self.rate == FrameRate::Hz10 && per_mille * 10 > self.late_at_full * 7 {
             // So much less drawing has not made it a third better.
             self.rate = FrameRate::Full;
-            self.given_up_until = Some(now + GIVEN_UP_FOR);
+            self.given_up_until = Some(now + GIVEN_UP_FOR_US);
         } else if self.late >= LATE_MIN && per_mille > LATE_MAX_PER_MILLE {
             self.lower(now, per_mille);
         }
     }
 
-    fn raise_when_calm(&mut self, now: Instant) {
+    fn raise_when_calm(&mut self, now: u64) {
         if self
             .raised
-            .is_some_and(|raised| now.since(raised) >= TOO_SOON)
+            .is_some_and(|raised| now.saturating_sub(raised) >= TOO_SOON_US)
         {
             self.raised = None;
-            self.raise_after = RAISE_AFTER;
+            self.raise_after = RAISE_AFTER_US;
         }
         let since = *self.calm_since.get_or_insert(now);
-        if now.since(since) >= self.raise_after
+        if now.saturating_sub(since) >= self.raise_after
             && let Some(higher) = self.rate.higher()
         {
             self.rate = higher;
@@ -165,10 +168,10 @@ impl Governor {
         }
     }
 
-    fn lower(&mut self, now: Instant, late_per_mille: u32) {
-        let too_soon = |raised: Instant| now.since(raised) < TOO_SOON;
+    fn lower(&mut self, now: u64, late_per_mille: u32) {
+        let too_soon = |raised: u64| now.saturating_sub(raised) < TOO_SOON_US;
         if self.raised.take().is_some_and(too_soon) {
-            self.raise_after = (self.raise_after * 2).min(RAISE_AFTER_MAX);
+            self.raise_after = (self.raise_after * 2).min(RAISE_AFTER_MAX_US);
         }
         if self.rate == FrameRate::Full {
             self.late_at_full = late_per_mille;

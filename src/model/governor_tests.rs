@@ -1,3 +1,5 @@
+use std::time::Duration;
+
 use super::*;
 
 /// A machine on which drawing at each rate makes so many per mille of the exchanges late.

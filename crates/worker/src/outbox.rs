@@ -1,11 +1,11 @@
 //! Updates to the page: at most one per frame of the screen, 20 a second for samples alone, and none while the page
 //! hangs.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::time::Duration;
 
 use motorlink_bus::{JobStatus, LineStatus, MotorStatus, PAGE_SILENCE_MAX, RawStatus, Sample};
 use motorlink_messages::{Connection, Notice, ToPage, Update};
-use motorlink_protocol::{Faults, Instant, Mode, MotorId};
+use motorlink_protocol::{Faults, Instant, Mode};
 
 use crate::scope::post;
 
@@ -25,8 +25,8 @@ const NOTICES_MAX: usize = 256;
 pub(crate) struct Outbox {
     samples: Vec<Sample>,
     notices: Vec<Notice>,
-    /// Mode and faults in the last reply of each motor.
-    last_states: BTreeMap<MotorId, (Mode, Faults)>,
+    /// Mode and faults in the last reply. Motors that differ have each reply posted in the next frame.
+    last_state: Option<(Mode, Faults)>,
     /// Whether something other than samples has changed.
     changed: bool,
     last_sent: Instant,
@@ -46,9 +46,10 @@ pub(crate) struct CurrentState {
 
 impl Outbox {
     pub(crate) fn sample(&mut self, sample: Sample) {
-        let state = (sample.reply.mode, sample.reply.faults);
-        // A mode or a fault is a state, which does not wait as a reading does.
-        self.changed |= self.last_states.insert(sample.reply.id, state) != Some(state);
+        let reply = &sample.reply;
+        let state = (reply.mode, reply.faults);
+        // Another mode or fault does not wait as a reading does.
+        self.changed |= self.last_state.replace(state) != Some(state);
         bounded_push(&mut self.samples, sample, SAMPLES_MAX);
     }
 
