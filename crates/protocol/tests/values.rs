@@ -1,0 +1,116 @@
+//! Addresses, targets and reported values: their ranges, their conversions and their texts.
+#![cfg(test)]
+
+use motorlink_protocol::{
+    Acceleration, AssignableId, Celsius, CoarsePosition, Current, CurrentTarget, MotorId,
+    MotorIdError, Position, PositionTarget, Rpm, Setpoint, SpeedTarget,
+};
+
+#[test]
+fn an_address_is_written_in_hex_and_comes_back_as_its_number() {
+    let id = MotorId::new(200).unwrap();
+    assert_eq!((id.get(), u8::from(id)), (200, 200));
+    assert_eq!(MotorId::try_from(200), Ok(id));
+    assert_eq!(id.to_string(), "0xC8");
+    assert_eq!(format!("{:?}", MotorId::FIRST), "motor 0x01");
+    let first = AssignableId::new(MotorId::FIRST).unwrap();
+    assert_eq!(MotorId::from(first), MotorId::FIRST);
+}
+
+#[test]
+fn a_refused_address_says_which_ones_are_valid() {
+    let text = |address| MotorId::new(address).unwrap_err().to_string();
+    assert_eq!(text(0), "0 is not a valid ID: use 1 to 254");
+    assert_eq!(text(255), MotorIdError::TooLarge.to_string());
+    assert_eq!(
+        text(255),
+        "not a valid ID: use a whole number from 1 to 254"
+    );
+    let reserved = AssignableId::try_from(MotorId::new(200).unwrap());
+    assert_eq!(
+        reserved.unwrap_err().to_string(),
+        "200 (0xC8) is reserved for the ID query: use another ID"
+    );
+}
+
+/// Full scale is 8 A, so 0.25 A is 1023.97.
+#[test]
+fn amps_become_the_nearest_raw_current() {
+    for (amps, raw) in [
+        (0.0, 0),
+        (0.25, 1_024),
+        (-0.25, -1_024),
+        (0.000_1, 0),
+        (-0.000_1, 0),
+        (8.0, 32_767),
+        (-8.0, -32_767),
+        (9.0, i16::MAX),
+        (f32::NAN, 0),
+    ] {
+        assert_eq!(Current::from_amps(amps).raw(), raw, "{amps}");
+        assert_eq!(CurrentTarget::from_amps(amps).raw(), raw, "{amps}");
+    }
+    assert_eq!(Current::from_amps(-9.0).raw(), i16::MIN);
+    assert_eq!(CurrentTarget::from_amps(-9.0).raw(), -i16::MAX);
+    assert!((CurrentTarget::new(-1_024).unwrap().amps() + 0.25).abs() < 0.000_1);
+}
+
+#[test]
+fn an_angle_outside_a_turn_becomes_the_nearer_end() {
+    let raw = |degrees| PositionTarget::from_degrees(degrees).raw();
+    assert_eq!((raw(90.0), raw(360.0)), (8_192, 32_767));
+    assert_eq!((raw(-1.0), raw(361.0)), (0, 32_767));
+    let target = |raw| PositionTarget::from(Position::from_raw(raw)).raw();
+    assert_eq!((target(8_192), target(32_768)), (8_192, 32_767));
+}
+
+#[test]
+fn a_target_takes_its_range_and_a_refusal_names_it() {
+    assert!(SpeedTarget::try_from(330).is_ok() && SpeedTarget::try_from(-330).is_ok());
+    assert!(CurrentTarget::try_from(32_767).is_ok() && CurrentTarget::try_from(-32_767).is_ok());
+    assert!(PositionTarget::try_from(32_767).is_ok() && PositionTarget::try_from(0).is_ok());
+    assert!(SpeedTarget::try_from(331).is_err());
+    assert!(CurrentTarget::try_from(-32_768).is_err());
+    assert!(CurrentTarget::try_from(32_768).is_err());
+    assert_eq!(
+        SpeedTarget::try_from(-331).unwrap_err().to_string(),
+        "speed in rpm must be -330 to 330, not -331"
+    );
+    assert_eq!(
+        PositionTarget::try_from(-1).unwrap_err().to_string(),
+        "raw position must be 0 to 32767, not -1"
+    );
+}
+
+#[test]
+fn a_target_comes_back_as_its_number() {
+    assert_eq!(i32::from(SpeedTarget::new(-7).unwrap()), -7);
+    assert_eq!(i32::from(CurrentTarget::new(-7).unwrap()), -7);
+    assert_eq!(i32::from(PositionTarget::new(7).unwrap()), 7);
+    assert_eq!(Acceleration::new(7).byte(), 7);
+}
+
+#[test]
+fn setpoints_are_written_with_sign_and_unit() {
+    let current = CurrentTarget::new(-2_000).unwrap();
+    let position = PositionTarget::new(8_192).unwrap();
+    for (setpoint, text) in [
+        (Setpoint::velocity(SpeedTarget::clamped(100)), "+100 rpm"),
+        (Setpoint::Brake, "brake"),
+        (Setpoint::Current(current), "−0.488 A"),
+        (Setpoint::Position(position), "90.00°"),
+    ] {
+        assert_eq!(setpoint.to_string(), text);
+    }
+}
+
+#[test]
+fn reported_values_are_written_with_their_unit() {
+    assert_eq!(Rpm::new(-100).to_string(), "−100 rpm");
+    assert_eq!(format!("{:?}", Rpm::new(100)), "+100 rpm");
+    assert_eq!(format!("{:?}", Current::from_raw(717)), "+0.175 A");
+    assert_eq!(format!("{:?}", Position::from_raw(6_095)), "66.96°");
+    assert_eq!(format!("{:?}", CoarsePosition::from_raw(246)), "347.3°");
+    assert_eq!(format!("{:?}", Celsius::new(32)), "32 °C");
+    assert_eq!(Rpm::new(i16::MIN).magnitude(), 32_768);
+}
