@@ -107,6 +107,19 @@ fn limits_are_what_they_were_made_of() {
     assert_eq!(limits.temperature_c(), 67);
 }
 
+#[test]
+fn limits_are_stored_as_three_numbers_and_checked_when_read() {
+    let numbers = [123, 2_345, 67];
+    let limits = Limits::try_from(numbers).unwrap();
+    assert_eq!(Ok(limits), Limits::new(123, 2_345, 67));
+    assert_eq!(<[u16; 3]>::from(limits), numbers);
+    let refused = Limits::try_from([331, 2_700, 75]).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "limits go from 1 to 330 rpm, from 0.1 to 8 A and from 30 to 80 °C"
+    );
+}
+
 /// 11,059 raw is 2,700 mA, and 11,064 is 2,701.
 #[test]
 fn a_current_at_its_limit_is_not_above_it() {

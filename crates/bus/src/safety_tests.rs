@@ -178,7 +178,9 @@ fn a_torque_reversal_passes_through_zero() {
     assert_eq!(step_towards(amps(-500), raw(500)), amps(0));
     assert_eq!(step_towards(amps(500), raw(-1)), amps(0));
     assert_eq!(step_towards(amps(900), raw(500)), amps(900));
+    assert_eq!(step_towards(amps(1), raw(-500)), amps(0));
     assert_eq!(step_towards(amps(0), raw(500)), amps(0));
+    assert_eq!(step_towards(amps(500), raw(0)), amps(500));
     assert_eq!(step_towards(amps(-500), None), amps(-500));
     let angle = Setpoint::Position(PositionTarget::new(7).unwrap());
     assert_eq!(step_towards(angle, raw(-1)), angle);

@@ -176,3 +176,7 @@ impl ActiveStop {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "stop_tests.rs"]
+mod tests;

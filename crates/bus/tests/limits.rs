@@ -237,3 +237,28 @@ fn a_speed_limit_that_is_set_below_what_is_driven_stops_it_before_the_next_frame
     )));
     assert!(fixture.true_rpm().abs() < 1.0);
 }
+
+/// A wheel that starts, or is within what a wheel overshoots, does not exceed the limit by its replies yet.
+#[test]
+fn no_frame_exceeds_a_lowered_limit_though_no_reply_does() {
+    for (driven_for, lowered_to) in [(ms(20), 100), (ms(2_000), 195)] {
+        let mut fixture = Fixture::one_motor();
+        fixture.drive(rpm(200)).unwrap();
+        fixture.run(driven_for);
+        fixture.forget_the_past();
+        let limits = Limits::new(lowered_to, 2_700, 75).unwrap();
+        fixture.command(Command::SetLimits(limits)).unwrap();
+        fixture.run(ms(3_000));
+        let speeds = fixture.sent.iter().filter_map(|sent| sent.drive_of(ID));
+        let fastest = speeds.map(|drive| drive.signed().unsigned_abs()).max();
+        assert!(
+            fastest <= Some(lowered_to),
+            "{fastest:?} after {lowered_to}"
+        );
+        assert_eq!(
+            exceeded(&fixture).map(|exceeded| exceeded.to_string()),
+            Some(format!("200 rpm, above your limit of {lowered_to} rpm"))
+        );
+        assert_stopped_for_good(&mut fixture);
+    }
+}

@@ -151,6 +151,18 @@ fn a_gap_while_nothing_is_driven_stops_nothing() {
     fixture.drive(rpm(50)).unwrap();
 }
 
+/// It could not answer while the bus did not ask.
+#[test]
+fn a_page_that_answered_before_a_gap_is_not_called_silent_after_it() {
+    let mut fixture = Fixture::one_motor();
+    fixture.drive(rpm(100)).unwrap();
+    fixture.run(ms(1_500));
+    fixture.sleep(ms(60_000));
+    fixture.run(ms(1_000));
+    let silent = |event: &Event| matches!(event, Event::StopBegan(StopReason::PageSilent));
+    assert!(!fixture.happened(silent));
+}
+
 /// Five frames in a row, of which some were sent a night ago.
 #[test]
 fn an_id_change_does_not_go_on_after_a_gap() {

@@ -1,0 +1,101 @@
+//! The next frame of a stop, and what replies of uncertain age change.
+
+use motorlink_protocol::{Current, Detail, Faults, Rpm};
+
+use super::*;
+
+const ID: MotorId = MotorId::FIRST;
+const BEGAN: Instant = Instant::from_millis(1_000);
+
+fn stop_of(mode: Option<Mode>) -> Stopping {
+    Stopping::begin(BEGAN, mode, None, 0)
+}
+
+fn switch() -> Request {
+    let mode = Mode::Velocity;
+    Request::SwitchMode { id: ID, mode }
+}
+
+/// The stop sends `count` switches, each a switch period after the last.
+fn send_switches(stop: &mut Stopping, count: u8, answers: bool) -> Instant {
+    let mut now = BEGAN;
+    for _ in 0..count {
+        now = now + SWITCH_PERIOD;
+        stop.sent(now, &switch(), STOP_PERIOD, answers);
+    }
+    now
+}
+
+fn standing(mode: Mode) -> Reply {
+    Reply {
+        id: ID,
+        mode,
+        current: Current::from_raw(0),
+        speed: Rpm::new(0),
+        detail: Detail::Undetermined([0, 0]),
+        faults: Faults::NONE,
+    }
+}
+
+#[test]
+fn behind_a_switch_a_silent_motor_is_asked_only_after_every_fifth() {
+    for (switches, is_asked) in [(1, false), (4, false), (5, true), (6, false), (10, true)] {
+        let mut stop = stop_of(None);
+        let now = send_switches(&mut stop, switches, false);
+        let next = if is_asked { now } else { now + SWITCH_PERIOD };
+        assert_eq!(stop.next_frame, next, "after {switches} switches");
+    }
+}
+
+#[test]
+fn behind_a_switch_the_next_frame_is_sent_at_once_if_it_is_answered_or_brakes() {
+    for (mode, answers) in [(None, true), (Some(Mode::Current), false)] {
+        let mut stop = stop_of(mode);
+        let now = send_switches(&mut stop, 1, answers);
+        assert_eq!(stop.next_frame, now, "{mode:?}, answers: {answers}");
+    }
+}
+
+#[test]
+fn an_uncertain_reply_from_the_position_loop_ends_the_brake() {
+    let mut stop = stop_of(Some(Mode::Velocity));
+    for _ in 1..STANDSTILL_REPLIES {
+        stop.record_reply(&standing(Mode::Velocity));
+    }
+    stop.record_uncertain_reply(Mode::Position);
+    let request = |stop: &Stopping, at| stop.next_request(at, ID);
+    assert_eq!(request(&stop, BEGAN), Request::Query { id: ID });
+    assert_eq!(request(&stop, BEGAN + STOP_PERIOD), switch());
+    stop.record_reply(&standing(Mode::Velocity));
+    assert!(!stop.confirmed(), "standstill is counted anew");
+}
+
+#[test]
+fn an_uncertain_reply_from_another_loop_changes_no_plan_and_no_count() {
+    for mode in [Mode::Velocity, Mode::Current] {
+        let mut stop = stop_of(Some(Mode::Velocity));
+        for _ in 1..STANDSTILL_REPLIES {
+            stop.record_reply(&standing(Mode::Velocity));
+        }
+        stop.record_uncertain_reply(mode);
+        let next = stop.next_request(BEGAN + STOP_PERIOD, ID);
+        assert_eq!(next, Request::drive(ID, Setpoint::Brake));
+        assert!(!stop.confirmed());
+        stop.record_reply(&standing(Mode::Velocity));
+        assert!(stop.confirmed());
+    }
+}
+
+/// The last uncertain reply decides whether many switches are enough for the brake.
+#[test]
+fn a_motor_that_last_reported_the_position_loop_is_not_braked_after_many_switches() {
+    let mut stop = stop_of(None);
+    stop.record_uncertain_reply(Mode::Position);
+    let now = send_switches(&mut stop, SILENT_SWITCHES, false);
+    assert_eq!(stop.next_request(now, ID), Request::Query { id: ID });
+    stop.record_uncertain_reply(Mode::Velocity);
+    assert_eq!(
+        stop.next_request(now, ID),
+        Request::drive(ID, Setpoint::Brake)
+    );
+}
