@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 
 use crate::failure::BAD_INPUT_CODE;
-use crate::reliability;
+use crate::{mutants, reliability};
 
 /// Builds, serves, tests and measures MotorLink.
 #[derive(Debug, Parser)]
@@ -88,8 +88,10 @@ pub enum Command {
     },
     /// Measure the figures of crates/experiments on virtual motors, and run the generated programs
     Experiments,
-    /// Run mutation tests on the safety code of the bus; fail if a mutant survives without a reason
+    /// Run mutation tests on the protocol, the safety code of the bus and the decoder of saved sessions; fail if a mutant survives without a reason
     Mutants {
+        /// Run one set [default: all]
+        set: Option<mutants::Set>,
         /// Number of mutants tested at the same time
         #[arg(long, default_value_t = 1)]
         jobs: u8,

@@ -96,7 +96,7 @@ fn run(command: Command) -> Result<()> {
             worlds,
         } => reliability::show(&workspace, part.as_deref(), seconds, worlds),
         Command::Experiments => experiments::show(&workspace),
-        Command::Mutants { jobs } => mutants::show(&workspace, jobs),
+        Command::Mutants { set, jobs } => mutants::show(&workspace, set, jobs),
         Command::Translations { check } => translations::update(&workspace, check),
         Command::Soak { args } => bench::soak(&workspace, &args),
         Command::Lighthouse => lighthouse::run(&workspace),

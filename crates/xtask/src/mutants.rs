@@ -1,50 +1,122 @@
-//! Changes the files that keep fingers whole, one spot at a time, and asks the bus's own tests to notice.
+//! Changes the code that decides, encodes and decodes frames, one spot at a time, and asks the tests of its
+//! crate to notice.
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use clap::ValueEnum;
 
 use crate::process;
 use crate::tables::Rows;
 use crate::tools;
 use crate::workspace::Workspace;
 
-/// What is changed.
-const FILES: [&str; 4] = [
-    "crates/bus/src/stop.rs",
-    "crates/bus/src/safety.rs",
-    "crates/bus/src/watchdog.rs",
-    "crates/bus/src/limits.rs",
-];
+/// A set of files that are changed, and whose tests must notice it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Set {
+    /// All of crates/protocol
+    Protocol,
+    /// The files of crates/bus that stop, limit and time the motors and match their replies
+    Bus,
+    /// The files of crates/recorder that decode a saved session
+    Recorder,
+}
 
-/// Changes that may survive, each with its reason.
-const ALLOWED: &str = "crates/bus/survivors.txt";
+impl Set {
+    const ALL: [Self; 3] = [Self::Protocol, Self::Bus, Self::Recorder];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Protocol => "protocol",
+            Self::Bus => "bus",
+            Self::Recorder => "recorder",
+        }
+    }
+
+    /// The changed files, below the `src` of the crate. None stands for all of them.
+    const fn files(self) -> &'static [&'static str] {
+        match self {
+            Self::Protocol => &[],
+            Self::Bus => &[
+                "stop.rs",
+                "safety.rs",
+                "watchdog.rs",
+                "limits.rs",
+                "schedule.rs",
+                "receiver.rs",
+                "late_replies.rs",
+            ],
+            Self::Recorder => &["saved/block.rs", "saved/content.rs", "saved/replay.rs"],
+        }
+    }
+
+    fn paths(self) -> Vec<String> {
+        let files = self.files().iter();
+        files
+            .map(|file| format!("crates/{}/src/{file}", self.name()))
+            .collect()
+    }
+
+    /// The list of changes that may survive, each with its reason.
+    fn allowed(self) -> String {
+        format!("crates/{}/survivors.txt", self.name())
+    }
+
+    /// The changed files, in the words of the table in docs/reliability.md.
+    fn in_words(self) -> String {
+        if self.files().is_empty() {
+            return format!("crates/{}", self.name());
+        }
+        let names = self.files().iter().map(|file| file.trim_end_matches(".rs"));
+        let names: Vec<_> = names.collect();
+        format!("crates/{} ({})", self.name(), names.join(", "))
+    }
+}
 
 /// cargo-mutants ends with these where a change survived, and where a test never ended by one.
 const SURVIVED_CODE: i32 = 2;
 const ENDLESS_CODE: i32 = 3;
 
-/// A test that takes longer than this, in seconds, has noticed; alone they take a few.
-const TIMEOUT_S: &str = "120";
+/// A test that takes longer than this, in seconds, has noticed. Alone the tests of the bus take a few;
+/// on a busy machine, minutes.
+const TIMEOUT_S: &str = "900";
 
-/// Tries every change, and fails where one survives without a reason, or has one without surviving.
-pub fn show(workspace: &Workspace, jobs: u8) -> Result<()> {
+/// Tries every change of one set or of all, and fails where one survives without a reason, or has one
+/// without surviving.
+pub fn show(workspace: &Workspace, set: Option<Set>, jobs: u8) -> Result<()> {
+    let chosen = set.map_or_else(|| Set::ALL.to_vec(), |set| vec![set]);
+    let mut rows = Rows::default();
+    let mut verdicts = Vec::new();
+    for set in chosen {
+        let (row, verdict) = run(workspace, set, jobs)?;
+        println!("{row}");
+        rows.add_line(&row);
+        verdicts.push(verdict);
+    }
+    rows.write_into(&workspace.root().join("docs/reliability.md"), "reliability")?;
+    verdicts.into_iter().collect()
+}
+
+/// Tries the changes of a set. Returns its row and whether it holds.
+fn run(workspace: &Workspace, set: Set, jobs: u8) -> Result<(String, Result<()>)> {
     let root = workspace.root();
-    let allowed = root.join(ALLOWED);
+    let allowed = root.join(set.allowed());
     let allowed = fs::read_to_string(&allowed).with_context(|| format!("{}", allowed.display()))?;
-    let allowed = with_reasons(&allowed)?;
-    let found = workspace.target().join("mutants");
+    let allowed = with_reasons(&allowed, &set.allowed())?;
+    let found = workspace.target().join("mutants").join(set.name());
     fs::create_dir_all(&found).with_context(|| format!("{}", found.display()))?;
 
     let mut cargo = process::cargo();
     cargo.current_dir(root);
     cargo.env("PATH", tools::path_with_cargo_mutants()?);
-    // Three hundred links go faster without what nobody will read.
+    // Hundreds of links go faster without what nobody will read.
     cargo.env("CARGO_PROFILE_DEV_DEBUG", "none");
-    cargo.args(["mutants", "--package", "motorlink-bus", "--no-config"]);
-    cargo.args(FILES.iter().flat_map(|file| ["--file", file]));
+    cargo.args(["mutants", "--no-config", "--package"]);
+    cargo.arg(format!("motorlink-{}", set.name()));
+    for path in set.paths() {
+        cargo.args(["--file", &path]);
+    }
     cargo.args(["--timeout", TIMEOUT_S, "--jobs", &jobs.to_string()]);
     cargo.arg("--output").arg(&found);
     cargo.args(["--", "--lib", "--tests"]);
@@ -60,23 +132,20 @@ pub fn show(workspace: &Workspace, jobs: u8) -> Result<()> {
     };
     let survivors: BTreeSet<String> = lines("missed.txt")?.into_iter().collect();
     let noticed = lines("caught.txt")?.len() + lines("timeout.txt")?.len();
-    let verdict = judge(&survivors, &allowed);
+    let verdict = judge(&survivors, &allowed, &set.allowed());
     let reached = if verdict.is_ok() { "yes" } else { "NO" };
     let row = format!(
-        "| changes of stop, safety, watchdog and limits that no test of the bus notices | none without a reason | {} of {}, {} with a reason | {reached} |",
+        "| changes of {} that no test of the crate notices | none without a reason | {} of {}, {} with a reason | {reached} |",
+        set.in_words(),
         survivors.len(),
         survivors.len() + noticed,
         survivors.intersection(&allowed).count(),
     );
-    println!("{row}");
-    let mut rows = Rows::default();
-    rows.add_line(&row);
-    rows.write_into(&root.join("docs/reliability.md"), "reliability")?;
-    verdict
+    Ok((row, verdict))
 }
 
 /// No survivor without a reason, and no reason without a survivor.
-fn judge(survivors: &BTreeSet<String>, allowed: &BTreeSet<String>) -> Result<()> {
+fn judge(survivors: &BTreeSet<String>, allowed: &BTreeSet<String>, file: &str) -> Result<()> {
     let list = |names: Vec<&String>| {
         let names = names.into_iter().map(|name| format!("\n  {name}"));
         names.collect::<String>()
@@ -85,13 +154,13 @@ fn judge(survivors: &BTreeSet<String>, allowed: &BTreeSet<String>) -> Result<()>
     let gone: Vec<_> = allowed.difference(survivors).collect();
     if !new.is_empty() {
         bail!(
-            "no test notices these; write one, or a reason into {ALLOWED}:{}",
+            "no test notices these; write one, or a reason into {file}:{}",
             list(new)
         );
     }
     if !gone.is_empty() {
         bail!(
-            "tests notice these now; take them out of {ALLOWED}:{}",
+            "tests notice these now; take them out of {file}:{}",
             list(gone)
         );
     }
@@ -99,7 +168,7 @@ fn judge(survivors: &BTreeSet<String>, allowed: &BTreeSet<String>) -> Result<()>
 }
 
 /// Each is a line that names the change, behind a comment that says why it may survive.
-fn with_reasons(text: &str) -> Result<BTreeSet<String>> {
+fn with_reasons(text: &str, file: &str) -> Result<BTreeSet<String>> {
     let mut names = BTreeSet::new();
     let mut has_reason = false;
     for line in text.lines().map(str::trim) {
@@ -110,7 +179,7 @@ fn with_reasons(text: &str) -> Result<BTreeSet<String>> {
         } else if has_reason {
             names.insert(line.to_owned());
         } else {
-            bail!("{}: no reason before: {line}", Path::new(ALLOWED).display());
+            bail!("{file}: no reason before: {line}");
         }
     }
     Ok(names)
@@ -127,6 +196,8 @@ fn without_place(line: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     fn set(names: &[&str]) -> BTreeSet<String> {
@@ -144,31 +215,47 @@ mod tests {
 
     #[test]
     fn a_list_without_a_reason_is_refused() {
+        let read = |text| with_reasons(text, "survivors.txt");
         assert_eq!(
-            with_reasons("# It cannot be told.\na.rs: b\n\n# Nor this.\nc.rs: d\ne.rs: f\n")
-                .unwrap(),
+            read("# It cannot be told.\na.rs: b\n\n# Nor this.\nc.rs: d\ne.rs: f\n").unwrap(),
             set(&["a.rs: b", "c.rs: d", "e.rs: f"])
         );
-        assert!(with_reasons("a.rs: b\n").is_err());
-        assert!(with_reasons("# One.\na.rs: b\n\nc.rs: d\n").is_err());
+        assert!(read("a.rs: b\n").is_err());
+        assert!(read("# One.\na.rs: b\n\nc.rs: d\n").is_err());
     }
 
     #[test]
     fn a_survivor_needs_a_reason_and_a_reason_a_survivor() {
-        assert!(judge(&set(&["a"]), &set(&["a"])).is_ok());
-        assert!(judge(&set(&["a"]), &set(&[])).is_err());
-        assert!(judge(&set(&[]), &set(&["a"])).is_err());
+        let judge = |survivors, allowed| judge(&set(survivors), &set(allowed), "survivors.txt");
+        assert!(judge(&["a"], &["a"]).is_ok());
+        assert!(judge(&["a"], &[]).is_err());
+        assert!(judge(&[], &["a"]).is_err());
     }
 
     #[test]
-    fn the_list_has_reasons_and_only_files_that_are_changed() {
+    fn the_lists_have_reasons_and_only_files_that_are_changed() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let text = fs::read_to_string(root.join(ALLOWED)).unwrap();
-        for name in with_reasons(&text).unwrap() {
-            assert!(FILES.iter().any(|file| name.starts_with(file)), "{name}");
+        for set in Set::ALL {
+            let text = fs::read_to_string(root.join(set.allowed())).unwrap();
+            let mut paths = set.paths();
+            for path in &paths {
+                assert!(root.join(path).is_file(), "{path}");
+            }
+            if paths.is_empty() {
+                paths.push(format!("crates/{}/src/", set.name()));
+            }
+            for name in with_reasons(&text, &set.allowed()).unwrap() {
+                assert!(paths.iter().any(|path| name.starts_with(path)), "{name}");
+            }
         }
-        for file in FILES {
-            assert!(root.join(file).is_file(), "{file}");
-        }
+    }
+
+    #[test]
+    fn a_row_names_the_crate_and_the_files() {
+        assert_eq!(Set::Protocol.in_words(), "crates/protocol");
+        assert_eq!(
+            Set::Recorder.in_words(),
+            "crates/recorder (saved/block, saved/content, saved/replay)"
+        );
     }
 }
