@@ -244,4 +244,48 @@ mod tests {
         });
         assert_eq!(replies.count(), 7);
     }
+
+    #[test]
+    fn a_lost_reply_is_known_by_its_layout_and_recent_for_50_ms() {
+        for layout in [Layout::Drive, Layout::Query] {
+            let mut late = LateReplies::default();
+            assert!(late.all_answered_in_time() && !late.may_come(at(1)));
+            assert_eq!(late.drive_expected_until(), None);
+            late.unanswered(layout, at(1), 1);
+            assert!(!late.all_answered_in_time());
+            assert!(late.makes_round_trip_ambiguous(at(50)), "{layout:?}");
+            assert!(!late.makes_round_trip_ambiguous(at(51)), "{layout:?}");
+            let expected = (layout == Layout::Drive).then_some(at(51));
+            assert_eq!(late.drive_expected_until(), expected);
+        }
+    }
+
+    #[test]
+    fn answers_to_an_id_query_may_come_until_four_replies_in_their_windows() {
+        let mut late = LateReplies::default();
+        assert!(!late.may_answer_id_query() && !late.id_query_is_recent(at(1)));
+        late.id_query_unanswered(at(1));
+        assert!(late.id_query_is_recent(at(50)) && !late.id_query_is_recent(at(51)));
+        assert_eq!(late.layout_of_reply(at(2), Layout::Query), None);
+        for _ in 0..3 {
+            late.replied();
+            assert!(late.may_answer_id_query());
+        }
+        late.replied();
+        assert!(!late.may_answer_id_query() && !late.id_query_is_recent(at(2)));
+    }
+
+    #[test]
+    fn the_newest_eight_lost_replies_are_outstanding() {
+        let mut late = LateReplies::default();
+        for ms in 0..10 {
+            late.unanswered(Layout::Query, at(ms), 1);
+        }
+        assert_eq!(late.outstanding(at(10)), 8);
+        assert_eq!(
+            late.outstanding(at(502)),
+            7,
+            "the first of them was sent at 2 ms"
+        );
+    }
 }
