@@ -37,7 +37,7 @@ impl Host {
         let site = self.site();
         let style = fs::read_dir(&site)?
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .find(|name| name.starts_with("style-"))
+            .find(|name| name.starts_with("style-") && name.ends_with(".css"))
             .expect("a style sheet");
         let next = "style-0123456789ab.css";
         let sheet = fs::read_to_string(site.join(&style))?;
