@@ -1,7 +1,7 @@
 //! The page without a network, at any path, and the next version of it.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::fixture::{assert_quiet_console, open_panel, spin};
 use anyhow::{Context, Result};
@@ -37,7 +37,7 @@ impl Host {
         let site = self.site();
         let style = fs::read_dir(&site)?
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .find(|name| name.starts_with("style-") && name.ends_with(".css"))
+            .find(|name| is_style_sheet(name))
             .expect("a style sheet");
         let next = "style-0123456789ab.css";
         let sheet = fs::read_to_string(site.join(&style))?;
@@ -61,6 +61,11 @@ impl Host {
         fs::write(site.join("sw.js"), next_worker)?;
         Ok(())
     }
+}
+
+/// The style sheet itself, and not its compressed copies beside it.
+fn is_style_sheet(name: &str) -> bool {
+    name.starts_with("style-") && Path::new(name).extension().is_some_and(|ext| ext == "css")
 }
 
 fn integrity(text: &str) -> String {
