@@ -12,8 +12,8 @@ use crate::{
     app::features::Features,
     features::{help::tour_view::TourAction, saved_session::offer::Offer},
     model::{
-        fleet::Fleet,
         keys::KeyAction,
+        names_and_sides::NamesAndSides,
         notice_board::Remedy,
         page::Dialog,
         preferences::{Model, Preferences, forget_all},
@@ -113,7 +113,7 @@ impl Features {
             speed_limit: Some(limits.speed_rpm()),
             current_limit: Some(limits.current_ma()),
             temperature_limit: Some(limits.temperature_c()),
-            fleet: Some(Fleet::default()),
+            names: Some(NamesAndSides::default()),
         });
         let first = Preferences::default();
         self.page.preferences.set(first);

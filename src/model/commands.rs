@@ -30,7 +30,7 @@ impl Page {
 
     /// Sends a command of the operator to the bus.
     pub(crate) fn command(self, command: Command) {
-        let mirror = |id| self.motors.fleet.with_untracked(|fleet| fleet.mirror(id));
+        let mirror = |id| self.motors.names.with_untracked(|names| names.mirror(id));
         if matches!(
             command,
             Command::Drive { .. } | Command::DriveGroup { .. } | Command::SendRaw { .. }

@@ -6,7 +6,7 @@
 use crate::{
     link::{serial_ports, worker_link::WorkerState},
     model::{
-        fleet::{GroupMembers, Side},
+        names_and_sides::{GroupMembers, Side},
         snapshot::{Session, is_active},
         terms,
     },

@@ -73,7 +73,7 @@ impl Mirror {
 }
 
 /// The command for the bus. Setpoints of a group already have the signs of the wire: see
-/// [`crate::model::fleet::group_setpoints`].
+/// [`crate::features::groups::wheels::group_setpoints`].
 pub(crate) fn to_wire(command: Command, mirror: impl Fn(MotorId) -> Mirror) -> Command {
     match command {
         Command::Drive {

@@ -1,4 +1,4 @@
-//! The selected motor, and the fleet.
+//! The selected motor, and the names and sides of all.
 
 use leptos::prelude::*;
 use motorlink_messages::{
@@ -8,7 +8,7 @@ use motorlink_messages::{
 };
 
 use crate::model::{
-    fleet::{Fleet, Member},
+    names_and_sides::{NameAndSide, NamesAndSides},
     notice_board::{Topic, Until},
     notice_texts::of_choice_while_driven,
     page::{Change, Page},
@@ -53,15 +53,15 @@ impl Page {
         self.show();
     }
 
-    pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut Member)) {
-        self.motors.fleet.update(|fleet| fleet.change(id, change));
-        self.motors.fleet.with_untracked(Fleet::save);
+    pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut NameAndSide)) {
+        self.motors.names.update(|names| names.change(id, change));
+        self.motors.names.with_untracked(NamesAndSides::save);
     }
 
-    /// Replaces the fleet.
-    pub(crate) fn replace_fleet(self, fleet: Fleet) {
-        fleet.save();
-        self.motors.fleet.set(fleet);
+    /// Replaces all names and sides.
+    pub(crate) fn replace_names_and_sides(self, names: NamesAndSides) {
+        names.save();
+        self.motors.names.set(names);
         self.motors.replaced.update(|times| *times += 1);
         // Its values may have another sign from now on.
         self.show();

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `page` | the state itself |
 //! | `commands` | commands to the worker, and notices to the user |
-//! | `motors` | the selected motor, and the fleet |
+//! | `motors` | the selected motor, and the names and sides of all |
 //! | `drive_settings` | rate, limits and ramp |
 //! | `recorder` | the recorder as the page sees it |
 //! | `setup_actions` | reads and applies the setup |
@@ -25,9 +25,9 @@ use crate::{
         worker_link::{WorkerLink, WorkerState},
     },
     model::{
-        drive_settings::DriveSettings, fleet::Fleet, governor::Governor, help_topic::HelpTopic,
-        history::History, notice_board::NoticeBoard, preferences::Preferences, recorder::Recorder,
-        snapshot::Session, tab::Tab,
+        drive_settings::DriveSettings, governor::Governor, help_topic::HelpTopic, history::History,
+        names_and_sides::NamesAndSides, notice_board::NoticeBoard, preferences::Preferences,
+        recorder::Recorder, snapshot::Session, tab::Tab,
     },
     ui::{drawer::Drawer, reactive::memo},
 };
@@ -118,8 +118,8 @@ pub(crate) struct Worker {
 /// Names and sides of the motors, and which of them drive together.
 #[derive(Clone, Copy)]
 pub(crate) struct Motors {
-    pub(crate) fleet: RwSignal<Fleet>,
-    /// Number of times that the whole fleet was replaced.
+    pub(crate) names: RwSignal<NamesAndSides>,
+    /// Number of times that all names and sides were replaced.
     pub(crate) replaced: RwSignal<u32>,
     /// The last started group, until it is known that it no longer drives.
     pub(crate) driven_together: StoredValue<Vec<MotorId>>,
@@ -198,7 +198,7 @@ impl Page {
             governor: StoredValue::new(Governor::default()),
             selected: RwSignal::new(preferences.motor),
             motors: Motors {
-                fleet: RwSignal::new(Fleet::load()),
+                names: RwSignal::new(NamesAndSides::load()),
                 replaced: RwSignal::new(0),
                 driven_together: StoredValue::new(Vec::new()),
                 steered: RwSignal::new(false),
@@ -241,8 +241,8 @@ impl Page {
             now: self.now(),
             ..self.latest.get_value()
         };
-        let fleet = self.motors.fleet;
-        fleet.with_untracked(|fleet| latest.with_mirroring(fleet))
+        let names = self.motors.names;
+        names.with_untracked(|names| latest.with_mirroring(names))
     }
 
     /// Shows the newest state.

@@ -1,4 +1,4 @@
-//! The setup: the fleet and the drive settings. Stored in the browser, and exported and imported as one JSON
+//! The setup: the names and sides of the motors, and the drive settings. Stored in the browser, and exported and imported as one JSON
 //! file.
 //!
 //! | field | what it is | allowed |
@@ -31,7 +31,7 @@ use std::fmt::Write;
 use motorlink_messages::bus::CommandRate;
 
 pub use self::error::{Misfit, SETUP_BYTES_MAX, SetupError};
-use crate::model::{fleet::Fleet, preferences::Model};
+use crate::model::{names_and_sides::NamesAndSides, preferences::Model};
 
 /// The version of the table above. A field may be added to a version only if pages that do not know it may
 /// refuse the file.
@@ -51,7 +51,7 @@ pub struct Setup {
     pub(crate) current_limit: Option<u16>,
     /// In degrees Celsius.
     pub(crate) temperature_limit: Option<u16>,
-    pub(crate) fleet: Option<Fleet>,
+    pub(crate) names: Option<NamesAndSides>,
 }
 
 impl Setup {
@@ -89,9 +89,9 @@ impl Setup {
                 let _ = write!(text, ",\n  \"{name}\": {limit}");
             }
         }
-        if let Some(fleet) = &self.fleet {
+        if let Some(names) = &self.names {
             text.push_str(",\n  \"motors\": [");
-            for (place, (id, member)) in fleet.members().enumerate() {
+            for (place, (id, member)) in names.members().enumerate() {
                 let _ = write!(
                     text,
                     "{}\n    {{ \"id\": {}, \"name\": {}, \"side\": \"{}\", \"drives_together\": {} }}",

@@ -16,7 +16,7 @@ impl Page {
             speed_limit: Some(preferences.limits.speed_rpm()),
             current_limit: Some(preferences.limits.current_ma()),
             temperature_limit: Some(preferences.limits.temperature_c()),
-            fleet: Some(self.motors.fleet.get_untracked()),
+            names: Some(self.motors.names.get_untracked()),
         }
     }
 
@@ -46,8 +46,8 @@ impl Page {
             }
             self.set_limits();
         }
-        if let Some(fleet) = setup.fleet {
-            self.replace_fleet(fleet);
+        if let Some(names) = setup.names {
+            self.replace_names_and_sides(names);
         }
     }
 }

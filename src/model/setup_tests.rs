@@ -8,7 +8,7 @@ use proptest::{collection::btree_map, option, prelude::*, sample::select};
 
 use super::*;
 use crate::model::{
-    fleet::{Member, NAME_MAX, Side},
+    names_and_sides::{NAME_MAX, NameAndSide, Side},
     scan_texts::tests::id,
 };
 
@@ -29,13 +29,13 @@ const ROVER: &str = r#"{
 "#;
 
 fn rover() -> Setup {
-    let mut fleet = Fleet::default();
-    fleet.change(id(1), |member| {
+    let mut names = NamesAndSides::default();
+    names.change(id(1), |member| {
         member.set_name("Front \"left\"");
         member.side = Side::Left;
         member.drives = true;
     });
-    fleet.change(id(254), |_| {});
+    names.change(id(254), |_| {});
     Setup {
         model: Some(Model::Ddsm115),
         rate: CommandRate::new(200).ok(),
@@ -44,7 +44,7 @@ fn rover() -> Setup {
         speed_limit: Some(120),
         current_limit: Some(1_500),
         temperature_limit: Some(60),
-        fleet: Some(fleet),
+        names: Some(names),
     }
 }
 
@@ -72,20 +72,20 @@ fn what_is_left_out_is_left_as_it_is() {
     let nothing = Setup::from_json(b"{\"motorlink_setup\": 1}");
     assert_eq!(nothing, Ok(Setup::default()));
     let nobody = Setup {
-        fleet: Some(Fleet::default()),
+        names: Some(NamesAndSides::default()),
         ..Setup::default()
     };
     assert_eq!(Setup::from_json(nobody.to_json().as_bytes()), Ok(nobody));
     let bare = Setup::from_json(with("\"motors\": [{\"id\": 7}]").as_bytes());
-    let fleet = bare.unwrap().fleet.unwrap();
-    assert_eq!(fleet.member(id(7)), Some(&Member::default()));
+    let names = bare.unwrap().names.unwrap();
+    assert_eq!(names.member(id(7)), Some(&NameAndSide::default()));
 }
 
 #[test]
 fn a_mark_of_an_editor_and_other_orders_are_read() {
     let file = "\u{FEFF}{\"motors\":[{\"side\":\"left\",\"id\":2},{\"id\":1}],\r\n\t\"motorlink_setup\":1}";
-    let fleet = Setup::from_json(file.as_bytes()).unwrap().fleet.unwrap();
-    let ids: Vec<u8> = fleet.members().map(|(id, _)| id.get()).collect();
+    let names = Setup::from_json(file.as_bytes()).unwrap().names.unwrap();
+    let ids: Vec<u8> = names.members().map(|(id, _)| id.get()).collect();
     assert_eq!(ids, [1, 2]);
 }
 
@@ -220,15 +220,15 @@ fn what_is_no_json_is_refused_with_line_and_column() {
 
 #[test]
 fn the_longest_setup_fits_and_a_larger_file_is_not_even_read() {
-    let mut fleet = Fleet::default();
+    let mut names = NamesAndSides::default();
     for id in MotorId::all() {
-        fleet.change(id, |member| {
+        names.change(id, |member| {
             member.set_name(&"\u{1f6de}".repeat(NAME_MAX));
             member.side = Side::Right;
         });
     }
     let all = Setup {
-        fleet: Some(fleet),
+        names: Some(names),
         ..rover()
     };
     let file = all.to_json();
@@ -283,16 +283,16 @@ fn any_setup() -> impl Strategy<Value = Setup> {
                 speed_limit: limits.0,
                 current_limit: limits.1,
                 temperature_limit: limits.2,
-                fleet: members.map(|members| {
-                    let mut fleet = Fleet::default();
+                names: members.map(|members| {
+                    let mut names = NamesAndSides::default();
                     for (number, (name, side, drives)) in members {
-                        fleet.change(id(number), |member| {
+                        names.change(id(number), |member| {
                             member.set_name(&name);
                             member.side = side;
                             member.drives = drives;
                         });
                     }
-                    fleet
+                    names
                 }),
             },
         )

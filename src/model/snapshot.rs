@@ -14,7 +14,7 @@ use motorlink_messages::{
     },
 };
 
-use crate::model::{fleet::Fleet, mirror::Mirror};
+use crate::model::{mirror::Mirror, names_and_sides::NamesAndSides};
 
 /// Everything that the page shows, except for the entered targets.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,9 +138,9 @@ impl Session {
     }
 
     /// Reverses the sign of speed, current and setpoint of mirrored motors.
-    pub(crate) fn with_mirroring(mut self, fleet: &Fleet) -> Self {
+    pub(crate) fn with_mirroring(mut self, names: &NamesAndSides) -> Self {
         for motor in &mut self.motors {
-            let mirror = fleet.mirror(motor.id);
+            let mirror = names.mirror(motor.id);
             if !mirror.is_mirrored() {
                 continue;
             }

@@ -7,7 +7,7 @@ use motorlink_messages::{
 };
 
 use super::*;
-use crate::model::fleet::Side;
+use crate::model::names_and_sides::Side;
 
 pub(crate) const ID: MotorId = MotorId::FIRST;
 
@@ -122,11 +122,11 @@ fn a_mirrored_motor_is_read_with_the_other_sign_and_no_state_changes_by_it() {
     let mut motor = status(1_000, Mode::Velocity, -98);
     motor.activity = goal(-100);
     let told = session(1_016, motor);
-    let mut fleet = Fleet::default();
-    fleet.change(ID, |member| member.side = Side::Left);
-    assert_eq!(told.clone().with_mirroring(&fleet), told);
-    fleet.change(ID, |member| member.side = Side::Right);
-    let read = told.clone().with_mirroring(&fleet);
+    let mut names = NamesAndSides::default();
+    names.change(ID, |member| member.side = Side::Left);
+    assert_eq!(told.clone().with_mirroring(&names), told);
+    names.change(ID, |member| member.side = Side::Right);
+    let read = told.clone().with_mirroring(&names);
     assert!(read.mirror(ID).is_mirrored() && !told.mirror(ID).is_mirrored());
     assert_eq!(read.speed(ID).unwrap().value, Rpm::new(98));
     assert_eq!(read.current(ID).unwrap().value, Current::from_raw(-100));

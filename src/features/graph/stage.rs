@@ -100,7 +100,7 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     // Redraw for another motor, theme or name.
     Effect::new(move |_| {
         let _ = (chart.page.selected.get(), chart.page.preferences.get());
-        chart.page.motors.fleet.track();
+        chart.page.motors.names.track();
         chart.looks_stale.set(true);
         chart.wake();
     });

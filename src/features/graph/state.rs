@@ -148,14 +148,14 @@ impl Chart {
             self.page.selected.get_untracked(),
             self.traces.get_untracked(),
         );
-        let fleet = self.page.motors.fleet;
-        fleet.with_untracked(|fleet| Subject::new(history, fleet, id, traces))
+        let names = self.page.motors.names;
+        names.with_untracked(|names| Subject::new(history, names, id, traces))
     }
 
     /// The name of a motor.
     pub(crate) fn motor_name(self, id: MotorId) -> String {
-        let fleet = self.page.motors.fleet;
-        fleet.with_untracked(|fleet| motor_name(id, fleet))
+        let names = self.page.motors.names;
+        names.with_untracked(|names| motor_name(id, names))
     }
 
     /// The limits of panning for the drawn motors.

@@ -13,11 +13,12 @@ use crate::{
     features::groups::{
         gamepads,
         pad::{By, DrivePad, GAMEPADS_MAX, Order, Stick},
+        wheels::{Wheels, group_setpoints},
     },
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        fleet::{Fleet, GroupMembers, Side, Wheels, group_setpoints},
         guards::{group_drive_blocked_by, side_change_blocked_by, steer_blocked_by},
+        names_and_sides::{GroupMembers, NamesAndSides, Side},
         notice_board::Topic,
         page::Page,
     },
@@ -92,7 +93,11 @@ impl Groups {
 
     /// Drives the group at the entered speed, each motor in its direction.
     pub(crate) fn start_together(self) {
-        let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        let members = self
+            .page
+            .motors
+            .names
+            .with_untracked(NamesAndSides::group_members);
         if let Some(reason) = group_drive_blocked_by(&self.page.present(), &members) {
             self.page
                 .refuse(tr!("Group not started").to_owned(), reason);
@@ -111,7 +116,11 @@ impl Groups {
 
     /// Stops the driven group, by one of its members, and the selected motors.
     pub(crate) fn stop_together(self) {
-        let ticked = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        let ticked = self
+            .page
+            .motors
+            .names
+            .with_untracked(NamesAndSides::group_members);
         let group = self.group.get_value().members;
         self.stop_group();
         for (id, _) in ticked {
@@ -161,7 +170,11 @@ impl Groups {
 
     /// The maximal speed of the pad now.
     fn pad_limit(self) -> Option<i32> {
-        let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+        let members = self
+            .page
+            .motors
+            .names
+            .with_untracked(NamesAndSides::group_members);
         let allowed = steer_blocked_by(&self.page.present(), &members).is_none();
         allowed.then(|| self.speed.get_untracked())
     }
@@ -171,7 +184,11 @@ impl Groups {
         match order {
             Some(Order::Stop) => self.stop_group(),
             Some(Order::Start(wheels)) => {
-                let members = self.page.motors.fleet.with_untracked(Fleet::group_members);
+                let members = self
+                    .page
+                    .motors
+                    .names
+                    .with_untracked(NamesAndSides::group_members);
                 self.begin_group(members, wheels);
             }
             Some(Order::Adjust(wheels)) => self.adjust_group(wheels),

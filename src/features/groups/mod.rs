@@ -5,3 +5,5 @@ pub(crate) mod gamepads;
 pub(crate) mod pad;
 pub(crate) mod pad_view;
 pub(crate) mod panel;
+pub(crate) mod rows;
+pub(crate) mod wheels;

@@ -4,7 +4,7 @@
 //! press starts a hold. After a hold has ended for any reason, the same stick has to be released and pressed
 //! again: a finger that still moves starts nothing.
 
-use crate::model::fleet::Wheels;
+use crate::features::groups::wheels::Wheels;
 
 /// The dead zone, as a part of the full travel: no stick returns exactly to the middle.
 const DEAD: f64 = 0.08;

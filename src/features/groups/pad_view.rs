@@ -16,7 +16,7 @@ use crate::{
         actions::Groups,
         pad::{By, Stick},
     },
-    model::{fleet::Fleet, guards::steer_blocked_by},
+    model::{guards::steer_blocked_by, names_and_sides::NamesAndSides},
     ui::{
         animation::Frames,
         drawer::Drawer,
@@ -74,7 +74,7 @@ pub(crate) fn attach_handlers(groups: Groups) {
         on_window(name, move |event| on_event(groups, &event));
     }
     let disabled_reason = memo(move || {
-        let members = groups.page.motors.fleet.with(Fleet::group_members);
+        let members = groups.page.motors.names.with(NamesAndSides::group_members);
         groups
             .page
             .shown

@@ -7,10 +7,14 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, Event, HtmlElement, HtmlInputElement, HtmlSelectElement};
 
 use crate::{
-    features::groups::{actions::Groups, pad_view},
+    features::groups::{
+        actions::Groups,
+        pad_view,
+        rows::{listed, rows_html},
+    },
     model::{
-        fleet::{Fleet, Side, listed, rows_html},
         guards::{group_drive_blocked_by, side_change_blocked_by, stop_blocked_by},
+        names_and_sides::{NamesAndSides, Side},
         page::Page,
         snapshot::Session,
         tool_entry,
@@ -26,12 +30,12 @@ use crate::{
     },
 };
 
-const ROWS: &str = "fleet";
+const ROWS: &str = "group-motors";
 
 /// A list with one row per motor.
 fn rows_markup() -> String {
     let name = tr!("Motors in the group");
-    format!(r#"<ul class="fleet" id="fleet" role="list" aria-label="{name}"></ul>"#)
+    format!(r#"<ul class="group-motors" id="group-motors" role="list" aria-label="{name}"></ul>"#)
 }
 
 /// Panel `Drive together`.
@@ -39,7 +43,7 @@ fn rows_markup() -> String {
 pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
     let page = groups.page;
     let blocked = memo(move || {
-        let members = page.motors.fleet.with(Fleet::group_members);
+        let members = page.motors.names.with(NamesAndSides::group_members);
         page.shown
             .with(|session| group_drive_blocked_by(session, &members))
     });
@@ -96,10 +100,10 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
 /// Updates the rows and handles changes in them.
 fn update_rows(groups: Groups) {
     let page = groups.page;
-    let fleet = page.motors.fleet;
+    let names = page.motors.names;
     let ids = memo(move || {
         let found = page.shown.with(Session::found);
-        fleet.with(|fleet| listed(&found, fleet))
+        names.with(|names| listed(&found, names))
     });
     // The side of a driven motor cannot change.
     let held = memo::<Vec<MotorId>>(move || {
@@ -114,7 +118,7 @@ fn update_rows(groups: Groups) {
         if let Some(list) = list.and_then(|list| list.dyn_into::<HtmlElement>().ok()) {
             // A row updates its own content: the user may be typing there.
             if made.as_ref() != Some(&wanted) {
-                let html = fleet.with_untracked(|fleet| rows_html(&wanted.0, fleet));
+                let html = names.with_untracked(|names| rows_html(&wanted.0, names));
                 replace_keeping_focus(&list, &html, "id");
             }
             hold_sides(page, &wanted.0);
@@ -123,7 +127,7 @@ fn update_rows(groups: Groups) {
     });
     on_window("input", move |event: Event| {
         let control = event.target().and_then(|at| at.dyn_into::<Element>().ok());
-        let ours = control.filter(|control| matches!(control.closest(".fleet-row"), Ok(Some(_))));
+        let ours = control.filter(|control| matches!(control.closest(".group-row"), Ok(Some(_))));
         if let Some(control) = ours {
             take_in(groups, &control);
         }
@@ -156,7 +160,7 @@ fn take_in(groups: Groups, control: &Element) {
     };
     if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
         groups.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
-        let side = page.motors.fleet.with_untracked(|fleet| fleet.side(id));
+        let side = page.motors.names.with_untracked(|names| names.side(id));
         list.set_value(side.key());
     } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {
         page.change_member(id, |member| {

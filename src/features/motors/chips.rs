@@ -7,7 +7,7 @@ use motorlink_messages::protocol::{Faults, MotorId};
 
 use crate::{
     model::{
-        fleet::{Fleet, Side},
+        names_and_sides::{NamesAndSides, Side},
         snapshot::{Reading, Session},
     },
     ui::{
@@ -43,10 +43,10 @@ impl Figure {
 }
 
 /// The content that does not change with every report, as HTML.
-pub(crate) fn chips_html(found: &[MotorId], fleet: &Fleet, selected: MotorId) -> String {
+pub(crate) fn chips_html(found: &[MotorId], names: &NamesAndSides, selected: MotorId) -> String {
     let mut html = String::new();
     for id in found {
-        let member = fleet.member(*id).cloned().unwrap_or_default();
+        let member = names.member(*id).cloned().unwrap_or_default();
         let name = escaped(member.name().trim());
         let (side, of_side) = match member.side {
             Side::None => ("", ""),
@@ -143,12 +143,12 @@ mod tests {
 
     #[test]
     fn a_chip_says_who_it_is_and_who_is_chosen() {
-        let mut fleet = Fleet::default();
-        fleet.change(id(2), |member| {
+        let mut names = NamesAndSides::default();
+        names.change(id(2), |member| {
             member.set_name("<i>\"A\"&B ");
             member.side = Side::Right;
         });
-        let html = chips_html(&[id(1), id(2)], &fleet, id(2));
+        let html = chips_html(&[id(1), id(2)], &names, id(2));
         assert!(
             html.contains("value=\"1\" aria-pressed=\"false\" aria-label=\"Motor 0x01\""),
             "{html}"
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(html.matches("aria-pressed=\"true\"").count(), 1);
         assert_eq!(html.matches("data-figure").count(), 2 * FIGURES.len());
         assert!(
-            chips_html(&[], &fleet, ID).contains("No motors found yet. Connect to see them here.")
+            chips_html(&[], &names, ID).contains("No motors found yet. Connect to see them here.")
         );
     }
 

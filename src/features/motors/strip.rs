@@ -25,8 +25,8 @@ pub(crate) fn MotorStrip() -> impl IntoView {
     let found = memo(move || page.shown.with(Session::found));
     let html = memo(move || {
         let selected = page.selected.get();
-        let fleet = page.motors.fleet;
-        found.with(|found| fleet.with(|fleet| chips_html(found, fleet, selected)))
+        let names = page.motors.names;
+        found.with(|found| names.with(|names| chips_html(found, names, selected)))
     });
     // The chips are created when the set of motors changes; their values are written into them.
     Effect::new(move |before: Option<Chips>| {

@@ -8,7 +8,7 @@ use motorlink_messages::{
 use nojson::{JsonValueKind, RawJson, RawJsonValue};
 
 use crate::model::{
-    fleet::{Fleet, Member, Side},
+    names_and_sides::{NameAndSide, NamesAndSides, Side},
     preferences::Model,
     setup::{Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION},
 };
@@ -105,7 +105,7 @@ pub(crate) fn read(file: &[u8]) -> Result<Setup, SetupError> {
         speed_limit: limit(speed, a_speed_limit(), Limits::SPEED_RPM)?,
         current_limit: limit(current, a_current_limit(), Limits::CURRENT_MA)?,
         temperature_limit: limit(temperature, a_temperature_limit(), Limits::TEMPERATURE_C)?,
-        fleet: motors.map(fleet).transpose()?,
+        names: motors.map(names).transpose()?,
     })
 }
 
@@ -132,29 +132,29 @@ fn check_version(file: Value) -> Result<(), SetupError> {
     }
 }
 
-fn fleet(motors: Value) -> Result<Fleet, SetupError> {
-    let mut fleet = Fleet::default();
+fn names(motors: Value) -> Result<NamesAndSides, SetupError> {
+    let mut names = NamesAndSides::default();
     for motor in motors.to_array().map_err(|_| not(motors, a_list()))? {
         let [id, name, side, drives] = fields(motor, &FIELDS_OF_MOTOR)?;
         let at = id.ok_or_else(|| missing(motor, "id", an_id()))?;
         let id = whole(at).and_then(|id| MotorId::new(u8::try_from(id).ok()?).ok());
         let id = id.ok_or_else(|| not(at, an_id()))?;
-        if fleet.member(id).is_some() {
+        if names.member(id).is_some() {
             return Err(misfit(at, Misfit::SameId));
         }
         let name = fit(name, a_name(), |value| {
-            text_of(value).filter(|name| Member::is_name(name))
+            text_of(value).filter(|name| NameAndSide::is_name(name))
         })?;
         let side = fit(side, a_side(), |value| Side::from_key(&text_of(value)?))?;
         let drives = fit(drives, a_yes(), yes)?;
-        fleet.change(id, |member| {
+        names.change(id, |member| {
             // Without trimming, which is only for typed text.
             member.set_name(name.unwrap_or_default().trim());
             member.side = side.unwrap_or_default();
             member.drives = drives.unwrap_or_default();
         });
     }
-    Ok(fleet)
+    Ok(names)
 }
 
 /// Reads an optional value.

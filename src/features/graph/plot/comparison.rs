@@ -6,9 +6,9 @@ use motorlink_messages::protocol::{Instant, MotorId};
 use crate::{
     features::graph::plot::trace::{Trace, Traces},
     model::{
-        fleet::Fleet,
         history::{History, Track},
         mirror::Mirror,
+        names_and_sides::NamesAndSides,
     },
 };
 
@@ -48,7 +48,12 @@ pub(crate) struct Comparison {
 impl Comparison {
     /// Compares all motors that have reported, in the order of their IDs. If there are more than [`MOTORS_MAX`], the
     /// chosen one takes the last place.
-    pub(crate) fn new(trace: Trace, history: &History, fleet: &Fleet, chosen: MotorId) -> Self {
+    pub(crate) fn new(
+        trace: Trace,
+        history: &History,
+        names: &NamesAndSides,
+        chosen: MotorId,
+    ) -> Self {
         let mut ids = history.reported();
         ids.sort_unstable();
         let left_out = ids.len().saturating_sub(MOTORS_MAX);
@@ -57,7 +62,7 @@ impl Comparison {
         }
         let mut motors = [None; MOTORS_MAX];
         for (place, id) in motors.iter_mut().zip(ids) {
-            *place = Some((id, fleet.mirror(id)));
+            *place = Some((id, names.mirror(id)));
         }
         Self {
             trace,
@@ -81,12 +86,17 @@ impl Comparison {
 
 impl Subject {
     /// The content that the user has chosen.
-    pub(crate) fn new(history: &History, fleet: &Fleet, id: MotorId, traces: Traces) -> Self {
+    pub(crate) fn new(
+        history: &History,
+        names: &NamesAndSides,
+        id: MotorId,
+        traces: Traces,
+    ) -> Self {
         match traces.compared {
-            Some(trace) => Self::Compared(Comparison::new(trace, history, fleet, id)),
+            Some(trace) => Self::Compared(Comparison::new(trace, history, names, id)),
             None => Self::Motor {
                 id,
-                mirror: fleet.mirror(id),
+                mirror: names.mirror(id),
                 traces,
             },
         }
@@ -131,10 +141,10 @@ pub(crate) fn marked(when: String, mirror: Mirror) -> String {
 }
 
 /// `0x01 Front left`, or only the ID of a motor without a name; `0x02 (mirrored)`.
-pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
+pub(crate) fn motor_name(id: MotorId, names: &NamesAndSides) -> String {
     let mut words = id.to_string();
-    let name = fleet.member(id).map_or("", |member| member.name().trim());
-    let mirrored = fleet.mirror(id).is_mirrored().then(|| tr!("(mirrored)"));
+    let name = names.member(id).map_or("", |member| member.name().trim());
+    let mirrored = names.mirror(id).is_mirrored().then(|| tr!("(mirrored)"));
     for part in [name, mirrored.unwrap_or_default()] {
         if !part.is_empty() {
             words = words + " " + part;
@@ -147,8 +157,8 @@ pub(crate) fn motor_name(id: MotorId, fleet: &Fleet) -> String {
 mod tests {
     use super::*;
     use crate::model::{
-        fleet::Side,
         history::tests::{sample, update},
+        names_and_sides::Side,
         scan_texts::tests::id,
     };
 
@@ -169,11 +179,20 @@ mod tests {
 
     #[test]
     fn every_motor_that_reported_has_a_place_by_its_id() {
-        let comparison =
-            Comparison::new(Trace::Speed, &history(&[7, 2, 9]), &Fleet::default(), id(7));
+        let comparison = Comparison::new(
+            Trace::Speed,
+            &history(&[7, 2, 9]),
+            &NamesAndSides::default(),
+            id(7),
+        );
         assert_eq!(drawn(&comparison), [(0, 2), (1, 7), (2, 9)]);
         assert_eq!(comparison.more(), None);
-        let nobody = Comparison::new(Trace::Speed, &History::default(), &Fleet::default(), id(7));
+        let nobody = Comparison::new(
+            Trace::Speed,
+            &History::default(),
+            &NamesAndSides::default(),
+            id(7),
+        );
         assert!(drawn(&nobody).is_empty());
     }
 
@@ -181,8 +200,12 @@ mod tests {
     fn beyond_eight_the_rest_is_said_and_the_chosen_one_is_drawn() {
         let history = history(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
         let ids = |chosen| {
-            let comparison =
-                Comparison::new(Trace::Current, &history, &Fleet::default(), id(chosen));
+            let comparison = Comparison::new(
+                Trace::Current,
+                &history,
+                &NamesAndSides::default(),
+                id(chosen),
+            );
             assert_eq!(comparison.more().unwrap(), "and 3 more, not shown");
             drawn(&comparison)
                 .into_iter()
@@ -201,7 +224,7 @@ mod tests {
         let of = |compared, chosen| {
             let mut traces = Traces::default();
             traces.compared = compared;
-            let subject = Subject::new(&history, &Fleet::default(), id(chosen), traces);
+            let subject = Subject::new(&history, &NamesAndSides::default(), id(chosen), traces);
             let ends = subject.oldest(&history).zip(subject.newest(&history));
             ends.map(|(oldest, newest)| (oldest.as_micros(), newest.as_micros()))
         };
@@ -212,14 +235,14 @@ mod tests {
 
     #[test]
     fn a_motor_is_named_by_its_id_and_what_it_was_given() {
-        let mut fleet = Fleet::default();
-        assert_eq!(motor_name(id(1), &fleet), "0x01");
-        fleet.change(id(1), |member| member.set_name(" Front left "));
-        assert_eq!(motor_name(id(1), &fleet), "0x01 Front left");
-        fleet.change(id(1), |member| member.side = Side::Right);
-        assert_eq!(motor_name(id(1), &fleet), "0x01 Front left (mirrored)");
-        fleet.change(id(1), |member| member.side = Side::Left);
-        fleet.change(id(1), |member| member.set_name("  "));
-        assert_eq!(motor_name(id(1), &fleet), "0x01");
+        let mut names = NamesAndSides::default();
+        assert_eq!(motor_name(id(1), &names), "0x01");
+        names.change(id(1), |member| member.set_name(" Front left "));
+        assert_eq!(motor_name(id(1), &names), "0x01 Front left");
+        names.change(id(1), |member| member.side = Side::Right);
+        assert_eq!(motor_name(id(1), &names), "0x01 Front left (mirrored)");
+        names.change(id(1), |member| member.side = Side::Left);
+        names.change(id(1), |member| member.set_name("  "));
+        assert_eq!(motor_name(id(1), &names), "0x01");
     }
 }

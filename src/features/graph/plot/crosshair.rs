@@ -97,8 +97,8 @@ mod tests {
 
     use super::*;
     use crate::model::{
-        fleet::{Fleet, Side},
         history::tests::{sample, update},
+        names_and_sides::{NamesAndSides, Side},
         scan_texts::tests::id,
         snapshot::tests::ID,
     };
@@ -160,11 +160,11 @@ mod tests {
     fn every_compared_motor_is_read_at_the_same_moment() {
         let mut history = history();
         let other = id(2);
-        let mut fleet = Fleet::default();
-        fleet.change(other, |member| member.side = Side::Right);
+        let mut names = NamesAndSides::default();
+        names.change(other, |member| member.side = Side::Right);
         let late = vec![sample(other, 1_900, -7)];
         history.take(&update(1_900, late, vec![]));
-        let comparison = Comparison::new(Trace::Speed, &history, &fleet, ID);
+        let comparison = Comparison::new(Trace::Speed, &history, &names, ID);
         let at = |at_ms| compared(&history, &comparison, Instant::from_millis(at_ms));
         let words = |first: &str, second: &str| {
             vec![(0, ID, first.to_owned()), (1, other, second.to_owned())]

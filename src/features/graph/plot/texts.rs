@@ -120,11 +120,11 @@ mod tests {
 
     use super::*;
     use crate::model::{
-        fleet::Fleet,
         history::{
             History,
             tests::{sample, update},
         },
+        names_and_sides::NamesAndSides,
         scan_texts::tests::id,
     };
 
@@ -182,7 +182,8 @@ mod tests {
             let mut history = History::default();
             let samples = (1..=count).map(|of| sample(id(of), 1_000, 5)).collect();
             history.take(&update(1_000, samples, vec![]));
-            let comparison = Comparison::new(Trace::Speed, &history, &Fleet::default(), id(1));
+            let comparison =
+                Comparison::new(Trace::Speed, &history, &NamesAndSides::default(), id(1));
             let motors = names
                 .iter()
                 .map(|name| ((*name).to_owned(), "+5 rpm".to_owned()));
