@@ -1,5 +1,14 @@
 //! Mathematical functions of the browser: compiled into the page they would add 7 KB to the first visit.
 
+/// The value, or the bound that it exceeds; `low` for NaN.
+#[allow(
+    clippy::manual_clamp,
+    reason = "the panic of `f64::clamp` writes its bounds, and that code adds 3 KB to the first visit"
+)]
+pub(crate) const fn limited(value: f64, low: f64, high: f64) -> f64 {
+    value.max(low).min(high)
+}
+
 /// Sine and cosine of an angle in degrees.
 #[cfg(target_arch = "wasm32")]
 pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {

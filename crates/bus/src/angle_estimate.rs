@@ -60,9 +60,9 @@ impl Estimate {
         let from_dps = self.speed.degrees_per_second();
         let to_dps = from_dps + self.gain_dps2 * at.since(self.at).as_secs_f32();
         let to_dps = if from_dps < 0.0 {
-            to_dps.clamp(-FASTEST_DPS, 0.0)
+            limited(to_dps, -FASTEST_DPS, 0.0)
         } else {
-            to_dps.clamp(0.0, FASTEST_DPS)
+            limited(to_dps, 0.0, FASTEST_DPS)
         };
         self.advanced_to(at, f32::midpoint(from_dps, to_dps))
     }
@@ -184,6 +184,15 @@ impl Hold {
 /// Distance of two angles, 0-180 degrees.
 fn apart(one: f32, other: f32) -> f32 {
     ((one - other + 180.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+/// The value, or the bound that it exceeds.
+#[allow(
+    clippy::manual_clamp,
+    reason = "the panic of `f32::clamp` writes its bounds, and that code adds kilobytes to the web page"
+)]
+const fn limited(value: f32, low: f32, high: f32) -> f32 {
+    value.max(low).min(high)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::{
         plot::{comparison::MOTORS_MAX, trace::Trace},
         text::Text,
     },
-    ui::attribute::Attribute,
+    ui::{attribute::Attribute, mathematics::limited},
 };
 
 /// Distance between line and box, in CSS pixels.
@@ -136,7 +136,7 @@ impl Overlay {
         place(&self.line, x);
         place(
             &self.values,
-            left.clamp(0.0, (width - self.values_width).max(0.0)),
+            limited(left, 0.0, (width - self.values_width).max(0.0)),
         );
         self.set_shown(Some(shown));
     }

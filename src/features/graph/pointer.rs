@@ -4,9 +4,12 @@ use leptos::prelude::*;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, KeyboardEvent, PointerEvent, WheelEvent};
 
-use crate::features::graph::{
-    plot::{keys, view::Watch},
-    state::{Chart, Crosshair, Drag},
+use crate::{
+    features::graph::{
+        plot::{keys, view::Watch},
+        state::{Chart, Crosshair, Drag},
+    },
+    ui::mathematics::limited,
 };
 
 /// A pointer that moves less than this between down and up is a click, in CSS pixels.
@@ -108,7 +111,7 @@ pub(crate) fn wheel(chart: Chart, event: &WheelEvent) {
         let by_us = view.part_us(across * chart.layout.get().ratio / width);
         chart.show(view.panned(by_us, chart.reach()));
     } else {
-        let zoom = down.clamp(-WHEEL_MAX, WHEEL_MAX) / WHEEL_MAX * WHEEL_ZOOM;
+        let zoom = limited(down, -WHEEL_MAX, WHEEL_MAX) / WHEEL_MAX * WHEEL_ZOOM;
         chart.zoom(percent(zoom), chart.layout.get().part(x(event)));
     }
 }

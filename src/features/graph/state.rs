@@ -22,7 +22,7 @@ use crate::{
         history::{History, ZERO_US},
         page::Page,
     },
-    ui::clock::page_now_ms,
+    ui::{clock::page_now_ms, mathematics::limited},
 };
 
 /// The position of the crosshair.
@@ -236,7 +236,7 @@ impl Chart {
             Crosshair::Moment(at_us) => grid.place(at_us),
         };
         let reach = self.reach();
-        let place = place.clamp(0.0, width) + f64::from(columns);
+        let place = limited(place, 0.0, width) + f64::from(columns);
         let at_us = grid.moment_us(place);
         let at_us = at_us.clamp(reach.oldest_us.min(reach.now_us), reach.now_us);
         self.crosshair.set(Crosshair::Moment(at_us));

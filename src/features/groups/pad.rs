@@ -4,7 +4,7 @@
 //! press starts a hold. After a hold has ended for any reason, the same stick has to be released and pressed
 //! again: a finger that still moves starts nothing.
 
-use crate::features::groups::wheels::Wheels;
+use crate::{features::groups::wheels::Wheels, ui::mathematics::limited};
 
 /// The dead zone, as a part of the full travel: no stick returns exactly to the middle.
 const DEAD: f64 = 0.08;
@@ -28,7 +28,7 @@ impl Stick {
     pub(crate) fn new(turn: f64, forward: f64) -> Self {
         let part = |way: f64| {
             if way.abs() > DEAD {
-                way.clamp(-1.0, 1.0)
+                limited(way, -1.0, 1.0)
             } else {
                 0.0
             }

@@ -101,7 +101,7 @@ fn mirrored(session: &Session, id: MotorId) -> String {
 
 fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Shown> {
     let reading = session.angle(id)?;
-    let degrees = in_language(format!("{:.1}", reading.value.degrees()));
+    let degrees = in_language(format::fixed(reading.value.degrees(), 1));
     let raw = match reading.value {
         Angle::Fine(position) => tr!("raw {position}", position = position.raw()),
         Angle::Coarse(position) => tr!("raw {position}/255", position = position.raw()),

@@ -67,7 +67,7 @@ impl Loops {
     /// Zero is no torque at all: the wheel coasts.
     pub(crate) fn current(&mut self, drive: Drive) -> Bridge {
         let amps = f64::from(Current::from_raw(drive.signed()).amps());
-        let amps = amps.clamp(-CURRENT_LIMIT_A, CURRENT_LIMIT_A);
+        let amps = limited(amps, CURRENT_LIMIT_A);
         *self = Self::Current { amps };
         if amps == 0.0 {
             Bridge::Open
@@ -123,11 +123,19 @@ impl Loops {
         // The reported angle falls at positive speed, so the wheel has to go to minus the angle.
         let behind = (-target_turn - sense.turns + 0.5).rem_euclid(1.0) - 0.5;
         *error_rad = behind * TAU;
-        let goal_rad_s = (*error_rad * POSITION_GAIN_PER_S)
-            .clamp(-POSITION_SPEED_MAX_RAD_S, POSITION_SPEED_MAX_RAD_S);
+        let goal_rad_s = limited(*error_rad * POSITION_GAIN_PER_S, POSITION_SPEED_MAX_RAD_S);
         *wanted_rad_s = towards(*wanted_rad_s, goal_rad_s, POSITION_ACCEL_RAD_S2 * STEP_S);
         Bridge::Drive {
             amps: speed.step(*wanted_rad_s, sense),
         }
     }
+}
+
+/// The value, at most so large in either direction.
+#[allow(
+    clippy::manual_clamp,
+    reason = "the panic of `f64::clamp` writes its bounds, and that code adds kilobytes to the web page"
+)]
+const fn limited(value: f64, most: f64) -> f64 {
+    value.max(-most).min(most)
 }

@@ -82,7 +82,7 @@ impl Values {
             Trace::Current => self.current.map(|it| format!("{} A", format::current(it))),
             Trace::Goal => self.goal.map(format::goal),
             Trace::Temperature => self.temperature.map(|it| format!("{} °C", it.degrees())),
-            Trace::Position => self.angle.map(|it| in_language(format!("{it:.1}°"))),
+            Trace::Position => self.angle.map(|it| in_language(format::fixed(it, 1) + "°")),
         };
         text.unwrap_or_else(|| UNKNOWN.to_owned())
     }

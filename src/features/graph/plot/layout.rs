@@ -1,5 +1,7 @@
 //! Divides the graph into the plot and its labels.
 
+use crate::ui::mathematics::limited;
+
 /// Width of the labels of the speed axis, `−40000`, in CSS pixels.
 const LEFT: f64 = 44.0;
 /// Width of the labels of the current axis, `−0.25`.
@@ -41,12 +43,12 @@ impl Layout {
     /// The layout of a box of this size in CSS pixels.
     pub(crate) fn new(width: f64, height: f64, ratio: f64) -> Self {
         let ratio = if ratio.is_finite() {
-            ratio.clamp(0.5, 8.0)
+            limited(ratio, 0.5, 8.0)
         } else {
             1.0
         };
         // A box that is too small for its labels has no plot.
-        let pixels = |length: f64| pixels((length * ratio).floor().clamp(0.0, 16_000.0));
+        let pixels = |length: f64| pixels(limited((length * ratio).floor(), 0.0, 16_000.0));
         let (all_width, all_height) = (pixels(width), pixels(height));
         let (left, top) = (pixels(LEFT), pixels(TOP));
         Self {
@@ -84,7 +86,7 @@ impl Layout {
     /// The fraction of the plot's width to the left of a position in CSS pixels: 0 to 1.
     pub(crate) fn part(self, x: f64) -> f64 {
         let width = f64::from(self.plot.width.max(1));
-        (self.column(x) / width).clamp(0.0, 1.0)
+        limited(self.column(x) / width, 0.0, 1.0)
     }
 
     /// Whether every quarter of the height has room for a label, not only every half.

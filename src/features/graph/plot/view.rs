@@ -2,6 +2,8 @@
 //!
 //! All times are microseconds of the history's clock.
 
+use crate::ui::mathematics::limited;
+
 /// The windows that have a button, in microseconds.
 pub(crate) const WINDOWS: [(u64, &str); 3] = [
     (10_000_000, "10 s"),
@@ -93,7 +95,7 @@ impl View {
     /// right.
     pub(crate) fn zoomed(self, percent: u64, place: f64, reach: Reach) -> Self {
         let span_us = (self.span_us.saturating_mul(percent) / 100).clamp(SPAN_MIN_US, SPAN_MAX_US);
-        let right_of_place = 1.0 - place.clamp(0.0, 1.0);
+        let right_of_place = 1.0 - limited(place, 0.0, 1.0);
         // The distance from `place` to the right edge changes by this.
         let moved_us = scaled(self.span_us, right_of_place) - scaled(span_us, right_of_place);
         self.with_span(span_us).panned(-moved_us, reach)

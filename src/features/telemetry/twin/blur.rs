@@ -4,7 +4,7 @@
 //! more than half its pitch from one picture to the next seems to turn backwards. So each pattern
 //! fades into the band that the eye would see, before it gets that far.
 
-use crate::ui::frame_rate::FrameRate;
+use crate::ui::{frame_rate::FrameRate, mathematics::limited};
 
 /// The slowest screen that counts. On a faster one the pattern fades a little early, which is
 /// harmless.
@@ -27,7 +27,11 @@ pub fn step_deg(rpm: f64, rate: FrameRate) -> f64 {
 #[must_use]
 pub fn sharpness(rpm: f64, count: u16, rate: FrameRate) -> f64 {
     let pitches = step_deg(rpm, rate) * f64::from(count) / 360.0;
-    let gone = ((pitches - SHARP_BELOW) / (GONE_ABOVE - SHARP_BELOW)).clamp(0.0, 1.0);
+    let gone = limited(
+        (pitches - SHARP_BELOW) / (GONE_ABOVE - SHARP_BELOW),
+        0.0,
+        1.0,
+    );
     // Smooth at both ends, so that a slow spin-up shows no edge.
     1.0 - gone * gone * (3.0 - 2.0 * gone)
 }

@@ -5,6 +5,8 @@
 
 use std::fmt::Write;
 
+use crate::ui::mathematics::limited;
+
 /// A point of the drawing in millimetres; y grows downwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -158,7 +160,7 @@ impl TreadBlock {
 /// A D-shaped shaft with a flat of this length at its upper side.
 #[must_use]
 pub fn d_shaft(radius: f64, flat: f64) -> String {
-    let half_deg = (flat / 2.0 / radius).clamp(-1.0, 1.0).asin().to_degrees();
+    let half_deg = limited(flat / 2.0 / radius, -1.0, 1.0).asin().to_degrees();
     format!("{}Z", arc(radius, half_deg, 360.0 - half_deg))
 }
 

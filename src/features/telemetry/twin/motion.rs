@@ -9,7 +9,7 @@
 
 use motorlink_messages::bus::FRESH_FOR;
 
-use crate::ui::mathematics::exp;
+use crate::ui::mathematics::{exp, limited};
 
 /// The resolution of a reported angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,7 +228,7 @@ impl Estimator {
             own
         };
         let most = most_deg_per_s * elapsed_ms / 1_000.0;
-        self.lag_deg += wanted.clamp(-most, most);
+        self.lag_deg += limited(wanted, -most, most);
     }
 
     /// Turns since the first report, in the direction of positive speed.
@@ -268,9 +268,11 @@ fn corrected(expected_deg: f64, angle: ReportedAngle) -> f64 {
     let reported = nearest(expected_deg, angle.degrees);
     match angle.quality {
         AngleQuality::Fine => reported,
-        AngleQuality::Coarse => {
-            expected_deg.clamp(reported - COARSE_STEP_DEG, reported + COARSE_STEP_DEG)
-        }
+        AngleQuality::Coarse => limited(
+            expected_deg,
+            reported - COARSE_STEP_DEG,
+            reported + COARSE_STEP_DEG,
+        ),
     }
 }
 

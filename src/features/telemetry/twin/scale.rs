@@ -2,6 +2,8 @@
 
 use motorlink_messages::protocol::SpeedTarget;
 
+use crate::ui::mathematics::limited;
+
 /// Speed at both ends of the ring, in rpm: the greatest that can be commanded.
 #[allow(
     clippy::cast_precision_loss,
@@ -45,7 +47,7 @@ fn clamped(rpm: f64) -> f64 {
     if rpm.is_nan() {
         0.0
     } else {
-        rpm.clamp(-LIMIT_RPM, LIMIT_RPM)
+        limited(rpm, -LIMIT_RPM, LIMIT_RPM)
     }
 }
 
