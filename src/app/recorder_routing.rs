@@ -46,7 +46,7 @@ impl Features {
         let recorder = &self.page.recorder;
         match message {
             FromRecorder::Log(rows) => self.log.take(rows),
-            FromRecorder::Recording(status) => recorder.recording.set(status),
+            FromRecorder::Recording(status) => recorder.report(status),
             FromRecorder::Exporting { what, done, of } => {
                 let per_mille = (done * 1000).checked_div(of).unwrap_or(0);
                 recorder.exporting.set(Some(Exporting { what, per_mille }));
@@ -98,7 +98,7 @@ impl Features {
             }
         });
         self.log.lost();
-        recorder.recording.set(RecordingStatus::default());
+        recorder.report(RecordingStatus::default());
         recorder.exporting.set(None);
         self.saved_session.offer.set(Offer::None);
         // If the port worker has failed too, the page reports that instead.

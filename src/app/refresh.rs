@@ -20,6 +20,7 @@ pub(crate) fn keep_showing(page: Page) {
         if anything == Some(true) {
             page.show();
         }
+        page.recorder().show();
         Next::in_step(SHOWN_EVERY_MS, now_ms)
     });
     let frames = StoredValue::new_local(Some(frames));

@@ -27,7 +27,10 @@ pub(crate) struct Recorder {
     pub(crate) link: StoredValue<Option<RecorderLink>, LocalStorage>,
     /// Whether it runs, or is being started.
     pub(crate) alive: RwSignal<bool>,
+    /// The recording as the page shows it.
     pub(crate) recording: RwSignal<RecordingStatus>,
+    /// The recording as last reported.
+    reported: Mutex<RecordingStatus>,
     /// The file that is being written; one at a time.
     pub(crate) exporting: RwSignal<Option<Exporting>>,
     /// Messages with times of the page's clock, until the worker's clock is known.
@@ -40,8 +43,34 @@ impl Recorder {
             link: StoredValue::new_local(None),
             alive: RwSignal::new(true),
             recording: RwSignal::new(RecordingStatus::default()),
+            reported: Mutex::default(),
             exporting: RwSignal::new(None),
             early_lines: Mutex::new(Some(Vec::new())),
+        }
+    }
+
+    /// Takes in a report. Numbers wait for the frame in which the rest of the page changes; a start or an end does
+    /// not.
+    pub(crate) fn report(&self, status: RecordingStatus) {
+        if let Ok(mut reported) = self.reported.lock() {
+            *reported = status;
+        }
+        let shown = self.recording.get_untracked();
+        let numbers_only = status.recording == shown.recording
+            && status.full == shown.full
+            && status.exported == shown.exported
+            && (status.rolling == 0) == (shown.rolling == 0);
+        if !numbers_only {
+            self.show();
+        }
+    }
+
+    /// Shows the last report.
+    pub(crate) fn show(&self) {
+        if let Ok(reported) = self.reported.lock()
+            && self.recording.get_untracked() != *reported
+        {
+            self.recording.set(*reported);
         }
     }
 

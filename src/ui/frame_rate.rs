@@ -51,6 +51,12 @@ impl FrameRate {
         }
     }
 
+    /// Whether the wheel turns only in the frames in which the rest changes.
+    #[must_use]
+    pub const fn draws_all_together(self) -> bool {
+        matches!(self, Self::Hz20 | Self::Hz10)
+    }
+
     /// Period of drawing, in milliseconds: data is drawn at multiples of it.
     #[must_use]
     pub const fn step_ms(self) -> f64 {

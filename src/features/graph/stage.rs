@@ -30,13 +30,14 @@ use crate::{
     ui::{
         animation::{Frames, Next},
         clock::page_now_ms,
+        frame_rate::{FrameRate, frame_rate},
     },
 };
 
 /// Minimal time between drawings: slightly less than a frame at 60 Hz, because frame times jitter.
 const DRAWN_EVERY_MS: f64 = 15.0;
 
-/// If a column lasts less than this, the loop waits with frames, otherwise with a timer.
+/// If a column lasts less than this, a page that draws fully draws it every frame. Otherwise the loop waits with a timer.
 const FRAMES_BELOW_US: u64 = 25_000;
 
 /// Maximal delay of a report, unless the page is busy: a slow adapter delays it by 16 ms, the worker by 50 ms. A
@@ -306,8 +307,13 @@ impl Stage {
 
 /// When the right edge enters another column.
 fn next_column(grid: Grid, now_us: u64) -> Next {
+    let rate = frame_rate();
     if grid.column_us < FRAMES_BELOW_US {
-        return Next::Frame;
+        return if rate == FrameRate::Full {
+            Next::Frame
+        } else {
+            Next::in_step(rate.step_ms(), page_now_ms())
+        };
     }
     after(grid.right_us(), now_us).put_off_to_step(page_now_ms())
 }

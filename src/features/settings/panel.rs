@@ -159,9 +159,16 @@ fn show_reason(id: &str, reason: Option<&str>, hint: &str) {
     let Some(button) = document().get_element_by_id(id) else {
         return;
     };
+    let title = reason.unwrap_or(hint);
+    if button.has_attribute("disabled") == reason.is_some()
+        && button.get_attribute("title").as_deref() == Some(title)
+    {
+        // Even the same value again would make the browser check the style of the page.
+        return;
+    }
     // These fail only for invalid names.
     let _ = button.toggle_attribute_with_force("disabled", reason.is_some());
-    let _ = button.set_attribute("title", reason.unwrap_or(hint));
+    let _ = button.set_attribute("title", title);
 }
 
 fn say(words: &str) {

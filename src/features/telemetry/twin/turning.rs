@@ -1,4 +1,6 @@
-//! The wheel's layer, animated by the browser along a course, so that the page does not have to draw each frame.
+//! The wheel's layer. At high frame rates the browser animates it along a course, so that the page does not have to
+//! draw each frame. At low ones the page turns it in the frames in which it draws anyway: the browser's steps would
+//! fall between these, and each would cost a frame of its own.
 
 use js_sys::{Array, Object, Reflect};
 use leptos::wasm_bindgen::JsCast;
@@ -6,12 +8,17 @@ use leptos::web_sys::{Animation, Element, FillMode, KeyframeEffect, KeyframeEffe
 
 use crate::{
     features::telemetry::twin::{course::Course, motion::Heading},
-    ui::frame_rate::{FrameRate, frame_rate},
+    ui::{
+        attribute::Attribute,
+        frame_rate::{FrameRate, frame_rate},
+    },
 };
 
 /// Turns the wheel, the only part that differs in every frame.
 pub struct Turning {
     element: Element,
+    /// Its angle where no animation turns it.
+    turned: Attribute,
     course: Option<Course>,
     rate: FrameRate,
     running: Option<Animation>,
@@ -19,8 +26,10 @@ pub struct Turning {
 
 impl Turning {
     pub(crate) fn find(picture: &Element) -> Option<Self> {
+        let element = picture.query_selector(".twin-turning").ok().flatten()?;
         Some(Self {
-            element: picture.query_selector(".twin-turning").ok().flatten()?,
+            turned: Attribute::of(element.clone(), "transform"),
+            element,
             course: None,
             rate: FrameRate::default(),
             running: None,
@@ -35,15 +44,30 @@ impl Turning {
             .course
             .filter(|course| rate != self.rate && now_ms < course.until_ms)
             .map(|course| course.from(now_ms));
-        let Some(course) = next.or(same_at_another_rate) else {
-            return;
-        };
-        self.course = Some(course);
+        let is_new = next.is_some() || same_at_another_rate.is_some();
+        self.course = next.or(same_at_another_rate).or(self.course);
         self.rate = rate;
-        let begun = self.begin(course);
-        if let Some(before) = std::mem::replace(&mut self.running, begun) {
+        let Some(course) = self.course else { return };
+        if rate.draws_all_together() {
+            self.turn_to(course, heading, now_ms);
+            self.replace_animation(None);
+        } else if is_new {
+            let begun = self.begin(course);
+            self.replace_animation(begun);
+        }
+    }
+
+    fn replace_animation(&mut self, next: Option<Animation>) {
+        if let Some(before) = std::mem::replace(&mut self.running, next) {
             before.cancel();
         }
+    }
+
+    /// Turns the wheel once. A wheel that comes to rest goes to its last angle: there may be no further frame.
+    fn turn_to(&mut self, course: Course, heading: Heading, now_ms: f64) {
+        let rests = heading.rate_deg_per_s.abs() < f64::EPSILON;
+        let at_ms = if rests { course.until_ms } else { now_ms };
+        self.turned.rotate(course.angle_at(at_ms).rem_euclid(360.0));
     }
 
     /// `None` if the browser does not support it: then the wheel does not turn, but the figures change.
@@ -67,7 +91,7 @@ impl Turning {
         options.set_duration(&lasts_ms.into());
         if let Some(steps) = steps {
             // The browser has nothing to draw between steps. The steps are in the frames in which the rest changes.
-            options.set_easing(&format!("steps({steps})"));
+            options.set_easing(&format!("steps({steps:.0})"));
         }
         // The wheel stays at the end of the course.
         options.set_fill(FillMode::Forwards);

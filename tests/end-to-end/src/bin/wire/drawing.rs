@@ -5,10 +5,8 @@ use std::{thread, time::Duration};
 use anyhow::Result;
 use end_to_end::{Bench, Line, figures::row_without_bound, threads_time};
 
-use crate::driving::{connected, spin};
+use crate::driving::{SETTLES, connected, spin};
 
-/// Time before the measurement, in which the page may lower its frame rate.
-const WARM: Duration = Duration::from_secs(10);
 const HERTZ: u16 = 50;
 
 /// Names of Chromium's threads, truncated by the system, and their purpose.
@@ -28,7 +26,7 @@ pub fn measure(watched: Duration) -> Result<()> {
         if page_is == "hidden" {
             bench.hide(&page)?;
         }
-        thread::sleep(WARM);
+        thread::sleep(SETTLES);
         let before = times()?;
         thread::sleep(watched);
         let after = times()?;

@@ -5,6 +5,10 @@ use std::{thread, time::Duration};
 use anyhow::Result;
 use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WireLog, now_us};
 
+/// Time in which a visible page finds the frame rate that keeps the wire on time: three steps of three seconds, and
+/// one judgement more.
+pub const SETTLES: Duration = Duration::from_secs(12);
+
 /// A page that is connected to motors.
 pub fn connected(bench: &Bench, line: Line) -> Result<(Adapter, Page)> {
     let adapter = bench.plug(line, Usb::default())?;
@@ -41,6 +45,7 @@ pub fn watch_both(
     page: &Page,
     watched: Duration,
 ) -> Result<[(&'static str, WireLog); 2]> {
+    thread::sleep(SETTLES);
     let visible = watch(adapter, watched)?;
     bench.hide(page)?;
     let hidden = watch(adapter, watched)?;
