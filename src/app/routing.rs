@@ -38,7 +38,7 @@ impl Features {
                 self.page.worker.state.set(WorkerState::Running);
                 self.page
                     .post(&ToWorker::Select(self.page.selected.get_untracked()));
-                self.page.send_limits();
+                self.page.send_settings();
             }
             ToPage::Died => self.worker_lost(),
             // The link answers it.
@@ -104,8 +104,6 @@ impl Features {
                     });
                 });
                 self.page.loops.tab_to_follow.set_value(true);
-                self.page.send_rate();
-                self.page.send_ramp();
                 if let Adapter::Serial(Some(usb)) = adapter {
                     self.page
                         .prefer(|preferences| preferences.adapter = Some(usb));

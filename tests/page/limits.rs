@@ -3,7 +3,7 @@
 use motorlink::Preferences;
 use motorlink_messages::{
     Notice, ToPage,
-    bus::{Command, ExceededLimit, Limits, WithdrawReason},
+    bus::{BusSettings, Command, ExceededLimit, Limits, WithdrawReason},
     protocol::{Celsius, Mode, MotorId},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -25,7 +25,10 @@ async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_ch
     let bench = Bench::new("limits-received").await;
     let time_origin_ms = performance().time_origin();
     bench.post(&ToPage::Hello { time_origin_ms });
-    let first = Command::SetLimits(Limits::default());
+    let first = Command::Configure(BusSettings {
+        limits: Limits::default(),
+        ..BusSettings::default()
+    });
     assert_eq!(bench.commands().await, [first]);
     bench.open("Settings").await;
     for (name, text, limits) in [
@@ -35,7 +38,13 @@ async fn a_worker_knows_the_limits_before_anything_drives_and_whenever_one_is_ch
     ] {
         leave(&bench.enter(name, text));
         let limits = Limits::try_from(limits).unwrap();
-        assert_eq!(bench.commands().await, [Command::SetLimits(limits)]);
+        assert_eq!(
+            bench.commands().await,
+            [Command::Configure(BusSettings {
+                limits,
+                ..BusSettings::default()
+            })]
+        );
         assert_eq!(Preferences::load().limits, limits, "kept");
     }
     let field = bench.enter("Current limit", "9");

@@ -4,7 +4,7 @@ use js_sys::Array;
 use motorlink::{Model, Preferences};
 use motorlink_messages::{
     ToWorker,
-    bus::{Activity, Command, CommandRate, Limits, Ramp},
+    bus::{Activity, BusSettings, Command, CommandRate, Limits, Ramp},
     protocol::{Mode, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::{JsCast, JsValue};
@@ -102,12 +102,13 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
         words,
         "Imported: model, command rate, keep driving while hidden, ramp, limits, 2 motors."
     );
-    let received = [
-        Command::SetRate(CommandRate::new(120).unwrap()),
-        Command::SetRamp(Ramp::new(300).ok()),
-        Command::SetLimits(Limits::new(330, 2_700, 60).unwrap()),
-    ];
-    assert_eq!(bench.commands().await, received);
+    let settings = BusSettings {
+        rate: CommandRate::new(120).unwrap(),
+        ramp: Ramp::new(300).ok(),
+        limits: Limits::new(330, 2_700, 60).unwrap(),
+    };
+    let received = bench.commands().await;
+    assert_eq!(received.last(), Some(&Command::Configure(settings)));
     assert_eq!(value(&bench, "spinbutton", "Command rate"), "120");
     assert_eq!(value(&bench, "spinbutton", "Ramp"), "300");
     assert_eq!(value(&bench, "textbox", "Name of 0x01"), "Port");

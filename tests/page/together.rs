@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     Adapter, Connection, Notice,
-    bus::{Activity, Command, Consent, GroupSetpoints, Ramp, Refusal, StopReason},
+    bus::{Activity, BusSettings, Command, Consent, GroupSetpoints, Ramp, Refusal, StopReason},
     protocol::{Acceleration, Current, Mode, Rpm, Setpoint, SpeedTarget},
 };
 use wasm_bindgen::JsCast;
@@ -567,7 +567,13 @@ async fn a_ramp_set_to_0_while_disconnected_stays_0_on_connect() {
     press("Enter");
     connection(connected);
     let commands = bench.commands().await;
-    assert!(commands.contains(&Command::SetRamp(None)), "{commands:?}");
+    assert!(
+        commands.contains(&Command::Configure(BusSettings {
+            ramp: None,
+            ..BusSettings::default()
+        })),
+        "{commands:?}"
+    );
     storage().remove_item("motorlink.ramp").unwrap();
 }
 
@@ -577,7 +583,13 @@ async fn a_ramp_is_sent_when_it_is_entered() {
     for (text, ramp) in [("200", Ramp::new(200).ok()), ("0", None)] {
         bench.enter("Ramp", text).focus().unwrap();
         press("Enter");
-        assert_eq!(bench.commands().await, [Command::SetRamp(ramp)]);
+        assert_eq!(
+            bench.commands().await,
+            [Command::Configure(BusSettings {
+                ramp,
+                ..BusSettings::default()
+            })]
+        );
     }
     storage().remove_item("motorlink.ramp").unwrap();
 }

@@ -12,7 +12,7 @@
 use std::{hint::black_box, time::Duration};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use motorlink_bus::{Bus, Command, CommandRate, Consent, Output};
+use motorlink_bus::{Bus, BusSettings, Command, CommandRate, Consent, Output};
 use motorlink_protocol::{Frame, Instant, Layout, MotorId, Reply, Request, Setpoint, SpeedTarget};
 
 /// A reply that a motor gave: 100 rpm, 0.25 A.
@@ -50,7 +50,13 @@ impl Driven {
         }
         let rate = CommandRate::new(500).expect("500 Hz is the most");
         let now = driven.now;
-        let set = driven.bus.command(now, Command::SetRate(rate));
+        let set = driven.bus.command(
+            now,
+            Command::Configure(BusSettings {
+                rate,
+                ..BusSettings::default()
+            }),
+        );
         set.expect("a rate is never refused");
         for id in ids() {
             let speed = SpeedTarget::new(100).expect("100 rpm is in range");

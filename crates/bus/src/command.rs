@@ -7,14 +7,8 @@ use motorlink_protocol::{
 };
 
 use crate::{
-    event::StopReason,
-    group::setpoints::GroupSetpoints,
-    id_change::outcome::SetIdFrames,
-    limits::{ExceededLimit, Limits},
-    ramp::Ramp,
-    rate::CommandRate,
-    raw::hazard::is_hazardous,
-    raw::status::Repeat,
+    event::StopReason, group::setpoints::GroupSetpoints, id_change::outcome::SetIdFrames,
+    limits::ExceededLimit, raw::hazard::is_hazardous, raw::status::Repeat, settings::BusSettings,
 };
 
 /// A command of the operator. Only [`Command::Drive`], [`Command::DriveGroup`] and a raw frame
@@ -54,8 +48,8 @@ pub enum Command {
     },
     /// Stop repeating the raw frame, and stop motors that it may have moved.
     StopRaw,
-    /// Send this many drive frames a second to each driven motor.
-    SetRate(CommandRate),
+    /// Apply these settings at once, to driven motors too.
+    Configure(BusSettings),
     /// Switch to another loop. Starts no motion.
     SwitchMode {
         /// Which motor.
@@ -97,12 +91,6 @@ pub enum Command {
         /// What the operator has confirmed.
         consent: Consent,
     },
-    /// Limit how fast commanded speeds grow; `None` is no limit. Lower speeds and stops are sent at
-    /// once.
-    SetRamp(Option<Ramp>),
-    /// Stop a driven motor that exceeds a limit. Refuse to start one that asks for more or is
-    /// hotter.
-    SetLimits(Limits),
     /// Hold the present angle of a motor that is driven in the position loop.
     Hold(MotorId),
     /// Brake this motor to a standstill; it can be driven again at once.
@@ -149,9 +137,7 @@ impl Command {
             | Self::FullScan
             | Self::CancelJob
             | Self::StopRaw
-            | Self::SetRate(_)
-            | Self::SetRamp(_)
-            | Self::SetLimits(_)
+            | Self::Configure(_)
             | Self::Hold(_)
             | Self::Stop(_)
             | Self::StopAll(_)

@@ -40,9 +40,7 @@ impl Bus {
                 consent,
             } => self.send_raw(now, frame, repeat, consent)?,
             Command::StopRaw => self.stop_raw(now),
-            Command::SetRate(rate) => self.set_rate(now, rate),
-            Command::SetRamp(ramp) => self.ramp = ramp,
-            Command::SetLimits(limits) => self.limits = limits,
+            Command::Configure(settings) => self.configure(now, settings),
             Command::DriveGroup { setpoints, consent } => {
                 self.drive_group(now, &setpoints, consent)?;
             }

@@ -8,8 +8,8 @@ use crate::{
     event::StopReason,
     mode_switch::Switch,
     motor::{Control, Driven, Motor},
-    rate::CommandRate,
     safety::{Known, check_drive, check_position_switch},
+    settings::BusSettings,
 };
 
 impl Bus {
@@ -49,7 +49,7 @@ impl Bus {
         self.check_not_halted()?;
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
-        let limits = self.limits;
+        let limits = self.settings.limits;
         let motor = self.watch(now, id);
         let known = motor.known(now);
         let speed = motor.fresh_speed(now);
@@ -138,11 +138,11 @@ impl Bus {
         Ok(())
     }
 
-    pub(crate) fn set_rate(&mut self, now: Instant, rate: CommandRate) {
-        self.rate = rate;
+    pub(crate) fn configure(&mut self, now: Instant, settings: BusSettings) {
+        self.settings = settings;
         for motor in &mut self.motors {
             if let Control::Driven(driven) = &mut motor.control {
-                driven.next_frame = driven.next_frame.min(now + rate.period());
+                driven.next_frame = driven.next_frame.min(now + settings.rate.period());
             }
         }
     }

@@ -8,7 +8,7 @@
 //! | ask for something | [`Bus::command`], [`Command`]; why not: [`Refusal`] |
 //! | see what happened | [`Event`], [`Sample`], [`StopReport`], [`WithdrawReason`] |
 //! | show every motor | [`Bus::motors`], [`MotorStatus`], [`Activity`], [`LinkQuality`] |
-//! | bound what is asked | [`CommandRate`], [`Ramp`], [`Limits`], [`Consent`] |
+//! | bound what is asked | [`BusSettings`]: [`CommandRate`], [`Ramp`], [`Limits`]; [`Consent`] |
 //! | drive several as one | [`GroupSetpoints`] |
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
@@ -54,6 +54,7 @@ mod sample;
 mod scan;
 mod schedule;
 mod sending;
+mod settings;
 mod stop;
 mod stopping;
 mod supervision;
@@ -82,4 +83,5 @@ pub use round_trip::{ROUND_TRIP_BINS_US, RoundTripStatus};
 pub use safety::{HIGH_CURRENT_RAW, StopPlan, check_position_switch, needs_consent, stop_plan};
 pub use sample::Sample;
 pub use scan::report::ScanReport;
+pub use settings::BusSettings;
 pub use timing::{FRESH_FOR, PAGE_SILENCE_MAX, POSITION_SWITCH_RPM, SILENT_AFTER, STOP_WINDOW};

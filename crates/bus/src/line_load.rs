@@ -61,7 +61,7 @@ impl Bus {
     fn drive_need(&self) -> u32 {
         let driven = self.motors.iter().filter(|motor| is_driven(motor));
         let exchange_us: u64 = driven.map(|motor| self.exchange_us(motor)).sum();
-        let need = exchange_us * u64::from(self.rate.hertz()) / 1_000;
+        let need = exchange_us * u64::from(self.settings.rate.hertz()) / 1_000;
         u32::try_from(need).unwrap_or(u32::MAX)
     }
 
@@ -76,7 +76,7 @@ impl Bus {
         if need <= free {
             return None;
         }
-        let hertz = u64::from(self.rate.hertz()) * free / need;
+        let hertz = u64::from(self.settings.rate.hertz()) * free / need;
         u16::try_from(hertz).ok()
     }
 

@@ -313,7 +313,7 @@ impl Bus {
 
     pub(crate) fn record_reply(&mut self, now: Instant, reply: Reply) {
         // A motor that was forgotten meanwhile stays forgotten.
-        let limits = self.limits;
+        let limits = self.settings.limits;
         let round = self.stop_round();
         let Some(motor) = self.motor_mut(reply.id) else {
             return;

@@ -35,9 +35,9 @@ impl Bus {
             due_frame => due_frame,
         };
         let context = SendContext {
-            period: self.rate.period(),
+            period: self.settings.rate.period(),
             query_period: self.query_period(),
-            ramp: self.ramp,
+            ramp: self.settings.ramp,
             others_driven: self.any_driven(),
         };
         let (frame, expects, purpose, effect) = match due_frame {

@@ -58,8 +58,8 @@ impl Bus {
                     motor.last_mode(),
                     faults,
                     motor
-                        .exceeded(now, self.limits, driven.since)
-                        .or(self.limits.exceeded_by(driven.goal)),
+                        .exceeded(now, self.settings.limits, driven.since)
+                        .or(self.settings.limits.exceeded_by(driven.goal)),
                     quiet,
                     motor.unanswered_in_a_row,
                 );

@@ -4,7 +4,7 @@
 mod fixture;
 
 use fixture::{Fixture, ID, amps, degrees, ms, rpm};
-use motorlink_bus::{Activity, Command, CommandRate, Refusal, StopReason};
+use motorlink_bus::{Activity, BusSettings, Command, CommandRate, Refusal, StopReason};
 use motorlink_protocol::Mode;
 use motorlink_simulator::{WireFaults, WorldConfig};
 
@@ -14,7 +14,10 @@ fn at_rate(mode: Mode, hertz: u16) -> Fixture {
         fixture.switch(mode);
     }
     fixture
-        .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(hertz).unwrap(),
+            ..BusSettings::default()
+        }))
         .unwrap();
     fixture
 }
@@ -70,7 +73,10 @@ fn a_faster_rate_begins_at_once() {
     fixture.run(ms(100));
     fixture.forget_the_past();
     fixture
-        .command(Command::SetRate(CommandRate::new(50).unwrap()))
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(50).unwrap(),
+            ..BusSettings::default()
+        }))
         .unwrap();
     fixture.run(ms(200));
     assert!(

@@ -6,7 +6,7 @@ mod fixture;
 use std::time::Duration;
 
 use fixture::{Fixture, ID, id, longest_gap, ms, rpm};
-use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
+use motorlink_bus::{BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Detail, Drive, Instant, MotorId, Request, Setpoint};
 use motorlink_simulator::WorldConfig;
 
@@ -108,7 +108,10 @@ fn temperature_is_known_at_any_rate_and_no_motor_is_called_silent_for_want_of_as
     for hertz in [50, 100, 200, 300, 400, 500] {
         let mut fixture = watching(&[1, 2]);
         fixture
-            .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
+            .command(Command::Configure(BusSettings {
+                rate: CommandRate::new(hertz).unwrap(),
+                ..BusSettings::default()
+            }))
             .unwrap();
         drive(&mut fixture, ID);
         fixture.run(ms(5_000));
@@ -231,7 +234,10 @@ fn silent_motors_do_not_delay_the_first_brake_of_the_others() {
 fn queries_make_no_drive_frame_late_at_200_hz() {
     let mut fixture = watching(&[1]);
     fixture
-        .command(Command::SetRate(CommandRate::new(200).unwrap()))
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(200).unwrap(),
+            ..BusSettings::default()
+        }))
         .unwrap();
     drive(&mut fixture, ID);
     fixture.run(ms(1_000));
@@ -252,7 +258,10 @@ fn queries_make_no_drive_frame_late_at_200_hz() {
 fn a_rate_is_kept_on_a_machine_that_is_held_up() {
     let mut fixture = watching(&[1]);
     fixture
-        .command(Command::SetRate(CommandRate::new(200).unwrap()))
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(200).unwrap(),
+            ..BusSettings::default()
+        }))
         .unwrap();
     drive(&mut fixture, ID);
     fixture.run(ms(1_000));

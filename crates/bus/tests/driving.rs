@@ -4,7 +4,9 @@
 mod fixture;
 
 use fixture::{Fixture, ID, amps, id, longest_gap, ms, rpm};
-use motorlink_bus::{Activity, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal};
+use motorlink_bus::{
+    Activity, BusSettings, Command, CommandRate, Consent, Event, IdQueryOutcome, Refusal,
+};
 use motorlink_protocol::{Detail, Drive, Mode, MotorId};
 use motorlink_simulator::{MotorConfig, WorldConfig};
 
@@ -72,7 +74,10 @@ fn the_rate_is_a_setting() {
     for hertz in [1, 20, 200] {
         let mut fixture = Fixture::one_motor();
         fixture
-            .command(Command::SetRate(CommandRate::new(hertz).unwrap()))
+            .command(Command::Configure(BusSettings {
+                rate: CommandRate::new(hertz).unwrap(),
+                ..BusSettings::default()
+            }))
             .unwrap();
         // At 1 Hz the wheel coasts between frames; nothing is withdrawn, since queries answer.
         fixture.drive(rpm(50)).unwrap();
@@ -128,7 +133,10 @@ fn nothing_but_a_drive_command_sends_a_drive_frame() {
             id: ID,
             mode: Mode::Current,
         },
-        Command::SetRate(CommandRate::default()),
+        Command::Configure(BusSettings {
+            rate: CommandRate::default(),
+            ..BusSettings::default()
+        }),
         Command::Release,
     ] {
         fixture.command(command).unwrap();

@@ -4,7 +4,9 @@
 mod fixture;
 
 use fixture::{Fixture, ID, amps, degrees, id, ms, rpm};
-use motorlink_bus::{Activity, Command, Event, Limits, LineEventKind, Refusal, WithdrawReason};
+use motorlink_bus::{
+    Activity, BusSettings, Command, Event, Limits, LineEventKind, Refusal, WithdrawReason,
+};
 use motorlink_protocol::{Detail, Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
@@ -240,7 +242,12 @@ fn a_protection_takes_the_setpoint_and_its_end_does_not_bring_it_back() {
     let mut fixture = Fixture::one_motor();
     // The limit of half a second would be crossed first.
     let no_limits = Limits::new(330, 8_000, 80).unwrap();
-    fixture.command(Command::SetLimits(no_limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits: no_limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
     fixture.world.motor_mut(ID).unwrap().block(true);
     fixture.drive(rpm(100)).unwrap();
     fixture.run_until(ms(7_000), |b| {

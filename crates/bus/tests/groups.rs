@@ -5,7 +5,8 @@ mod fixture;
 
 use fixture::{Fixture, id, ms, rpm};
 use motorlink_bus::{
-    Activity, Command, Consent, Event, GroupError, GroupSetpoints, Ramp, Refusal, StopReason,
+    Activity, BusSettings, Command, Consent, Event, GroupError, GroupSetpoints, Ramp, Refusal,
+    StopReason,
 };
 use motorlink_protocol::{Drive, Mode, MotorId, Setpoint};
 use motorlink_simulator::WorldConfig;
@@ -283,7 +284,10 @@ fn a_group_is_of_different_motors_and_not_empty() {
 fn a_ramp_bounds_what_is_sent_but_no_stop() {
     let mut fixture = rover();
     fixture
-        .command(Command::SetRamp(Some(Ramp::new(100).unwrap())))
+        .command(Command::Configure(BusSettings {
+            ramp: Some(Ramp::new(100).unwrap()),
+            ..BusSettings::default()
+        }))
         .unwrap();
     drive(&mut fixture, &[(1, 200), (2, -200)]).unwrap();
     fixture.run(ms(1_000));

@@ -5,8 +5,8 @@ mod fixture;
 
 use fixture::{Fixture, ID, Sent, amps, degrees, id, ms, rpm};
 use motorlink_bus::{
-    Activity, Command, Consent, Event, ExceededLimit, GroupSetpoints, Limits, RawInterval, Refusal,
-    Repeat, WithdrawReason,
+    Activity, BusSettings, Command, Consent, Event, ExceededLimit, GroupSetpoints, Limits,
+    RawInterval, Refusal, Repeat, WithdrawReason,
 };
 use motorlink_protocol::{Mode, Request};
 use motorlink_simulator::WorldConfig;
@@ -14,7 +14,12 @@ use motorlink_simulator::WorldConfig;
 fn limited(speed_rpm: u16, current_ma: u16, temperature_c: u16) -> Fixture {
     let mut fixture = Fixture::one_motor();
     let limits = Limits::new(speed_rpm, current_ma, temperature_c).unwrap();
-    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
     fixture
 }
 
@@ -105,7 +110,12 @@ fn a_limit_that_is_lowered_below_what_turns_stops_it() {
     fixture.drive(rpm(150)).unwrap();
     fixture.run(ms(1_500));
     let limits = Limits::new(100, 2_700, 75).unwrap();
-    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
     fixture.run(ms(100));
     assert!(matches!(
         exceeded(&fixture),
@@ -160,7 +170,12 @@ fn the_other_motors_of_a_group_stop_too() {
     let config = WorldConfig::with_ids([ID, id(2)]);
     let mut fixture = Fixture::watching(config, &[ID, id(2)]);
     let limits = Limits::new(330, 1_000, 75).unwrap();
-    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
     let parts = GroupSetpoints::new(&[(ID, rpm(60)), (id(2), rpm(60))]).unwrap();
     let consent = Consent::None;
     fixture
@@ -224,7 +239,12 @@ fn a_speed_limit_that_is_set_below_what_is_driven_stops_it_before_the_next_frame
     fixture.run(ms(1_000));
     fixture.forget_the_past();
     let limits = Limits::new(60, 2_700, 75).unwrap();
-    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
     fixture.run(ms(1_000));
     let fast = |sent: &Sent| sent.drive_of(ID).is_some_and(|drive| drive.signed() > 60);
     assert!(!fixture.sent.iter().any(fast));
@@ -247,7 +267,12 @@ fn no_frame_exceeds_a_lowered_limit_though_no_reply_does() {
         fixture.run(driven_for);
         fixture.forget_the_past();
         let limits = Limits::new(lowered_to, 2_700, 75).unwrap();
-        fixture.command(Command::SetLimits(limits)).unwrap();
+        fixture
+            .command(Command::Configure(BusSettings {
+                limits,
+                ..BusSettings::default()
+            }))
+            .unwrap();
         fixture.run(ms(3_000));
         let speeds = fixture.sent.iter().filter_map(|sent| sent.drive_of(ID));
         let fastest = speeds.map(|drive| drive.signed().unsigned_abs()).max();

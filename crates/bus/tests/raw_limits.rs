@@ -7,7 +7,7 @@ use fixture::{
     Fixture, ID, amps, drive_frame, every, id, is_set_id, ms, raw, rpm, scan_report, status, two,
 };
 use motorlink_bus::{
-    Activity, Command, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
+    Activity, BusSettings, Command, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
 };
 use motorlink_protocol::{CurrentTarget, Frame, Mode, MotorId, Request};
 use motorlink_simulator::WorldConfig;
@@ -17,7 +17,12 @@ const EVERYONE: [u8; 3] = [0xC8, 0x00, 0xFF];
 
 fn limited(fixture: &mut Fixture, rpm: u16) {
     let limits = Limits::new(rpm, 2_700, 75).unwrap();
-    fixture.command(Command::SetLimits(limits)).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
 }
 
 fn value(first: u8, value: i32) -> Command {

@@ -4,7 +4,7 @@
 mod fixture;
 
 use fixture::{Fixture, ID, Sent, degrees, id, longest_gap, ms, rpm};
-use motorlink_bus::{Command, CommandRate, Consent, Event, StopReason};
+use motorlink_bus::{BusSettings, Command, CommandRate, Consent, Event, StopReason};
 use motorlink_protocol::{Frame, Instant, Mode, MotorId, Setpoint};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -18,7 +18,10 @@ fn stalled() -> WireFaults {
 
 fn as_fast_as_it_goes(fixture: &mut Fixture) {
     fixture
-        .command(Command::SetRate(CommandRate::new(500).unwrap()))
+        .command(Command::Configure(BusSettings {
+            rate: CommandRate::new(500).unwrap(),
+            ..BusSettings::default()
+        }))
         .unwrap();
 }
 

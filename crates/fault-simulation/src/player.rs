@@ -6,7 +6,7 @@ use std::{
     time::Duration,
 };
 
-use motorlink_bus::{Activity, Bus, Command, Event, Limits, MotorStatus, Output, StopReason};
+use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, MotorStatus, Output, StopReason};
 use motorlink_protocol::{Frame, Instant, MotorId, Request};
 use motorlink_simulator::{MotorConfig, Sender, World, WorldConfig};
 
@@ -125,7 +125,7 @@ struct Player {
     page_answers: bool,
     /// Commands that were clicked while the page hung, with their times.
     clicked: Vec<(Instant, Command)>,
-    limits: Limits,
+    settings: BusSettings,
     rules: Rules,
     motors: Vec<MotorId>,
     /// Frames other than queries since the last check.
@@ -166,7 +166,7 @@ impl Player {
             halted: false,
             page_answers: true,
             clicked: Vec::new(),
-            limits: Limits::default(),
+            settings: BusSettings::default(),
             rules: Rules::default(),
             motors: scenario.motors.clone(),
             acted: 0,
@@ -190,11 +190,11 @@ impl Player {
         } else {
             Bus::new(self.now)
         };
-        let limits = Command::SetLimits(self.limits);
+        let configure = Command::Configure(self.settings);
         let watched = self.motors.iter().copied().map(Command::Watch);
-        self.rules.limits(self.limits);
+        self.rules.limits(self.settings.limits);
         self.promised = None;
-        for command in watched.chain([limits]) {
+        for command in watched.chain([configure]) {
             // A bus that drives nothing does not refuse this.
             let _: Result<(), _> = bus.command(self.now, command);
         }
@@ -398,8 +398,8 @@ impl Player {
     }
 
     fn issue(&mut self, given: Instant, command: Command) -> Result<(), Violation> {
-        if let Command::SetLimits(limits) = command {
-            self.limits = limits;
+        if let Command::Configure(settings) = command {
+            self.settings = settings;
         }
         if command.is_too_old(self.now.since(given)) {
             self.rules.judge(Rule::NoOldActs);

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use motorlink_bus::{
-    Command, CommandRate, Consent, GroupSetpoints, Limits, Ramp, RawInterval, Repeat, SetIdFrames,
-    StopReason,
+    BusSettings, Command, CommandRate, Consent, GroupSetpoints, Limits, Ramp, RawInterval, Repeat,
+    SetIdFrames, StopReason,
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
@@ -49,6 +49,7 @@ impl Scenario {
         let mut generator = Generator {
             rng: Rng::with_seed(seed),
             motors: Vec::new(),
+            settings: BusSettings::default(),
         };
         let count = generator.rng.u8(1..=4);
         generator.motors = (1..=count).filter_map(|id| MotorId::new(id).ok()).collect();
@@ -127,6 +128,8 @@ fn another_id() -> Option<AssignableId> {
 struct Generator {
     rng: Rng,
     motors: Vec<MotorId>,
+    /// As configured last.
+    settings: BusSettings,
 }
 
 impl Generator {
@@ -431,11 +434,20 @@ impl Generator {
                 None => Command::CancelJob,
             },
             29 => Command::Watch(id),
-            30 => Command::SetRamp(Ramp::new(self.rng.u16(50..2_000)).ok()),
+            30 => {
+                self.settings.ramp = Ramp::new(self.rng.u16(50..2_000)).ok();
+                Command::Configure(self.settings)
+            }
             33..=34 => self.raw(id),
             35 => Command::StopRaw,
-            31 | 36..=37 => Command::SetLimits(self.limits()),
-            _ => Command::SetRate(CommandRate::new(self.rng.u16(1..=500)).unwrap_or_default()),
+            31 | 36..=37 => {
+                self.settings.limits = self.limits();
+                Command::Configure(self.settings)
+            }
+            _ => {
+                self.settings.rate = CommandRate::new(self.rng.u16(1..=500)).unwrap_or_default();
+                Command::Configure(self.settings)
+            }
         }
     }
 

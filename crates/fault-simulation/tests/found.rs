@@ -5,7 +5,9 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{Command, CommandRate, Consent, GroupSetpoints, Limits, Repeat, SetIdFrames};
+use motorlink_bus::{
+    BusSettings, Command, CommandRate, Consent, GroupSetpoints, Limits, Repeat, SetIdFrames,
+};
 use motorlink_fault_simulation::{
     Absence, Action, Coverage, LineFault, PendingInput, Scenario, play, trace_lines,
 };
@@ -98,7 +100,10 @@ fn a_motor_that_loses_power_before_its_switch_is_driven_by_its_old_silence() {
         3,
         vec![
             pause(300),
-            Action::Command(Command::SetRate(CommandRate::new(149).unwrap())),
+            Action::Command(Command::Configure(BusSettings {
+                rate: CommandRate::new(149).unwrap(),
+                ..BusSettings::default()
+            })),
             pause(150),
             switch(id(1), Mode::Position),
             pause(60),
@@ -401,7 +406,10 @@ fn a_raw_frame_beyond_every_speed_is_under_the_speed_limit() {
         let [high, low] = value.to_be_bytes();
         let frame = Frame::with_crc([1, 0x64, high, low, 0, 0, 0, 0, 0]);
         let limits = Limits::new(20, 2_700, 75).unwrap();
-        let limits = Action::Command(Command::SetLimits(limits));
+        let limits = Action::Command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }));
         holds(1, 1, vec![pause(600), limits, raw(frame), pause(100)]);
     }
 }
@@ -417,7 +425,10 @@ fn a_lowered_speed_limit_holds_for_what_is_driven() {
             pause(600),
             rpm(id(1), 100),
             pause(30),
-            Action::Command(Command::SetLimits(limits)),
+            Action::Command(Command::Configure(BusSettings {
+                limits,
+                ..BusSettings::default()
+            })),
             pause(300),
         ],
     );

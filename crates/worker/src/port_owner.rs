@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, rc::Rc};
 
-use motorlink_bus::{Activity, Bus, Command, CommandRate, Event, Limits, Output, Ramp, Refusal};
+use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output, Refusal};
 use motorlink_messages::Notice;
 use motorlink_protocol::{Instant, MotorId};
 use web_sys::MessagePort;
@@ -30,9 +30,7 @@ pub(crate) struct PortOwner {
     /// The number of the session: a task of an older session must not touch a newer one.
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
-    rate: CommandRate,
-    ramp: Option<Ramp>,
-    limits: Limits,
+    settings: BusSettings,
     /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
     /// How far our clock is ahead of the page's, by the message with the least delay so far.
@@ -52,9 +50,7 @@ impl PortOwner {
             session: Session::Closed,
             generation: 0,
             selected: MotorId::FIRST,
-            rate: CommandRate::default(),
-            ramp: None,
-            limits: Limits::default(),
+            settings: BusSettings::default(),
             halted: false,
             ahead_of_page_ms: f64::INFINITY,
         }
@@ -78,9 +74,7 @@ impl PortOwner {
             Bus::new(now)
         };
         for command in [
-            Command::SetRate(self.rate),
-            Command::SetRamp(self.ramp),
-            Command::SetLimits(self.limits),
+            Command::Configure(self.settings),
             Command::IdQuery,
             Command::Watch(self.selected),
         ] {

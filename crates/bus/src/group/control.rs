@@ -23,7 +23,7 @@ impl Bus {
         self.check_not_halted()?;
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
-        let limits = self.limits;
+        let limits = self.settings.limits;
         for (id, setpoint) in setpoints.entries() {
             let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
             match motor.control {
@@ -61,7 +61,7 @@ impl Bus {
             if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
                 return Err(Refusal::NotDriven(id));
             }
-            let limits = self.limits;
+            let limits = self.settings.limits;
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
             check_drive(id, setpoint, consent, limits, motor.known(now))?;
             self.check_whole_group(id, setpoints)?;

@@ -65,7 +65,14 @@ impl Bus {
         let mut seen = None;
         for motor in self.concerned(raw) {
             let (known, speed) = (motor.known(now), motor.fresh_speed(now));
-            check_raw(raw.effect, motor.id, known, speed, self.limits, consent)?;
+            check_raw(
+                raw.effect,
+                motor.id,
+                known,
+                speed,
+                self.settings.limits,
+                consent,
+            )?;
             if let Some(current) = raw.current_in(known.reported)
                 && motor.torque.is_reversed_by(current)
             {
@@ -90,7 +97,14 @@ impl Bus {
             // An unknown motor may obey it.
             let [first, ..] = *raw.frame.bytes();
             let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
-            check_raw(raw.effect, id, Known::NOTHING, None, self.limits, consent)?;
+            check_raw(
+                raw.effect,
+                id,
+                Known::NOTHING,
+                None,
+                self.settings.limits,
+                consent,
+            )?;
         }
         Ok(())
     }
@@ -205,7 +219,7 @@ impl Bus {
                 asked,
                 reported,
                 motor.fresh_faults(now).unwrap_or(Faults::NONE),
-                motor.exceeded(now, self.limits, raw.since),
+                motor.exceeded(now, self.settings.limits, raw.since),
                 now.since(motor.silent_since().max(raw.since)),
                 motor.unanswered_in_a_row,
             );
@@ -214,7 +228,8 @@ impl Bus {
                 self.events.push_back(Event::Withdrawn { id, reason });
             }
             // The operator may lower a limit meanwhile.
-            let allowed = check_raw_speed(raw.effect, motor.known(now), self.limits).is_ok();
+            let allowed =
+                check_raw_speed(raw.effect, motor.known(now), self.settings.limits).is_ok();
             ends |= withdrawn.is_some() || !allowed;
         }
         let raw = *raw;

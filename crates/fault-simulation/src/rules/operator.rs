@@ -98,7 +98,7 @@ impl Operator {
             Command::SwitchMode { id, .. } => {
                 self.standing.remove(&id);
             }
-            Command::SetLimits(limits) => self.limits = limits,
+            Command::Configure(settings) => self.limits = settings.limits,
             Command::SendRaw { frame, consent, .. } => self.raw = Some((frame, consent)),
             Command::StopRaw => self.raw = None,
             _ => {}

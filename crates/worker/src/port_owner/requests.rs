@@ -39,9 +39,7 @@ impl PortOwner {
             return;
         }
         match command {
-            Command::SetRate(rate) => self.rate = rate,
-            Command::SetRamp(ramp) => self.ramp = ramp,
-            Command::SetLimits(limits) => self.limits = limits,
+            Command::Configure(settings) => self.settings = settings,
             Command::StopAll(_) => self.halted = true,
             Command::Release => self.halted = false,
             _ => {}
@@ -68,10 +66,7 @@ impl PortOwner {
                     };
                     self.outbox.notice(Notice::StopEnded(report));
                 }
-                Command::Release
-                | Command::SetRate(_)
-                | Command::SetRamp(_)
-                | Command::SetLimits(_) => {}
+                Command::Release | Command::Configure(_) => {}
                 _ => self.outbox.notice(Notice::NotConnected),
             },
         }
