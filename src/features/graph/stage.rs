@@ -92,7 +92,7 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
         move || waker()
     });
     chart.page.history.update_value(|history| {
-        history.on_news(Rc::new(move || {
+        history.on_new_data(Rc::new(move || {
             if chart.asleep.get() {
                 waker();
             }
@@ -109,7 +109,7 @@ pub(crate) fn mount(chart: Chart, mounted: StageCell, place: &HtmlElement) {
     on_cleanup(move || {
         let _ = frames.try_update_value(Option::take);
         // Otherwise the history would wake a graph that no longer exists.
-        let forget = |history: &mut History| history.on_news(Rc::new(|| ()));
+        let forget = |history: &mut History| history.on_new_data(Rc::new(|| ()));
         let _ = chart.page.history.try_update_value(forget);
         // This drops the observers too.
         let _ = mounted.try_get_value().and_then(|cell| cell.take());
@@ -223,22 +223,21 @@ impl Stage {
         true
     }
 
-    /// Reads the palette from the computed style of the graph, whose border colours are the theme colours.
+    /// Reads the palette from the custom properties of the theme, which the style sheet registers as colours.
     /// Returns whether it has changed.
     fn read_palette(&mut self) -> bool {
         let Some(style) = computed_style(&self.plot) else {
             return false;
         };
-        let of =
-            |property: &str| parse_colour(&style.get_property_value(property).unwrap_or_default());
+        let of = |name: &str| parse_colour(&style.get_property_value(name).unwrap_or_default());
         let palette = Palette {
-            surface: of("background-color"),
-            line: of("border-top-color"),
-            text: of("color"),
-            speed: of("border-right-color"),
-            current: of("border-bottom-color"),
-            temperature: of("border-left-color"),
-            position: of("column-rule-color"),
+            surface: of("--surface"),
+            line: of("--line"),
+            text: of("--text-quiet"),
+            speed: of("--speed"),
+            current: of("--current"),
+            temperature: of("--heat"),
+            position: of("--position"),
             motors: self.legend.motor_colours(),
         };
         self.axes
