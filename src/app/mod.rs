@@ -85,7 +85,7 @@ pub fn App() -> impl IntoView {
             untrack(move || start_worker(features));
         }
     });
-    refresh::keep_showing(page);
+    refresh::refresh_while_visible(page);
     install::watch(features.install);
 
     assembled(features, complete)

@@ -15,7 +15,7 @@ use crate::{
         drive::{current::CurrentTab, position::PositionTab},
         graph::Graph,
         groups::panel::TogetherPanel,
-        help::{HelpDialog, tour::Wanted, tour_view::TourNotice},
+        help::{HelpDialog, tour::Shown, tour_view::TourNotice},
         ids::view::IdManagerTab,
         install::texts,
         link_doctor::panel::LinkPanel,
@@ -126,14 +126,14 @@ fn settings_panel(features: Features) -> impl IntoView {
 
 /// The notices, with the saved session and the tour among them.
 fn notices(features: Features) -> impl IntoView {
-    let wanted = move || features.tour.with(|tour| tour.wanted);
-    let is_alone = move || is_hidden(features.saved_session) && wanted() != Wanted::Asked;
+    let shown = move || features.tour.with(|tour| tour.shown);
+    let is_alone = move || is_hidden(features.saved_session) && shown() != Shown::Opened;
     let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
     let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
     view! {
         <Notices
             is_alone=Signal::derive(is_alone)
-            is_tour_shown=Signal::derive(move || wanted() != Wanted::No)
+            is_tour_shown=Signal::derive(move || shown() != Shown::No)
             on_remedy
             saved_session=view! { <SavedSessionNotice saved=features.saved_session /> }
             tour=view! { <TourNotice page=features.page tour=features.tour on_action /> }

@@ -12,7 +12,7 @@ const SHOWN_EVERY_MS: f64 = 100.0;
 
 /// Shows the newest state from now on. Animation frames stop while the page is hidden, and this
 /// with them.
-pub(crate) fn keep_showing(page: Page) {
+pub(crate) fn refresh_while_visible(page: Page) {
     let frames = Frames::new(move |now_ms| {
         let anything = page
             .latest

@@ -270,7 +270,7 @@ impl History {
     }
 
     /// Calls `wake` whenever replies were added. It must not access the history.
-    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
+    pub(crate) fn on_new_data(&mut self, wake: Rc<dyn Fn()>) {
         self.wake = Some(wake);
     }
 

@@ -35,13 +35,13 @@ pub(crate) enum Until {
 
 /// What to do with a notice.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Fate {
+pub(crate) enum Review {
     /// Keep it: it is still true.
-    Stands,
+    Keep,
     /// Withdraw it.
-    Over,
+    Withdraw,
     /// Replace it.
-    Becomes(NoticeText, Until),
+    Replace(NoticeText, Until),
 }
 
 /// The topic of a notice. A new notice replaces an older one on the same topic.
@@ -223,14 +223,14 @@ impl NoticeBoard {
     }
 
     /// Applies `fate` to every notice. Returns whether any changed.
-    pub(crate) fn review(&mut self, mut fate: impl FnMut(&mut Until) -> Fate) -> bool {
+    pub(crate) fn review(&mut self, mut review: impl FnMut(&mut Until) -> Review) -> bool {
         let mut changed = false;
         for slot in &mut self.slots {
             let Some(posted) = slot else { continue };
-            match fate(&mut posted.until) {
-                Fate::Stands => continue,
-                Fate::Over => *slot = None,
-                Fate::Becomes(words, until) => {
+            match review(&mut posted.until) {
+                Review::Keep => continue,
+                Review::Withdraw => *slot = None,
+                Review::Replace(words, until) => {
                     posted.words = words;
                     posted.until = until;
                 }

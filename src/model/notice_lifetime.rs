@@ -8,7 +8,7 @@ use motorlink_messages::{
 
 use crate::model::{
     affected::{silent, stopping},
-    notice_board::{Fate, Until},
+    notice_board::{Review, Until},
     notice_texts,
     snapshot::{Session, is_active},
 };
@@ -37,7 +37,7 @@ pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
 }
 
 /// Whether a notice is still true after an update of the worker.
-pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
+pub(crate) fn review(until: &mut Until, update: &Update) -> Review {
     let motor = |id: &MotorId| update.motors.iter().find(|motor| motor.id == *id);
     let over = match until {
         Until::Dismissed => false,
@@ -46,7 +46,7 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
             let is_silent = |id: &MotorId| motor(id).is_some_and(|motor| motor.silent);
             let left: Vec<MotorId> = ids.iter().copied().filter(is_silent).collect();
             if !left.is_empty() && left != *ids {
-                return Fate::Becomes(notice_texts::of_silence(&left), Until::Answers(left));
+                return Review::Replace(notice_texts::of_silence(&left), Until::Answers(left));
             }
             left.is_empty()
         }
@@ -60,14 +60,14 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Fate {
             let at_rest = !motors.iter().filter_map(motor).any(is_active);
             if let (true, Some((id, reason))) = (at_rest, withdrawn) {
                 let words = notice_texts::of_ended_drive(*id, *reason, motors);
-                return Fate::Becomes(words, Until::Driven(std::mem::take(motors)));
+                return Review::Replace(words, Until::Driven(std::mem::take(motors)));
             }
             at_rest
         }
         Until::Driven(ids) => ids.iter().filter_map(motor).any(is_driven),
         Until::Standstill(open) => return review_stop(open, update),
     };
-    if over { Fate::Over } else { Fate::Stands }
+    if over { Review::Withdraw } else { Review::Keep }
 }
 
 fn is_driven(motor: &MotorStatus) -> bool {
@@ -77,7 +77,7 @@ fn is_driven(motor: &MotorStatus) -> bool {
     )
 }
 
-fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Fate {
+fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Review {
     let before = open.len();
     for (motor, still) in open.iter_mut() {
         let of_motor = update
@@ -94,11 +94,11 @@ fn review_stop(open: &mut Vec<(StopOutcome, u8)>, update: &Update) -> Fate {
     }
     open.retain(|(_, still)| *still < STANDSTILL_REPLIES);
     match open.len() {
-        0 => Fate::Over,
-        left if left == before => Fate::Stands,
+        0 => Review::Withdraw,
+        left if left == before => Review::Keep,
         _ => {
             let motors = open.iter().map(|(motor, _)| *motor);
-            Fate::Becomes(
+            Review::Replace(
                 notice_texts::of_unconfirmed(motors),
                 Until::Standstill(open.clone()),
             )

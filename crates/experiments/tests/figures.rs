@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use analytic_systems::{VelocityLoop, exact_figures};
 use bench::Bench;
 use measured::{INERTIA, VISCOUS, friction_and_inertia, steps, sweep};
-use motorlink_experiments::sequence::{End, Quantity, Sequence, Shape, Step, Wave, Who};
+use motorlink_experiments::sequence::{End, Quantity, Selection, Sequence, Shape, Step, Wave};
 use motorlink_simulator::MotorConfig;
 
 #[test]
@@ -53,7 +53,7 @@ fn bode() {
             hz,
         };
         let end = End::After((3.0 * hz).ceil() / hz + 1.0);
-        Step::follow(Who::All, Quantity::Amps, Shape::Sine(wave), end)
+        Step::follow(Selection::All, Quantity::Amps, Shape::Sine(wave), end)
     };
     let sequence = Sequence {
         steps: frequencies.map(step).into(),

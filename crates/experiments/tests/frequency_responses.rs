@@ -11,7 +11,7 @@ use analytic_systems::SecondOrder;
 use bench::Bench;
 use motorlink_experiments::{
     analysis::{BodePoint, Invalid, Point, SineRun, frequency_point, unwrap_phases},
-    sequence::{End, Quantity, Sequence, Shape, Step, Template, Wave, Who},
+    sequence::{End, Quantity, Selection, Sequence, Shape, Step, Template, Wave},
 };
 use motorlink_simulator::MotorConfig;
 
@@ -73,10 +73,10 @@ fn a_second_order_system_has_its_bode_plot() {
     let mut points = Vec::new();
     for step in Template::SineSweep.sequence().steps {
         let Step::Move(step) = step else { continue };
-        let motorlink_experiments::sequence::Demand::Follow {
+        let motorlink_experiments::sequence::Action::Follow {
             shape: Shape::Sine(wave),
             ..
-        } = step.demand
+        } = step.action
         else {
             continue;
         };
@@ -162,7 +162,7 @@ fn the_virtual_motor_has_the_bode_plot_of_its_wheel() {
         };
         let shape = Shape::Sine(wave);
         steps.push(Step::follow(
-            Who::All,
+            Selection::All,
             Quantity::Amps,
             shape,
             End::After((3.0 * hz).ceil() / hz + 1.0),

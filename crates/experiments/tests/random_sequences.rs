@@ -4,8 +4,8 @@
 use motorlink_experiments::{
     plan::{Fleet, Plan},
     sequence::{
-        Condition, Demand, End, Move, Quantity, Repeat, RunLimits, Sequence, Shape, Step, Wave,
-        Who, from_csv,
+        Action, Condition, End, Move, Quantity, Repeat, RunLimits, Selection, Sequence, Shape,
+        Step, Wave, from_csv,
     },
 };
 use motorlink_protocol::{Acceleration, MotorId};
@@ -24,10 +24,10 @@ fn any_number() -> impl Strategy<Value = f64> {
 }
 
 fn any_move() -> impl Strategy<Value = Step> {
-    let who = prop_oneof![
-        Just(Who::All),
-        (1_u8..=254).prop_map(|address| Who::Motor(id(address))),
-        "[a-z\"\\\\ü]{1,8}".prop_map(Who::Group),
+    let selection = prop_oneof![
+        Just(Selection::All),
+        (1_u8..=254).prop_map(|address| Selection::Motor(id(address))),
+        "[a-z\"\\\\ü]{1,8}".prop_map(Selection::Group),
     ];
     let shape = (0..5, any_number(), any_number(), any_number(), any_number()).prop_map(
         |(kind, to, amplitude, hz, to_hz)| {
@@ -66,11 +66,11 @@ fn any_move() -> impl Strategy<Value = Step> {
             }
         }
     });
-    (who, 0..4_usize, shape, any::<u8>(), end).prop_map(
-        |(who, quantity, shape, acceleration, end)| {
-            let demand = match Quantity::ALL.get(quantity) {
-                None => Demand::Brake,
-                Some(quantity) => Demand::Follow {
+    (selection, 0..4_usize, shape, any::<u8>(), end).prop_map(
+        |(selection, quantity, shape, acceleration, end)| {
+            let action = match Quantity::ALL.get(quantity) {
+                None => Action::Brake,
+                Some(quantity) => Action::Follow {
                     quantity: *quantity,
                     shape,
                     acceleration: if *quantity == Quantity::Rpm {
@@ -80,7 +80,11 @@ fn any_move() -> impl Strategy<Value = Step> {
                     },
                 },
             };
-            Step::Move(Move { who, demand, end })
+            Step::Move(Move {
+                selection,
+                action,
+                end,
+            })
         },
     )
 }

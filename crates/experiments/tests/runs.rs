@@ -91,7 +91,7 @@ fn a_wait_goes_on_when_it_holds_for_every_motor_and_ends_the_run_otherwise() {
     let Phase::Ended(End::Aborted { cause, .. }) = fixture.runner.phase() else {
         panic!("it waits on");
     };
-    assert_eq!(cause, Cause::WaitedInVain { step: 0 });
+    assert_eq!(cause, Cause::WaitTimedOut { step: 0 });
     assert_eq!(fixture.runner.plan().place(0), "steps[0]");
 }
 

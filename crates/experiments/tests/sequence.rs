@@ -3,7 +3,7 @@
 
 use motorlink_experiments::{
     plan::{Fleet, Plan},
-    sequence::{Problem, Quantity, Sequence, Step, Template, Who, from_csv, schema},
+    sequence::{Problem, Quantity, Selection, Sequence, Step, Template, from_csv, schema},
 };
 use motorlink_protocol::MotorId;
 
@@ -181,7 +181,7 @@ fn a_hundred_thousand_steps_are_refused() {
     assert_eq!(refused(&text), "steps: more than 10000 steps");
     // As a table that a page has built, without a file.
     let sequence = Sequence {
-        steps: vec![Step::hold(Who::All, Quantity::Rpm, 1.0, 0.01); 100_000],
+        steps: vec![Step::hold(Selection::All, Quantity::Rpm, 1.0, 0.01); 100_000],
         ..Sequence::default()
     };
     let error = Plan::new(&sequence, &fleet()).unwrap_err();
@@ -240,7 +240,8 @@ fn a_group_is_its_motors_that_are_here() {
 fn a_csv_becomes_steps_that_last_until_the_next_row() {
     let text = "time_s,1 rpm,2 rpm\r\n0,0,0\r\n0.5,100,-100\r\n\r\n2.5,,0\r\n";
     let sequence = from_csv(text).unwrap();
-    let hold = |motor, rpm, for_s| Step::hold(Who::Motor(id(motor)), Quantity::Rpm, rpm, for_s);
+    let hold =
+        |motor, rpm, for_s| Step::hold(Selection::Motor(id(motor)), Quantity::Rpm, rpm, for_s);
     assert_eq!(
         sequence.steps,
         [
@@ -257,7 +258,7 @@ fn a_csv_becomes_steps_that_last_until_the_next_row() {
 #[test]
 fn a_csv_of_a_german_spreadsheet_is_read() {
     let sequence = from_csv("\u{FEFF}time_s;amps\n0;\"0,5\"\n1,5;0\n").unwrap();
-    let hold = |amps, for_s| Step::hold(Who::All, Quantity::Amps, amps, for_s);
+    let hold = |amps, for_s| Step::hold(Selection::All, Quantity::Amps, amps, for_s);
     assert_eq!(sequence.steps, [hold(0.5, 1.5), hold(0.0, 0.0)]);
 }
 

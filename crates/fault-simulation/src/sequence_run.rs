@@ -8,7 +8,8 @@ use motorlink_experiments::{
     plan::{Fleet, Plan},
     runner::{Cause, End, ExceededLimit, Options, Phase, Runner, Telemetry, Tick},
     sequence::{
-        Condition, Demand, End as StepEnd, Move, Quantity, Repeat, Sequence, Shape, Step, Wave, Who,
+        Action, Condition, End as StepEnd, Move, Quantity, Repeat, Selection, Sequence, Shape,
+        Step, Wave,
     },
 };
 use motorlink_protocol::{Acceleration, Instant, Mode, MotorId, Setpoint};
@@ -42,7 +43,7 @@ impl Runs {
                 Cause::Silent(_) | Cause::Fault(..) | Cause::Limit(..) | Cause::OtherLoop(..) => {
                     &mut self.by_motor
                 }
-                Cause::WaitedInVain { .. } | Cause::Refused(_) | Cause::PausedTooLong => {
+                Cause::WaitTimedOut { .. } | Cause::Refused(_) | Cause::PausedTooLong => {
                     &mut self.by_plan
                 }
                 Cause::Unplugged
@@ -273,7 +274,7 @@ fn steps(rng: &mut Rng, quantity: Quantity, motors: &[MotorId], depth: u8) -> Ve
             if depth > 0 && rng.u8(..5) == 0 {
                 let mut steps = steps(rng, quantity, motors, depth - 1);
                 // A loop takes time.
-                steps.push(Step::hold(Who::All, quantity, 0.0, 0.05));
+                steps.push(Step::hold(Selection::All, quantity, 0.0, 0.05));
                 Step::Repeat(Repeat {
                     passes: rng.u32(1..=4),
                     until: (rng.u8(..3) == 0).then(|| condition(rng)),
@@ -287,9 +288,9 @@ fn steps(rng: &mut Rng, quantity: Quantity, motors: &[MotorId], depth: u8) -> Ve
 }
 
 fn step(rng: &mut Rng, quantity: Quantity, motors: &[MotorId]) -> Step {
-    let who = match motors.get(rng.usize(..=motors.len())) {
-        Some(id) => Who::Motor(*id),
-        None => Who::All,
+    let selection = match motors.get(rng.usize(..=motors.len())) {
+        Some(id) => Selection::Motor(*id),
+        None => Selection::All,
     };
     let scale = if quantity == Quantity::Amps {
         0.01
@@ -319,10 +320,10 @@ fn step(rng: &mut Rng, quantity: Quantity, motors: &[MotorId]) -> Step {
     } else {
         StepEnd::After(seconds)
     };
-    let demand = if quantity == Quantity::Rpm && rng.u8(..8) == 0 {
-        Demand::Brake
+    let action = if quantity == Quantity::Rpm && rng.u8(..8) == 0 {
+        Action::Brake
     } else {
-        Demand::Follow {
+        Action::Follow {
             quantity,
             shape,
             acceleration: if quantity == Quantity::Rpm {
@@ -332,7 +333,11 @@ fn step(rng: &mut Rng, quantity: Quantity, motors: &[MotorId]) -> Step {
             },
         }
     };
-    Step::Move(Move { who, demand, end })
+    Step::Move(Move {
+        selection,
+        action,
+        end,
+    })
 }
 
 fn condition(rng: &mut Rng) -> Condition {

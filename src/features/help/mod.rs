@@ -16,7 +16,7 @@ use crate::{
     features::help::{
         line_card::LineCard,
         texts as words,
-        tour::{Tour, Wanted},
+        tour::{Shown, Tour},
     },
     model::{
         help_topic::HelpTopic,
@@ -70,7 +70,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
     };
     let take_tour = move || {
         page.dialog.set(None);
-        tour.set(Tour::new(Wanted::Asked));
+        tour.set(Tour::new(Shown::Opened));
     };
     let pressed = move |event: MouseEvent| {
         if let Some(article) = article.get_untracked() {

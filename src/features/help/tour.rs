@@ -44,20 +44,20 @@ impl Step {
 
 /// Whether the tour is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum Shown {
     /// No: it was skipped or has ended.
     No,
     /// It is offered at a first visit, if nothing else needs the place.
     #[default]
     Offered,
     /// The user has opened it.
-    Asked,
+    Opened,
 }
 
 /// The progress of the tour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tour {
-    pub(crate) wanted: Wanted,
+    pub(crate) shown: Shown,
     motor: Option<MotorId>,
     /// The user has confirmed that the wheel turns freely.
     pub(crate) free: bool,
@@ -67,9 +67,9 @@ pub(crate) struct Tour {
 
 impl Tour {
     /// At its beginning.
-    pub(crate) fn new(wanted: Wanted) -> Self {
+    pub(crate) fn new(shown: Shown) -> Self {
         Self {
-            wanted,
+            shown,
             ..Self::default()
         }
     }
@@ -81,7 +81,7 @@ impl Tour {
         if self.motor != motor {
             *self = Self {
                 motor,
-                ..Self::new(self.wanted)
+                ..Self::new(self.shown)
             };
         }
         let Some(speed) = session.speed(id).filter(Reading::is_fresh) else {
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn what_was_confirmed_of_one_motor_says_nothing_of_another() {
-        let mut tour = Tour::new(Wanted::Asked);
+        let mut tour = Tour::new(Shown::Opened);
         step(&mut tour, &at(0, false));
         tour.free = true;
         let mut session = at(0, false);
@@ -185,7 +185,7 @@ mod tests {
         session.connection = Connection::Disconnected;
         assert_eq!(step(&mut tour, &session), Step::PlugIn);
         assert_eq!(step(&mut tour, &at(0, false)), Step::Free);
-        assert_eq!(tour.wanted, Wanted::Asked);
+        assert_eq!(tour.shown, Shown::Opened);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use web_sys::{Element, Event, HtmlElement, HtmlInputElement};
 
 use crate::{
     features::help::{
-        tour::{SPEED_RPM, Step, Tour, Wanted},
+        tour::{SPEED_RPM, Shown, Step, Tour},
         tour_texts,
     },
     model::{
@@ -34,7 +34,7 @@ const HELP: &str = "tour-help";
 /// The tour at the start, which is offered unless this browser has stored that it was seen.
 pub(crate) fn remembered_tour() -> Tour {
     let seen = remembered(NAME).is_some();
-    Tour::new(if seen { Wanted::No } else { Wanted::Offered })
+    Tour::new(if seen { Shown::No } else { Shown::Offered })
 }
 
 /// The actions of the tour, which other features carry out.
@@ -52,7 +52,7 @@ pub(crate) type OnTourAction = &'static dyn Fn(TourAction);
 
 fn end_tour(tour: RwSignal<Tour>) {
     remember(NAME, "seen");
-    tour.set(Tour::new(Wanted::No));
+    tour.set(Tour::new(Shown::No));
 }
 
 /// The tour, among the notices.
@@ -63,12 +63,12 @@ pub(crate) fn TourNotice(
     on_action: OnTourAction,
 ) -> impl IntoView {
     attach_handlers(page, tour, on_action);
-    let wanted = move || tour.with(|tour| tour.wanted);
+    let shown = move || tour.with(|tour| tour.shown);
     view! {
         <div
             class="tour"
-            class:asked=dynamic(move || wanted() == Wanted::Asked)
-            hidden=dynamic(move || wanted() == Wanted::No)
+            class:asked=dynamic(move || shown() == Shown::Opened)
+            hidden=dynamic(move || shown() == Shown::No)
             inner_html=markup()
         ></div>
     }
@@ -116,7 +116,7 @@ fn attach_handlers(page: Page, tour_state: RwSignal<Tour>, on_action: OnTourActi
         if tour != was {
             tour_state.set(tour);
         }
-        if tour.wanted == Wanted::No {
+        if tour.shown == Shown::No {
             return;
         }
         let controls = Controls::now(page, id, tour);

@@ -154,7 +154,7 @@ impl LogFeed {
     }
 
     /// Calls `wake` after a change by the user, `wake_in_step` after new data. They must not access the feed.
-    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>, wake_in_step: Rc<dyn Fn()>) {
+    pub(crate) fn on_new_data(&mut self, wake: Rc<dyn Fn()>, wake_in_step: Rc<dyn Fn()>) {
         self.wake = Some(wake);
         self.wake_in_step = Some(wake_in_step);
     }

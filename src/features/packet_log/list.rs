@@ -58,7 +58,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
         });
         let (waker, in_step) = (running.waker(), running.waker_in_step());
         log.feed
-            .update_value(|feed| feed.on_news(Rc::new(waker), Rc::new(in_step)));
+            .update_value(|feed| feed.on_new_data(Rc::new(waker), Rc::new(in_step)));
         frames.set_value(Some(running));
     });
 

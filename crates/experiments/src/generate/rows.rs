@@ -2,7 +2,7 @@
 
 use crate::{
     plan::{Op, Plan, PlannedMove},
-    sequence::{Condition, Demand, End, Shape},
+    sequence::{Action, Condition, End, Shape},
 };
 
 /// An instruction with a value in every column.
@@ -71,11 +71,11 @@ impl Row {
             seconds: step.seconds(),
             ..Self::empty().until(until)
         };
-        let Demand::Follow {
+        let Action::Follow {
             shape,
             acceleration,
             ..
-        } = step.demand
+        } = step.action
         else {
             return Self { shape: 5, ..row };
         };

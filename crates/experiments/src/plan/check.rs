@@ -4,9 +4,9 @@ use motorlink_protocol::MotorId;
 
 use super::{Fleet, MOTORS_MAX, Op, Plan, PlanMotor, PlannedMove};
 use crate::sequence::{
-    AMPS_MAX, CELSIUS_MAX, Condition, DEGREES_MAX, DEPTH_MAX, Demand, End, HZ_MAX, HZ_MIN, Move,
-    PASSES_MAX, Problem, Quantity, RUN_MAX, Repeat, RunLimits, STEPS_MAX, Sequence, SequenceError,
-    Shape, Step, Wave, Who,
+    AMPS_MAX, Action, CELSIUS_MAX, Condition, DEGREES_MAX, DEPTH_MAX, End, HZ_MAX, HZ_MIN, Move,
+    PASSES_MAX, Problem, Quantity, RUN_MAX, Repeat, RunLimits, STEPS_MAX, Selection, Sequence,
+    SequenceError, Shape, Step, Wave,
 };
 
 /// Minimal time of a step with a condition: one tick at 500 Hz.
@@ -156,7 +156,7 @@ impl Check<'_> {
     }
 
     fn one(&mut self, step: &Move, place: String) -> Result<Times> {
-        self.demand(step.demand, step.end, &place)?;
+        self.check_action(step.action, step.end, &place)?;
         let longest = RUN_MAX.as_secs_f64();
         let times = match step.end {
             End::After(seconds) => {
@@ -179,28 +179,28 @@ impl Check<'_> {
             }
         };
         let mut motors = Vec::new();
-        for id in self.whose(&step.who, &place)? {
-            motors.push(self.motor(id, step.demand, &place)?);
+        for id in self.motors_of(&step.selection, &place)? {
+            motors.push(self.motor(id, step.action, &place)?);
         }
         self.program.push(Op::Move(PlannedMove {
             motors,
-            demand: step.demand,
+            action: step.action,
             end: step.end,
             place,
         }));
         Ok(times)
     }
 
-    fn whose(&self, who: &Who, place: &str) -> Result<Vec<MotorId>> {
+    fn motors_of(&self, selection: &Selection, place: &str) -> Result<Vec<MotorId>> {
         let known = &self.fleet.motors;
-        match who {
-            Who::All => Ok(known.clone()),
-            Who::Motor(id) if known.contains(id) => Ok(vec![*id]),
-            Who::Motor(id) => Err(SequenceError::at(
+        match selection {
+            Selection::All => Ok(known.clone()),
+            Selection::Motor(id) if known.contains(id) => Ok(vec![*id]),
+            Selection::Motor(id) => Err(SequenceError::at(
                 format!("{place}.motor"),
                 Problem::UnknownMotor(*id),
             )),
-            Who::Group(name) => {
+            Selection::Group(name) => {
                 let mut groups = self.fleet.groups.iter();
                 let group = groups.find(|(group, _)| group == name);
                 let members = group.map(|(_, members)| members.iter().copied());
@@ -222,10 +222,10 @@ impl Check<'_> {
 
     /// The index of a motor. It keeps its loop for the whole run: a change of loop needs a standstill, which no row
     /// of the table shows.
-    fn motor(&mut self, id: MotorId, demand: Demand, place: &str) -> Result<usize> {
-        let quantity = match demand {
-            Demand::Follow { quantity, .. } => quantity,
-            Demand::Brake => Quantity::Rpm,
+    fn motor(&mut self, id: MotorId, action: Action, place: &str) -> Result<usize> {
+        let quantity = match action {
+            Action::Follow { quantity, .. } => quantity,
+            Action::Brake => Quantity::Rpm,
         };
         let known = self.motors.iter().position(|motor| motor.id == id);
         let at = known.unwrap_or(self.motors.len());
@@ -244,13 +244,13 @@ impl Check<'_> {
             let before = motor.mode();
             return Err(SequenceError::at(place, Problem::OtherLoop { id, before }));
         }
-        let (least, greatest) = match demand {
+        let (least, greatest) = match action {
             // The start of a ramp is a checked value already.
-            Demand::Follow { shape, .. } => match shape {
+            Action::Follow { shape, .. } => match shape {
                 Shape::Ramp { to } => (to, to),
                 _ => shape.range(0.0),
             },
-            Demand::Brake => (0.0, 0.0),
+            Action::Brake => (0.0, 0.0),
         };
         // A run begins at a standstill, and at the present angle of the wheel.
         let start = if quantity == Quantity::Degrees {
@@ -263,10 +263,10 @@ impl Check<'_> {
         Ok(at)
     }
 
-    fn demand(&self, demand: Demand, end: End, place: &str) -> Result<()> {
-        let Demand::Follow {
+    fn check_action(&self, action: Action, end: End, place: &str) -> Result<()> {
+        let Action::Follow {
             quantity, shape, ..
-        } = demand
+        } = action
         else {
             return Ok(());
         };

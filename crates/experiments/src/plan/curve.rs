@@ -1,7 +1,7 @@
 //! The setpoints of a plan as curves to draw.
 
 use super::{Op, Plan, PlanMotor, PlannedMove};
-use crate::sequence::{Demand, End, Shape};
+use crate::sequence::{Action, End, Shape};
 
 /// Maximal number of points of all curves together. A screen is at most 4,000 columns wide; more than five points per
 /// column are not visible.
@@ -100,9 +100,9 @@ impl Drawing {
             let from = curve.points.last().map_or(0.0, |point| point.value);
             // The motor keeps the previous setpoint until here.
             let mut points = vec![(0.0, from)];
-            match step.demand {
-                Demand::Brake => points.extend([(0.0, 0.0), (seconds, 0.0)]),
-                Demand::Follow { shape, .. } => {
+            match step.action {
+                Action::Brake => points.extend([(0.0, 0.0), (seconds, 0.0)]),
+                Action::Follow { shape, .. } => {
                     let count = points_of(shape, seconds);
                     let fraction = |point: u32| seconds * f64::from(point) / f64::from(count);
                     let value = |t_s: f64| (t_s, shape.value(from, t_s, seconds));

@@ -7,7 +7,7 @@ use motorlink_protocol::{Mode, MotorId};
 
 pub use curve::{Curve, CurvePoint, POINTS_MAX};
 
-use crate::sequence::{Condition, Demand, End, Quantity, RunLimits};
+use crate::sequence::{Action, Condition, End, Quantity, RunLimits};
 
 /// Maximal speed command of any motor, in rpm.
 pub const RPM_MAX: f64 = 330.0;
@@ -90,7 +90,7 @@ pub(crate) enum Op {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PlannedMove {
     pub(crate) motors: Vec<usize>,
-    pub(crate) demand: Demand,
+    pub(crate) action: Action,
     pub(crate) end: End,
     /// Its place in the file, such as `steps[3]`.
     pub(crate) place: String,

@@ -51,7 +51,7 @@ pub enum Cause {
     /// The worker did not run for over half a second.
     Late,
     /// A condition was not fulfilled in time.
-    WaitedInVain {
+    WaitTimedOut {
         /// The instruction that waited: see [`Plan::place`](crate::plan::Plan::place).
         step: usize,
     },
@@ -127,7 +127,7 @@ impl fmt::Display for Cause {
             Self::FocusLost => f.write_str("the page lost the focus"),
             Self::Slept => f.write_str("the computer slept"),
             Self::Late => f.write_str("the computer was too busy for half a second"),
-            Self::WaitedInVain { .. } => {
+            Self::WaitTimedOut { .. } => {
                 f.write_str("a condition did not come to hold in its time")
             }
             Self::PausedTooLong => f.write_str("paused for over ten minutes"),

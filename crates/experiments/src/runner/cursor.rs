@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     plan::{Op, Plan, PlannedMove},
-    sequence::{Demand, End, Quantity},
+    sequence::{Action, End, Quantity},
 };
 
 /// Maximal instructions in one tick: a table of steps without duration, once through.
@@ -192,9 +192,9 @@ fn setpoint(plan: &Plan, part: Part, at_s: f64) -> Setpoint {
     let Some(Op::Move(step)) = plan.program.get(op) else {
         return Setpoint::Brake;
     };
-    match step.demand {
-        Demand::Brake => Setpoint::Brake,
-        Demand::Follow {
+    match step.action {
+        Action::Brake => Setpoint::Brake,
+        Action::Follow {
             quantity,
             shape,
             acceleration,

@@ -268,7 +268,7 @@ impl Runner {
                         self.tick(now)
                     }
                     Progress::TimedOut { step } => {
-                        self.abort(now, Cause::WaitedInVain { step });
+                        self.abort(now, Cause::WaitTimedOut { step });
                         self.tick(now)
                     }
                     Progress::In { ends } => {

@@ -3,7 +3,7 @@
 use csv_core::{ReadFieldResult, Reader, ReaderBuilder};
 use motorlink_protocol::MotorId;
 
-use super::{Problem, Quantity, STEPS_MAX, Sequence, SequenceError, Step, Who};
+use super::{Problem, Quantity, STEPS_MAX, Selection, Sequence, SequenceError, Step};
 
 /// Maximal length of a field: a number with every digit that a spreadsheet writes.
 const FIELD_MAX: usize = 64;
@@ -12,7 +12,7 @@ const COLUMNS_MAX: usize = 17;
 
 /// A column of setpoints.
 struct Column {
-    who: Who,
+    selection: Selection,
     quantity: Quantity,
 }
 
@@ -72,7 +72,12 @@ pub fn from_csv(text: &str) -> Result<Sequence, SequenceError> {
                 return Err(at(line, 1, Problem::TooManySteps { max: STEPS_MAX }));
             }
             let value = number(value, semicolons, line, place + 2)?;
-            steps.push(Step::hold(column.who.clone(), column.quantity, value, 0.0));
+            steps.push(Step::hold(
+                column.selection.clone(),
+                column.quantity,
+                value,
+                0.0,
+            ));
         }
         if values.len() > columns.len() {
             return Err(at(line, columns.len() + 2, Problem::UnknownField));
@@ -105,17 +110,23 @@ fn head_columns(head: &[String]) -> Result<Vec<Column>, SequenceError> {
     }
     let column = |(place, name): (usize, &String)| {
         let name = name.trim();
-        let (who, quantity) = match name.rsplit_once(' ') {
-            None => (Who::All, name),
+        let (selection, quantity) = match name.rsplit_once(' ') {
+            None => (Selection::All, name),
             Some((motor, quantity)) => {
                 let id: Result<MotorId, _> = motor.trim().parse();
-                (Who::Motor(id.map_err(|_| wrong(place + 2))?), quantity)
+                (
+                    Selection::Motor(id.map_err(|_| wrong(place + 2))?),
+                    quantity,
+                )
             }
         };
         let mut all = Quantity::ALL.into_iter();
         let quantity = all.find(|known| known.field() == quantity);
         let quantity = quantity.ok_or_else(|| wrong(place + 2))?;
-        Ok(Column { who, quantity })
+        Ok(Column {
+            selection,
+            quantity,
+        })
     };
     rest.iter().enumerate().map(column).collect()
 }

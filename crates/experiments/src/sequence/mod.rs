@@ -76,16 +76,16 @@ pub enum Step {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Move {
     /// The motors.
-    pub who: Who,
+    pub selection: Selection,
     /// Their setpoint.
-    pub demand: Demand,
+    pub action: Action,
     /// When the next step begins.
     pub end: End,
 }
 
 /// The motors of a step.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Who {
+pub enum Selection {
     /// Every motor of the fleet.
     #[default]
     All,
@@ -97,7 +97,7 @@ pub enum Who {
 
 /// What a motor does. The quantity determines the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Demand {
+pub enum Action {
     /// A setpoint over time.
     Follow {
         /// The quantity of the values.
@@ -280,16 +280,16 @@ fn chirp_turns(hz: f64, to_hz: f64, t_s: f64, for_s: f64) -> f64 {
 impl Step {
     /// A step that holds a value for a time, as in a new table.
     #[must_use]
-    pub fn hold(who: Who, quantity: Quantity, to: f64, for_s: f64) -> Self {
-        Self::follow(who, quantity, Shape::Step { to }, End::After(for_s))
+    pub fn hold(selection: Selection, quantity: Quantity, to: f64, for_s: f64) -> Self {
+        Self::follow(selection, quantity, Shape::Step { to }, End::After(for_s))
     }
 
     /// A step with this shape at the motor's own acceleration.
     #[must_use]
-    pub const fn follow(who: Who, quantity: Quantity, shape: Shape, end: End) -> Self {
+    pub const fn follow(selection: Selection, quantity: Quantity, shape: Shape, end: End) -> Self {
         Self::Move(Move {
-            who,
-            demand: Demand::Follow {
+            selection,
+            action: Action::Follow {
                 quantity,
                 shape,
                 acceleration: Acceleration::DEFAULT,

@@ -4,8 +4,8 @@ use motorlink_protocol::{Acceleration, MotorId};
 use nojson::{JsonValueKind, RawJson};
 
 use super::{
-    Condition, DEPTH_MAX, Demand, End, Move, NAME_MAX, Problem, Quantity, Repeat, RunLimits,
-    STEPS_MAX, Sequence, SequenceError, Shape, Step, VERSION, Wave, Who,
+    Action, Condition, DEPTH_MAX, End, Move, NAME_MAX, Problem, Quantity, Repeat, RunLimits,
+    STEPS_MAX, Selection, Sequence, SequenceError, Shape, Step, VERSION, Wave,
     fields::{Node, Object, Result},
 };
 
@@ -83,11 +83,15 @@ fn step(node: &Node, depth: usize, count: &mut usize) -> Result<Step> {
     if fields.has("repeat") || fields.has("steps") {
         return repeat(fields, depth, count).map(Step::Repeat);
     }
-    let who = who(&mut fields)?;
-    let demand = demand(&mut fields)?;
+    let selection = selection(&mut fields)?;
+    let action = action(&mut fields)?;
     let end = end(&mut fields)?;
     fields.end()?;
-    Ok(Step::Move(Move { who, demand, end }))
+    Ok(Step::Move(Move {
+        selection,
+        action,
+        end,
+    }))
 }
 
 fn repeat(mut fields: Object, depth: usize, count: &mut usize) -> Result<Repeat> {
@@ -112,26 +116,26 @@ fn repeat(mut fields: Object, depth: usize, count: &mut usize) -> Result<Repeat>
     })
 }
 
-fn who(fields: &mut Object) -> Result<Who> {
+fn selection(fields: &mut Object) -> Result<Selection> {
     match (fields.take("motor"), fields.take("group")) {
-        (None, None) => Ok(Who::All),
+        (None, None) => Ok(Selection::All),
         (Some(node), None) => {
             let address = node.whole(255.0)?;
             let id = u8::try_from(address)
                 .ok()
                 .and_then(|id| MotorId::new(id).ok());
             let id = id.ok_or_else(|| node.wrong(Problem::Expected("an ID from 1 to 254")))?;
-            Ok(Who::Motor(id))
+            Ok(Selection::Motor(id))
         }
-        (None, Some(node)) => node.text(NAME_MAX).map(Who::Group),
+        (None, Some(node)) => node.text(NAME_MAX).map(Selection::Group),
         (Some(_), Some(group)) => Err(group.wrong(Problem::NotWith("motor"))),
     }
 }
 
-fn demand(fields: &mut Object) -> Result<Demand> {
+fn action(fields: &mut Object) -> Result<Action> {
     if let Some(brake) = fields.take("brake") {
         return match brake.value.as_raw_str() {
-            "true" => Ok(Demand::Brake),
+            "true" => Ok(Action::Brake),
             _ => Err(brake.wrong(Problem::Expected("true, or no such field"))),
         };
     }
@@ -159,7 +163,7 @@ fn demand(fields: &mut Object) -> Result<Demand> {
             Acceleration::new(byte)
         }
     };
-    Ok(Demand::Follow {
+    Ok(Action::Follow {
         quantity,
         shape,
         acceleration,

@@ -1,7 +1,7 @@
 //! Templates of sequences.
 
 use super::{
-    Condition, End, PASSES_MAX, Quantity, Repeat, RunLimits, Sequence, Shape, Step, Wave, Who,
+    Condition, End, PASSES_MAX, Quantity, Repeat, RunLimits, Selection, Sequence, Shape, Step, Wave,
 };
 
 /// A template of a sequence. Each runs with all motors of the fleet.
@@ -84,12 +84,12 @@ impl Template {
 }
 
 fn hold(rpm: f64, for_s: f64) -> Step {
-    Step::hold(Who::All, Quantity::Rpm, rpm, for_s)
+    Step::hold(Selection::All, Quantity::Rpm, rpm, for_s)
 }
 
 fn ramp(to: f64, for_s: f64) -> Step {
     Step::follow(
-        Who::All,
+        Selection::All,
         Quantity::Rpm,
         Shape::Ramp { to },
         End::After(for_s),
@@ -147,7 +147,7 @@ fn sine_sweep() -> Vec<Step> {
         let periods = (6.0 * hz).ceil().max(3.0);
         let for_s = (periods / hz * 1000.0).round() / 1000.0;
         steps.push(Step::follow(
-            Who::All,
+            Selection::All,
             Quantity::Rpm,
             Shape::Sine(wave),
             End::After(for_s),
@@ -168,14 +168,14 @@ fn position_tour() -> Vec<Step> {
             within_s: 5.0,
         };
         let arrive = Step::follow(
-            Who::All,
+            Selection::All,
             Quantity::Degrees,
             Shape::Step { to: degrees },
             near,
         );
         [
             arrive,
-            Step::hold(Who::All, Quantity::Degrees, degrees, 1.0),
+            Step::hold(Selection::All, Quantity::Degrees, degrees, 1.0),
         ]
     };
     angles.into_iter().flat_map(go).collect()

@@ -2,7 +2,7 @@
 
 use nojson::{DisplayJson, JsonFormatter, JsonObjectFormatter, json};
 
-use super::{Condition, Demand, End, Move, Repeat, RunLimits, Sequence, Shape, Step, Who};
+use super::{Action, Condition, End, Move, Repeat, RunLimits, Selection, Sequence, Shape, Step};
 
 type Fields<'a, 'b, 'c> = JsonObjectFormatter<'a, 'b, 'c>;
 
@@ -54,14 +54,14 @@ impl DisplayJson for Step {
 
 impl Move {
     fn write(&self, f: &mut Fields<'_, '_, '_>) -> std::fmt::Result {
-        match &self.who {
-            Who::All => {}
-            Who::Motor(id) => f.member("motor", id.get())?,
-            Who::Group(name) => f.member("group", name)?,
+        match &self.selection {
+            Selection::All => {}
+            Selection::Motor(id) => f.member("motor", id.get())?,
+            Selection::Group(name) => f.member("group", name)?,
         }
-        match self.demand {
-            Demand::Brake => f.member("brake", true)?,
-            Demand::Follow {
+        match self.action {
+            Action::Brake => f.member("brake", true)?,
+            Action::Follow {
                 quantity,
                 shape,
                 acceleration,

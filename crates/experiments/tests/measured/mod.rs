@@ -8,7 +8,7 @@ use motorlink_experiments::{
         StepSummary, TORQUE_NM_PER_A, Trace, coast_down, frequency_point, heating, inertia,
         step_figures, step_summary, unwrap_phases,
     },
-    sequence::{Demand, Move, Sequence, Shape, Step},
+    sequence::{Action, Move, Sequence, Shape, Step},
 };
 use motorlink_simulator::MotorConfig;
 
@@ -100,8 +100,8 @@ pub fn sweep(bench: &mut Bench, sequence: &Sequence, settle_s: f64) -> Vec<BodeP
     let sines = sequence.steps.iter().enumerate();
     let sines = sines.filter_map(|(number, step)| match step {
         Step::Move(Move {
-            demand:
-                Demand::Follow {
+            action:
+                Action::Follow {
                     shape: Shape::Sine(wave),
                     ..
                 },

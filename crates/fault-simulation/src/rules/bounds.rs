@@ -55,7 +55,7 @@ enum Torque {
     #[default]
     None,
     /// Torque of this sign. A zero after it is not answered yet.
-    Told { sign: i16, is_zero: bool },
+    Commanded { sign: i16, is_zero: bool },
     /// The zero was answered.
     ZeroAnswered,
 }
@@ -88,12 +88,12 @@ impl Bounds {
             *torque = match (*torque, obeyed.map(|(_, drive)| drive.signed())) {
                 // A coasting wheel has no torque to reverse.
                 (_, None) => Torque::None,
-                (Torque::Told { sign, .. }, Some(0)) => Torque::Told {
+                (Torque::Commanded { sign, .. }, Some(0)) => Torque::Commanded {
                     sign,
                     is_zero: true,
                 },
                 (other, Some(0)) => other,
-                (_, Some(value)) => Torque::Told {
+                (_, Some(value)) => Torque::Commanded {
                     sign: value.signum(),
                     is_zero: false,
                 },
@@ -193,7 +193,7 @@ impl Bounds {
                 return broken(Rule::NothingAboveALimit, now, what);
             }
             let reverses = match known.torque {
-                Torque::Told { sign, .. } => sign * value.signum() < 0,
+                Torque::Commanded { sign, .. } => sign * value.signum() < 0,
                 _ => false,
             };
             let passes = matches!(known.torque, Torque::ZeroAnswered);
@@ -214,7 +214,7 @@ impl Known {
         self.reported = Some((now, mode));
         self.switches
             .retain(|(sent, _)| *sent + AIRTIME >= reply.at);
-        if let Torque::Told { is_zero: true, .. } = self.torque
+        if let Torque::Commanded { is_zero: true, .. } = self.torque
             && reply.answers_zero
         {
             self.torque = Torque::ZeroAnswered;

@@ -72,12 +72,12 @@ pub fn DigitalTwin(
         });
         let waker = running.waker();
         // Wakes with new data in the frame after it, so that many replies make one frame.
-        let on_news = move || {
+        let on_new_data = move || {
             if asleep.replace(false) {
                 waker();
             }
         };
-        feed.update_value(|feed| feed.on_news(Rc::new(on_news)));
+        feed.update_value(|feed| feed.on_new_data(Rc::new(on_new_data)));
         frames.set_value(Some(running));
     });
 

@@ -108,7 +108,7 @@ impl TwinFeed {
     }
 
     /// Calls `wake` with all new data. It must not touch the feed.
-    pub(crate) fn on_news(&mut self, wake: Rc<dyn Fn()>) {
+    pub(crate) fn on_new_data(&mut self, wake: Rc<dyn Fn()>) {
         self.wake = Some(wake);
     }
 
@@ -159,7 +159,7 @@ mod tests {
     fn news_wake_the_twin_and_old_news_do_not() {
         let woken = Rc::new(Cell::new(0));
         let mut feed = TwinFeed::default();
-        feed.on_news(Rc::new({
+        feed.on_new_data(Rc::new({
             let woken = Rc::clone(&woken);
             move || woken.set(woken.get() + 1)
         }));
