@@ -39,6 +39,15 @@ const PRESS_SOON: &str = r#"((name) => {
     requestAnimationFrame(look);
 })"#;
 
+/// What a first visit is slowed down by.
+#[derive(Clone, Copy)]
+pub struct Slowness {
+    /// Slowdown of the processor.
+    pub processor: f64,
+    /// Whether the network is a slow 4G, as Lighthouse simulates it: 1.6 Mbit/s with 150 ms of round trip.
+    pub slow_4g: bool,
+}
+
 /// A first visit by a user who presses a button at once.
 pub struct FirstPress {
     /// Time from the visit to the press, in milliseconds.
@@ -48,14 +57,17 @@ pub struct FirstPress {
 }
 
 impl FirstPress {
-    /// Visits the page on a processor slowed down by a factor, and presses the button of this name.
+    /// Visits the page, slowed down, and presses the button of this name.
     ///
     /// # Errors
     ///
     /// When nothing can be pressed within a minute.
-    pub fn on(bench: &Bench, times_slower: f64, button: &str) -> Result<(Page, Self)> {
+    pub fn on(bench: &Bench, slowness: Slowness, button: &str) -> Result<(Page, Self)> {
         let page = bench.open_blank()?;
-        page.slow_down(times_slower)?;
+        page.slow_down(slowness.processor)?;
+        if slowness.slow_4g {
+            page.slow_4g()?;
+        }
         page.before_load(&format!("{PRESS_SOON}({})", json!(button)))?;
         page.go(&bench.origin())?;
         let first = wait_until("all of the page", WAIT_MAX, || {
@@ -84,6 +96,22 @@ impl Page {
     fn slow_down(&self, times: f64) -> Result<()> {
         let rate = json!({ "rate": times });
         let slowed = self.session.call("Emulation.setCPUThrottlingRate", rate);
+        slowed.map(drop)
+    }
+
+    /// Slows down what the page fetches, until it is closed.
+    fn slow_4g(&self) -> Result<()> {
+        self.session.call("Network.enable", json!({}))?;
+        let bytes_a_second = |bits: f64| bits / 8.0;
+        let slowed = self.session.call(
+            "Network.emulateNetworkConditions",
+            json!({
+                "offline": false,
+                "latency": 150,
+                "downloadThroughput": bytes_a_second(1.6e6),
+                "uploadThroughput": bytes_a_second(750e3),
+            }),
+        );
         slowed.map(drop)
     }
 }

@@ -56,7 +56,7 @@ pub use bench::Bench;
 pub use clock::now_us;
 pub use control::Control;
 pub use downloads::Download;
-pub use first_press::FirstPress;
+pub use first_press::{FirstPress, Slowness};
 pub use line::Line;
 pub use main_thread::Work;
 pub use memory::Memory;

@@ -2,14 +2,17 @@
 
 use crate::fixture::assert_quiet_console;
 use anyhow::Result;
-use end_to_end::{Bench, FirstPress, Page, wait_until};
+use end_to_end::{Bench, FirstPress, Page, Slowness, wait_until};
 
 /// Slow enough for a press to come before the worker.
-const TIMES_SLOWER: f64 = 4.0;
+const SLOWNESS: Slowness = Slowness {
+    processor: 4.0,
+    slow_4g: false,
+};
 
 /// Presses a button while the page still comes.
 fn press_early(bench: &Bench, button: &str) -> Result<Page> {
-    let (page, first) = FirstPress::on(bench, TIMES_SLOWER, button)?;
+    let (page, first) = FirstPress::on(bench, SLOWNESS, button)?;
     let FirstPress {
         usable_ms,
         whole_ms,
