@@ -239,7 +239,7 @@ impl Bench {
             }
             pause(20).await;
         }
-        panic!("waited in vain for {what}");
+        panic!("timed out waiting for {what}");
     }
 }
 

@@ -187,7 +187,7 @@ async fn the_picture_is_a_png_with_a_background() {
         .draw_image_with_image_bitmap(&bitmap, 0.0, 0.0)
         .unwrap();
     assert!(pixels(&copy).iter().all(|[.., opacity]| *opacity == 255));
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     assert!(!rows_of(&copy, speed, 20).is_empty(), "the line");
-    assert_eq!(pixels(&copy)[0][..3], colour_of(&bench, "background-color"));
+    assert_eq!(pixels(&copy)[0][..3], colour_of(&bench, "--surface"));
 }

@@ -15,7 +15,7 @@ use crate::bench::{document, pause};
 async fn what_was_reported_is_drawn_in_the_colour_of_its_trace_with_every_spike() {
     let bench = bench("graph-drawn").await;
     let canvas = canvas(&bench);
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     let mut samples = steady(9_000, 100);
     let middle = samples.len() / 2;
     samples[middle].reply.speed = Rpm::new(300);
@@ -36,7 +36,7 @@ async fn a_trace_that_is_switched_off_is_gone() {
     let bench = bench("graph-traces").await;
     let canvas = canvas(&bench);
     report(&bench, steady(9_000, 100));
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     let seen = || !rows_of(&canvas, speed, 20).is_empty();
     bench.until("the line", seen).await;
     bench.find("checkbox", "Show speed").click();
@@ -90,7 +90,7 @@ async fn a_hidden_page_draws_nothing_and_loses_nothing() {
     assert!(!is_drawn(&canvas));
     drop(hidden);
     changed();
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     bench.until("a line", || is_drawn(&canvas)).await;
     // What came meanwhile has had the scale grow.
     let lines = rows_of(&canvas, speed, 2);
@@ -137,7 +137,7 @@ async fn without_news_an_empty_graph_is_not_drawn() {
     pause(400).await;
     assert!(is_drawn(&canvas), "somebody has drawn, and wiped before");
     report(&bench, steady(1_000, 100));
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     bench
         .until("a line", || !rows_of(&canvas, speed, 2).is_empty())
         .await;
@@ -149,7 +149,7 @@ async fn another_theme_has_other_colours() {
     let canvas = canvas(&bench);
     report(&bench, steady(9_000, 100));
     let drawn = || {
-        let speed = colour_of(&bench, "border-right-color");
+        let speed = colour_of(&bench, "--speed");
         !rows_of(&canvas, speed, 20).is_empty()
     };
     bench.until("a line", drawn).await;
@@ -161,7 +161,7 @@ async fn another_theme_has_other_colours() {
         bench
             .until("a line in the colours of the theme", drawn)
             .await;
-        colours.push(colour_of(&bench, "border-right-color"));
+        colours.push(colour_of(&bench, "--speed"));
     }
     colours.dedup();
     assert!(colours.len() > 1, "every theme has the same colours");

@@ -12,7 +12,7 @@ async fn restored_samples_are_drawn_at_their_times() {
     let recorder = FakeRecorder::new("graph-restored");
     let bench = bench("graph-restored").await;
     let canvas = canvas(&bench);
-    let speed = colour_of(&bench, "border-right-color");
+    let speed = colour_of(&bench, "--speed");
     let time_origin_ms = performance().time_origin() + performance().now();
     bench.post(&ToPage::Hello { time_origin_ms });
     recorder.post(&FromRecorder::Restored);
