@@ -61,12 +61,21 @@ function firstPaint() {
   });
 }
 
+// The style of all that is mounted later: with the program, which takes longer.
+function fetchLaterStyle() {
+  const sheet = document.createElement("link");
+  sheet.rel = "stylesheet";
+  sheet.href = new URL("./{{later_style}}", import.meta.url);
+  document.head.append(sheet);
+}
+
 async function start() {
   // An import in a try can be explained.
   const imported = import("./{{glue}}");
   // Where it fails before it is awaited, it is explained once: below.
   imported.catch(() => {});
   await firstPaint();
+  fetchLaterStyle();
   const [glue, module] = await Promise.all([imported, compiled(fetch(wasmUrl))]);
   loaded = true;
   await glue.default({ module_or_path: module });

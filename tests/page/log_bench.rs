@@ -33,7 +33,7 @@ pub struct Style(Element);
 impl Style {
     fn new() -> Self {
         let style = document().create_element("style").unwrap();
-        let sheet = include_str!("../../style/65-log.css");
+        let sheet = include_str!("../../style/later/65-log.css");
         let sheet = format!(
             "{sheet} .packet-list {{ flex: none; box-sizing: border-box; width: 600px; height: 220px; }}"
         );

@@ -27,6 +27,7 @@ struct Parts {
     adapters: String,
     installed: String,
     style: String,
+    later_style: String,
     index: String,
     public: Vec<(PathBuf, Vec<u8>)>,
 }
@@ -42,6 +43,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<PathBuf> {
         adapters: read(&boot.join("adapters.js"))?,
         installed: service_worker::page_part(profile)?,
         style: style(&workspace.root().join("style"))?,
+        later_style: style(&workspace.root().join("style/later"))?,
         index: read(&workspace.root().join("index.html"))?,
         public: files_below(&workspace.root().join("public"))?,
     };
@@ -74,11 +76,12 @@ fn read(path: &Path) -> Result<String> {
     fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))
 }
 
-/// All style sheets as one, in the order of their names.
+/// The style sheets of a directory, without those of its subdirectories, as one, in the order of their names.
 fn style(dir: &Path) -> Result<String> {
     let mut style = String::new();
     for (path, content) in files_below(dir)? {
-        if path.extension().is_some_and(|extension| extension == "css") {
+        let is_sheet = path.extension().is_some_and(|extension| extension == "css");
+        if is_sheet && path.components().count() == 1 {
             let text = String::from_utf8(content);
             style += &text.with_context(|| format!("{} is not text", path.display()))?;
             style.push('\n');
@@ -92,23 +95,28 @@ fn style(dir: &Path) -> Result<String> {
 
 fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
     let mut files = Files::default();
+    let later_style = minify::css(&parts.later_style);
+    let later_style = files.add_hashed("later-style", "css", later_style.as_bytes());
     let page_boot = files.add_boot(
         "page",
         &parts.page_boot,
         Program::Page,
         &parts.programs.page,
+        &[("later_style", &later_style)],
     )?;
     let worker_boot = files.add_boot(
         "worker",
         &[parts.adapters.as_str(), &parts.worker_boot].concat(),
         Program::Worker,
         &parts.programs.worker,
+        &[],
     )?;
     let recorder_boot = files.add_boot(
         "recorder",
         &parts.worker_boot,
         Program::Recorder,
         &parts.programs.recorder,
+        &[],
     )?;
     let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
         let stem = format!("texts-{}", language.key());
@@ -182,16 +190,18 @@ impl Files {
         }
     }
 
-    /// Adds a program and the script that starts it.
+    /// Adds a program and the script that starts it, which contains these other names too.
     fn add_boot(
         &mut self,
         stem: &str,
         boot: &str,
         program: Program,
         module: &Module,
+        others: &[(&str, &str)],
     ) -> Result<String> {
         let Names { wasm, glue } = self.add_program(program, module);
-        let boot = fill(boot, &[("wasm", &wasm), ("glue", &glue)])?;
+        let own = [("wasm", wasm.as_str()), ("glue", glue.as_str())];
+        let boot = fill(boot, &[&own, others].concat())?;
         Ok(self.add_hashed(
             &format!("{stem}-boot"),
             "js",
@@ -246,11 +256,12 @@ mod tests {
                 },
                 ..Programs::default()
             },
-            page_boot: "{{wasm}} {{glue}}".to_owned(),
+            page_boot: "{{wasm}} {{glue}} {{later_style}}".to_owned(),
             worker_boot: "{{wasm}} {{glue}}".to_owned(),
             adapters: "adapters".to_owned(),
             installed: "installed".to_owned(),
             style: "p {}".to_owned(),
+            later_style: "q {}".to_owned(),
             index: include_str!("../../../index.html").to_owned(),
             public: vec![(PathBuf::from("icon.svg"), b"<svg/>".to_vec())],
         }
@@ -284,7 +295,10 @@ mod tests {
             );
         }
         let (glue, glue_text) = starting(&files, "motorlink-glue-");
-        assert!(starting(&files, "page-boot-").1.contains(&glue));
+        let (later_style, _) = starting(&files, "later-style-");
+        for name in [glue, later_style] {
+            assert!(starting(&files, "page-boot-").1.contains(&name), "{name}");
+        }
         for (boot, stem) in [
             ("page-boot-", "motorlink-"),
             ("worker-boot-", "worker-"),

@@ -46,7 +46,7 @@ struct Part {
 }
 
 /// Every file belongs to the first part that names it.
-const PARTS: [Part; 13] = [
+const PARTS: [Part; 14] = [
     part(
         "page",
         When::First,
@@ -59,8 +59,9 @@ const PARTS: [Part; 13] = [
         ],
         246_000,
     ),
-    part("style", When::First, &["style-"], 14_500),
+    part("style", When::First, &["style-"], 11_500),
     part("worker", When::Driving, &["worker-"], 86_000),
+    part("later style", When::Behind, &["later-style-"], 9_000),
     part("desk", When::Behind, &["desk"], 105_000),
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_000),

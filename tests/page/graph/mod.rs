@@ -25,7 +25,7 @@ const ID: MotorId = MotorId::FIRST;
 const STYLE: &str = concat!(
     include_str!("../../../style/10-tokens.css"),
     include_str!("../../../style/20-base.css"),
-    include_str!("../../../style/61-graph.css"),
+    include_str!("../../../style/later/61-graph.css"),
     ".graph-panel { position: fixed; top: 0; left: 0; width: 700px; height: 300px; }",
 );
 
