@@ -16,6 +16,7 @@ pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
 pub(crate) mod routing;
 pub(crate) mod sections;
+pub(crate) mod tab_bar;
 
 use std::time::Duration;
 

@@ -36,13 +36,20 @@ use crate::{
 struct Places {
     top: NodeRef<Div>,
     above_desk: NodeRef<Div>,
+    dock: NodeRef<Div>,
     desk: NodeRef<Main>,
     dialogs: NodeRef<Div>,
 }
 
 impl Places {
     fn clear(self) {
-        for place in [Place::Top, Place::AboveDesk, Place::Desk, Place::Dialogs] {
+        for place in [
+            Place::Top,
+            Place::AboveDesk,
+            Place::Dock,
+            Place::Desk,
+            Place::Dialogs,
+        ] {
             if let Some(element) = self.element(place) {
                 element.set_text_content(None);
             }
@@ -54,6 +61,7 @@ impl Places {
         Some(match place {
             Place::Top => self.top.get_untracked()?.into(),
             Place::AboveDesk => self.above_desk.get_untracked()?.into(),
+            Place::Dock => self.dock.get_untracked()?.into(),
             Place::Desk => self.desk.get_untracked()?,
             Place::TabPanels => {
                 let panels = self.desk.get_untracked()?.query_selector(".tab-panels");
@@ -293,7 +301,12 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
         >
             <div class="top" node_ref=places.top></div>
             <div class="above-desk" inert=behind_dialog node_ref=places.above_desk></div>
-            <main class="desk" inert=behind_dialog node_ref=places.desk></main>
+            <div class="workspace" inert=behind_dialog>
+                <div class="dock" node_ref=places.dock></div>
+                <div class="desk-place">
+                    <main class="desk" node_ref=places.desk></main>
+                </div>
+            </div>
             <div class="dialogs" node_ref=places.dialogs></div>
         </div>
     }

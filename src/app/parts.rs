@@ -10,6 +10,7 @@ use crate::{
     app::{
         features::Features,
         mount::{Hosts, Mounted},
+        tab_bar::TabBar,
     },
     features::{
         drive::{current::CurrentTab, position::PositionTab},
@@ -32,7 +33,8 @@ use crate::{
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The rest of the main view: notices, motor strip, current and position tabs, packet log, graph, recording.
+    /// The rest of the main view: notices, motor strip, current and position tabs, packet log, graph, recording, the
+    /// tab bar of a phone.
     Desk,
     /// ID manager, raw frames and the panels of the drawer.
     Tools,
@@ -99,6 +101,7 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || view! { <Graph chart=features.chart /> }),
     hosts.mount(Recording),
     hosts.mount(MotorStrip),
+    hosts.mount(TabBar),
 ]);
 
 in_part!(tools: fn mount_tools(hosts, features) [
@@ -127,7 +130,7 @@ fn settings_panel(features: Features) -> impl IntoView {
 /// The notices, with the saved session and the tour among them.
 fn notices(features: Features) -> impl IntoView {
     let shown = move || features.tour.with(|tour| tour.shown);
-    let is_alone = move || is_hidden(features.saved_session) && shown() != Shown::Opened;
+    let is_alone = move || is_hidden(features.saved_session) && shown() == Shown::No;
     let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
     let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
     view! {

@@ -29,6 +29,8 @@ use web_sys::HtmlElement;
 pub(crate) enum Place {
     Top,
     AboveDesk,
+    /// Beside the desk on a wide screen, over it on a narrow one.
+    Dock,
     Desk,
     TabPanels,
     Dialogs,
@@ -59,7 +61,7 @@ pub(crate) enum Frame {
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Place, Section); 20] = [
+pub(crate) const SECTIONS: [(Place, Section); 21] = [
     (
         Place::Top,
         Section::Now(|place, features| {
@@ -138,17 +140,18 @@ pub(crate) const SECTIONS: [(Place, Section); 20] = [
     ),
     (Place::AboveDesk, Section::Later(Part::Desk, Frame::Nothing)),
     (
-        Place::AboveDesk,
+        Place::Dock,
         Section::Later(Part::Tools, Frame::Drawer(Drawer::Link)),
     ),
     (
-        Place::AboveDesk,
+        Place::Dock,
         Section::Later(Part::Tools, Frame::Drawer(Drawer::Together)),
     ),
     (
-        Place::AboveDesk,
+        Place::Dock,
         Section::Later(Part::Tools, Frame::Drawer(Drawer::Settings)),
     ),
+    (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
     (Place::Dialogs, Section::Later(Part::Help, Frame::Help)),
     (
         Place::Dialogs,

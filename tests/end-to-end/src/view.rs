@@ -72,6 +72,22 @@ impl View {
         scheme: Scheme::Light,
     };
 
+    /// A window of this size in CSS pixels.
+    #[must_use]
+    pub const fn window(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            scheme: Scheme::Light,
+        }
+    }
+
+    /// Whether the page shows one screen at a time with a tab bar, as the style sheet decides.
+    #[must_use]
+    pub const fn is_phone(self) -> bool {
+        self.width < 860 || self.height < 500
+    }
+
     /// The same window in other colours.
     #[must_use]
     pub fn with(self, scheme: Scheme) -> Self {
@@ -110,6 +126,18 @@ impl Page {
             json!({ "features": features }),
         )?;
         Ok(())
+    }
+
+    /// Gives the page's device a touch screen instead of a mouse.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn touch(&self) -> Result<()> {
+        let fingers = json!({ "enabled": true, "maxTouchPoints": 5 });
+        self.session
+            .call("Emulation.setTouchEmulationEnabled", fingers)
+            .map(drop)
     }
 
     /// Saves the visible part as a PNG file.

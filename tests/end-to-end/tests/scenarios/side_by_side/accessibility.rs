@@ -75,7 +75,21 @@ impl Judge {
 
     /// Judges what is on the screen in every theme and width.
     fn screen(&mut self, name: &str) -> Result<()> {
-        for (width, view) in [("desktop", View::DESKTOP), ("phone", View::PHONE)] {
+        self.screen_in(name, &[("desktop", View::DESKTOP), ("phone", View::PHONE)])
+    }
+
+    /// The screens behind the tab bar of a phone.
+    fn phone_screens(&mut self) -> Result<()> {
+        for screen in ["Graph", "Log", "Motors", "More", "Drive"] {
+            self.page.look(View::PHONE)?;
+            self.click("button", screen)?;
+            self.screen_in(screen, &[("phone", View::PHONE)])?;
+        }
+        self.page.look(View::DESKTOP)
+    }
+
+    fn screen_in(&mut self, name: &str, views: &[(&str, View)]) -> Result<()> {
+        for (width, view) in views {
             for (place, scheme) in self.schemes.iter().enumerate() {
                 self.page.look(view.with(*scheme))?;
                 let where_found =
@@ -139,6 +153,7 @@ impl Judge {
         self.click("button", "Stop")?;
         self.wait_for_speed("0")?;
         self.screen("Velocity, graph and log")?;
+        self.phone_screens()?;
         for tab in ["Current", "Position", "ID Manager", "Raw Hex"] {
             self.click("tab", tab)?;
             self.screen(tab)?;

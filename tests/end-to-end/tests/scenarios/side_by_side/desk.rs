@@ -1,0 +1,205 @@
+//! What is in sight on small laptops and large screens.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result, ensure};
+use end_to_end::{Bench, Frame, Line, Page, Usb, View, now_us, retry};
+use serde_json::json;
+
+use crate::fixture::{
+    Scenario, connect, open_panel,
+    places::{LANDSCAPE, LAPTOP, Place, READ_OUTS, STOP, WIDE, WIDEST, in_sight, look},
+    spin, wait_for_wire, wait_until_enabled,
+};
+
+const SCANS_MAX: u32 = 5;
+
+/// A stall takes the motor 5 s to notice.
+const STALL_MAX: Duration = Duration::from_secs(40);
+
+/// The notices that are shown, the tour among them.
+fn notices(page: &Page, view: View) -> Result<Place> {
+    let place = in_sight(page, view, "region", "Notices")?;
+    let clipped = page.evaluate(
+        "(() => { const panel = document.querySelector('.notices');
+            return panel.scrollHeight > panel.clientHeight + 1; })()",
+    )?;
+    ensure!(clipped == json!(false), "the notices are cut in {view:?}");
+    let stop = in_sight(page, view, STOP.0, STOP.1)?;
+    ensure!(!place.covers(stop), "STOP is covered in {view:?}");
+    for (role, name) in READ_OUTS {
+        let read_out = Place::of(&page.find(role, name)?)?;
+        ensure!(!place.covers(read_out), "{name} is covered in {view:?}");
+    }
+    Ok(place)
+}
+
+const SIZES: [View; 6] = [
+    View::PHONE,
+    LANDSCAPE,
+    View::TABLET,
+    LAPTOP,
+    View::DESKTOP,
+    WIDE,
+];
+
+#[test]
+fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
+    let bench = Bench::start()?;
+    let adapter = bench.plug(Line::default(), Usb::default())?;
+    let page = bench.open("/")?;
+    for view in SIZES {
+        look(&page, view)?;
+        notices(&page, view)?;
+        in_sight(&page, view, "button", "Skip the tour")?;
+    }
+    look(&page, LAPTOP)?;
+    page.click("button", "Skip the tour")?;
+    connect(&page)?;
+    let mut scenario = Scenario {
+        bench,
+        adapter,
+        page,
+    };
+    open_panel(&scenario.page, "Settings")?;
+    scenario.page.fill("spinbutton", "Current limit", "8")?;
+    scenario.page.click("button", "Settings")?;
+    spin(&scenario.page, "+100", 97..=103)?;
+    scenario.adapter.act("block 1 on")?;
+    let page = &scenario.page;
+    page.wait_for_text_within(STALL_MAX, "region", "Notices", |text| {
+        text.to_lowercase().contains("stall")
+    })?;
+    for view in SIZES {
+        look(page, view)?;
+        notices(page, view)?;
+    }
+    Ok(())
+}
+
+/// Scans until every motor is found: on a busy machine a scan may miss some.
+fn find_motors(page: &Page, motors: usize) -> Result<()> {
+    page.click("tab", "ID Manager")?;
+    retry("full scan", SCANS_MAX, || {
+        let scan = page.find_all("button", "Full scan")?.pop();
+        scan.context("no button Full scan")?.click()?;
+        for running in [true, false] {
+            wait_until_enabled(page, "button", "Cancel", running)?;
+        }
+        let found = page.evaluate("document.querySelectorAll('.motor-chip').length")?;
+        Ok(if found == json!(motors) {
+            Ok(())
+        } else {
+            Err(format!("{found} motors"))
+        })
+    })?;
+    page.click("tab", "Velocity")
+}
+
+/// The rover of the issue: driven by the pad, with the telemetry of all four motors and the graph beside it.
+#[test]
+fn a_group_is_driven_with_its_telemetry_and_the_graph_in_sight() -> Result<()> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2, 3, 4]))?;
+    let page = &scenario.page;
+    page.click("button", "Skip the tour")?;
+    find_motors(page, 4)?;
+    look(page, View::DESKTOP)?;
+    page.click("button", "Drive together")?;
+    for id in 1..=4 {
+        page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
+        let side = if id % 2 == 1 { "left" } else { "right" };
+        page.choose(&format!("Side of 0x{id:02X}"), side)?;
+    }
+    let pad = page.find_like("application", "Drive pad")?;
+    pad.focus()?;
+    let pressed = now_us();
+    page.hold_key("ArrowUp")?;
+    wait_for_wire(&scenario, pressed, "four driven motors", |wire| {
+        (1..=4).all(|id| {
+            let drives = wire.of_motor(id).drives();
+            let last = drives.last().and_then(Frame::drive_setpoint);
+            last.is_some_and(|rpm| rpm != 0)
+        })
+    })?;
+    let view = View::DESKTOP;
+    let panel = Place::of(&page.find("region", "Drive together")?)?;
+    for (role, name) in READ_OUTS.into_iter().chain([
+        ("button", "Motor 0x01"),
+        ("button", "Motor 0x02"),
+        ("button", "Motor 0x03"),
+        ("button", "Motor 0x04"),
+        ("img", "Speed and current"),
+        STOP,
+    ]) {
+        let place = in_sight(page, view, role, name)?;
+        assert!(!panel.covers(place), "{name}: {place:?} under {panel:?}");
+    }
+    in_sight(page, view, "application", "Drive pad")?;
+    page.release_key("ArrowUp")?;
+    for panel in ["Link", "Settings"] {
+        open_panel(page, panel)?;
+        let panel = in_sight(page, view, "region", panel)?;
+        let graph = in_sight(page, view, "img", "Speed and current")?;
+        assert!(!panel.covers(graph));
+    }
+    Ok(())
+}
+
+#[test]
+fn eight_motors_are_in_sight_in_the_strip_and_in_the_list() -> Result<()> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2, 3, 4, 5, 6, 7, 8]))?;
+    let page = &scenario.page;
+    page.click("button", "Skip the tour")?;
+    find_motors(page, 8)?;
+    page.click("tab", "ID Manager")?;
+    for view in [View::DESKTOP, LAPTOP] {
+        look(page, view)?;
+        for id in 1..=8 {
+            in_sight(page, view, "button", &format!("Motor 0x{id:02X}"))?;
+        }
+        let faults = page.evaluate(
+            "[...document.querySelectorAll('[data-figure=faults]')]
+                .every((figure) => figure.getBoundingClientRect().right < innerWidth)",
+        )?;
+        assert_eq!(faults, json!(true));
+        let list = page.evaluate(
+            "(() => { const list = document.querySelector('.found-list');
+                return list.scrollHeight <= list.clientHeight + 1; })()",
+        )?;
+        assert_eq!(list, json!(true), "all motors found in {view:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_wide_screen_gives_its_room_to_the_graph_and_the_wheel() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.click("button", "Skip the tour")?;
+    look(page, View::DESKTOP)?;
+    let area = |place: Place| place.width() * place.height();
+    // The wheel is round.
+    let least = |place: Place| place.width().min(place.height());
+    let mut graph = area(in_sight(page, View::DESKTOP, "img", "Speed and current")?);
+    let mut wheel = least(in_sight(page, View::DESKTOP, "region", "Wheel")?);
+    for view in [WIDE, WIDEST] {
+        look(page, view)?;
+        let edge = ["Telemetry", "Speed and current"]
+            .map(|name| -> Result<f64> { Ok(in_sight(page, view, "region", name)?.right) });
+        let mut right = 0.0_f64;
+        for edge in edge {
+            right = right.max(edge?);
+        }
+        assert!(
+            right > f64::from(view.width) - 30.0,
+            "idle at the right: {right}"
+        );
+        let larger = area(in_sight(page, view, "img", "Speed and current")?);
+        assert!(larger > 1.25 * graph, "{view:?}: {larger} after {graph}");
+        graph = larger;
+        let larger = least(in_sight(page, view, "region", "Wheel")?);
+        assert!(larger > 1.1 * wheel, "{view:?}: {larger} after {wheel}");
+        wheel = larger;
+    }
+    Ok(())
+}

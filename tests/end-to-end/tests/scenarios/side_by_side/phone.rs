@@ -1,0 +1,99 @@
+//! What a phone shows, upright and sideways.
+
+use anyhow::Result;
+use end_to_end::{Line, View};
+use serde_json::json;
+
+use crate::fixture::{
+    Scenario,
+    places::{LANDSCAPE, Place, READ_OUTS, STOP, all_in_sight, in_sight, look},
+    spin,
+};
+
+#[test]
+fn a_phone_has_on_its_first_screen_what_drives() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.click("button", "Skip the tour")?;
+    look(page, View::PHONE)?;
+    let first_screen = [
+        ("status", "Connection"),
+        ("region", "Wheel"),
+        ("spinbutton", "Target speed"),
+        ("slider", "Target speed"),
+        ("button", "Start"),
+        ("button", "Stop"),
+        STOP,
+        ("navigation", "Screens"),
+    ];
+    all_in_sight(page, View::PHONE, &first_screen)?;
+    all_in_sight(page, View::PHONE, &READ_OUTS)?;
+    // It is enough to drive by, and nothing had to be scrolled.
+    spin(page, "Start", 97..=103)?;
+    assert_eq!(page.evaluate("scrollY")?, json!(0));
+
+    look(page, LANDSCAPE)?;
+    all_in_sight(
+        page,
+        LANDSCAPE,
+        &[STOP, ("output", "Speed"), ("button", "Start")],
+    )
+}
+
+#[test]
+fn a_phone_shows_the_rest_behind_its_tab_bar() -> Result<()> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
+    page.click("button", "Skip the tour")?;
+    for view in [View::PHONE, LANDSCAPE] {
+        for (screen, role, name) in [
+            ("Graph", "button", "PNG"),
+            ("Log", "region", "Packet log"),
+            ("Motors", "region", "Drive together"),
+            ("More", "button", "Settings"),
+            ("Drive", "button", "Start"),
+        ] {
+            look(page, view)?;
+            page.click("button", screen)?;
+            in_sight(page, view, STOP.0, STOP.1)?;
+            let shown = page.find(role, name)?;
+            assert!(Place::of(&shown)?.width() > 0.0, "{name}");
+        }
+    }
+    // What opens a tab of the controls shows the controls.
+    look(page, View::PHONE)?;
+    page.click("button", "More")?;
+    page.click("button", "Settings")?;
+    page.click("button", "Close the panel")?;
+    page.click("button", "Motors")?;
+    page.click("button", "Close the panel")?;
+    in_sight(page, View::PHONE, "button", "Start").map(drop)
+}
+
+/// Controls in sight that are smaller than a finger: a tick is pressed with its label.
+const SMALL: &str = "[...document.querySelectorAll('button, select, input')]
+    .filter((control) => control.getClientRects().length && getComputedStyle(control).visibility === 'visible')
+    .map((control) => control.closest('label, .language, .motor-chip') ?? control)
+    .filter((target) => {
+        const { width, height } = target.getBoundingClientRect();
+        return width < 43.5 || height < 43.5;
+    })
+    .map((target) => target.outerHTML.slice(0, 120))";
+
+#[test]
+fn fingers_have_targets_of_44_pixels_and_no_hints_of_keys() -> Result<()> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
+    page.touch()?;
+    look(page, View::PHONE)?;
+    for screen in ["Graph", "Log", "Motors", "More", "Drive"] {
+        page.click("button", screen)?;
+        assert_eq!(page.evaluate(SMALL)?, json!([]), "{screen}");
+    }
+    let hints = page.evaluate(
+        "[...document.querySelectorAll('.stop-keys, .keys')]
+            .filter((hint) => hint.getClientRects().length).length",
+    )?;
+    assert_eq!(hints, json!(0));
+    Ok(())
+}
