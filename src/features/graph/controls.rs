@@ -34,6 +34,14 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
         let live = view.with(|view| view.is_live());
         live.then(|| tr!("The newest data is already shown.").to_owned())
     });
+    let expand = Signal::derive(move || {
+        if chart.expanded.get() {
+            tr!("Shrink")
+        } else {
+            tr!("Expand")
+        }
+        .to_owned()
+    });
     let [ten, minute, five] = WINDOWS;
     view! {
         <div class="graph-head">
@@ -71,6 +79,12 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     label=tr!("Now")
                     disabled_reason=live_already
                     on_press=move || chart.follow()
+                />
+                <PressButton
+                    class="button small graph-expand"
+                    label=expand
+                    hint=tr!("The graph takes the place of the other panels.")
+                    on_press=move || chart.expanded.update(|expanded| *expanded = !*expanded)
                 />
                 <PressButton
                     class="button small"

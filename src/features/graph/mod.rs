@@ -67,7 +67,11 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
         history.with_value(|history| history.reported().is_empty())
     });
     view! {
-        <section class="panel graph-panel" aria-label=tr!("Speed and current")>
+        <section
+            class="panel graph-panel"
+            class:expanded=dynamic(move || chart.expanded.get())
+            aria-label=tr!("Speed and current")
+        >
             <Controls chart stage />
             <div class="graph-box" node_ref=place>
                 <div

@@ -1,4 +1,4 @@
-//! The crosshair: a line over the graph, and a box of fixed size with the values.
+//! The crosshair: a line over the graph, and the values in the place of the legend, where they cover no curve.
 
 use std::fmt::Write;
 
@@ -11,18 +11,15 @@ use crate::{
         plot::{comparison::MOTORS_MAX, trace::Trace},
         text::Text,
     },
-    ui::{attribute::Attribute, mathematics::limited},
+    ui::attribute::Attribute,
 };
-
-/// Distance between line and box, in CSS pixels.
-const BOX_GAP: f64 = 12.0;
 
 /// The content of the graph: two canvases, of which the lower has the axes, and the line of the crosshair.
 pub(crate) const PLOT: &str = "<canvas class=\"graph-axes\"></canvas>\
                                <canvas class=\"graph-lines\"></canvas>\
                                <div class=\"graph-cross absent\"></div>";
 
-/// The rows of the box: the time, one row per trace, and one per compared motor.
+/// The parts of the values: the time, one per trace, and one per compared motor.
 pub(crate) fn rows() -> String {
     let mut rows = "<p class=\"graph-when\"></p>".to_owned();
     let mut row = |class: &str, name: &str| {
@@ -38,7 +35,7 @@ pub(crate) fn rows() -> String {
     rows
 }
 
-/// A value in the box: of a trace, or of the compared motor at a place.
+/// A value at the crosshair: of a trace, or of the compared motor at a place.
 pub(crate) enum CrosshairValue {
     Trace(Trace, String),
     Motor(usize, String),
@@ -48,8 +45,6 @@ pub(crate) enum CrosshairValue {
 pub(crate) struct Overlay {
     line: HtmlElement,
     values: HtmlElement,
-    /// Width of the box in CSS pixels.
-    values_width: f64,
     aloud: Attribute,
     when: Text,
     rows: Vec<Row>,
@@ -84,17 +79,11 @@ impl Overlay {
         Some(Self {
             line: html(".graph-cross")?,
             values: html(".graph-values")?,
-            values_width: 0.0,
             aloud: Attribute::find(graph, ".graph-values", "aria-live")?,
             when: Text::of(find(".graph-when")?),
             rows,
             shown: None,
         })
-    }
-
-    /// Measures the box after a change of size.
-    pub(crate) fn measure(&mut self) {
-        self.values_width = f64::from(self.values.offset_width());
     }
 
     /// Sets the name of the motor at a place.
@@ -104,11 +93,11 @@ impl Overlay {
         }
     }
 
-    /// Shows the values at a position, in CSS pixels from the left of a graph of this width. Values selected
-    /// by keys are announced to screen readers.
+    /// Shows the values at a position, in CSS pixels from the left of the graph. Values selected by keys are announced
+    /// to screen readers.
     pub(crate) fn show(
         &mut self,
-        (x, width): (f64, f64),
+        x: f64,
         when: String,
         values: Vec<CrosshairValue>,
         by_keys: bool,
@@ -127,17 +116,11 @@ impl Overlay {
                 *shown = true;
             }
         }
-        // On the side with more room, inside the graph.
-        let left = if x > width / 2.0 {
-            x - BOX_GAP - self.values_width
-        } else {
-            x + BOX_GAP
-        };
-        place(&self.line, x);
-        place(
-            &self.values,
-            limited(left, 0.0, (width - self.values_width).max(0.0)),
-        );
+        // It fails for invalid names and values; these are valid.
+        let _ = self
+            .line
+            .style()
+            .set_property("transform", &format!("translateX({}px)", x.round()));
         self.set_shown(Some(shown));
     }
 
@@ -161,12 +144,4 @@ impl Overlay {
         }
         self.shown = shown;
     }
-}
-
-fn place(element: &HtmlElement, x: f64) {
-    let whole = x.round();
-    // It fails for invalid names and values; these are valid.
-    let _ = element
-        .style()
-        .set_property("transform", &format!("translateX({whole}px)"));
 }

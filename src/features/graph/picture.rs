@@ -1,4 +1,4 @@
-//! The picture: the graph with a legend above it, on the background of the page.
+//! The picture: the graph in the size of a document's figure, with a legend above it, on the background of the page.
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -38,8 +38,12 @@ pub(crate) fn save(chart: Chart, cell: StageCell) {
     let mut stage = cell.borrow_mut();
     let picture = stage.as_mut().and_then(|stage| {
         stage.draw_first(chart);
+        let on_screen = stage.layout;
+        stage.draw_at(chart, on_screen.of_picture());
         let (title, entries) = legend(chart, &subject, stage.palette);
-        paint(stage, &title, &entries, now)
+        let picture = paint(stage, &title, &entries, now);
+        stage.draw_at(chart, on_screen);
+        picture
     });
     let Some(picture) = picture else {
         return;

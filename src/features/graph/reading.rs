@@ -54,11 +54,8 @@ impl Stage {
         };
         let values = values_at(history, subject, Instant::from_micros(at_us));
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
-        let place = (
-            self.layout.x(column),
-            f64::from(self.layout.width) / self.layout.ratio,
-        );
-        self.overlay.show(place, when, values, by_keys);
+        let x = self.layout.x(column);
+        self.overlay.show(x, when, values, by_keys);
     }
 }
 

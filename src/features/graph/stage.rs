@@ -215,12 +215,26 @@ impl Stage {
         if layout == self.layout {
             return false;
         }
+        self.adopt(chart, layout);
+        true
+    }
+
+    fn adopt(&mut self, chart: Chart, layout: Layout) {
         self.layout = layout;
         chart.layout.set(layout);
         self.axes.resize(layout);
         self.lines.resize(layout);
-        self.overlay.measure();
-        true
+    }
+
+    /// Draws the graph in another size: that of a picture, and then that of the screen again. The browser shows
+    /// nothing in between.
+    pub(crate) fn draw_at(&mut self, chart: Chart, layout: Layout) {
+        let resized = chart.size_stale.take();
+        self.adopt(chart, layout);
+        self.scene = None;
+        self.drawn_ms = f64::NEG_INFINITY;
+        let _ = self.step(chart, page_now_ms());
+        chart.size_stale.set(resized);
     }
 
     /// Reads the palette from the custom properties of the theme, which the style sheet registers as colours.
@@ -262,7 +276,6 @@ impl Stage {
             self.overlay.name(*place, name);
         }
         self.legend.show(comparison, &names);
-        self.overlay.measure();
     }
 
     fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {

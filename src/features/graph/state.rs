@@ -62,6 +62,8 @@ pub(crate) struct Parts {
     pub(crate) page: Page,
     pub(crate) view: RwSignal<View>,
     pub(crate) traces: RwSignal<Traces>,
+    /// Whether it takes the place of the whole desk.
+    pub(crate) expanded: RwSignal<bool>,
     pub(crate) crosshair: Cell<Crosshair>,
     pub(crate) drag: Cell<Option<Drag>>,
     /// The layout of the last drawing.
@@ -85,6 +87,7 @@ impl Chart {
             page,
             view: RwSignal::new(View::default()),
             traces: RwSignal::new(Traces::default()),
+            expanded: RwSignal::new(false),
             crosshair: Cell::new(Crosshair::None),
             drag: Cell::new(None),
             layout: Cell::new(Layout::default()),

@@ -18,6 +18,11 @@ const DAY_WIDTH: f64 = 92.0;
 /// Height of a row of labels with a gap.
 const ROW: f64 = 24.0;
 
+/// Least size of a picture in pixels, without its legend: it fills the width of a page in print.
+const PICTURE: [f64; 2] = [1_600.0, 900.0];
+/// Least number of a picture's pixels per CSS pixel: at one, its labels are too small to read in print.
+const PICTURE_RATIO: f64 = 2.0;
+
 /// A rectangle in device pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) struct Rectangle {
@@ -62,6 +67,19 @@ impl Layout {
                 height: (all_height - top - pixels(BOTTOM)).max(0),
             },
         }
+    }
+
+    /// The layout of a picture of this graph, which is no smaller than [`PICTURE`].
+    pub(crate) fn of_picture(self) -> Self {
+        let ratio = self.ratio.max(PICTURE_RATIO);
+        let [width, height] = PICTURE;
+        let length =
+            |pixels: u32, least: f64| (f64::from(pixels) / self.ratio).max((least / ratio).ceil());
+        Self::new(
+            length(self.width, width),
+            length(self.height, height),
+            ratio,
+        )
     }
 
     pub(crate) fn is_empty(self) -> bool {
@@ -137,6 +155,25 @@ mod tests {
         assert_eq!((twice.width, twice.height), (1_400, 400));
         assert_eq!(twice.columns(), 2 * once.columns());
         assert_eq!(twice.marks(true), once.marks(true));
+    }
+
+    #[test]
+    fn a_picture_of_any_graph_is_large_enough_to_print() {
+        for (width, height, ratio) in [
+            (563.0, 128.0, 1.0),
+            (366.0, 210.0, 3.0),
+            (2_500.0, 700.0, 1.5),
+        ] {
+            let picture = Layout::new(width, height, ratio).of_picture();
+            assert!(
+                picture.width >= 1_600 && picture.height >= 900,
+                "{picture:?}"
+            );
+            assert!(picture.ratio >= 2.0);
+        }
+        // A large graph keeps its shape.
+        let large = Layout::new(1_400.0, 700.0, 2.0);
+        assert_eq!(large.of_picture(), large);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod busy_ports;
 mod desk;
 mod driving;
 mod exports;
+mod graph_size;
 mod harness;
 mod harness_measuring;
 mod keys;
