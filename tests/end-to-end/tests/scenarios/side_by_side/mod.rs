@@ -4,6 +4,7 @@ mod accessibility;
 mod adapters;
 mod bad_lines;
 mod busy_ports;
+mod clipping;
 mod desk;
 mod driving;
 mod exports;

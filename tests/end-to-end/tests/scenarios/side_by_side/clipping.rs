@@ -1,0 +1,57 @@
+//! Texts that have the room that they need.
+
+use anyhow::Result;
+use end_to_end::{Bench, View};
+use motorlink_i18n::{Language, set_language, translated};
+use serde_json::json;
+
+use crate::fixture::places::{LAPTOP, look};
+
+/// Fields and buttons whose text is wider than they are, or that end beyond their row.
+const CUT: &str = "(() => {
+    const pen = document.createElement('canvas').getContext('2d');
+    const width = (element, text) => {
+        pen.font = getComputedStyle(element).font;
+        return pen.measureText(text).width;
+    };
+    const shown = (element) => element.getClientRects().length && getComputedStyle(element).visibility === 'visible';
+    const cut = [];
+    for (const element of document.querySelectorAll('.control-panel input, .graph-head select, .control-panel button')) {
+        if (!shown(element)) continue;
+        const text = element.value && element.tagName === 'INPUT' && element.type === 'text' ? element.value
+            : element.tagName === 'SELECT' ? element.selectedOptions[0].text
+            : element.tagName === 'BUTTON' ? element.innerText : '';
+        // The arrow of a list.
+        const rest = element.tagName === 'SELECT' ? 18 : 0;
+        const row = element.closest('.loop-head');
+        const over = row && element.getBoundingClientRect().right > row.getBoundingClientRect().right + 0.5;
+        if (over || width(element, text) + rest > element.clientWidth + 0.5) cut.push(text);
+    }
+    return cut;
+})()";
+
+#[test]
+fn no_text_of_the_controls_is_cut() -> Result<()> {
+    for language in [Language::English, Language::German] {
+        set_language(language);
+        let bench = Bench::start()?;
+        let page = bench.open(&format!("/?port=virtual&lang={}", language.key()))?;
+        page.wait_for_text("output", translated("Mode"), |text| {
+            text.chars().any(char::is_alphabetic)
+        })?;
+        page.find_like("img", translated("Speed and current"))?;
+        for view in [View::PHONE, View::TABLET, LAPTOP, View::DESKTOP] {
+            look(&page, view)?;
+            for tab in ["Velocity", "Current", "Position"] {
+                page.click("tab", translated(tab))?;
+                if tab == "Position" {
+                    page.fill("spinbutton", translated("Target angle"), "270")?;
+                }
+                let cut = page.evaluate(CUT)?;
+                assert_eq!(cut, json!([]), "{tab} in {view:?}, {}", language.key());
+            }
+        }
+    }
+    set_language(Language::English);
+    Ok(())
+}
