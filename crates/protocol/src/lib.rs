@@ -10,11 +10,13 @@
 //! | know what is wrong | [`Faults`], [`ReplyError`] |
 //! | show any frame in words | [`explain_sent`], [`explain_received`] |
 //! | play a motor | [`Request::parse`], [`Reply::frame`] |
+//! | speak to another model | [`family`] |
 #![no_std]
 
 mod clock;
 mod crc8;
 mod explain;
+pub mod family;
 mod faults;
 mod frame;
 mod measured;

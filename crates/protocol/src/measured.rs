@@ -193,7 +193,7 @@ pub struct Scaled<const DECIMALS: usize> {
 impl<const DECIMALS: usize> Scaled<DECIMALS> {
     /// The nearest to `dividend` / `divisor` in units of the last decimal. The divisors here are odd,
     /// so nothing is ever half way.
-    const fn of(dividend: u32, divisor: u32) -> Self {
+    pub(crate) const fn of(dividend: u32, divisor: u32) -> Self {
         let mut unit = 1;
         let mut decimal = 0;
         while decimal < DECIMALS {
@@ -215,7 +215,7 @@ impl<const DECIMALS: usize> fmt::Display for Scaled<DECIMALS> {
 }
 
 /// The sign of a number, always shown, with a real minus, as the page shows all of them.
-const fn sign(value: i16) -> char {
+pub(crate) const fn sign(value: i16) -> char {
     if value < 0 { '\u{2212}' } else { '+' }
 }
 

@@ -31,7 +31,7 @@ impl fmt::Display for OutOfRange {
 
 impl core::error::Error for OutOfRange {}
 
-const fn checked(
+pub(crate) const fn checked(
     value: i32,
     min: i32,
     max: i32,

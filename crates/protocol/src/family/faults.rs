@@ -1,0 +1,82 @@
+//! The fault byte of every model.
+
+use core::fmt;
+
+use super::{fault::Fault, model::Model};
+
+/// The fault byte: every fault that is active, by the names of the model. Bits without a name are kept
+/// as they came.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Faults {
+    byte: u8,
+    model: Model,
+}
+
+impl Faults {
+    /// From the fault byte of this model.
+    #[must_use]
+    pub const fn of(model: Model, byte: u8) -> Self {
+        Self { byte, model }
+    }
+
+    /// The fault byte as it came.
+    #[must_use]
+    pub const fn byte(self) -> u8 {
+        self.byte
+    }
+
+    /// Whether the fault byte is zero.
+    #[must_use]
+    pub const fn is_none(self) -> bool {
+        self.byte == 0
+    }
+
+    /// Whether a fault that has a name is active.
+    #[must_use]
+    pub fn any_named(self) -> bool {
+        self.iter().next().is_some()
+    }
+
+    /// Whether this fault is active. A model without it never has it.
+    #[must_use]
+    pub fn contains(self, fault: Fault) -> bool {
+        self.iter().any(|active| active == fault)
+    }
+
+    /// The active faults in the order of their bits.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        let all = self.model.spec().faults.iter().copied();
+        all.filter(move |fault| self.byte & fault.mask() != 0)
+    }
+
+    /// Bits that are set but have no name, 0 if none.
+    #[must_use]
+    pub fn unknown_bits(self) -> u8 {
+        self.iter()
+            .fold(self.byte, |rest, fault| rest & !fault.mask())
+    }
+}
+
+/// `OK`, or the names of the active faults.
+impl fmt::Display for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.is_none() {
+            return f.write_str("OK");
+        }
+        let mut separator = "";
+        for fault in self.iter() {
+            write!(f, "{separator}{}", fault.name())?;
+            separator = ", ";
+        }
+        if self.unknown_bits() != 0 {
+            write!(f, "{separator}unknown bits 0x{:02X}", self.unknown_bits())?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Debug for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {self} (0x{:02X})", self.model, self.byte)
+    }
+}

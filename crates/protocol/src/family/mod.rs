@@ -1,0 +1,38 @@
+//! Every model of the family: its figures as data, its frames as types.
+//!
+//! The types of the crate root are those of a DDSM115, which the bus and the page drive. The types here
+//! have the same names and hold for every model; most functions take a [`Model`].
+//!
+//! | to | see |
+//! |---|---|
+//! | know what differs between models, and what is uncertain | [`Model::spec`], [`Spec::uncertain`] |
+//! | ask a motor | [`Request`], [`Request::frame`] |
+//! | say what it is to do | [`Setpoint`], [`Model::speed`], [`Model::current`], [`OpenLoopTarget`] |
+//! | read what it answered | [`Reading::decode`] with the [`Layout`] of [`Request::reply_layout`] |
+//! | play a motor | [`Request::parse`], [`Reading::frame`] |
+
+mod current;
+mod current_scale;
+mod fault;
+mod faults;
+mod mode;
+mod model;
+mod open_loop;
+mod reading;
+mod request;
+mod setpoint;
+mod spec;
+mod speed;
+
+pub use current::{Current, CurrentTarget};
+pub use current_scale::CurrentScale;
+pub use fault::Fault;
+pub use faults::Faults;
+pub use mode::Mode;
+pub use model::{Model, UnknownModel};
+pub use open_loop::OpenLoopTarget;
+pub use reading::{DriveReading, Layout, ModeReading, Odometry, Reading, ReadingError};
+pub use request::{Request, RequestError};
+pub use setpoint::{NotOfModel, Setpoint};
+pub use spec::{FrameSet, Nominal, Spec, Wiring};
+pub use speed::{Speed, SpeedTarget};
