@@ -2,13 +2,19 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 
 use crate::wire::WireFaults;
+
+/// Whether other motors than a DDSM115 are simulated. Not in the page, which does not offer them: what it does
+/// not use must not add to its weight.
+pub(crate) const EVERY_MODEL: bool = cfg!(not(target_arch = "wasm32"));
 
 /// Initial state of a motor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotorConfig {
+    /// Its model. Default DDSM115. In wasm every motor is a DDSM115.
+    pub model: Model,
     /// The address in its flash. Default 1, as new motors have.
     pub id: MotorId,
     /// The reported angle at the start, 0-360 degrees. Default 0.
@@ -16,7 +22,7 @@ pub struct MotorConfig {
     /// Ambient temperature and start temperature of the winding, in degrees Celsius. Default 28:
     /// the captures show 30 to 32 in motors that had been on for a while.
     pub ambient_c: f32,
-    /// Supply voltage. Default 18, the rated one.
+    /// Supply voltage. Default 18, the rated one of a DDSM115; of the others none is published.
     pub supply_v: f32,
     /// A load that opposes motion, in N.m. Default 0.
     pub load_nm: f32,
@@ -47,11 +53,31 @@ impl MotorConfig {
             ..Self::default()
         }
     }
+
+    /// A motor of this model with this address and everything else by default.
+    #[must_use]
+    pub fn of(model: Model, id: MotorId) -> Self {
+        Self {
+            model,
+            set_id_frames: model.spec().set_id_frames,
+            ..Self::new(id)
+        }
+    }
+
+    /// The model that is simulated.
+    pub(crate) const fn model(&self) -> Model {
+        if EVERY_MODEL {
+            self.model
+        } else {
+            Model::Ddsm115
+        }
+    }
 }
 
 impl Default for MotorConfig {
     fn default() -> Self {
         Self {
+            model: Model::Ddsm115,
             id: MotorId::FIRST,
             angle_deg: 0.0,
             ambient_c: 28.0,
@@ -68,6 +94,8 @@ impl Default for MotorConfig {
 /// Motors, wire and random seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldConfig {
+    /// Baud of the host. A motor of another baud hears nothing. Default 115200; in wasm always.
+    pub baud: u32,
     /// The same seed gives the same bytes at the same times.
     pub seed: u64,
     /// The motors on the wire. Default: one with ID 1.
@@ -79,6 +107,16 @@ pub struct WorldConfig {
 }
 
 impl WorldConfig {
+    /// Motors of this model with these addresses on a good wire, and a host of their baud.
+    pub fn of(model: Model, ids: impl IntoIterator<Item = MotorId>) -> Self {
+        let motor = |id| MotorConfig::of(model, id);
+        Self {
+            baud: model.spec().baud,
+            motors: ids.into_iter().map(motor).collect(),
+            ..Self::default()
+        }
+    }
+
     /// Default motors with these addresses on a good wire.
     pub fn with_ids(ids: impl IntoIterator<Item = MotorId>) -> Self {
         Self {
@@ -91,6 +129,7 @@ impl WorldConfig {
 impl Default for WorldConfig {
     fn default() -> Self {
         Self {
+            baud: Model::Ddsm115.spec().baud,
             seed: 1,
             motors: vec![MotorConfig::default()],
             turnaround: Duration::from_micros(600),

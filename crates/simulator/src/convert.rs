@@ -18,6 +18,15 @@ pub(crate) fn nearest_i16(value: f64) -> i16 {
     value.round() as i16
 }
 
+/// Nearest whole number, saturated to `i32`.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, which is what is meant"
+)]
+pub(crate) fn nearest_i32(value: f64) -> i32 {
+    value.round() as i32
+}
+
 /// Nearest whole number, saturated to `u16`.
 #[allow(
     clippy::cast_possible_truncation,

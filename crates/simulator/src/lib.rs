@@ -1,6 +1,6 @@
 //! Virtual hub motors on a virtual half-duplex wire.
 //!
-//! A [`World`] holds motors of the M0601/DDSM115 design, the two wires that they share with a host,
+//! A [`World`] holds motors (DDSM115 and, natively, the other models), the wires that they share with a host,
 //! and the faults that real adapters and cables add. It has no clock, no thread and no port: time is
 //! an argument, and one seed gives one course of events to the byte, however often it is looked at.
 //! The same crate runs in the page as the virtual bus and natively behind a pty.
@@ -11,7 +11,10 @@
 //! | `physics/` | the wheel, the windings, their heat, the encoder |
 //! | `wire/` | bytes on the wire with their times and collisions, and injected faults |
 //!
-//! It is made to hold the published figures of the motor (see `tests/`), not to predict a design.
+//! It is made to hold the published figures of the motor (see `tests/`), not to predict a design. Of the DDSM315,
+//! DDSM210 and DDSM400 few are published. What is assumed is marked in `figures.rs` and
+//! `firmware/separate.rs`, and what their protocol leaves open in
+//! [`Spec::uncertain`](motorlink_protocol::family::Spec::uncertain).
 //!
 //! # Example
 //!
@@ -32,6 +35,7 @@
 
 mod config;
 mod convert;
+mod figures;
 mod firmware;
 mod line_condition;
 mod motor;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 
 use crate::{config::MotorConfig, wire::Echo, wire::WireFaults};
 
@@ -82,10 +82,10 @@ impl LineCondition {
     }
 
     /// The second motor of [`SharedId`](Self::SharedId).
-    pub(crate) fn twin() -> MotorConfig {
+    pub(crate) fn twin(model: Model) -> MotorConfig {
         MotorConfig {
             angle_deg: TWIN_ANGLE_DEG,
-            ..MotorConfig::new(MotorId::FIRST)
+            ..MotorConfig::of(model, MotorId::FIRST)
         }
     }
 }

@@ -1,15 +1,17 @@
 //! One motor: firmware and physics.
 
 mod external_inputs;
+mod separate;
 
 use motorlink_protocol::{
     Celsius, Current, Detail, Drive, Faults, Frame, Instant, Layout, Mode, MotorId, Reply, Request,
-    RequestError, Rpm,
+    RequestError, Rpm, family,
 };
 
 use crate::{
     config::MotorConfig,
     convert::{narrow, nearest_i16, nearest_u8},
+    figures::Figures,
     firmware::{Firmware, Sense},
     physics::{
         Bridge, DRY_FRICTION_NM, Encoder, Flow, Heat, Leak, Push, STEP, STEP_S, VISCOUS_NM_S,
@@ -55,9 +57,13 @@ pub struct VirtualMotor {
 
 impl VirtualMotor {
     pub(crate) fn new(config: MotorConfig, noise: Random, now: Instant) -> Self {
+        let angle = f64::from(config.angle_deg) / 360.0;
+        let rises = config.model().has_separate_frames();
+        let wheel = Wheel::at(if rises { angle } else { -angle });
+        let firmware = Firmware::power_up(config.id, &config, wheel.turns());
         Self {
-            power: Power::On(Box::new(Firmware::power_up(config.id, &config))),
-            wheel: Wheel::at(-f64::from(config.angle_deg) / 360.0),
+            power: Power::On(Box::new(firmware)),
+            wheel,
             heat: Heat::at(f64::from(config.ambient_c)),
             flow: Flow::default(),
             load_nm: f64::from(config.load_nm),
@@ -71,6 +77,10 @@ impl VirtualMotor {
         }
     }
 
+    const fn figures(&self) -> &'static Figures {
+        Figures::of(self.model())
+    }
+
     /// Its address now; without power, the one in its flash.
     #[must_use]
     pub fn id(&self) -> MotorId {
@@ -80,13 +90,13 @@ impl VirtualMotor {
         }
     }
 
-    /// The active loop; without power, the loop after power-up.
+    /// The loop that it has closed, or had before the open loop; without power, the loop after power-up.
     #[must_use]
     pub fn mode(&self) -> Mode {
         self.firmware().map_or(Mode::Velocity, Firmware::mode)
     }
 
-    /// What is wrong with it; nothing is reported without power.
+    /// What is wrong with it, by the names of a DDSM115; nothing is reported without power.
     #[must_use]
     pub fn faults(&self) -> Faults {
         self.firmware().map_or(Faults::NONE, Firmware::faults)
@@ -129,10 +139,17 @@ impl VirtualMotor {
         narrow(rpm(self.wheel.speed_rad_s()))
     }
 
-    /// The angle as it is reported: in encoder counts of 0.088 degrees, falling at positive speed.
+    /// The angle as it is reported: in encoder counts of 0.088 degrees. At positive speed it falls; of a
+    /// model with separate frames it is **assumed** to grow.
     #[must_use]
     pub fn angle_deg(&self) -> f32 {
-        narrow(Encoder::read(self.wheel.turns()).degrees())
+        let turns = self.wheel.turns();
+        let encoder = if self.model().has_separate_frames() {
+            Encoder::read_rising(turns)
+        } else {
+            Encoder::read(turns)
+        };
+        narrow(encoder.degrees())
     }
 
     /// Turns in the direction of positive speed, from a reported angle of 0.
@@ -150,7 +167,7 @@ impl VirtualMotor {
     /// Torque of the windings in N.m.
     #[must_use]
     pub const fn torque_nm(&self) -> f32 {
-        narrow(self.flow.torque_nm())
+        narrow(self.flow.torque_nm(self.figures()))
     }
 
     /// Winding temperature in degrees Celsius.
@@ -171,27 +188,40 @@ impl VirtualMotor {
         }
     }
 
-    /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
+    /// A `frame` passed on the wire: `received` in combined frames. Gives the layout to answer in, where an
+    /// answer is due.
     pub(crate) fn handle(
         &mut self,
+        frame: &Frame,
         received: Result<Request, RequestError>,
         now: Instant,
-    ) -> Option<Layout> {
+    ) -> Option<family::Layout> {
         self.advance(now);
+        let model = self.model();
+        if model.has_separate_frames() {
+            return self.handle_separate(model, frame, now);
+        }
         let speed_rpm = rpm(self.wheel.speed_rad_s());
         match &mut self.power {
-            Power::On(firmware) => firmware.handle(received, now, speed_rpm),
+            Power::On(firmware) => {
+                let layout = firmware.handle(received, now, speed_rpm);
+                layout.map(family::Layout::from)
+            }
             Power::Off { .. } => None,
         }
     }
 
     /// What it says now, unless it has no power or no voice.
-    pub(crate) fn report(&mut self, layout: Layout) -> Option<Frame> {
+    pub(crate) fn report(&mut self, layout: family::Layout) -> Option<Frame> {
         if self.muted || !self.is_powered() {
             return None;
         }
+        let model = self.model();
+        if model.has_separate_frames() {
+            return self.report_separate(model, layout);
+        }
         let encoder = Encoder::read(self.wheel.turns());
-        let detail = match layout {
+        let detail = match layout.combined()? {
             Layout::Drive => Detail::Drive {
                 position: encoder.fine(),
             },
@@ -240,16 +270,16 @@ impl VirtualMotor {
     }
 
     fn step(&mut self) {
-        let sense = self.sense();
+        let (sense, model, winding) = (self.sense(), self.model(), self.winding());
         let bridge = match &mut self.power {
-            Power::On(firmware) => firmware.step(self.now, &sense),
+            Power::On(firmware) => firmware.step(self.now, &sense, model, winding),
             Power::Off { .. } => Bridge::Open,
         };
-        let speed_rad_s = self.wheel.speed_rad_s();
-        self.flow = self.winding().flow(bridge, speed_rad_s, self.leak);
-        self.heat.add_j(self.flow.loss_w() * STEP_S);
+        let (speed_rad_s, figures) = (self.wheel.speed_rad_s(), self.figures());
+        self.flow = winding.flow(bridge, speed_rad_s, self.leak);
+        self.heat.add_j(self.flow.loss_w(figures) * STEP_S);
         self.wheel.step(Push {
-            torque_nm: self.flow.torque_nm() + self.push_nm,
+            torque_nm: self.flow.torque_nm(figures) + self.push_nm,
             dry_nm: DRY_FRICTION_NM + self.load_nm,
             viscous_nm_s: VISCOUS_NM_S,
         });
@@ -274,9 +304,9 @@ impl VirtualMotor {
     /// At rest the firmware does not step, but it still watches the temperature.
     fn sense_protections(&mut self) {
         if self.is_at_rest() {
-            let sense = self.sense();
+            let (sense, model, winding) = (self.sense(), self.model(), self.winding());
             if let Power::On(firmware) = &mut self.power {
-                firmware.step(self.now, &sense);
+                firmware.step(self.now, &sense, model, winding);
             }
         }
     }
@@ -295,7 +325,7 @@ impl VirtualMotor {
     }
 
     fn winding(&self) -> Winding {
-        Winding::on(f64::from(self.config.supply_v))
+        Winding::on(f64::from(self.config.supply_v), self.figures())
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_protocol::{Instant, Layout, MotorId};
+use motorlink_protocol::{
+    Instant, MotorId,
+    family::{Layout, Model},
+};
 
 use crate::{
     config::MotorConfig,
@@ -76,7 +79,7 @@ impl World {
             next_number: 0,
             seed: config.seed,
             turnaround: config.turnaround,
-            shared_wire: SharedWire::new(Random::new(config.seed, GARBAGE_STREAM)),
+            shared_wire: SharedWire::new(config.baud, Random::new(config.seed, GARBAGE_STREAM)),
             motor_receiver: MotorReceiver::default(),
             host_receiver: HostReceiver::default(),
             adapter: Adapter::new(config.faults, Random::new(config.seed, FAULT_STREAM)),
@@ -89,6 +92,18 @@ impl World {
             world.add_motor(motor);
         }
         world
+    }
+
+    /// The host opens the port at another baud. Motors of another baud hear nothing.
+    pub fn set_baud(&mut self, now: Instant, baud: u32) {
+        self.run_to(now);
+        self.shared_wire.set_baud(baud);
+    }
+
+    /// The model of the first motor.
+    fn model(&self) -> Model {
+        let first = self.slots.first().map(|slot| slot.motor.model());
+        first.unwrap_or(Model::Ddsm115)
     }
 
     /// The host writes bytes. They follow its earlier bytes on the wire.
@@ -180,7 +195,7 @@ impl World {
         }
         if case == LineCondition::SharedId {
             self.twin = Some(self.next_number);
-            self.add_motor(LineCondition::twin());
+            self.add_motor(LineCondition::twin(self.model()));
         }
     }
 
@@ -266,7 +281,8 @@ impl World {
             let more = self.shared_wire.is_audible_at(byte.end);
             if let Some(run) = self.host_receiver.receive(byte, more) {
                 let fastest_rpm = self.fastest_rpm(byte.end);
-                self.adapter.deliver(run, fastest_rpm);
+                let model = self.model();
+                self.adapter.deliver(run, fastest_rpm, model);
             }
         }
     }
@@ -297,12 +313,11 @@ impl World {
         };
         let request = parse_request(&received);
         let at = byte.end + self.turnaround;
-        let there = self
-            .slots
-            .iter_mut()
-            .filter(|slot| slot.since <= frame.start);
-        for Slot { number, motor, .. } in there {
-            let layout = motor.handle(request, byte.end);
+        let baud = self.shared_wire.baud();
+        let hears =
+            |slot: &&mut Slot| slot.since <= frame.start && slot.motor.model().spec().baud == baud;
+        for Slot { number, motor, .. } in self.slots.iter_mut().filter(hears) {
+            let layout = motor.handle(&received, request, byte.end);
             if let Some(layout) = layout.filter(|_| self.answers.len() < ANSWERS_MAX) {
                 self.answers.push_back(Answer {
                     at,

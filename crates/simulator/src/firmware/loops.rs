@@ -2,9 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use motorlink_protocol::{Current, Drive, PositionTarget, SpeedTarget};
+use motorlink_protocol::{
+    Drive, PositionTarget,
+    family::{Model, OpenLoopTarget},
+};
 
-use crate::physics::{Bridge, CURRENT_LIMIT_A, STEP_S, rad_s, rpm};
+use crate::{
+    figures::Figures,
+    physics::{Bridge, STEP_S, Winding, rad_s, rpm},
+};
 
 use super::{
     sense::Sense,
@@ -38,7 +44,7 @@ pub(crate) enum Loops {
         speed: SpeedLoop,
         target_rpm: f64,
     },
-    /// Torque current.
+    /// Torque current, or what flows in the open loop.
     Current { amps: f64 },
     /// Angle.
     Position {
@@ -65,9 +71,9 @@ impl Loops {
     }
 
     /// Zero is no torque at all: the wheel coasts.
-    pub(crate) fn current(&mut self, drive: Drive) -> Bridge {
-        let amps = f64::from(Current::from_raw(drive.signed()).amps());
-        let amps = limited(amps, CURRENT_LIMIT_A);
+    pub(crate) fn current(&mut self, model: Model, drive: Drive) -> Bridge {
+        let amps = f64::from(model.current_of_raw(drive.signed()).amps());
+        let amps = limited(amps, Figures::of(model).current_limit_a);
         *self = Self::Current { amps };
         if amps == 0.0 {
             Bridge::Open
@@ -76,9 +82,24 @@ impl Loops {
         }
     }
 
-    pub(crate) fn velocity(&mut self, drive: Drive, sense: &Sense) -> Bridge {
+    /// The voltage follows the frame at once; what flows is limited as in any loop.
+    pub(crate) fn open_loop(&mut self, drive: Drive, sense: &Sense, winding: Winding) -> Bridge {
+        let share = f64::from(drive.signed()) / f64::from(OpenLoopTarget::MAX);
+        let amps = winding.amps_at(limited(share, 1.0), sense.speed_rad_s);
+        *self = Self::Current { amps };
+        if share == 0.0 {
+            // Nothing says whether the windings are open or shorted at zero: assumed open.
+            Bridge::Open
+        } else {
+            Bridge::Drive { amps }
+        }
+    }
+
+    pub(crate) fn velocity(&mut self, model: Model, drive: Drive, sense: &Sense) -> Bridge {
         let actual_rpm = rpm(sense.speed_rad_s);
-        let wanted_rpm = f64::from(SpeedTarget::clamped(drive.signed().into()).rpm());
+        let spec = model.spec();
+        let wanted_rpm = f64::from(drive.signed()) / f64::from(spec.speed_units_per_rpm);
+        let wanted_rpm = limited(wanted_rpm, f64::from(spec.speed_rpm_max));
         if !matches!(self, Self::Velocity { .. }) {
             *self = Self::Velocity {
                 profile: SpeedProfile::from(actual_rpm),
@@ -95,14 +116,17 @@ impl Loops {
             return Bridge::Open;
         };
         *target_rpm = wanted_rpm;
-        let now_rpm = profile.step(wanted_rpm, drive.acceleration, actual_rpm);
+        // 0 is the motor's default, which is 1.
+        let units = f64::from(drive.acceleration.byte().max(1));
+        let rise_s_per_rpm = f64::from(spec.acceleration_us_per_rpm) / 1e6 * units;
+        let now_rpm = profile.step(wanted_rpm, rise_s_per_rpm, actual_rpm);
         Bridge::Drive {
-            amps: speed.step(rad_s(now_rpm), sense),
+            amps: speed.step(rad_s(now_rpm), sense, Figures::of(model).gain),
         }
     }
 
-    /// The shortest way to the angle, then hold it.
-    pub(crate) fn position(&mut self, drive: Drive, sense: &Sense) -> Bridge {
+    /// The shortest way to the angle, then hold it. `target_turns`: where the wheel is at this angle.
+    pub(crate) fn position(&mut self, model: Model, target_turns: f64, sense: &Sense) -> Bridge {
         if !matches!(self, Self::Position { .. }) {
             *self = Self::Position {
                 wanted_rad_s: sense.speed_rad_s,
@@ -118,17 +142,20 @@ impl Loops {
         else {
             return Bridge::Open;
         };
-        let full_scale = f64::from(PositionTarget::MAX);
-        let target_turn = f64::from(drive.unsigned()).min(full_scale) / full_scale;
-        // The reported angle falls at positive speed, so the wheel has to go to minus the angle.
-        let behind = (-target_turn - sense.turns + 0.5).rem_euclid(1.0) - 0.5;
+        let behind = (target_turns - sense.turns + 0.5).rem_euclid(1.0) - 0.5;
         *error_rad = behind * TAU;
         let goal_rad_s = limited(*error_rad * POSITION_GAIN_PER_S, POSITION_SPEED_MAX_RAD_S);
         *wanted_rad_s = towards(*wanted_rad_s, goal_rad_s, POSITION_ACCEL_RAD_S2 * STEP_S);
         Bridge::Drive {
-            amps: speed.step(*wanted_rad_s, sense),
+            amps: speed.step(*wanted_rad_s, sense, Figures::of(model).gain),
         }
     }
+}
+
+/// The commanded angle as a share of a turn.
+pub(crate) fn target_turn(drive: Drive) -> f64 {
+    let full_scale = f64::from(PositionTarget::MAX);
+    f64::from(drive.unsigned()).min(full_scale) / full_scale
 }
 
 /// The value, at most so large in either direction.

@@ -6,19 +6,27 @@ mod mode_switch_count;
 mod parse_request;
 mod protection;
 mod sense;
+mod separate;
 mod set_id;
 mod speed_loop;
 mod speed_profile;
 
-use motorlink_protocol::{Drive, Faults, Instant, Layout, Mode, MotorId, Request, RequestError};
+use motorlink_protocol::{
+    Drive, Faults, Instant, Layout, Mode, MotorId, Request, RequestError, family::Model,
+};
 
-use crate::{config::MotorConfig, physics::Bridge};
+use crate::{
+    config::MotorConfig,
+    physics::{Bridge, Winding},
+};
 use frame_rate::FrameRate;
-use loops::Loops;
+use loops::{Loops, target_turn};
 use mode_switch_count::ModeSwitchCount;
-pub(crate) use parse_request::parse_request;
+pub(crate) use parse_request::{parse_request, parse_separate};
 use protection::Protections;
 pub(crate) use sense::Sense;
+use separate::Separate;
+pub(crate) use separate::fault_byte;
 use set_id::SetIdCount;
 
 /// The position loop is refused at or above this (maker's manual).
@@ -48,11 +56,14 @@ pub(crate) struct Firmware {
     frame_rate: FrameRate,
     protections: Protections,
     latch: core::time::Duration,
+    /// What only a motor with separate frames has.
+    separate: Separate,
 }
 
 impl Firmware {
-    /// Power-up: the velocity loop, the ID last stored, every budget full.
-    pub(crate) fn power_up(id: MotorId, config: &MotorConfig) -> Self {
+    /// Power-up: the velocity loop, the ID last stored, every budget full. The wheel has made this many
+    /// `turns`.
+    pub(crate) fn power_up(id: MotorId, config: &MotorConfig, turns: f64) -> Self {
         Self {
             id,
             mode: Mode::Velocity,
@@ -65,6 +76,7 @@ impl Firmware {
             frame_rate: FrameRate::default(),
             protections: Protections::default(),
             latch: config.latch,
+            separate: Separate::power_up(config.model(), turns),
         }
     }
 
@@ -103,7 +115,8 @@ impl Firmware {
         self.command.is_none() && matches!(self.loops, Loops::Idle) && self.protections.are_idle()
     }
 
-    /// Ten bytes passed on the wire. Gives the layout to answer in, where an answer is due.
+    /// Ten bytes in combined frames passed on the wire. Gives the layout to answer in, where an answer is
+    /// due.
     pub(crate) fn handle(
         &mut self,
         received: Result<Request, RequestError>,
@@ -157,7 +170,13 @@ impl Firmware {
     }
 
     /// One step: what the power stage is to do until the next.
-    pub(crate) fn step(&mut self, now: Instant, sense: &Sense) -> Bridge {
+    pub(crate) fn step(
+        &mut self,
+        now: Instant,
+        sense: &Sense,
+        model: Model,
+        winding: Winding,
+    ) -> Bridge {
         let wants_motion = self.command.is_some() && self.loops.want_motion();
         self.protections.update(now, sense, wants_motion);
         let expired = |command: &Command| now.since(command.received) > self.latch;
@@ -168,11 +187,22 @@ impl Firmware {
             self.loops = Loops::Idle;
             return Bridge::Open;
         };
+        if model.has_separate_frames() && self.separate.is_open_loop() {
+            return self.loops.open_loop(drive, sense, winding);
+        }
         match self.mode {
             Mode::Velocity if drive.brakes() => self.loops.brake(),
-            Mode::Velocity => self.loops.velocity(drive, sense),
-            Mode::Current => self.loops.current(drive),
-            Mode::Position => self.loops.position(drive, sense),
+            Mode::Velocity => self.loops.velocity(model, drive, sense),
+            Mode::Current => self.loops.current(model, drive),
+            Mode::Position => {
+                let target_turns = if model.has_separate_frames() {
+                    self.separate.zero_turns() + target_turn(drive)
+                } else {
+                    // The reported angle falls at positive speed, so the wheel has to go to minus the angle.
+                    -target_turn(drive)
+                };
+                self.loops.position(model, target_turns, sense)
+            }
         }
     }
 }

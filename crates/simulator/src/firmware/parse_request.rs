@@ -1,6 +1,9 @@
 //! Parses requests like the motor's controller.
 
-use motorlink_protocol::{Frame, Request, RequestError};
+use motorlink_protocol::{
+    Frame, Request, RequestError,
+    family::{self, Model},
+};
 
 /// Reads a frame as the controller does: the values of reserved bytes do not matter to it.
 ///
@@ -20,4 +23,24 @@ pub(crate) fn parse_request(frame: &Frame) -> Result<Request, RequestError> {
         0xA0 => Request::parse(&Frame::new([id, command, 0, 0, 0, 0, 0, 0, 0, last])),
         _ => parsed,
     }
+}
+
+/// The same of a model with separate frames. That reserved bytes do not matter to it is **assumed**.
+pub(crate) fn parse_separate(
+    model: Model,
+    frame: &Frame,
+) -> Result<family::Request, family::RequestError> {
+    let parsed = family::Request::parse(model, frame);
+    // The parser has found the CRC right.
+    let Err(family::RequestError::Frame(RequestError::NotZero { .. })) = parsed else {
+        return parsed;
+    };
+    let &[id, command, b2, b3, _, _, b6, b7, _, _] = frame.bytes();
+    let plain = match command {
+        0x64 => [id, command, b2, b3, 0, 0, b6, b7, 0],
+        0x74 | 0x75 => [id, command, 0, 0, 0, 0, 0, 0, 0],
+        0xA0 => [id, command, b2, 0, 0, 0, 0, 0, 0],
+        _ => return parsed,
+    };
+    family::Request::parse(model, &Frame::with_crc(plain))
 }

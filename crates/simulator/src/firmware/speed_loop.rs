@@ -16,14 +16,14 @@ pub(crate) struct SpeedLoop {
 }
 
 impl SpeedLoop {
-    /// One step; gives the torque current to drive.
-    pub(crate) fn step(&mut self, wanted_rad_s: f64, sense: &Sense) -> f64 {
+    /// One step; gives the torque current to drive. `gain` is that of the model.
+    pub(crate) fn step(&mut self, wanted_rad_s: f64, sense: &Sense, gain: f64) -> f64 {
         let error = wanted_rad_s - sense.speed_rad_s;
         let (least, greatest) = sense.range_a;
-        let amps = error * GAIN_A_S + self.integral_a;
+        let amps = error * (GAIN_A_S * gain) + self.integral_a;
         let saturated = (amps > greatest && error > 0.0) || (amps < least && error < 0.0);
         if !saturated {
-            self.integral_a += error * INTEGRAL_A * STEP_S;
+            self.integral_a += error * (INTEGRAL_A * gain) * STEP_S;
         }
         amps.max(least).min(greatest)
     }

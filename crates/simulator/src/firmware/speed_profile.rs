@@ -1,11 +1,7 @@
 //! How the wanted speed moves to the commanded one.
 
-use motorlink_protocol::Acceleration;
-
 use crate::physics::STEP_S;
 
-/// Seconds per rpm and unit of acceleration on the way up (measured on real units).
-const RISE_S_PER_RPM: f64 = 3.6e-3;
 /// The way down, which acceleration does not touch: with [`LAG_S`], 120 rpm end in 370 ms.
 const FALL_RPM_PER_S: f64 = 1050.0;
 /// First-order lag of the measured response: the "plus 60 ms" of every spin-up.
@@ -30,14 +26,15 @@ impl SpeedProfile {
         }
     }
 
-    /// One step towards the target; gives the speed to hold now.
-    pub(crate) fn step(&mut self, target_rpm: f64, accel: Acceleration, actual_rpm: f64) -> f64 {
-        self.ramp_rpm = self.ramp(target_rpm, accel, actual_rpm);
+    /// One step towards the target; gives the speed to hold now. `rise_s_per_rpm`: seconds per rpm on the
+    /// way up.
+    pub(crate) fn step(&mut self, target_rpm: f64, rise_s_per_rpm: f64, actual_rpm: f64) -> f64 {
+        self.ramp_rpm = self.ramp(target_rpm, rise_s_per_rpm, actual_rpm);
         self.wanted_rpm += (self.ramp_rpm - self.wanted_rpm) * STEP_S / LAG_S;
         self.wanted_rpm
     }
 
-    fn ramp(&self, target_rpm: f64, accel: Acceleration, actual_rpm: f64) -> f64 {
+    fn ramp(&self, target_rpm: f64, rise_s_per_rpm: f64, actual_rpm: f64) -> f64 {
         let reverses = target_rpm * self.ramp_rpm < 0.0;
         if reverses || target_rpm.abs() < self.ramp_rpm.abs() {
             let goal_rpm = if reverses { 0.0 } else { target_rpm };
@@ -47,9 +44,7 @@ impl SpeedProfile {
         if lead_rpm > LEAD_MAX_RPM {
             return self.ramp_rpm;
         }
-        // 0 is the motor's default, which is 1.
-        let units = f64::from(accel.byte().max(1));
-        towards(self.ramp_rpm, target_rpm, STEP_S / (RISE_S_PER_RPM * units))
+        towards(self.ramp_rpm, target_rpm, STEP_S / rise_s_per_rpm)
     }
 }
 

@@ -32,7 +32,7 @@ impl VirtualMotor {
                 };
             }
             (Power::Off { stored }, true) => {
-                let firmware = Firmware::power_up(*stored, &self.config);
+                let firmware = Firmware::power_up(*stored, &self.config, self.wheel.turns());
                 self.power = Power::On(Box::new(firmware));
             }
             _ => {}

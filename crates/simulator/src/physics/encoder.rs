@@ -28,6 +28,11 @@ impl Encoder {
         }
     }
 
+    /// Reads the wheel of a model whose angle grows at positive speed.
+    pub(crate) fn read_rising(turns: f64) -> Self {
+        Self::read(-turns)
+    }
+
     pub(crate) const fn degrees(self) -> f64 {
         self.turn * 360.0
     }

@@ -13,4 +13,4 @@ pub(crate) use encoder::Encoder;
 pub(crate) use heat::Heat;
 pub(crate) use units::{STEP, STEP_S, rad_s, rpm};
 pub(crate) use wheel::{DRY_FRICTION_NM, Push, VISCOUS_NM_S, Wheel};
-pub(crate) use winding::{Bridge, CURRENT_LIMIT_A, Flow, Leak, Winding};
+pub(crate) use winding::{Bridge, Flow, Leak, Winding};

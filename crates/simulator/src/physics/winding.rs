@@ -1,20 +1,7 @@
 //! Current in the windings, and what the supply and the speed allow of it.
 
-/// Torque per ampere (published: 0.75).
-pub(crate) const TORQUE_NM_PER_A: f64 = 0.75;
-/// Back-EMF per rad/s: the published 11.1 rpm/V turned round.
-const BACK_EMF_V_S: f64 = 0.860;
-/// Resistance that lets 1.25 A flow at 115 rpm and 18 V, the rated point: (18 - 0.86 x 12.04) / 1.25.
-const RESISTANCE_OHM: f64 = 6.1;
-/// The firmware's own limit: the published stall current.
-pub(crate) const CURRENT_LIMIT_A: f64 = 2.7;
-/// Share of the time that the brake shorts the windings. A full short would stop the wheel from
-/// 120 rpm in 50 ms; measured are 250 ms.
-const BRAKE_DUTY: f64 = 0.181;
-/// Current that a turning motor reports beyond what its torque needs. Captures show 0.24 A on average
-/// at +100 rpm without load, yet the free wheel coasts for seconds, so it cannot be friction: it is
-/// taken for field current, which adds at a right angle to torque current.
-const FIELD_A: f64 = 0.235;
+use crate::figures::Figures;
+
 /// From this speed on the whole of it (10 rpm).
 const FIELD_FROM_RAD_S: f64 = 1.05;
 
@@ -57,41 +44,61 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    pub(crate) const fn torque_nm(self) -> f64 {
-        self.torque_a * TORQUE_NM_PER_A
+    pub(crate) const fn torque_nm(self, figures: &Figures) -> f64 {
+        self.torque_a * figures.torque_nm_per_a
     }
 
     /// Heat in the windings.
-    pub(crate) const fn loss_w(self) -> f64 {
-        self.phase_a * self.phase_a * RESISTANCE_OHM
+    pub(crate) const fn loss_w(self, figures: &Figures) -> f64 {
+        self.phase_a * self.phase_a * figures.resistance_ohm
     }
 }
 
 /// The windings on their supply.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Winding {
+    figures: &'static Figures,
     supply_v: f64,
 }
 
 impl Winding {
-    pub(crate) const fn on(supply_v: f64) -> Self {
-        Self { supply_v }
+    pub(crate) const fn on(supply_v: f64, figures: &'static Figures) -> Self {
+        Self { figures, supply_v }
+    }
+
+    /// What flows with this share of the supply on the windings, -1 to 1.
+    pub(crate) fn amps_at(self, share: f64, speed_rad_s: f64) -> f64 {
+        let back_emf_v = speed_rad_s * self.figures.back_emf_v_s;
+        (share * self.supply_v - back_emf_v) / self.figures.resistance_ohm
     }
 
     /// Least and greatest torque current at this speed: by voltage less back-EMF, and by the
     /// firmware's limit.
     pub(crate) fn range_a(self, speed_rad_s: f64) -> (f64, f64) {
-        let back_emf_v = speed_rad_s * BACK_EMF_V_S;
-        let least = ((-self.supply_v - back_emf_v) / RESISTANCE_OHM).max(-CURRENT_LIMIT_A);
-        let greatest = ((self.supply_v - back_emf_v) / RESISTANCE_OHM).min(CURRENT_LIMIT_A);
-        (least.min(CURRENT_LIMIT_A), greatest.max(-CURRENT_LIMIT_A))
+        let Figures {
+            back_emf_v_s,
+            resistance_ohm,
+            current_limit_a,
+            ..
+        } = *self.figures;
+        let back_emf_v = speed_rad_s * back_emf_v_s;
+        let least = ((-self.supply_v - back_emf_v) / resistance_ohm).max(-current_limit_a);
+        let greatest = ((self.supply_v - back_emf_v) / resistance_ohm).min(current_limit_a);
+        (least.min(current_limit_a), greatest.max(-current_limit_a))
     }
 
     /// What flows at this speed.
     pub(crate) fn flow(self, bridge: Bridge, speed_rad_s: f64, leak: Leak) -> Flow {
+        let Figures {
+            back_emf_v_s,
+            resistance_ohm,
+            brake_duty,
+            field_a,
+            ..
+        } = *self.figures;
         let torque_a = match bridge {
             Bridge::Open => return Flow::default(),
-            Bridge::Short => -BRAKE_DUTY * speed_rad_s * BACK_EMF_V_S / RESISTANCE_OHM,
+            Bridge::Short => -brake_duty * speed_rad_s * back_emf_v_s / resistance_ohm,
             Bridge::Drive { amps } => {
                 let (least, greatest) = self.range_a(speed_rad_s);
                 amps.max(least).min(greatest)
@@ -99,13 +106,13 @@ impl Winding {
         };
         let power_w = match bridge {
             Bridge::Drive { .. } => {
-                torque_a * (torque_a * RESISTANCE_OHM + speed_rad_s * BACK_EMF_V_S)
+                torque_a * (torque_a * resistance_ohm + speed_rad_s * back_emf_v_s)
             }
             Bridge::Open | Bridge::Short => 0.0,
         };
         Flow {
             torque_a,
-            reported_a: torque_a + field_share(bridge, torque_a, speed_rad_s),
+            reported_a: torque_a + field_share(bridge, torque_a, speed_rad_s, field_a),
             phase_a: torque_a.abs() + leak.phase_a,
             bus_a: (power_w / self.supply_v).max(0.0) + leak.bus_a,
         }
@@ -113,11 +120,11 @@ impl Winding {
 }
 
 /// What field current adds to the report: all of it at no load, next to nothing at rated current.
-fn field_share(bridge: Bridge, torque_a: f64, speed_rad_s: f64) -> f64 {
+fn field_share(bridge: Bridge, torque_a: f64, speed_rad_s: f64, field_a: f64) -> f64 {
     if !matches!(bridge, Bridge::Drive { .. }) || speed_rad_s == 0.0 {
         return 0.0;
     }
-    let field_a = FIELD_A * (speed_rad_s.abs() / FIELD_FROM_RAD_S).min(1.0);
+    let field_a = field_a * (speed_rad_s.abs() / FIELD_FROM_RAD_S).min(1.0);
     let total_a = (torque_a * torque_a + field_a * field_a).sqrt();
     (total_a - torque_a.abs()) * speed_rad_s.signum()
 }

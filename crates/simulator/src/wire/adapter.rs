@@ -2,14 +2,16 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_protocol::{FRAME_LEN, Frame, Instant};
+use motorlink_protocol::{
+    Celsius, FRAME_LEN, Frame, Instant, MotorId,
+    family::{DriveReading, Faults, Model, Reading},
+};
 
 use crate::random::Random;
 
 use super::{
     faults::{Echo, WireFaults},
     host_receiver::Run,
-    timing::airtime,
 };
 
 /// Chunks kept for a host that does not read; the oldest are dropped first, as in a serial driver.
@@ -67,8 +69,9 @@ impl Adapter {
         Some(Frame::new(bytes))
     }
 
-    /// A run of bytes on its way to the host, while the fastest wheel turns at `fastest_rpm`.
-    pub(crate) fn deliver(&mut self, run: Run, fastest_rpm: f32) {
+    /// A run of bytes on its way to the host, while the fastest wheel turns at `fastest_rpm`. A motor that
+    /// the host does not query is of this `model`.
+    pub(crate) fn deliver(&mut self, run: Run, fastest_rpm: f32, model: Model) {
         let Run {
             echo: mut bytes,
             mut reply,
@@ -92,9 +95,10 @@ impl Adapter {
         bytes.append(&mut reply);
         self.split(end, &bytes);
         if let Some(id) = self.faults.stranger.filter(|_| replied) {
-            // In the velocity loop, at rest and at 30 degrees Celsius.
-            let frame = Frame::with_crc([id.get(), 2, 0, 0, 0, 0, 30, 0, 0]);
-            self.arrive(end + airtime(FRAME_LEN), frame.bytes());
+            self.arrive(
+                end + model.frame_airtime(),
+                of_a_stranger(model, id).bytes(),
+            );
         }
     }
 
@@ -189,4 +193,20 @@ impl Adapter {
             bytes: bytes.to_vec(),
         });
     }
+}
+
+/// A reply at rest and at 30 degrees Celsius; in combined frames in the velocity loop.
+fn of_a_stranger(model: Model, id: MotorId) -> Frame {
+    if !model.has_separate_frames() {
+        return Frame::with_crc([id.get(), 2, 0, 0, 0, 0, 30, 0, 0]);
+    }
+    let reading = Reading::Drive(DriveReading {
+        id,
+        value: 0,
+        current: model.current_of_raw(0),
+        acceleration: 0,
+        temperature: Celsius::new(30),
+        faults: Faults::of(model, 0),
+    });
+    reading.frame(model)
 }

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use motorlink_protocol::{FRAME_LEN, Instant};
+use motorlink_protocol::{FRAME_LEN, Instant, family::Model};
 
-use crate::random::Random;
+use crate::{config::EVERY_MODEL, random::Random};
 
 use super::{
     faults::Echo,
@@ -62,16 +62,32 @@ pub(crate) struct SharedWire {
     host_until: Option<Instant>,
     host_place: usize,
     garbage: Random,
+    baud: u32,
 }
 
 impl SharedWire {
-    pub(crate) const fn new(garbage: Random) -> Self {
+    pub(crate) const fn new(baud: u32, garbage: Random) -> Self {
         Self {
+            baud,
             bytes: VecDeque::new(),
             host_until: None,
             host_place: 0,
             garbage,
         }
+    }
+
+    /// Bits a second.
+    pub(crate) const fn baud(&self) -> u32 {
+        if EVERY_MODEL {
+            self.baud
+        } else {
+            Model::Ddsm115.spec().baud
+        }
+    }
+
+    /// Changes the baud; bytes on their way are not affected.
+    pub(crate) const fn set_baud(&mut self, baud: u32) {
+        self.baud = baud;
     }
 
     /// Queues bytes of the host after its earlier bytes.
@@ -100,7 +116,7 @@ impl SharedWire {
                 place + 1 == FRAME_LEN,
             );
         }
-        self.host_until = Some(start + airtime(bytes.len().min(room)));
+        self.host_until = Some(start + airtime(self.baud(), bytes.len().min(room)));
     }
 
     /// A motor sends now. It does not check whether the wire is free.
@@ -121,8 +137,8 @@ impl SharedWire {
         ends_frame: bool,
     ) {
         let mut byte = Byte {
-            start: burst + airtime(count),
-            end: burst + airtime(count + 1),
+            start: burst + airtime(self.baud(), count),
+            end: burst + airtime(self.baud(), count + 1),
             sent,
             source,
             audible,
