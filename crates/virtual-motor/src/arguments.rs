@@ -3,7 +3,7 @@
 use std::{ops::RangeInclusive, path::PathBuf, time::Duration};
 
 use clap::{Parser, error::ErrorKind};
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 use motorlink_simulator::{Echo, MotorConfig, Split, WireFaults, WorldConfig};
 
 use crate::failure::Failure;
@@ -11,15 +11,20 @@ use crate::failure::Failure;
 /// Longest turnaround and latency taken: beyond a second no host waits.
 const DELAY_MAX: u64 = 1_000_000;
 
-/// Virtual M0601/DDSM115 hub motors on a pseudo-terminal.
+/// Virtual hub motors on a pseudo-terminal.
 ///
-/// Prints `ready <path>` when a serial program may open that path (115200 8N1). Commands on standard
+/// Prints `ready <path>` when a serial program may open that path, 8N1 at the baud of the model: 115200, or
+/// 38400 of a ddsm400. At another baud no motor answers. Commands on standard
 /// input, one a line, each answered by `ok ..` or `error: ..`: `block 1 on|off`, `load 1 <N.m>`,
 /// `temperature 1 <C>`, `power 1 on|off`, `mute 1 on|off`, `state 1`, and `stall <ms>`, during which
 /// nothing passes the adapter.
 #[derive(Debug, Parser)]
 #[command(name = "virtual-motor", version)]
 struct Flags {
+    /// Model of the motors: ddsm115, ddsm315, ddsm210 or ddsm400, or the maker's name (M0601, M0602C,
+    /// M0603C, M0603A)
+    #[arg(long, default_value = "ddsm115", value_name = "MODEL")]
+    model: Model,
     /// IDs of the motors, 1-254, with commas between
     #[arg(
         long,
@@ -132,7 +137,7 @@ impl Flags {
             seen.push(*id);
         }
         let motor = |id: MotorId| {
-            let plain = MotorConfig::new(id);
+            let plain = MotorConfig::of(self.model, id);
             MotorConfig {
                 load_nm: self.load_nm,
                 latch: Duration::from_millis(self.latch_ms),
@@ -143,6 +148,7 @@ impl Flags {
         };
         Ok(Arguments {
             world: WorldConfig {
+                baud: self.model.spec().baud,
                 seed: self.seed,
                 motors: self.ids.iter().copied().map(motor).collect(),
                 turnaround: Duration::from_micros(self.turnaround_us),

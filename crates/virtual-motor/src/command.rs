@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Mode, MotorId};
+use motorlink_protocol::{MotorId, family::Mode};
 use motorlink_simulator::{VirtualMotor, World};
 
 use crate::arguments::{celsius, load_nm};
@@ -82,10 +82,14 @@ fn act(id: MotorId, action: Action, motor: &mut VirtualMotor) -> String {
 }
 
 fn state(id: u8, motor: &VirtualMotor) -> String {
-    let mode = match motor.mode() {
-        Mode::Current => "current",
-        Mode::Velocity => "velocity",
-        Mode::Position => "position",
+    let mode = match motor.active_mode() {
+        None if motor.is_powered() => "disabled",
+        active => match active.unwrap_or(motor.mode().into()) {
+            Mode::OpenLoop => "open-loop",
+            Mode::Current => "current",
+            Mode::Velocity => "velocity",
+            Mode::Position => "position",
+        },
     };
     format!(
         "{id} rpm={:.2} mode={mode} angle={:.2} current={:.3} temperature={:.1} faults=0x{:02X} \
@@ -94,7 +98,7 @@ fn state(id: u8, motor: &VirtualMotor) -> String {
         motor.angle_deg(),
         motor.current_a(),
         motor.temperature_c(),
-        motor.faults().byte(),
+        motor.fault_byte(),
         motor.is_driven(),
         motor.is_powered(),
     )

@@ -38,7 +38,7 @@ fn main() -> ExitCode {
 
 fn run(arguments: Arguments) -> Result<(), Failure> {
     let signals = serve::Signals::register()?;
-    let pty = pty::Pty::open()?;
+    let pty = pty::Pty::open(arguments.world.baud)?;
     let log = arguments.log.as_deref().map(wire_log::WireLog::create);
     let log = log.transpose()?;
     // Last, so that nothing that may fail leaves a link behind.

@@ -25,15 +25,16 @@ pub(crate) struct Pty {
 }
 
 impl Pty {
-    /// A new pair in raw mode: bytes pass as they are, and nothing is echoed by the terminal.
+    /// A new pair in raw mode: bytes pass as they are, and nothing is echoed by the terminal. A program
+    /// that sets no baud has this one.
     ///
     /// # Errors
     /// The system has no terminal to give.
-    pub(crate) fn open() -> Result<Self, Failure> {
-        Self::try_open().map_err(Failure::system("cannot open a pseudo-terminal"))
+    pub(crate) fn open(baud: u32) -> Result<Self, Failure> {
+        Self::try_open(baud).map_err(Failure::system("cannot open a pseudo-terminal"))
     }
 
-    fn try_open() -> io::Result<Self> {
+    fn try_open(baud: u32) -> io::Result<Self> {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         grantpt(&master)?;
         unlockpt(&master)?;
@@ -42,6 +43,7 @@ impl Pty {
         let slave = open(name.as_c_str(), flags, Mode::empty())?;
         let mut settings = tcgetattr(&slave)?;
         settings.make_raw();
+        settings.set_speed(baud)?;
         tcsetattr(&slave, OptionalActions::Now, &settings)?;
         fcntl_setfl(&master, OFlags::NONBLOCK)?;
         Ok(Self {
@@ -53,6 +55,16 @@ impl Pty {
 
     pub(crate) fn slave_path(&self) -> &Path {
         &self.slave_path
+    }
+
+    /// The baud that the host has set. A terminal carries bytes at any; a motor hears only its own.
+    ///
+    /// # Errors
+    /// The terminal is gone.
+    pub(crate) fn baud(&self) -> Result<u32, Failure> {
+        let settings =
+            tcgetattr(&self.master).map_err(Failure::system("cannot ask the terminal"))?;
+        Ok(settings.output_speed())
     }
 
     pub(crate) const fn master(&self) -> &OwnedFd {

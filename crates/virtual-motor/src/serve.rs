@@ -125,6 +125,9 @@ impl Server {
         // The clock is read after the bytes, so that they are never older than their time.
         let written = self.pty.read(buffer)?;
         let now = clock::now();
+        if !written.is_empty() {
+            self.world.set_baud(now, self.pty.baud()?);
+        }
         self.world.transmit(now, written);
         while let Some(chunk) = self.world.receive(now) {
             self.pty.write(&chunk.bytes)?;

@@ -32,6 +32,16 @@ fn ids_that_no_motor_has() {
 }
 
 #[test]
+fn models_that_do_not_exist() {
+    for model in ["ddsm500", "", "115", "m0602"] {
+        refused(
+            &["--model", model],
+            "no such model: use one of ddsm115, ddsm315, ddsm210, ddsm400",
+        );
+    }
+}
+
+#[test]
 fn the_same_id_twice() {
     refused(&["--ids", "1,2,1"], "1 is given twice");
     refused(&["--ids", "16,0x10"], "16 is given twice");

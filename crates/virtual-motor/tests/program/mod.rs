@@ -9,11 +9,12 @@ use std::{
     time::{Duration, Instant},
 };
 
-use motorlink_protocol::{Frame, Reply, Request};
+use motorlink_protocol::{Frame, Reply, Request, family};
 use rustix::{
     event::{PollFd, PollFlags, Timespec, poll},
     fs::{Mode, OFlags, open},
     process::{Pid, Signal, kill_process},
+    termios::{OptionalActions, tcgetattr, tcsetattr},
 };
 
 pub fn command(flags: &[&str]) -> Command {
@@ -86,6 +87,25 @@ pub struct Port(OwnedFd);
 impl Port {
     pub fn open(path: &std::path::Path) -> Self {
         Self(open(path, OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap())
+    }
+
+    /// Sets the baud, as a serial program does.
+    pub fn set_baud(&self, baud: u32) {
+        let mut settings = tcgetattr(&self.0).unwrap();
+        settings.set_speed(baud).unwrap();
+        tcsetattr(&self.0, OptionalActions::Now, &settings).unwrap();
+    }
+
+    /// One exchange with a motor of this model.
+    pub fn ask_of(
+        &self,
+        model: family::Model,
+        request: family::Request,
+    ) -> Option<family::Reading> {
+        self.write(request.frame(model).unwrap().bytes());
+        let received: [u8; 10] = self.read(10, Duration::from_millis(500)).try_into().ok()?;
+        let asked = request.reply_layout(model);
+        family::Reading::decode(model, &Frame::new(received), asked).ok()
     }
 
     pub fn write(&self, bytes: &[u8]) {
