@@ -9,7 +9,10 @@ use web_sys::{Element, Event, HtmlElement, HtmlInputElement, KeyboardEvent, Mous
 
 use crate::{
     app::features::Features,
-    model::keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
+    model::{
+        keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
+        page::{Dialog, Page},
+    },
     ui::listener::on_window,
 };
 
@@ -43,6 +46,7 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
         let scene = Scene {
             focus: focus(),
             driven: features.page.is_anything_driven(),
+            at_rest: features.page.is_known_to_rest(),
             halted: features.page.latest.with_value(|session| session.halted),
         };
         let mut keys = stop_keys.get();
@@ -52,10 +56,16 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
             keys.up(key, scene)
         };
         stop_keys.set(keys);
-        if reaction == Reaction::Stop {
-            features.stop_all(StopReason::Operator);
-        }
-        if reaction != Reaction::Pass {
+        let handled = match reaction {
+            Reaction::Stop => {
+                features.stop_all(StopReason::Operator);
+                true
+            }
+            Reaction::Take => true,
+            Reaction::Close => close_one(features.page),
+            Reaction::Pass => false,
+        };
+        if handled {
             event.prevent_default();
         }
         return;
@@ -72,6 +82,24 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
         event.prevent_default();
         features.run_key_action(action);
     }
+}
+
+/// Closes the innermost open thing: a dialog, the text of the focused filter, a panel. Returns false if the focused
+/// control has to do it, or if nothing is open.
+fn close_one(page: Page) -> bool {
+    let dialog = page.dialog.get_untracked();
+    if let Some(Dialog::Help(_)) = dialog {
+        page.dialog.set(None);
+    } else if dialog.is_some() {
+        page.decline();
+    } else {
+        let filter = document().query_selector("[type=search]:focus:not(:placeholder-shown)");
+        if page.drawer.get_untracked().is_none() || matches!(filter, Ok(Some(_))) {
+            return false;
+        }
+        page.drawer.set(None);
+    }
+    true
 }
 
 fn focus() -> Focus {

@@ -5,6 +5,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::{ToWorker, bus::Command, protocol::Instant};
 
 use crate::{
+    link::worker_link::WorkerState,
     model::{
         log_lines,
         mirror::to_wire,
@@ -54,6 +55,13 @@ impl Page {
     /// Whether any motor is driven, still moves, or may have been started a moment ago.
     pub(crate) fn is_anything_driven(self) -> bool {
         self.has_just_started() || self.latest.with_value(Session::is_anything_driven)
+    }
+
+    /// Whether the worker reports that no motor moves. Unknown is not at rest.
+    pub(crate) fn is_known_to_rest(self) -> bool {
+        self.worker.state.get_untracked() == WorkerState::Running
+            && !self.has_just_started()
+            && self.latest.with_value(Session::is_known_to_rest)
     }
 
     fn has_just_started(self) -> bool {

@@ -20,7 +20,7 @@ pub(crate) enum Focus {
 pub(crate) enum StopKey {
     /// While anything is driven; at any time if Space does not act on the focused element.
     Space,
-    /// Always.
+    /// Unless it is known that nothing moves: then it closes what is open.
     Escape,
 }
 
@@ -42,6 +42,8 @@ pub(crate) struct Scene {
     pub(crate) focus: Focus,
     /// Whether anything is driven or still moves.
     pub(crate) driven: bool,
+    /// Whether it is known that nothing moves. A motor that does not answer may.
+    pub(crate) at_rest: bool,
     /// Whether the worker has reported "Stop all motors".
     pub(crate) halted: bool,
 }
@@ -53,6 +55,8 @@ pub(crate) enum Reaction {
     Stop,
     /// The focused control does not get the key.
     Take,
+    /// The innermost open thing is closed; if nothing is open, the focused control gets the key.
+    Close,
     /// The focused control gets the key.
     Pass,
 }
@@ -84,7 +88,7 @@ impl StopKeys {
     pub(crate) fn down(&mut self, key: StopKey, repeat: bool, scene: Scene) -> Reaction {
         let press = self.press(key);
         let stops = match key {
-            StopKey::Escape => true,
+            StopKey::Escape => !scene.at_rest,
             StopKey::Space => match scene.focus {
                 Focus::Free => true,
                 Focus::Button | Focus::List => scene.driven,
@@ -99,6 +103,14 @@ impl StopKeys {
             } else {
                 Reaction::Stop
             };
+        }
+        if key == StopKey::Escape {
+            // One press closes one thing, and a press that stopped closes nothing.
+            if repeat {
+                return Reaction::Take;
+            }
+            *press = Press::Passed;
+            return Reaction::Close;
         }
         // A repeated key whose press the page did not get was pressed for something else.
         if repeat && *press != Press::Passed && scene.focus != Focus::Text {
@@ -191,19 +203,39 @@ mod tests {
         Scene {
             focus,
             driven,
+            at_rest: !driven,
             halted: false,
         }
     }
 
     #[test]
-    fn escape_stops_wherever_the_focus_is() {
+    fn escape_stops_wherever_the_focus_is_unless_nothing_moves() {
         for focus in EVERYWHERE {
-            for driven in [false, true] {
+            let unknown = Scene {
+                at_rest: false,
+                ..scene(focus, false)
+            };
+            for scene in [scene(focus, true), unknown] {
                 let mut keys = StopKeys::default();
-                let scene = scene(focus, driven);
                 assert_eq!(keys.down(StopKey::Escape, false, scene), Reaction::Stop);
                 assert_eq!(keys.up(StopKey::Escape, scene), Reaction::Take);
             }
+        }
+    }
+
+    #[test]
+    fn escape_at_a_standstill_closes_one_thing_a_press() {
+        for focus in EVERYWHERE {
+            let mut keys = StopKeys::default();
+            let (standing, turning) = (scene(focus, false), scene(focus, true));
+            assert_eq!(keys.down(StopKey::Escape, false, standing), Reaction::Close);
+            assert_eq!(keys.down(StopKey::Escape, true, standing), Reaction::Take);
+            assert_eq!(keys.up(StopKey::Escape, standing), Reaction::Pass);
+            // A wheel that starts while the key is down is stopped, and that press closes nothing more.
+            assert_eq!(keys.down(StopKey::Escape, false, standing), Reaction::Close);
+            assert_eq!(keys.down(StopKey::Escape, true, turning), Reaction::Stop);
+            assert_eq!(keys.down(StopKey::Escape, true, standing), Reaction::Take);
+            assert_eq!(keys.up(StopKey::Escape, standing), Reaction::Take);
         }
     }
 

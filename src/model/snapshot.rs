@@ -118,16 +118,10 @@ impl Session {
         for notice in &update.notices {
             match notice {
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
-                    self.stop = Some(StopRecord {
-                        reason: *reason,
-                        outcomes: None,
-                    });
+                    self.record_stop(*reason, None);
                 }
                 Notice::StopEnded(report) if concerns_all(report.reason) => {
-                    self.stop = Some(StopRecord {
-                        reason: report.reason,
-                        outcomes: Some(report.motors.clone()),
-                    });
+                    self.record_stop(report.reason, Some(report.motors.clone()));
                 }
                 _ => {}
             }
@@ -135,6 +129,15 @@ impl Session {
         if !self.halted {
             self.stop = None;
         }
+    }
+
+    /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it.
+    fn record_stop(&mut self, reason: StopReason, outcomes: Option<Vec<StopOutcome>>) {
+        let first = self.stop.as_ref().map_or(reason, |stop| stop.reason);
+        self.stop = Some(StopRecord {
+            reason: first,
+            outcomes,
+        });
     }
 
     /// Reverses the sign of speed, current and setpoint of mirrored motors.
@@ -213,6 +216,18 @@ impl Session {
                 .motors
                 .iter()
                 .any(|motor| is_active(motor) || turns(motor))
+    }
+
+    /// Whether no motor can move: none is driven, no job runs, and each motor on an open port answers and stands.
+    pub(crate) fn is_known_to_rest(&self) -> bool {
+        let port_is_closed = matches!(
+            self.connection,
+            Connection::Disconnected | Connection::Failed(_)
+        );
+        let is_lost = |motor: &MotorStatus| motor.last.is_some() && motor.silent;
+        !self.is_anything_driven()
+            && self.job.is_none()
+            && (port_is_closed || !self.motors.iter().any(is_lost))
     }
 
     fn last_reply(&self, id: MotorId) -> Option<Reading<Reply>> {

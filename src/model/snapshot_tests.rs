@@ -89,6 +89,45 @@ fn a_stop_is_remembered_until_it_is_released() {
 }
 
 #[test]
+fn the_first_cause_of_a_stop_stays_until_release() {
+    let mut session = Session::default();
+    let (first, second) = (StopReason::PageSilent, StopReason::Operator);
+    let ended = |reason| {
+        Notice::StopEnded(StopReport {
+            reason,
+            motors: vec![],
+        })
+    };
+    session.apply(&update(true, vec![Notice::StopBegan(first), ended(first)]));
+    session.apply(&update(true, vec![Notice::StopBegan(second)]));
+    assert_eq!(session.stop.as_ref().unwrap().reason, first);
+    session.apply(&update(true, vec![ended(second)]));
+    let stop = session.stop.clone().unwrap();
+    assert_eq!((stop.reason, stop.outcomes), (first, Some(vec![])));
+
+    session.apply(&update(false, vec![]));
+    session.apply(&update(true, vec![Notice::StopBegan(second)]));
+    assert_eq!(session.stop.unwrap().reason, second);
+}
+
+#[test]
+fn rest_is_known_only_of_motors_that_answer() {
+    let standing = session(1_000, status(1_000, Mode::Velocity, 0));
+    assert!(standing.is_known_to_rest());
+    assert!(Session::default().is_known_to_rest(), "no motor");
+    let mut silent = standing.clone();
+    silent.motors[0].silent = true;
+    assert!(!silent.is_known_to_rest(), "it may coast");
+    silent.connection = Connection::Disconnected;
+    assert!(silent.is_known_to_rest(), "no stop could reach it");
+    let turning = session(1_000, status(1_000, Mode::Velocity, 3));
+    assert!(!turning.is_known_to_rest());
+    let mut driven = standing;
+    driven.motors[0].activity = Activity::DrivenRaw;
+    assert!(!driven.is_known_to_rest());
+}
+
+#[test]
 fn a_reading_is_fresh_for_half_a_second() {
     let at = |now_ms| {
         session(now_ms, status(1_000, Mode::Velocity, 5))

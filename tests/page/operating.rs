@@ -81,6 +81,17 @@ async fn in_a_field_only_escape_acts() {
     for key in ["1", "f", " ", "v", "Escape"] {
         press(key);
     }
+    assert_eq!(bench.commands().await, [], "nothing is driven");
+    let driven = Activity::Driven {
+        setpoint: speed(100),
+    };
+    bench.report(motor(Mode::Velocity, driven), false);
+    bench
+        .until("+100 rpm", || document().title().contains("+100 rpm"))
+        .await;
+    for key in ["1", "f", " ", "v", "Escape"] {
+        press(key);
+    }
     assert_eq!(bench.commands().await, [STOP_ALL]);
 }
 

@@ -304,13 +304,17 @@ async fn a_frame_is_repeated_as_entered_until_it_is_stopped() {
 }
 
 #[wasm_bindgen_test]
-async fn in_the_textbox_space_types_and_escape_stops() {
+async fn in_the_textbox_space_types_and_escape_stops_what_is_driven() {
     let bench = raw_hex("space").await;
     write(&bench, "01").focus().unwrap();
-    press(" ");
-    press("f");
-    press("s");
-    press("Escape");
+    let type_all = || [" ", "f", "s", "Escape"].map(press);
+    type_all();
+    assert_eq!(bench.commands().await, []);
+    bench.report(motor(Mode::Velocity, Activity::DrivenRaw), false);
+    bench
+        .until("raw frames", || document().title().contains("raw frames"))
+        .await;
+    type_all();
     let stop = Command::StopAll(StopReason::Operator);
     assert_eq!(bench.commands().await, [stop]);
 }

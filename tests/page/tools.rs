@@ -268,7 +268,7 @@ async fn two_motors_are_named_and_nothing_is_asked() {
 
 #[wasm_bindgen_test]
 async fn a_stop_or_another_tab_ends_the_wish_for_an_id() {
-    for leave in ["Escape", "tab"] {
+    for leave in ["STOP", "tab"] {
         let bench = id_manager(&format!("leave-{leave}")).await;
         bench.enter("New ID", "5");
         until_enabled(&bench, "Set ID").await;
@@ -277,13 +277,27 @@ async fn a_stop_or_another_tab_ends_the_wish_for_an_id() {
             bench.find("tab", "Velocity").click();
             bench.find("tab", "ID Manager").click();
         } else {
-            press(leave);
+            bench.find("button", "STOP all motors").click();
         }
         bench.commands().await;
         scan(&bench, &[1]).await;
         assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0, "{leave}");
         assert_eq!(bench.commands().await, [], "{leave}");
     }
+}
+
+#[wasm_bindgen_test]
+async fn escape_at_a_standstill_only_closes_the_question() {
+    let bench = id_manager("escape-question").await;
+    request_id(&bench, &[1]).await;
+    bench
+        .until("the question", || {
+            bench.find_all(QUESTION.0, QUESTION.1).len() == 1
+        })
+        .await;
+    press("Escape");
+    assert_eq!(bench.commands().await, []);
+    assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);
 }
 
 #[wasm_bindgen_test]
@@ -295,7 +309,7 @@ async fn a_stop_closes_the_question() {
             bench.find_all(QUESTION.0, QUESTION.1).len() == 1
         })
         .await;
-    press("Escape");
+    bench.find("button", "STOP all motors").click();
     let stop = Command::StopAll(StopReason::Operator);
     assert_eq!(bench.commands().await, [stop]);
     assert_eq!(bench.find_all(QUESTION.0, QUESTION.1).len(), 0);

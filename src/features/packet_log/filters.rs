@@ -5,6 +5,8 @@ use std::{fmt::Write, time::Duration};
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{protocol::MotorId, recorder::Kind};
+use wasm_bindgen::JsCast;
+use web_sys::{HtmlInputElement, KeyboardEvent};
 
 use crate::{
     features::packet_log::actions::Log,
@@ -61,6 +63,7 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 spellcheck="false"
                 disabled=dynamic(stopped)
                 on:input=handler(move |event| type_in(log, typed, event_target_value(&event)))
+                on:keydown=handler(move |event| clear_on_escape(log, typed, &event))
             />
             <select
                 class="select"
@@ -109,6 +112,20 @@ pub(crate) fn Filters(log: Log) -> impl IntoView {
                 {tr!("Auto-scroll")}
             </label>
         </div>
+    }
+}
+
+/// Clears the text, as Chromium does by itself and Firefox does not. An Escape that stops is not for the filter.
+fn clear_on_escape(log: Log, typed: StoredValue<u32>, event: &KeyboardEvent) {
+    let target = event.target();
+    let field = target.and_then(|field| field.dyn_into::<HtmlInputElement>().ok());
+    if let Some(field) = field
+        && event.key() == "Escape"
+        && !event.default_prevented()
+        && !field.value().is_empty()
+    {
+        field.set_value("");
+        type_in(log, typed, String::new());
     }
 }
 

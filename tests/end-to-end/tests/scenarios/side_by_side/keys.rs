@@ -3,10 +3,11 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, spin, wait_for_speed, wait_until_enabled,
+    Scenario, assert_ends_braked, assert_quiet_console, open_panel, spin, wait_for_speed,
+    wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
+use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, wait_until};
 
 /// A browser presses a button when Space comes up.
 const AFTER_RELEASE: Duration = Duration::from_millis(500);
@@ -65,4 +66,75 @@ fn escape_in_an_open_list_stops_the_wheel() -> Result<()> {
     wait_for_speed(page, 0..=0)?;
     assert_ends_braked(&scenario.since(pressed)?);
     scenario.stays_undriven(Duration::from_secs(1))
+}
+
+/// Waits until a control of this role and name exists, or until it does not.
+fn wait_until_open(page: &Page, role: &str, name: &str, open: bool) -> Result<()> {
+    let how = if open { "open" } else { "closed" };
+    wait_until(&format!("{role} {name:?} to be {how}"), WAIT_MAX, || {
+        let is_open = !page.find_all(role, name)?.is_empty();
+        Ok(if is_open == open {
+            Ok(())
+        } else {
+            Err("it is not".to_owned())
+        })
+    })
+}
+
+#[test]
+fn escape_closes_one_thing_at_a_time_and_stops_what_is_driven() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    open_panel(page, "Settings")?;
+    page.fill("searchbox", "Filter", "query")?;
+    page.click("button", "Help")?;
+    wait_until_open(page, "dialog", "Help", true)?;
+    page.press("Escape")?;
+    wait_until_open(page, "dialog", "Help", false)?;
+    page.find("searchbox", "Filter")?.focus()?;
+    let typed = "document.activeElement.value";
+    assert_eq!(page.evaluate(typed)?, "query");
+    page.press("Escape")?;
+    assert_eq!(page.evaluate(typed)?, "");
+    assert!(
+        !page.find_all("region", "Settings")?.is_empty(),
+        "one thing"
+    );
+    page.press("Escape")?;
+    wait_until_open(page, "region", "Settings", false)?;
+    page.press("Escape")?;
+    thread::sleep(AFTER_RELEASE);
+    assert!(page.find_all("alertdialog", "Stopped")?.is_empty());
+    // Nothing is latched: the motor drives at once. Now Escape stops it, and closes nothing more.
+    open_panel(page, "Settings")?;
+    spin(page, "+50", 47..=53)?;
+    let pressed = now_us();
+    page.press("Escape")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| text.contains("confirmed"))?;
+    wait_for_speed(page, 0..=0)?;
+    assert_ends_braked(&scenario.since(pressed)?);
+    assert!(!page.find_all("region", "Settings")?.is_empty());
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn a_second_stop_keeps_the_cause_of_the_first() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.click("checkbox", "Keep driving while hidden")?;
+    spin(page, "+50", 47..=53)?;
+    scenario.bench.hide(page)?;
+    page.show()?;
+    let hidden = |text: &str| text.contains("hidden") && text.contains("confirmed");
+    page.wait_for_text("alertdialog", "Stopped", hidden)?;
+    let pressed = now_us();
+    page.click("button", "STOP all motors")?;
+    thread::sleep(AFTER_RELEASE);
+    let text = page.text("alertdialog", "Stopped")?;
+    assert!(text.contains("hidden"), "{text}");
+    page.click("button", "Release")?;
+    let drives = scenario.since(pressed)?.drives();
+    assert!(drives.frames.iter().all(Frame::is_stop), "{drives}");
+    Ok(())
 }
