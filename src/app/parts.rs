@@ -10,6 +10,7 @@ use crate::{
     app::{
         features::Features,
         mount::{Hosts, Mounted},
+        question_dialog::QuestionDialog,
         tab_bar::TabBar,
     },
     features::{
@@ -34,7 +35,7 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
     /// The rest of the main view: notices, motor strip, current and position tabs, packet log, graph, recording, the
-    /// tab bar of a phone.
+    /// tab bar of a phone, questions.
     Desk,
     /// ID manager, raw frames and the panels of the drawer.
     Tools,
@@ -102,6 +103,7 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(Recording),
     hosts.mount(MotorStrip),
     hosts.mount(TabBar),
+    hosts.mount(move || view! { <QuestionDialog features /> }),
 ]);
 
 in_part!(tools: fn mount_tools(hosts, features) [

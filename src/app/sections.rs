@@ -12,7 +12,6 @@ use crate::{
         header::Header,
         mount::{Mounted, mount},
         parts::Part,
-        question_dialog::QuestionDialog,
     },
     features::{
         drive::{ControlPanel, velocity::VelocityTab},
@@ -153,12 +152,8 @@ pub(crate) const SECTIONS: [(Place, Section); 21] = [
     ),
     (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
     (Place::Dialogs, Section::Later(Part::Help, Frame::Help)),
-    (
-        Place::Dialogs,
-        Section::Now(|place, features| {
-            mount(&place, move || view! { <QuestionDialog features /> })
-        }),
-    ),
+    // Only sections of parts ask questions.
+    (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
 ];
 
 pub(crate) fn is_behind_dialog(page: Page) -> bool {
