@@ -24,6 +24,9 @@ use crate::{
 /// The combobox of the language.
 const LANGUAGE: &str = "language";
 
+/// The control panel.
+const CONTROLS: &str = "control";
+
 #[component]
 pub(crate) fn Header(
     features: Features,
@@ -34,6 +37,7 @@ pub(crate) fn Header(
     view! {
         <header class="header">
             <div class="header-rest" inert=behind_dialog>
+                <a class="skip" href="#control">{tr!("Skip to the controls")}</a>
                 <div class="brand" inner_html=BRAND></div>
                 <ConnectionState />
                 <ConnectButtons connect=features.connect />
@@ -86,9 +90,8 @@ fn LanguageChoice(features: Features) -> impl IntoView {
                         // The page is drawn anew, and the focus returns to the list; but not while a wheel
                         // turns, because S and K would select from the list instead of stopping it.
                         let turns = page.latest.with_value(|session| session.active_motors().next().is_some());
-                        if !turns {
-                            request_animation_frame(|| focus(LANGUAGE));
-                        }
+                        let to = if turns { CONTROLS } else { LANGUAGE };
+                        request_animation_frame(|| focus(to));
                     }
                 })
                 inner_html=options

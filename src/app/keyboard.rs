@@ -70,6 +70,12 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
         }
         return;
     }
+    // A held Enter presses a button again and again. When it closes a dialog, it would press the button that gets the
+    // focus.
+    if key == "Enter" && event.repeat() && focus() == Focus::Button {
+        event.prevent_default();
+        return;
+    }
     let modified = event.ctrl_key() || event.alt_key() || event.meta_key();
     // Keys do not drive while a dialog is open, nor beside the textbox for hex digits, most of which
     // are drive keys.

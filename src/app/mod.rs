@@ -2,6 +2,7 @@
 
 pub(crate) mod actions;
 pub(crate) mod features;
+pub(crate) mod focus;
 pub(crate) mod frame;
 pub(crate) mod header;
 pub(crate) mod keyboard;

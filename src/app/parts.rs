@@ -9,6 +9,7 @@ use leptos::{prelude::*, wasm_split::SplitLoaderError};
 use crate::{
     app::{
         features::Features,
+        focus,
         mount::{Hosts, Mounted},
         question_dialog::QuestionDialog,
         tab_bar::TabBar,
@@ -133,6 +134,7 @@ fn settings_panel(features: Features) -> impl IntoView {
 fn notices(features: Features) -> impl IntoView {
     let shown = move || features.tour.with(|tour| tour.shown);
     let is_alone = move || is_hidden(features.saved_session) && shown() == Shown::No;
+    focus::keep(features.page);
     let on_action = Box::leak(Box::new(move |action| features.run_tour_action(action)));
     let on_remedy = Box::leak(Box::new(move |remedy| features.remedy(remedy)));
     view! {

@@ -30,7 +30,8 @@ use crate::{
 #[component]
 pub(crate) fn ControlPanel() -> impl IntoView {
     view! {
-        <section class="panel control-panel" aria-label=tr!("Control")>
+        // The skip link leads here.
+        <section class="panel control-panel" aria-label=tr!("Control") id="control" tabindex="-1">
             <div class="tabs" role="tablist" aria-label=tr!("Control")>
                 {Tab::ALL.map(|tab| view! { <TabButton tab /> }).collect_view()}
             </div>

@@ -3,11 +3,11 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, open_panel, spin, wait_for_speed,
+    Scenario, assert_ends_braked, assert_quiet_console, number, open_panel, spin, wait_for_speed,
     wait_until_enabled,
 };
-use anyhow::Result;
-use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, wait_until};
+use anyhow::{Result, bail};
+use end_to_end::{Bench, Frame, Line, Page, WAIT_MAX, now_us, wait_until};
 
 /// A browser presses a button when Space comes up.
 const AFTER_RELEASE: Duration = Duration::from_millis(500);
@@ -136,5 +136,102 @@ fn a_second_stop_keeps_the_cause_of_the_first() -> Result<()> {
     page.click("button", "Release")?;
     let drives = scenario.since(pressed)?.drives();
     assert!(drives.frames.iter().all(Frame::is_stop), "{drives}");
+    Ok(())
+}
+
+/// From the first Tab to the press that drives.
+const KEYS_MAX: usize = 12;
+
+/// Waits until this is true of the focused element, `it`.
+fn wait_for_focus(page: &Page, wanted: &str) -> Result<()> {
+    wait_until(&format!("the focus where {wanted}"), WAIT_MAX, || {
+        let there = page.evaluate(&format!(
+            "((it) => Boolean({wanted}))(document.activeElement)"
+        ))?;
+        let at = page.evaluate("document.activeElement.outerHTML.slice(0, 200)")?;
+        Ok(if there == true {
+            Ok(())
+        } else {
+            Err(at.to_string())
+        })
+    })
+}
+
+/// Presses Tab until this is true of the focused element. Returns how often.
+fn tab_to(page: &Page, wanted: &str) -> Result<usize> {
+    for presses in 1..=KEYS_MAX {
+        page.press("Tab")?;
+        if page.evaluate(&format!("((it) => {wanted})(document.activeElement)"))? == true {
+            return Ok(presses);
+        }
+    }
+    bail!("more than {KEYS_MAX} times Tab to where {wanted}")
+}
+
+#[test]
+fn twelve_keys_lead_from_load_to_a_turning_wheel() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    let mut presses = tab_to(&page, "it.textContent === 'Virtual motor'")?;
+    page.press("Enter")?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    wait_until_enabled(&page, "button", "-100", true)?;
+    wait_for_focus(&page, "it.id === 'control'")?;
+    presses += 2 + tab_to(&page, "it.ariaLabel === '-100'")?;
+    page.press("Enter")?;
+    wait_for_speed(&page, -103..=-97)?;
+    assert!(presses <= KEYS_MAX, "{presses} key presses");
+    page.press(" ")?;
+    wait_for_focus(&page, "it.closest('.stopped')")?;
+    assert_quiet_console(&page);
+    Ok(())
+}
+
+#[test]
+fn the_focus_is_never_lost() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    let press = |role: &str, name: &str, key: &str| {
+        wait_until_enabled(&page, role, name, true)?;
+        page.find(role, name)?.focus()?;
+        page.press(key)
+    };
+    let in_tour = "it.closest('.tour')";
+    page.press("Tab")?;
+    wait_for_focus(&page, "it.className === 'skip'")?;
+    page.press("Enter")?;
+    wait_for_focus(&page, "it.id === 'control'")?;
+
+    press("button", "Go virtual", "Enter")?;
+    page.wait_for_text("output", "Speed", |text| number(text).is_some())?;
+    wait_for_focus(&page, in_tour)?;
+    let free = "The motor is fastened, the wheel is free, hands are clear.";
+    press("checkbox", free, " ")?;
+    page.find("button", "Spin at 20 rpm")?;
+    wait_for_focus(&page, in_tour)?;
+    press("button", "Spin at 20 rpm", "Enter")?;
+    wait_for_speed(&page, 17..=23)?;
+    wait_for_focus(&page, in_tour)?;
+    page.press(" ")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| text.contains("confirmed"))?;
+    wait_for_focus(&page, "it.closest('.stopped')")?;
+    press("button", "Release", "Enter")?;
+    wait_until_open(&page, "alertdialog", "Stopped", false)?;
+    // Not on a button: the next Enter presses nothing.
+    wait_for_focus(&page, "it.id === 'control'")?;
+    press("button", "End the tour", "Enter")?;
+    wait_for_focus(&page, "it.closest('.notices') && !it.closest('.tour')")?;
+
+    press("button", "Help", "Enter")?;
+    wait_for_focus(&page, "it.closest('.help')")?;
+    page.press("Escape")?;
+    wait_for_focus(&page, "it.ariaLabel === 'Help'")?;
+    for panel in ["Drive together", "Link", "Settings"] {
+        press("button", panel, "Enter")?;
+        wait_for_focus(&page, &format!("it.closest('[aria-label={panel:?}]')"))?;
+        page.press("Escape")?;
+        wait_for_focus(&page, &format!("it.textContent === {panel:?}"))?;
+    }
+    assert_quiet_console(&page);
     Ok(())
 }

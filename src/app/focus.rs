@@ -1,0 +1,149 @@
+//! Keeps the focus of a keyboard user on the page.
+//!
+//! A browser drops the focus when the focused control is hidden, disabled or removed: the next Tab begins anywhere, and
+//! a screen reader loses its place. Then the focus goes to the control that opened the panel or dialog, or to the panel
+//! around the control. After Release it goes to no button: another Enter would press it.
+
+use std::{cell::RefCell, rc::Rc};
+
+use leptos::prelude::*;
+use wasm_bindgen::JsCast;
+use web_sys::{Element, HtmlElement};
+
+use crate::{
+    model::page::Page,
+    ui::{listener::on_window, reactive::effect},
+};
+
+/// What is opened and entered.
+const OPENED: &str = ".drawer, [role=dialog], [role=alertdialog]";
+
+/// What takes the focus of a control in it. The header does not: from there the focus goes to the controls.
+const AROUND: &str = "section, [role=tabpanel], .tour, [role=dialog]";
+
+/// The control panel, for everything else.
+const CONTROLS: &str = "#control";
+
+/// What had the focus.
+#[derive(Default)]
+struct Held {
+    /// The focused element and those around it, from the inside out. A removed element does not know them any more.
+    path: Vec<Element>,
+    /// What had the focus before a panel or dialog was entered.
+    opener: Option<Element>,
+    /// Whether the pointer was used last. What it presses gives the focus away on purpose.
+    by_pointer: bool,
+}
+
+/// Keeps the focus from now on.
+pub(crate) fn keep(page: Page) {
+    let held = Rc::new(RefCell::new(Held::default()));
+    let on = |name, note: fn(&mut Held, Element)| {
+        let held = Rc::clone(&held);
+        on_window(name, move |event| {
+            let target = event.target().and_then(|at| at.dyn_into::<Element>().ok());
+            if let Some(target) = target {
+                note(&mut held.borrow_mut(), target);
+            }
+            check_soon(&held);
+        });
+    };
+    on("focusin", Held::entered);
+    on("focusout", |_, _| ());
+    on("pointerdown", |held, _| held.by_pointer = true);
+    on("keydown", |held, _| held.by_pointer = false);
+    on("keyup", |_, _| ());
+    // Most controls are hidden or disabled by a report of the worker.
+    let shown = Rc::clone(&held);
+    effect(move || {
+        page.shown.track();
+        pass_on_if_dropped(&shown);
+    });
+    effect(move || {
+        if page.drawer.get().is_some() {
+            in_two_frames(|| {
+                let panel = document().query_selector(".drawer:not([hidden])");
+                if let Some(panel) = panel.ok().flatten() {
+                    focus_on(&panel);
+                }
+            });
+        }
+    });
+}
+
+impl Held {
+    fn entered(&mut self, target: Element) {
+        let opened = target.closest(OPENED).ok().flatten();
+        let before = self.path.first();
+        if let Some(opened) = &opened
+            && let Some(before) = before
+            && !opened.contains(Some(before))
+        {
+            self.opener = Some(before.clone());
+        }
+        let around = |element: &Element| element.parent_element();
+        self.path = std::iter::successors(Some(target), around).collect();
+    }
+
+    /// The elements that may take a dropped focus, best first.
+    fn next(&self) -> impl Iterator<Item = Element> {
+        let was_in = |what| {
+            let matches = |element: &&Element| element.matches(what).unwrap_or(false);
+            self.path.iter().find(matches)
+        };
+        // After Release, the same key pressed again must not drive.
+        let opener = match was_in(OPENED) {
+            Some(opened) if !opened.matches(".stopped").unwrap_or(false) => self.opener.clone(),
+            _ => None,
+        };
+        let around = self.path.iter().skip(1);
+        let around = around.filter(|element| element.matches(AROUND).unwrap_or(false));
+        let controls = document().query_selector(CONTROLS).ok().flatten();
+        opener.into_iter().chain(around.cloned()).chain(controls)
+    }
+}
+
+fn check_soon(held: &Rc<RefCell<Held>>) {
+    let held = Rc::clone(held);
+    in_two_frames(move || pass_on_if_dropped(&held));
+}
+
+fn pass_on_if_dropped(held: &RefCell<Held>) {
+    if !is_focus_dropped() {
+        return;
+    }
+    if held.borrow().by_pointer {
+        // It stays given away when a key is pressed next.
+        held.borrow_mut().path.clear();
+    }
+    if held.borrow().path.is_empty() {
+        return;
+    }
+    let next: Vec<Element> = held.borrow().next().collect();
+    // No longer borrowed: moving the focus is noted.
+    let _ = next.iter().find(|element| focus_on(element));
+}
+
+/// A browser drops the focus after the frame in which the control is hidden.
+fn in_two_frames(act: impl FnOnce() + 'static) {
+    request_animation_frame(move || request_animation_frame(act));
+}
+
+fn is_focus_dropped() -> bool {
+    let focused = document().active_element();
+    focused.is_none_or(|element| {
+        element.tag_name() == "BODY" || element.matches(":disabled").unwrap_or(false)
+    })
+}
+
+/// Returns whether the element took the focus. A hidden or disabled one does not.
+fn focus_on(element: &Element) -> bool {
+    let Some(control) = element.dyn_ref::<HtmlElement>() else {
+        return false;
+    };
+    if control.tab_index() < 0 && !control.has_attribute("tabindex") {
+        let _ = control.set_attribute("tabindex", "-1");
+    }
+    let _ = control.focus();
+    document().active_element().as_ref() == Some(element)
+}
