@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{Adapter, Connection};
+use motorlink_messages::{Adapter, Connection, protocol::MotorId};
 
 use crate::{
     features::connect::actions::Connect,
@@ -11,6 +11,7 @@ use crate::{
         connect_texts,
         guards::{is_in_use, port_blocked_by, serial_blocked_by},
         page::use_page,
+        snapshot::{Reading, Session},
     },
     ui::{
         button::PressButton,
@@ -18,19 +19,31 @@ use crate::{
     },
 };
 
-/// Status `Connection`.
+/// Status `Connection`: the port, and on an open port the selected motor.
 #[component]
 pub(crate) fn ConnectionState() -> impl IntoView {
     let page = use_page();
     let words = memo(move || match page.worker.state.get() {
         WorkerState::Dead => (tr!("Failed"), tr!("Reload the page").to_owned()),
-        WorkerState::Starting | WorkerState::Running => page
-            .shown
-            .with(|session| connect_texts::of_connection(session.connection)),
+        WorkerState::Starting | WorkerState::Running => {
+            let id = page.selected.get();
+            page.shown.with(|session| {
+                let (state, detail) = connect_texts::of_connection(session.connection);
+                let state = match motor_trouble(session, id) {
+                    Some(MotorTrouble::Silent) => tr!("No reply"),
+                    Some(MotorTrouble::Fault) => tr!("Motor fault"),
+                    None => return (state, detail),
+                };
+                (state, format!("{id} · {detail}"))
+            })
+        }
     });
     let state = move || match page.worker.state.get() {
         WorkerState::Dead => "Failed",
-        _ => page.shown.with(|session| key(session.connection)),
+        _ => page.shown.with(|session| {
+            let trouble = motor_trouble(session, page.selected.get());
+            trouble.map_or_else(|| key(session.connection), MotorTrouble::key)
+        }),
     };
     view! {
         <div
@@ -47,6 +60,33 @@ pub(crate) fn ConnectionState() -> impl IntoView {
             </span>
         </div>
     }
+}
+
+/// Why the selected motor cannot be used, although the port is open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum MotorTrouble {
+    Silent,
+    Fault,
+}
+
+impl MotorTrouble {
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Silent => "Silent",
+            Self::Fault => "Fault",
+        }
+    }
+}
+
+fn motor_trouble(session: &Session, id: MotorId) -> Option<MotorTrouble> {
+    if !matches!(session.connection, Connection::Connected(_)) {
+        return None;
+    }
+    if session.motor(id).is_some_and(|motor| motor.silent) {
+        return Some(MotorTrouble::Silent);
+    }
+    let faults = session.faults(id).filter(Reading::is_fresh)?.value;
+    faults.any_named().then_some(MotorTrouble::Fault)
 }
 
 /// Its class.
@@ -115,5 +155,28 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
                 on_press=move || connect.connect_virtual()
             />
         </div>
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Faults, Mode};
+
+    use super::*;
+    use crate::model::snapshot::tests::{ID, session, status};
+
+    #[test]
+    fn an_open_port_is_not_all_while_its_motor_is_silent_or_reports_a_fault() {
+        let well = session(1_000, status(1_000, Mode::Velocity, 0));
+        assert_eq!(motor_trouble(&well, ID), None);
+        let mut faulty = well.clone();
+        if let Some(sample) = &mut faulty.motors[0].last {
+            sample.reply.faults = Faults::from_byte(0x10);
+        }
+        assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Fault));
+        faulty.motors[0].silent = true;
+        assert_eq!(motor_trouble(&faulty, ID), Some(MotorTrouble::Silent));
+        faulty.connection = Connection::Disconnected;
+        assert_eq!(motor_trouble(&faulty, ID), None);
     }
 }

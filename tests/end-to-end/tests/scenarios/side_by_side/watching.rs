@@ -228,3 +228,25 @@ fn a_hot_winding_is_named_before_and_when_it_trips() -> Result<()> {
     assert_quiet_console(&scenario.page);
     Ok(())
 }
+
+/// The port is open all the time; the motor cannot be used.
+#[test]
+fn the_header_says_what_is_wrong_with_the_motor() -> Result<()> {
+    let mut scenario = Scenario::connected(Line::default())?;
+    let wait_for = |page: &Page, state: &'static str| {
+        page.wait_for_text("status", "Connection", |text| text.starts_with(state))
+    };
+    wait_for(&scenario.page, "Connected")?;
+    scenario.adapter.act("mute 1 on")?;
+    let text = wait_for(&scenario.page, "No reply")?;
+    assert!(text.contains("0x01"), "{text}");
+    assert!(!text.contains("Connected"), "{text}");
+    scenario.adapter.act("mute 1 off")?;
+    wait_for(&scenario.page, "Connected")?;
+    scenario.adapter.act("temperature 1 84")?;
+    wait_for(&scenario.page, "Motor fault")?;
+    scenario.adapter.act("temperature 1 30")?;
+    wait_for(&scenario.page, "Connected")?;
+    assert_quiet_console(&scenario.page);
+    Ok(())
+}
