@@ -19,6 +19,9 @@ pub(crate) fn Slider(
     target: Target,
     /// Its range.
     entry: Entry,
+    /// Where it ends on both sides of zero, if not at the ends of the range.
+    #[prop(optional)]
+    limit: Option<&'static (dyn Fn() -> i32 + Sync)>,
     /// The labels below it: see [`marks`].
     #[prop(into)]
     marks: Signal<String>,
@@ -26,7 +29,11 @@ pub(crate) fn Slider(
     #[prop(into)]
     on_edit: Callback<()>,
 ) -> impl IntoView {
-    let ends = move || filled(entry, target.get());
+    let range = move || {
+        let limit = limit.map_or(i32::MAX, |limit| limit());
+        (entry.min.max(-limit), entry.max.min(limit))
+    };
+    let ends = move || filled(range(), target.get());
     view! {
         <div class="slider-box">
             <input
@@ -34,16 +41,21 @@ pub(crate) fn Slider(
                 class="slider"
                 class:from-middle=entry.min < 0
                 aria-label=name
-                min=entry.min.to_string()
-                max=entry.max.to_string()
+                min=dynamic(move || range().0.to_string())
+                max=dynamic(move || range().1.to_string())
                 step="1"
                 aria-valuetext=dynamic(move || format!("{} {unit}", (entry.show)(target.get())))
-                prop:value=dynamic(move || target.get().to_string())
+                prop:value=dynamic(move || {
+                    // A browser keeps the value in the range that the element had.
+                    range();
+                    target.get().to_string()
+                })
                 style=("--from", dynamic(move || format!("{:.2}%", ends().0)))
                 style=("--to", dynamic(move || format!("{:.2}%", ends().1)))
                 on:input=handler(move |event| {
                     if let Ok(value) = event_target_value(&event).parse::<i32>() {
-                        target.set(value.clamp(entry.min, entry.max));
+                        let (min, max) = untrack(range);
+                        target.set(value.clamp(min, max));
                         on_edit.run(());
                     }
                 })
@@ -59,10 +71,10 @@ pub(crate) fn marks(words: [&str; 3]) -> String {
 }
 
 /// Both ends of the filled part in percent of the range.
-fn filled(entry: Entry, value: i32) -> (f64, f64) {
-    let span = f64::from(entry.max) - f64::from(entry.min);
-    let place = |value: i32| (f64::from(value) - f64::from(entry.min)) / span * 100.0;
-    let zero = place(0.clamp(entry.min, entry.max));
+fn filled((min, max): (i32, i32), value: i32) -> (f64, f64) {
+    let span = f64::from(max) - f64::from(min);
+    let place = |value: i32| (f64::from(value.clamp(min, max)) - f64::from(min)) / span * 100.0;
+    let zero = place(0);
     let value = place(value);
     (zero.min(value), zero.max(value))
 }
@@ -74,9 +86,11 @@ mod tests {
 
     #[test]
     fn the_filled_part_begins_at_zero() {
-        assert_eq!(filled(SPEED, 330), (50.0, 100.0));
-        assert_eq!(filled(SPEED, -165), (25.0, 50.0));
-        assert_eq!(filled(SPEED, 0), (50.0, 50.0));
-        assert_eq!(filled(POSITION, 32_767), (0.0, 100.0));
+        let speed = (SPEED.min, SPEED.max);
+        assert_eq!(filled(speed, 330), (50.0, 100.0));
+        assert_eq!(filled(speed, -165), (25.0, 50.0));
+        assert_eq!(filled(speed, 0), (50.0, 50.0));
+        assert_eq!(filled((POSITION.min, POSITION.max), 32_767), (0.0, 100.0));
+        assert_eq!(filled((-60, 60), -330), (0.0, 50.0), "ends at the limit");
     }
 }

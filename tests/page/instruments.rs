@@ -231,9 +231,9 @@ async fn a_hot_winding_is_told_in_words_too() {
     let bench = Bench::with_motor("hot", Mode::Velocity).await;
     let temperature = || bench.text("status", "Temperature");
     for (degrees, band, words) in [
-        (69, "normal", "69 °C limit 80 °C"),
-        (70, "warm", "70 °C warm limit 80 °C"),
-        (80, "hot", "80 °C too hot limit 80 °C"),
+        (69, "normal", "69 °C limit 75 °C"),
+        (70, "warm", "70 °C warm limit 75 °C"),
+        (80, "hot", "80 °C too hot limit 75 °C"),
     ] {
         let mut motor = standing();
         let at = Instant::from_millis(now_ms() + 60_000);

@@ -10,6 +10,7 @@ use motorlink_messages::{
 use crate::{
     features::drive::{
         actions::Drive,
+        limit::{LimitLink, Quantity},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
     model::{guards::stop_blocked_by, tab::Tab},
@@ -85,6 +86,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             marks=marks(["−8 A", "0", "+8 A"])
             on_edit=move || drive.adjust(MODE)
         />
+        <LimitLink page quantity=Quantity::Current />
         <p class="equals">
             "= "
             <output aria-label=tr!("Target current in amps") aria-live="off">

@@ -2,6 +2,7 @@
 
 pub(crate) mod actions;
 pub(crate) mod current;
+pub(crate) mod limit;
 pub(crate) mod loop_head;
 pub(crate) mod loop_panel;
 pub(crate) mod one_stop;

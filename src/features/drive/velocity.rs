@@ -7,6 +7,7 @@ use motorlink_messages::protocol::{Mode, Setpoint};
 use crate::{
     features::drive::{
         actions::Drive,
+        limit::{LimitLink, Quantity, or_refused, speed_limit, speed_refused},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
     model::{guards::stop_blocked_by, tab::Tab},
@@ -40,8 +41,11 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
     let targets = drive.targets;
     let disabled_reason = loop_blocked_by(page, MODE);
-    let start_blocked_by = loop_start_blocked_by(page, MODE, [targets.speed, targets.acceleration]);
+    let start = loop_start_blocked_by(page, MODE, [targets.speed, targets.acceleration]);
+    let start_blocked_by = or_refused(page, start, move || targets.speed.get());
+    let above_limit = Signal::derive(move || speed_refused(page, targets.speed.get()));
     let preset_blocked_by = loop_start_blocked_by(page, MODE, [targets.acceleration]);
+    let limit = Box::leak(Box::new(move || speed_limit(page)));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let direction = Signal::derive(move || {
@@ -58,7 +62,12 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         } else {
             (tr!("CW"), tr!("CCW"))
         };
-        marks([&format!("−330 {back}"), "0", &format!("+330 {forward}")])
+        let limit = speed_limit(page);
+        marks([
+            &format!("−{limit} {back}"),
+            "0",
+            &format!("+{limit} {forward}"),
+        ])
     });
     let preset = move |rpm: i32, name| {
         view! {
@@ -66,7 +75,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
                 label=format::signed(rpm)
                 name=name
                 class="button preset"
-                disabled_reason=preset_blocked_by
+                disabled_reason=or_refused(page, preset_blocked_by, move || rpm)
                 on_press=move || drive.drive_at(rpm)
             />
         }
@@ -79,6 +88,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             hint=direction
             target=targets.speed
             entry=entry::SPEED
+            objection=above_limit
             on_edit=move || drive.adjust(MODE)
         />
         <Slider
@@ -86,9 +96,11 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             unit="rpm"
             target=targets.speed
             entry=entry::SPEED
+            limit=limit
             marks=ends
             on_edit=move || drive.adjust(MODE)
         />
+        <LimitLink page quantity=Quantity::Speed />
         <NumberField
             id="acceleration"
             name=tr!("Acceleration")

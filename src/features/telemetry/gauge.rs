@@ -34,13 +34,13 @@ impl Band {
         }
     }
 
-    /// The advice, in lines.
-    pub(crate) fn words(self) -> String {
-        let limit = tr!("limit 80 °C");
+    /// The advice, in lines, with the limit of Settings.
+    pub(crate) fn words(self, limit_c: u16) -> String {
+        let limit = tr!("limit {limit_c} °C", limit_c);
         match self {
-            Self::Normal => limit.to_owned(),
-            Self::Warm => [tr!("warm"), limit].join("\n"),
-            Self::Hot => [tr!("too hot"), limit].join("\n"),
+            Self::Normal => limit,
+            Self::Warm => [tr!("warm"), &limit].join("\n"),
+            Self::Hot => [tr!("too hot"), &limit].join("\n"),
         }
     }
 }
@@ -83,8 +83,9 @@ mod tests {
 
     #[test]
     fn each_band_says_what_it_is_in_words() {
-        assert!(Band::Warm.words().contains("warm"));
-        assert!(Band::Hot.words().contains("too hot"));
+        assert_eq!(Band::Normal.words(75), "limit 75 °C");
+        assert_eq!(Band::Warm.words(60), "warm\nlimit 60 °C");
+        assert!(Band::Hot.words(75).contains("too hot"));
     }
 
     #[test]

@@ -71,7 +71,10 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
             <ReadOut
                 name=tr!("Temperature")
                 class="temperature"
-                shown=page.of_motor(temperature)
+                shown=page.of_motor(move |session, id| {
+                    let limits = page.preferences.with(|chosen| chosen.limits);
+                    temperature(session, id, limits.temperature_c())
+                })
                 drawing=gauge::MARKUP
             />
             <ReadOut name=tr!("Faults") class="faults" shown=page.of_motor(faults) drawing="" />
@@ -113,11 +116,11 @@ fn position(session: &Session, id: MotorId, turns: Option<String>) -> Option<Sho
     Some(Shown::new(&reading, degrees, "°").with_detail(detail))
 }
 
-fn temperature(session: &Session, id: MotorId) -> Option<Shown> {
+fn temperature(session: &Session, id: MotorId, limit_c: u16) -> Option<Shown> {
     let reading = session.temperature(id)?;
     let degrees = reading.value.degrees().to_string();
     let band = Band::of(reading.value);
-    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words());
+    let shown = Shown::new(&reading, degrees, "°C").with_detail(band.words(limit_c));
     Some(match band {
         Band::Normal => shown,
         Band::Warm => shown.warm(),
@@ -182,7 +185,7 @@ mod tests {
             text(position(&session, ID, turns)),
             "66.4° raw 47/255\n+12.4 turns"
         );
-        assert_eq!(text(temperature(&session, ID)), "33°C limit 80 °C");
+        assert_eq!(text(temperature(&session, ID, 75)), "33°C limit 75 °C");
         assert_eq!(text(faults(&session, ID)), "OK 0x00");
         let sample = session.motors[0].last.as_mut().unwrap();
         sample.reply.faults = Faults::from_byte(0x18);
@@ -192,14 +195,14 @@ mod tests {
     #[test]
     fn a_hot_winding_is_told_by_its_look_and_in_words() {
         for (degrees, look, words) in [
-            (69, "", "limit 80 °C"),
-            (70, "warm", "warm\nlimit 80 °C"),
-            (79, "warm", "warm\nlimit 80 °C"),
-            (80, "bad", "too hot\nlimit 80 °C"),
+            (69, "", "limit 75 °C"),
+            (70, "warm", "warm\nlimit 75 °C"),
+            (79, "warm", "warm\nlimit 75 °C"),
+            (80, "bad", "too hot\nlimit 75 °C"),
         ] {
             let mut motor = status(1_000, Mode::Velocity, 0);
             motor.temperature = motor.temperature.map(|(at, _)| (at, Celsius::new(degrees)));
-            let shown = temperature(&session(1_016, motor), ID).unwrap();
+            let shown = temperature(&session(1_016, motor), ID, 75).unwrap();
             assert_eq!((shown.class(), shown.detail.as_str()), (look, words));
         }
     }
@@ -218,6 +221,6 @@ mod tests {
     #[test]
     fn what_was_never_reported_is_not_shown_as_zero() {
         let nothing = Session::default();
-        assert!(speed(&nothing, ID).is_none() && temperature(&nothing, ID).is_none());
+        assert!(speed(&nothing, ID).is_none() && temperature(&nothing, ID, 75).is_none());
     }
 }

@@ -4,9 +4,12 @@ use std::time::Duration;
 
 use crate::fixture::{
     Scenario, assert_ends_braked, assert_quiet_console, open_panel, wait_for_speed,
+    wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Line, Page, now_us};
+
+const ABOVE_LIMIT: &str = "Above your speed limit of 60 rpm";
 
 /// It was stopped and said why, the log has it, and nothing drives any more.
 fn is_stopped_and_said(scenario: &Scenario, since_us: u64, why: &str) -> Result<()> {
@@ -27,8 +30,13 @@ fn a_wheel_beyond_its_speed_limit_is_stopped_and_faster_ones_are_not_started() -
     let lowered = now_us();
     scenario.page.fill("spinbutton", "Speed limit", "60")?;
     is_stopped_and_said(&scenario, lowered, "above your limit of 60 rpm")?;
-    scenario.page.click("button", "+100")?;
-    let refused = |text: &str| text.contains("Above your speed limit of 60 rpm");
+    wait_until_enabled(&scenario.page, "button", "+100", false)?;
+    let preset = scenario.page.find("button", "+100")?.description;
+    assert!(preset.contains(ABOVE_LIMIT), "{preset}");
+    // A key is refused by the bus.
+    scenario.page.find("button", "+50")?.focus()?;
+    scenario.page.press("2")?;
+    let refused = |text: &str| text.contains(ABOVE_LIMIT);
     scenario.page.wait_for_text("region", "Notices", refused)?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     scenario.page.click("button", "+50")?;
@@ -59,8 +67,42 @@ fn limits_are_kept_for_the_next_port_and_the_next_visit() -> Result<()> {
     open_panel(page, "Settings")?;
     assert_eq!(page.find("spinbutton", "Speed limit")?.value, "60");
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
-    page.click("button", "+100")?;
-    let refused = |text: &str| text.contains("Above your speed limit of 60 rpm");
+    page.press("2")?;
+    let refused = |text: &str| text.contains(ABOVE_LIMIT);
     page.wait_for_text("region", "Notices", refused)?;
+    scenario.stays_undriven(Duration::from_secs(1))
+}
+
+#[test]
+fn limits_show_where_one_drives() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    assert!(page.find_all("button", "Limit: 60 rpm")?.is_empty());
+    open_panel(page, "Settings")?;
+    page.fill("spinbutton", "Speed limit", "60")?;
+    page.fill("spinbutton", "Temperature limit", "55")?;
+    page.click("button", "Close the panel")?;
+    page.wait_for_text("output", "Temperature", |text| text.contains("limit 55 °C"))?;
+    // The field says it, and so do Start and the message of the panel, without a press.
+    page.fill("spinbutton", "Target speed", "61")?;
+    wait_until_enabled(page, "button", "Start", false)?;
+    let field = page.find("spinbutton", "Target speed")?.description;
+    assert!(field.contains(ABOVE_LIMIT), "{field}");
+    let message = page.evaluate("document.querySelector('.tab-foot .reason').textContent")?;
+    assert!(message.to_string().contains(ABOVE_LIMIT), "{message}");
+    // The slider ends there.
+    let slider =
+        page.evaluate("[...document.querySelectorAll('[type=range]')].map((it) => it.max)[0]")?;
+    assert_eq!(slider, "60");
+    page.find("slider", "Target speed")?.focus()?;
+    page.press("Home")?;
+    assert_eq!(page.find("spinbutton", "Target speed")?.value, "\u{2212}60");
+    page.press("End")?;
+    assert_eq!(page.find("spinbutton", "Target speed")?.value, "+60");
+    wait_until_enabled(page, "button", "Start", true)?;
+    // The way to Settings.
+    page.click("button", "Limit: 60 rpm")?;
+    page.find("spinbutton", "Speed limit")?;
+    assert_quiet_console(page);
     scenario.stays_undriven(Duration::from_secs(1))
 }
