@@ -6,6 +6,8 @@
 //! | nothing but what was sent | the adapter echoes, and nobody is there |
 //! | garbage from a motor, standing too | two motors with one ID |
 //! | damaged replies only while it turns | no termination, no common ground |
+//! | damaged replies at rest too | a long or loose line |
+//! | lost replies, and hardly any damaged | a contact, a supply that dips, bytes that the adapter drops |
 //! | replies of 16 ms | the latency timer of an FTDI adapter |
 //! | good frames of a motor that was not asked | a second host |
 
@@ -25,6 +27,9 @@ const ASKED_TO_BE_LOSSY: u32 = 50;
 const LOST_MIN: u32 = 5;
 /// A line loses one of a hundred now and then; from one of twenty on something is wrong.
 const LOSSY_PER_MILLE: u32 = 50;
+/// A motor does not answer a damaged request, so that damage causes silences too; but of ten at least one is a damaged
+/// reply.
+const DAMAGED_OF_LOST: u32 = 10;
 /// What is lost in between is said, and no cause is named.
 const WELL_PER_MILLE: u32 = 20;
 const ASKED_TO_BE_SHARED: u32 = 5;
@@ -55,8 +60,10 @@ pub(crate) enum Diagnosis {
     SharedId(MotorId),
     /// Replies are damaged while a wheel turns, and not while it stands.
     NoiseGrowsWithSpeed,
-    /// Replies are lost or damaged.
-    Lossy,
+    /// Bytes of replies are damaged.
+    Damaged,
+    /// Replies are lost as a whole.
+    Lost,
     /// A device replies that was not asked.
     Stranger,
     /// One motor does not answer, and others do.
@@ -279,7 +286,13 @@ fn of_motor(motor: &MotorFindings) -> Option<Diagnosis> {
     } else if recent.asked >= ASKED_TO_BE_SHARED && recent.garbled_per_mille() >= 500 {
         Some(Diagnosis::SharedId(motor.id))
     } else {
-        is_lossy(motor).then_some(Diagnosis::Lossy)
+        is_lossy(motor).then(|| {
+            if motor.heard.garbled.saturating_mul(DAMAGED_OF_LOST) >= motor.heard.lost() {
+                Diagnosis::Damaged
+            } else {
+                Diagnosis::Lost
+            }
+        })
     }
 }
 

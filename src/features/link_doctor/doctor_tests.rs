@@ -82,6 +82,20 @@ fn with_median(median_us: u32, findings: Findings) -> Findings {
     }
 }
 
+/// A motor does not answer a damaged request.
+#[test]
+fn silences_alone_are_loss_and_silences_beside_bad_crcs_are_damage() {
+    for (silent, garbled, cause) in [
+        (137, 0, Diagnosis::Lost),
+        (137, 8, Diagnosis::Lost),
+        (80, 97, Diagnosis::Damaged),
+        (0, 97, Diagnosis::Damaged),
+    ] {
+        let verdict = diagnose(&alone(tally(1_000, silent, garbled)));
+        assert_eq!(verdict, Verdict::Faulty(vec![cause]), "{silent} {garbled}");
+    }
+}
+
 #[test]
 fn what_happened_has_its_likely_cause() {
     let good = tally(100, 0, 0);
@@ -133,14 +147,14 @@ fn what_happened_has_its_likely_cause() {
         (
             "damage at rest and while it turns",
             line(&[moving(tally(100, 0, 10), tally(600, 0, 60))]),
-            vec![Diagnosis::Lossy],
+            vec![Diagnosis::Damaged],
         ),
         (
             "damage while it turns, and it never stood",
             line(&[moving(tally(0, 0, 0), tally(600, 0, 60))]),
-            vec![Diagnosis::Lossy],
+            vec![Diagnosis::Damaged],
         ),
-        ("losses", alone(tally(100, 6, 0)), vec![Diagnosis::Lossy]),
+        ("losses", alone(tally(100, 6, 0)), vec![Diagnosis::Lost]),
         (
             "a stranger beside a good line",
             foreign(100, good),
@@ -174,7 +188,7 @@ fn what_happened_has_its_likely_cause() {
         (
             "replies of 16 ms, and many lost",
             with_median(16_000, alone(tally(100, 0, 20))),
-            vec![Diagnosis::Lossy, Diagnosis::LatencyTimer],
+            vec![Diagnosis::Damaged, Diagnosis::LatencyTimer],
         ),
     ] {
         assert_eq!(diagnose(&findings), Verdict::Faulty(expected), "{name}");
@@ -471,11 +485,14 @@ fn a_lossy_line_is_never_called_well() {
         corrupt_reply: 0.2,
         ..WireFaults::default()
     };
-    for (name, faults) in [("30 % lost", losing), ("20 % damaged", damaging)] {
+    for (name, faults, cause) in [
+        ("30 % lost", losing, Diagnosis::Lost),
+        ("20 % damaged", damaging, Diagnosis::Damaged),
+    ] {
         for seed in 0..40 {
             let mut clinic = faulty(faults.clone(), seed);
             let verdicts = course(&mut clinic, 30);
-            let lossy = Verdict::Faulty(vec![Diagnosis::Lossy]);
+            let lossy = Verdict::Faulty(vec![cause]);
             assert!(
                 !verdicts.contains(&Verdict::Healthy),
                 "{name}, seed {seed}: {verdicts:?}"
@@ -541,9 +558,10 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
             .world
             .set_line_condition(clinic.now, LineCondition::Good);
         let verdicts = course(&mut clinic, 25);
-        let lossy = Verdict::Faulty(vec![Diagnosis::Lossy]);
+        let lossy = [Diagnosis::Lost, Diagnosis::Damaged];
+        let lossy = lossy.map(|cause| Verdict::Faulty(vec![cause]));
         assert!(
-            !verdicts.contains(&lossy),
+            !verdicts.iter().any(|verdict| lossy.contains(verdict)),
             "back after {ms} ms: {verdicts:?}"
         );
         assert_eq!(verdicts.last(), Some(&Verdict::Healthy));

@@ -27,7 +27,9 @@ fn head() -> String {
         &[
             r#"<ul class="link-doctor" aria-label=""#,
             tr!("Link diagnosis"),
-            r#"" aria-live="polite"></ul><output class="link-carries" aria-label=""#,
+            r#"" aria-live="polite"></ul><output class="quiet link-judged" aria-live="off" aria-label=""#,
+            tr!("Judged by"),
+            r#""></output><output class="link-carries" aria-label=""#,
             tr!("Bus capacity"),
             r#""></output><div class="link-figures">"#,
         ],
@@ -136,7 +138,8 @@ mod tests {
             Diagnosis::EchoOnly,
             Diagnosis::SharedId(id),
             Diagnosis::NoiseGrowsWithSpeed,
-            Diagnosis::Lossy,
+            Diagnosis::Damaged,
+            Diagnosis::Lost,
             Diagnosis::Stranger,
             Diagnosis::Silent(id),
             Diagnosis::LatencyTimer,
@@ -155,10 +158,10 @@ mod tests {
     #[test]
     fn what_is_most_likely_is_told_first() {
         let html = verdict(&Verdict::Faulty(vec![
-            Diagnosis::Lossy,
+            Diagnosis::Damaged,
             Diagnosis::LatencyTimer,
         ]));
-        assert!(html.find("lost or corrupted") < html.find("16 ms"));
+        assert!(html.find("corrupted") < html.find("16 ms"));
         assert_eq!(html.matches("<li").count(), 2);
         assert!(verdict(&Verdict::Healthy).contains("Bus healthy"));
     }

@@ -8,7 +8,11 @@ use motorlink_messages::{Adapter, Connection, ToWorker, VirtualWire};
 use web_sys::{Element, HtmlSelectElement, wasm_bindgen::JsCast};
 
 use crate::{
-    features::link_doctor::{figures, markup, record::Record, texts::no_virtual_wire},
+    features::link_doctor::{
+        figures, markup,
+        record::Record,
+        texts::{self, no_virtual_wire},
+    },
     model::page::Page,
     ui::{
         drawer::{Drawer, panel_of_drawer},
@@ -64,6 +68,8 @@ pub(crate) fn LinkPanel(
 /// What changes in the panel.
 struct Elements {
     doctor: Option<Text>,
+    /// The figures that it judged by.
+    judged: Option<Text>,
     /// In the order of [`figures::of`].
     figures: [Option<Text>; 7],
     wire: Option<HtmlSelectElement>,
@@ -74,6 +80,7 @@ impl Elements {
         let find = |selector: &str| panel.query_selector(selector).ok().flatten();
         Self {
             doctor: find(".link-doctor").map(Text::new),
+            judged: find(".link-judged").map(Text::new),
             figures: markup::FIGURES.map(|selector| find(selector).map(Text::new)),
             wire: find("select").map(JsCast::unchecked_into),
         }
@@ -88,6 +95,9 @@ impl Elements {
                 && let Some(doctor) = &mut self.doctor
             {
                 doctor.write(markup::verdict(record.verdict()));
+                if let Some(judged) = &mut self.judged {
+                    judged.write(texts::judged(record.judged()));
+                }
             }
             let asked_hz = page.preferences.with(|chosen| chosen.rate.hertz());
             if is_open {

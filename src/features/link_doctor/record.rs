@@ -140,6 +140,18 @@ impl Record {
         &self.verdict
     }
 
+    /// What happened to all motors in the last ten seconds.
+    pub(crate) fn judged(&self) -> Tally {
+        let mut judged = Tally::default();
+        let recent = |entry: &&Entry| entry.second + Self::RECENT > self.second;
+        for entry in self.entries.iter().filter(recent) {
+            if entry.id.is_some() {
+                judged += entry.tally;
+            }
+        }
+        judged
+    }
+
     /// Another second is over.
     fn count(&mut self, seen: &[Seen]) {
         self.second += 1;

@@ -4,7 +4,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::VirtualWire;
 
 use crate::{
-    features::link_doctor::doctor::Diagnosis,
+    features::link_doctor::doctor::{Diagnosis, Tally},
     model::{help_topic::HelpTopic, scan_texts::wiring},
 };
 
@@ -28,6 +28,25 @@ pub(crate) fn some_lost() -> &'static str {
     tr!("Some replies are lost or corrupted: too few to find a cause.")
 }
 
+/// The figures of the last ten seconds, by which the line is judged. Nothing before the first request.
+pub(crate) fn judged(judged: Tally) -> String {
+    let Tally {
+        asked,
+        silent,
+        garbled,
+        ..
+    } = judged;
+    if asked == 0 {
+        return String::new();
+    }
+    tr!(
+        "Last 10 s: {asked} requests, {silent} without a reply, {garbled} with a corrupted reply.",
+        asked,
+        silent,
+        garbled
+    )
+}
+
 /// Why the virtual line cannot be made faulty.
 pub(crate) fn no_virtual_wire() -> &'static str {
     tr!("Available only with the virtual motor.")
@@ -42,7 +61,8 @@ pub(crate) fn cause(diagnosis: Diagnosis) -> String {
         Diagnosis::NoiseGrowsWithSpeed => {
             tr!("Replies are corrupted while a wheel turns").to_owned()
         }
-        Diagnosis::Lossy => tr!("Replies are lost or corrupted").to_owned(),
+        Diagnosis::Damaged => tr!("Replies are corrupted").to_owned(),
+        Diagnosis::Lost => tr!("Replies are lost, hardly any is corrupted").to_owned(),
         Diagnosis::Stranger => tr!("Frames from a motor that was not queried").to_owned(),
         Diagnosis::Silent(id) => tr!("No reply from motor {id}, but others reply", id),
         Diagnosis::LatencyTimer => tr!("The adapter delays replies by 16 ms").to_owned(),
@@ -63,7 +83,16 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
             tr!("Connect adapter GND and supply GND with a short wire."),
             tr!("Use a twisted pair for A and B, away from the motor's power wires."),
         ],
-        Diagnosis::Lossy => vec![
+        Diagnosis::Lost => vec![
+            tr!(
+                "Whole frames are missing: a contact opens, the motor restarts, or the adapter drops bytes."
+            ),
+            tr!(
+                "Check plugs and terminals for a loose wire, and the 18 V supply for dips. Connect \
+                 the adapter without a USB hub."
+            ),
+        ],
+        Diagnosis::Damaged => vec![
             tr!("Stop the wheels for 5 s. Errors that disappear come from the motor current."),
             tr!(
                 "Errors at standstill too? Check for a loose wire. If the bus is longer than 1 m, \
@@ -115,9 +144,11 @@ pub(crate) fn wire(wire: VirtualWire) -> &'static str {
 /// Where the help says more about what is wrong with the line.
 pub(crate) const fn of_diagnosis(diagnosis: Diagnosis) -> HelpTopic {
     match diagnosis {
-        Diagnosis::Nothing | Diagnosis::EchoOnly | Diagnosis::Silent(_) => HelpTopic::NoAnswer,
+        Diagnosis::Nothing | Diagnosis::EchoOnly | Diagnosis::Silent(_) | Diagnosis::Lost => {
+            HelpTopic::NoAnswer
+        }
         Diagnosis::SharedId(_) => HelpTopic::TwoMotorsOneId,
-        Diagnosis::NoiseGrowsWithSpeed | Diagnosis::Lossy => HelpTopic::DamagedBytes,
+        Diagnosis::NoiseGrowsWithSpeed | Diagnosis::Damaged => HelpTopic::DamagedBytes,
         Diagnosis::Stranger => HelpTopic::StrangerAnswers,
         Diagnosis::LatencyTimer => HelpTopic::AdapterSlow,
     }

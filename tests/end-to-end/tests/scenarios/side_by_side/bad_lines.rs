@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console,
+    Scenario, assert_ends_braked, assert_quiet_console, open_panel,
     rules::{
         nothing_but_stops_and_questions, the_log_has_it_all, the_page_says, what_is_shown_is_true,
     },
@@ -176,5 +176,29 @@ fn an_adapter_that_does_all_of_it_comes_back_from_a_pull() -> Result<()> {
     assert!(drives.is_empty(), "driven by nobody's command:\n{drives}");
     drives_and_stops_truly(&scenario, 1)?;
     assert_quiet_console(&scenario.page);
+    Ok(())
+}
+
+/// Waits until the doctor names this cause, and gives the figures that it judged by.
+fn diagnosed(fault: &[&str], cause: &str, advice: &str) -> Result<String> {
+    let scenario = Scenario::connected(Line::default().with(fault))?;
+    let page = &scenario.page;
+    open_panel(page, "Link")?;
+    page.wait_for_text("list", "Link diagnosis", |text| {
+        text.contains(cause) && text.contains(advice)
+    })?;
+    let figures = page.text("status", "Judged by")?;
+    assert_quiet_console(page);
+    Ok(figures)
+}
+
+#[test]
+fn the_doctor_tells_loss_from_damage() -> Result<()> {
+    let lossy = ["--loss", "0.2", "--seed", "7"];
+    let figures = diagnosed(&lossy, "Replies are lost", "loose wire")?;
+    assert!(figures.contains(" 0 with a corrupted reply"), "{figures}");
+    let damaged = ["--corrupt-replies", "0.2", "--seed", "7"];
+    let figures = diagnosed(&damaged, "Replies are corrupted", "120 Ω")?;
+    assert!(!figures.contains(" 0 with a corrupted reply"), "{figures}");
     Ok(())
 }
