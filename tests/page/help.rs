@@ -220,7 +220,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
             bench.find_all("status", "First spin").is_empty()
         })
         .await;
-    assert!(bench.text("region", "Notices").contains("press +100"));
+    assert!(bench.text("region", "Notices").contains("press +50"));
 
     bench.click("Help");
     bench

@@ -74,8 +74,12 @@ impl Tour {
         }
     }
 
-    /// Updates the progress. After a change of the motor, the confirmation and the progress are reset.
+    /// Updates the progress. After a change of the motor, the confirmation and the progress are reset. A finished tour
+    /// stays finished.
     pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
+        if self.stopped {
+            return;
+        }
         let connected = matches!(session.connection, Connection::Connected(_));
         let motor = connected.then_some(id);
         if self.motor != motor {
@@ -98,6 +102,10 @@ impl Tour {
 
     /// The next step.
     pub(crate) fn step(self, session: &Session, id: MotorId) -> Step {
+        if self.stopped {
+            // Later actions are not part of the tour.
+            return Step::Done;
+        }
         match session.connection {
             Connection::Disconnected => return Step::PlugIn,
             Connection::Connecting | Connection::Failed(_) | Connection::Reconnecting(_) => {
@@ -105,10 +113,7 @@ impl Tour {
             }
             Connection::Connected(_) => {}
         }
-        if self.stopped {
-            // Later actions are not part of the tour.
-            Step::Done
-        } else if session.mode(id).is_none_or(|mode| !mode.is_fresh()) {
+        if session.mode(id).is_none_or(|mode| !mode.is_fresh()) {
             Step::Answer
         } else if self.spun {
             Step::Stop
@@ -160,6 +165,20 @@ mod tests {
         assert_eq!(step(&mut tour, &at(9, false)), Step::Stop, "it still turns");
         assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
         assert_eq!(step(&mut tour, &at(20, true)), Step::Done);
+    }
+
+    #[test]
+    fn a_finished_tour_does_not_begin_again_when_the_port_is_closed() {
+        let mut tour = Tour::default();
+        tour.update(&at(0, false), ID);
+        tour.free = true;
+        step(&mut tour, &at(20, true));
+        assert_eq!(step(&mut tour, &at(0, false)), Step::Done);
+        assert_eq!(step(&mut tour, &Session::default()), Step::Done);
+        let other = MotorId::new(9).unwrap();
+        tour.update(&at(0, false), other);
+        assert_eq!(tour.step(&at(0, false), other), Step::Done);
+        assert_eq!(Tour::new(Shown::Opened).step(&at(0, false), ID), Step::Free);
     }
 
     #[test]

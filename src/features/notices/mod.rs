@@ -145,7 +145,7 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
              each colour."
             ),
             tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
-            tr!("3. Keep fingers clear of the wheel and press +100."),
+            tr!("3. Keep fingers clear of the wheel and press +50."),
         ],
         Connection::Connecting => &[tr!("Opening the port.")],
         Connection::Reconnecting(_) => &[tr!(
@@ -180,7 +180,7 @@ fn next_with_motor(session: &Session, id: MotorId) -> String {
         }
         (Some(Activity::Stopping { .. }), _) => tr!("Braking motor {id}.", id),
         (_, Mode::Velocity) => {
-            tr!("Keep fingers clear of the wheel and press +100, or set a speed and press Start.")
+            tr!("Keep fingers clear of the wheel and press +50, or set a speed and press Start.")
                 .to_owned()
         }
         (_, Mode::Current) => {
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn there_is_always_a_next_step() {
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
-        assert!(next_steps(&session, ID)[0].contains("press +100"));
+        assert!(next_steps(&session, ID)[0].contains("press +50"));
         session.motors[0].activity = Activity::Driven {
             setpoint: Setpoint::velocity(SpeedTarget::clamped(100)),
         };

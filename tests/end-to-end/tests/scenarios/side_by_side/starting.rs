@@ -1,6 +1,6 @@
 //! The page is used while it still comes.
 
-use crate::fixture::assert_quiet_console;
+use crate::fixture::{assert_quiet_console, spin};
 use anyhow::Result;
 use end_to_end::{Bench, FirstPress, Page, Slowness, wait_until};
 
@@ -46,6 +46,29 @@ fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> 
             Err(focus.to_string())
         })
     })?;
+    assert_quiet_console(&page);
+    Ok(())
+}
+
+#[test]
+fn a_finished_tour_stays_finished_and_the_next_steps_agree() -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open("/")?;
+    let next = page.evaluate("document.querySelector('.next-steps').textContent")?;
+    assert!(next.to_string().contains("press +50"), "{next}");
+    page.click("button", "Go virtual")?;
+    page.click(
+        "checkbox",
+        "The motor is fastened, the wheel is free, hands are clear.",
+    )?;
+    spin(&page, "Spin at 20 rpm", 17..=23)?;
+    page.click("button", "Stop the wheel")?;
+    let done = |text: &str| text.starts_with("Done");
+    page.wait_for_text("status", "First spin", done)?;
+    page.click("button", "Disconnect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    let tour = page.text("status", "First spin")?;
+    assert!(done(&tour), "{tour}");
     assert_quiet_console(&page);
     Ok(())
 }
