@@ -86,6 +86,9 @@ impl Bench {
             meta
         });
 
+        // The targets that another test has entered.
+        let storage = web_sys::window().unwrap().local_storage().unwrap();
+        storage.unwrap().remove_item("motorlink.targets").unwrap();
         let root: HtmlElement = document().create_element("div").unwrap().unchecked_into();
         root.set_class_name("bench");
         document().body().unwrap().append_child(&root).unwrap();

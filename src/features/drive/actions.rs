@@ -7,10 +7,14 @@ use crate::{
         guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
         notice_board::Topic,
         page::{Dialog, Page},
+        preferences::{remember, remembered},
         tab::Tab,
         terms,
     },
-    ui::target::Target,
+    ui::{
+        entry::{self, Entry},
+        target::Target,
+    },
 };
 use std::ops::Deref;
 
@@ -20,6 +24,9 @@ use motorlink_messages::{
     bus::{Activity, Command, Consent, needs_consent},
     protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
 };
+
+/// The storage key of the targets: speed, acceleration, current and position, with spaces between.
+const STORED_AS: &str = "targets";
 
 /// The motor's fastest acceleration, which is also its default.
 const FIRST_ACCELERATION: i32 = 1;
@@ -38,6 +45,29 @@ pub(crate) struct Targets {
 }
 
 impl Targets {
+    /// The values of the last visit, each in its range. They are shown only: they drive nothing by themselves.
+    fn remembered() -> Self {
+        let text = remembered(STORED_AS).unwrap_or_default();
+        let mut numbers = text.split(' ').map(|number| number.parse().ok());
+        let mut next = |entry: Entry, first: i32| {
+            let number: Option<i32> = numbers.next().flatten();
+            let in_range = number.filter(|number| (entry.min..=entry.max).contains(number));
+            Target::new(in_range.unwrap_or(first))
+        };
+        Self {
+            speed: next(entry::SPEED, FIRST_SPEED_RPM),
+            acceleration: next(entry::ACCELERATION, FIRST_ACCELERATION),
+            current: next(entry::CURRENT, 0),
+            position: next(entry::POSITION, 0),
+        }
+    }
+
+    fn remember(self) {
+        let targets = [self.speed, self.acceleration, self.current, self.position];
+        let numbers = targets.map(|target| target.get_untracked().to_string());
+        remember(STORED_AS, &numbers.join(" "));
+    }
+
     /// The entered setpoint of this loop.
     pub(crate) fn setpoint(self, mode: Mode) -> Setpoint {
         match mode {
@@ -85,17 +115,13 @@ impl Deref for Drive {
 
 impl Drive {
     pub(crate) fn new(page: Page) -> Self {
-        let targets = Targets {
-            speed: Target::new(FIRST_SPEED_RPM),
-            acceleration: Target::new(FIRST_ACCELERATION),
-            current: Target::new(0),
-            position: Target::new(0),
-        };
+        let targets = Targets::remembered();
         Self(Box::leak(Box::new(Parts { page, targets })))
     }
 
     /// Drives the selected motor to the entered setpoint of this loop.
     pub(crate) fn start(self, mode: Mode) {
+        self.targets.remember();
         self.drive(self.targets.setpoint(mode));
     }
 
@@ -139,6 +165,7 @@ impl Drive {
 
     /// Adjusts a motor that is driven in this loop to the entered setpoint; starts nothing.
     pub(crate) fn adjust(self, mode: Mode) {
+        self.targets.remember();
         let setpoint = self.targets.setpoint(mode);
         let id = self.page.selected.get_untracked();
         let driven_so = self.page.latest.with_value(|session| {

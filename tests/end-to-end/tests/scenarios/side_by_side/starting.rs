@@ -1,8 +1,10 @@
 //! The page is used while it still comes.
 
-use crate::fixture::{assert_quiet_console, spin};
+use std::time::Duration;
+
+use crate::fixture::{Scenario, assert_quiet_console, connect, spin};
 use anyhow::Result;
-use end_to_end::{Bench, FirstPress, Page, Slowness, wait_until};
+use end_to_end::{Bench, FirstPress, Frame, Line, Page, Slowness, now_us, wait_until};
 
 /// Slow enough for a press to come before the worker.
 const SLOWNESS: Slowness = Slowness {
@@ -70,5 +72,24 @@ fn a_finished_tour_stays_finished_and_the_next_steps_agree() -> Result<()> {
     let tour = page.text("status", "First spin")?;
     assert!(done(&tour), "{tour}");
     assert_quiet_console(&page);
+    Ok(())
+}
+
+#[test]
+fn targets_are_remembered_across_a_reload_and_drive_nothing() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    page.fill("spinbutton", "Target speed", "42")?;
+    page.fill("spinbutton", "Acceleration", "5")?;
+    page.reload()?;
+    let reloaded = now_us();
+    connect(page)?;
+    assert_eq!(page.find("spinbutton", "Target speed")?.value, "+42");
+    assert_eq!(page.find("spinbutton", "Acceleration")?.value, "5");
+    scenario.stays_undriven(Duration::from_secs(1))?;
+    let drives = scenario.since(reloaded)?.drives();
+    assert!(drives.frames.iter().all(Frame::is_stop), "{drives}");
+    spin(page, "Start", 39..=45)?;
+    assert_quiet_console(page);
     Ok(())
 }
