@@ -76,13 +76,17 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
         return Some(terms::refusal(Refusal::FaultActive { id, faults }));
     }
     let reported = session.mode(id)?.value;
-    (reported != mode).then(|| {
-        tr!(
+    if reported == mode {
+        return None;
+    }
+    // A disabled button is no advice.
+    switch_blocked_by(session, id, mode).or_else(|| {
+        Some(tr!(
             "Motor {id} is in the {reported}. Press Switch to {mode} first.",
             id,
             reported = terms::mode(reported),
             mode = terms::mode(mode)
-        )
+        ))
     })
 }
 

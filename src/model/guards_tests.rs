@@ -28,6 +28,17 @@ fn a_motor_that_reports_a_loop_is_driven_in_that_one() {
     );
 }
 
+/// The button that switches is disabled then.
+#[test]
+fn a_loop_that_cannot_be_switched_to_says_what_has_to_be_done_first() {
+    let turning = session(1_000, status(1_000, Mode::Velocity, 50));
+    let reason = drive_blocked_by(&turning, ID, Mode::Position).unwrap();
+    assert!(reason.contains("needs less than 10 rpm"), "{reason}");
+    assert!(!reason.contains("Press Switch"), "{reason}");
+    let reason = drive_blocked_by(&turning, ID, Mode::Current).unwrap();
+    assert!(reason.contains("Press Switch to current loop"), "{reason}");
+}
+
 #[test]
 fn nothing_drives_while_it_must_not() {
     let good = session(1_000, status(1_000, Mode::Velocity, 0));

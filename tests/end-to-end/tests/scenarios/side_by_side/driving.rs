@@ -4,10 +4,10 @@ use std::{thread, time::Duration};
 
 use crate::fixture::{
     Scenario, assert_ends_braked, assert_quiet_console, number, spin, spin_by, wait_for_speed,
-    wait_for_wire,
+    wait_for_wire, wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Bench, Line, Usb, now_us, wait_until};
+use end_to_end::{Bench, Line, Usb, WAIT_MAX, now_us, wait_until};
 
 /// The main job.
 #[test]
@@ -234,5 +234,37 @@ fn one_motor_at_another_address_is_found_and_selected() -> Result<()> {
             .all(|frame| frame.id() == Some(7))
     );
     assert_quiet_console(&page);
+    Ok(())
+}
+
+/// In the panel, where touch and keyboard reach it.
+#[test]
+fn the_panel_says_what_has_to_be_done_before_another_loop() -> Result<()> {
+    let scenario = Scenario::spinning()?;
+    let page = &scenario.page;
+    let wait_for_reason = |wanted: &str| {
+        wait_until(wanted, WAIT_MAX, || {
+            let reason = "document.querySelector('.tab-panel:not(.closed) .reason').textContent";
+            let reason = page.evaluate(reason)?.to_string();
+            Ok(if reason.contains(wanted) {
+                Ok(())
+            } else {
+                Err(reason)
+            })
+        })
+    };
+    page.click("tab", "Position")?;
+    wait_for_reason("needs less than 10 rpm")?;
+    page.press("s")?;
+    wait_for_speed(page, 0..=0)?;
+    page.click("tab", "Position")?;
+    wait_for_reason("Press Switch to position loop")?;
+    page.click("button", "Switch to position loop")?;
+    wait_until_enabled(page, "button", "Go", true)?;
+    let switch = page.find("button", "Switch to position loop")?;
+    assert!(switch.disabled);
+    let why = switch.description;
+    assert!(why.contains("already in the position loop"), "{why}");
+    assert_quiet_console(page);
     Ok(())
 }
