@@ -26,7 +26,7 @@ use crate::{
         frame::{Absent, frame},
         mount::{Hosts, Mounted, mount},
         parts::Part,
-        sections::{Frame, Place, SECTIONS, Section, is_behind_dialog},
+        sections::{Frame, Place, SECTIONS, Section},
     },
     ui::reactive::{dynamic, effect},
 };
@@ -292,7 +292,7 @@ pub(crate) fn assembled(features: Features, complete: RwSignal<bool>) -> impl In
         features.page.language.track();
         untrack(begin);
     });
-    let behind_dialog = move || is_behind_dialog(features.page);
+    let behind_dialog = move || features.page.is_behind_dialog();
     view! {
         <div
             class="page"

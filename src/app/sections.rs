@@ -18,7 +18,7 @@ use crate::{
         stop::dialog::StoppedDialog,
         telemetry::{Telemetry, twin::panel::WheelPanel},
     },
-    model::{page::Page, tab::Tab},
+    model::tab::Tab,
     ui::drawer::Drawer,
 };
 use web_sys::HtmlElement;
@@ -65,7 +65,7 @@ pub(crate) const SECTIONS: [(Place, Section); 21] = [
         Place::Top,
         Section::Now(|place, features| {
             mount(&place, move || {
-                let behind_dialog = Signal::derive(move || is_behind_dialog(features.page));
+                let behind_dialog = Signal::derive(move || features.page.is_behind_dialog());
                 view! { <Header features behind_dialog /> }
             })
         }),
@@ -155,7 +155,3 @@ pub(crate) const SECTIONS: [(Place, Section); 21] = [
     // Only sections of parts ask questions.
     (Place::Dialogs, Section::Later(Part::Desk, Frame::Nothing)),
 ];
-
-pub(crate) fn is_behind_dialog(page: Page) -> bool {
-    page.dialog.with(Option::is_some)
-}

@@ -4,7 +4,6 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::{
-    app::sections::is_behind_dialog,
     model::page::{Page, use_page},
     ui::{
         drawer::Drawer,
@@ -98,7 +97,7 @@ pub(crate) fn TabBar() -> impl IntoView {
         <nav
             class="tab-bar"
             aria-label=tr!("Screens")
-            inert=dynamic(move || is_behind_dialog(page))
+            inert=dynamic(move || page.is_behind_dialog())
         >
             {buttons.collect_view()}
         </nav>

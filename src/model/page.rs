@@ -181,6 +181,11 @@ pub(crate) struct Parts {
 type Reader<T> = dyn Fn(&Session, MotorId) -> T + Send + Sync;
 
 impl Page {
+    /// Whether a dialog covers the rest of the page.
+    pub(crate) fn is_behind_dialog(self) -> bool {
+        self.dialog.with(Option::is_some)
+    }
+
     pub(crate) fn new(preferences: Preferences) -> Self {
         Self(Box::leak(Box::new(Parts {
             worker: Worker {
