@@ -61,11 +61,24 @@ fn take(dir: &Path) -> Result<()> {
     Ok(())
 }
 
-const VIEWS: [(&str, View); 3] = [
+const VIEWS: [(&str, View); 8] = [
     ("desk", View::DESKTOP),
+    ("laptop", View::window(1366, 657)),
+    ("wide", View::window(1920, 1080)),
+    ("widest", View::window(2560, 1440)),
     ("tablet", View::TABLET),
+    ("upright", View::window(768, 1024)),
     ("phone", View::PHONE),
+    ("sideways", View::window(844, 390)),
 ];
+
+/// Shows a screen of a phone; a wide window shows every part at once.
+fn show_screen(page: &Page, view: View, screen: &str) -> Result<()> {
+    if view.is_phone() {
+        page.click("button", translated(screen))?;
+    }
+    Ok(())
+}
 
 /// Every colour scheme in one language, and every language in one scheme: texts and colours are independent.
 const PICTURES: &[(Language, &[Scheme])] = &[
@@ -178,6 +191,18 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
         pause(300);
         album.shot(&page, &tab.to_lowercase())?;
     }
+    if view.is_phone() {
+        for screen in ["Graph", "Log", "Motors", "More"] {
+            show_screen(&page, view, screen)?;
+            pause(500);
+            album.shot(&page, &screen.to_lowercase())?;
+        }
+    } else {
+        page.click("button", translated("Expand"))?;
+        pause(500);
+        album.shot(&page, "expanded")?;
+        page.click("button", translated("Shrink"))?;
+    }
     page.click("button", translated("Help"))?;
     pause(300);
     album.shot(&page, "help")
@@ -193,6 +218,7 @@ fn the_panels(album: &Album, view: View) -> Result<()> {
         text.contains(translated("Connected"))
     })?;
     for panel in ["Drive together", "Link", "Settings"] {
+        show_screen(&page, view, "More")?;
         page.click("button", translated(panel))?;
         pause(500);
         album.shot(&page, &panel.to_lowercase().replace(' ', "-"))?;
