@@ -1,11 +1,11 @@
-//! Texts that have the room that they need.
+//! Texts and windows that have the room that they need.
 
 use anyhow::Result;
 use end_to_end::{Bench, View};
 use motorlink_i18n::{Language, set_language, translated};
 use serde_json::json;
 
-use crate::fixture::places::{LAPTOP, look};
+use crate::fixture::places::{LANDSCAPE, LAPTOP, WIDE, look};
 
 /// Fields and buttons whose text is wider than they are, or that end beyond their row.
 const CUT: &str = "(() => {
@@ -50,6 +50,35 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
                 let cut = page.evaluate(CUT)?;
                 assert_eq!(cut, json!([]), "{tab} in {view:?}, {}", language.key());
             }
+        }
+    }
+    set_language(Language::English);
+    Ok(())
+}
+
+/// WCAG 1.4.10: 320 pixels are a window of 1280 at 400 %.
+#[test]
+fn no_window_has_to_be_scrolled_sideways() -> Result<()> {
+    for language in Language::ALL {
+        set_language(language);
+        let bench = Bench::start()?;
+        let page = bench.open(&format!("/?port=virtual&lang={}", language.key()))?;
+        page.find_like("img", translated("Speed and current"))?;
+        for view in [
+            View::window(320, 640),
+            View::window(320, 256),
+            View::PHONE,
+            LANDSCAPE,
+            View::window(860, 700),
+            View::TABLET,
+            View::window(1280, 720),
+            LAPTOP,
+            View::DESKTOP,
+            WIDE,
+        ] {
+            look(&page, view)?;
+            let wider = page.evaluate("document.documentElement.scrollWidth > innerWidth")?;
+            assert_eq!(wider, json!(false), "{view:?}, {}", language.key());
         }
     }
     set_language(Language::English);
