@@ -161,7 +161,7 @@ impl Judge {
         self.click("tab", "Velocity")?;
         self.panels("connected")?;
         self.dead_line()?;
-        self.page.press("Escape")?;
+        self.click("button", "STOP all motors")?;
         self.page
             .wait_for_text("alertdialog", translated("Stopped"), |text| {
                 text.contains("0x01")

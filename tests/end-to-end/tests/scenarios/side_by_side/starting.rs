@@ -84,7 +84,7 @@ fn targets_are_remembered_across_a_reload_and_drive_nothing() -> Result<()> {
     page.reload()?;
     let reloaded = now_us();
     connect(page)?;
-    assert_eq!(page.find("spinbutton", "Target speed")?.value, "+42");
+    assert_eq!(page.find("spinbutton", "Target speed")?.value, "42");
     assert_eq!(page.find("spinbutton", "Acceleration")?.value, "5");
     scenario.stays_undriven(Duration::from_secs(1))?;
     let drives = scenario.since(reloaded)?.drives();
