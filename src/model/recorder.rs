@@ -89,10 +89,7 @@ impl Recorder {
             return;
         }
         self.exporting.set(Some(Exporting { what, per_mille: 0 }));
-        self.post(&match what {
-            Export::Log => ToRecorder::ExportLog,
-            Export::Telemetry => ToRecorder::ExportTelemetry,
-        });
+        self.post(&ToRecorder::Export(what));
     }
 
     /// The progress of this file while it is written.

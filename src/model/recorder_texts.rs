@@ -34,7 +34,7 @@ pub(crate) fn of_nothing_to_export(what: Export) -> NoticeText {
             tr!("The packet log is empty: no file created"),
             tr!("Connect a motor to log its frames."),
         ),
-        Export::Telemetry => (
+        Export::Telemetry | Export::Plot => (
             tr!("No samples yet: no file created"),
             tr!("Connect a motor. Replies of the last 10 minutes are stored."),
         ),
@@ -51,7 +51,7 @@ mod tests {
         let words = of_dead_recorder();
         assert_eq!(words.topic, Topic::Recorder);
         assert!(words.advice.join(" ").contains("Motors keep running"));
-        for what in [Export::Log, Export::Telemetry] {
+        for what in [Export::Log, Export::Telemetry, Export::Plot] {
             assert!(of_nothing_to_export(what).title.contains("no file"));
         }
     }

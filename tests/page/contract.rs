@@ -6,7 +6,7 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use crate::bench::Bench;
 
 /// What is there whichever tab is open.
-const ALWAYS: [(&str, &str); 40] = [
+const ALWAYS: [(&str, &str); 41] = [
     ("button", "Connect"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
@@ -47,6 +47,7 @@ const ALWAYS: [(&str, &str); 40] = [
     ("region", "Recording"),
     ("button", "Record telemetry"),
     ("button", "Export telemetry CSV"),
+    ("button", "Plot CSV"),
 ];
 
 const VELOCITY: &[(&str, &str)] = &[

@@ -197,10 +197,11 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     let (recorder, bench, _style) = page("export", 10).await;
     let saved = Saved::watch();
     bench.click("Export CSV");
-    assert_eq!(recorder.received().await, [ToRecorder::ExportLog]);
+    assert_eq!(recorder.received().await, [ToRecorder::Export(Export::Log)]);
     bench.find("button", "Cancel export");
-    let other = bench.find("button", "Export telemetry CSV");
-    assert!(other.has_attribute("disabled"));
+    for other in ["Export telemetry CSV", "Plot CSV"] {
+        assert!(bench.find("button", other).has_attribute("disabled"));
+    }
     let what = Export::Log;
     recorder.post(&FromRecorder::Exporting {
         what,
@@ -248,7 +249,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     bench.click("Cancel export");
     assert_eq!(
         recorder.received().await,
-        [ToRecorder::ExportLog, ToRecorder::CancelExport]
+        [ToRecorder::Export(Export::Log), ToRecorder::CancelExport]
     );
     recorder.post(&FromRecorder::NotExported {
         what,
@@ -293,8 +294,27 @@ async fn the_recording_says_what_it_holds() {
     bench.click("Export telemetry CSV");
     assert_eq!(
         recorder.received().await,
-        [ToRecorder::Record(false), ToRecorder::ExportTelemetry]
+        [
+            ToRecorder::Record(false),
+            ToRecorder::Export(Export::Telemetry)
+        ]
     );
+    let what = Export::Telemetry;
+    let cancelled = true;
+    recorder.post(&FromRecorder::NotExported { what, cancelled });
+    bench
+        .until("the button", || {
+            !bench.find("button", "Plot CSV").has_attribute("disabled")
+        })
+        .await;
+    bench.click("Plot CSV");
+    assert!(
+        recorder
+            .received()
+            .await
+            .contains(&ToRecorder::Export(Export::Plot))
+    );
+    bench.find("button", "Cancel export");
 }
 
 #[wasm_bindgen_test]
@@ -316,6 +336,7 @@ async fn a_dead_recorder_is_told_and_driving_goes_on() {
         "Export CSV",
         "Record telemetry",
         "Export telemetry CSV",
+        "Plot CSV",
     ] {
         let button = bench.find("button", name);
         assert!(button.has_attribute("disabled"), "{name}");

@@ -39,10 +39,8 @@ pub enum ToRecorder {
     Filter(Filter),
     /// Clear the log. The recording stays.
     Clear,
-    /// Export every entry as CSV, visible or not.
-    ExportLog,
-    /// Export the recorded samples as CSV, or the last ten minutes if none were recorded.
-    ExportTelemetry,
+    /// Export a CSV file.
+    Export(Export),
     /// Cancel all exports.
     CancelExport,
     /// Start or stop recording. Samples are appended until the recording has been exported.
@@ -181,10 +179,12 @@ pub enum NotSaved {
 /// The kind of an exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Export {
-    /// The packet log.
+    /// Every entry of the packet log, visible or not.
     Log,
-    /// Telemetry.
+    /// The recorded samples, or the last ten minutes if none were recorded, in the columns of the article.
     Telemetry,
+    /// The same samples for plotting: elapsed seconds, then measured and commanded values.
+    Plot,
 }
 
 /// Rows of the log, and its counts.

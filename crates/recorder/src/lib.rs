@@ -13,13 +13,16 @@
 //! | `routine` | which exchanges are routine |
 //! | `meaning` | the text of an entry |
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
+//! | `commanded` | what each motor was told |
 //! | `saved` | the saved session: its files, how they are written and read |
 //! | `restoring` | restores a saved session in slices |
-//! | `csv_file` | CSV files, written in slices |
+//! | `csv_file`, `charset` | CSV files, written in slices |
 //! | `wall_clock`, `local_time` | the time of day |
 //! | `chunks`, `entry`, `texts`, `digits` | compact storage and quick formatting |
 
+mod charset;
 mod chunks;
+mod commanded;
 mod csv_file;
 pub mod digits;
 mod entry;
@@ -36,7 +39,8 @@ mod texts;
 mod view;
 mod wall_clock;
 
-pub use csv_file::{CsvFile, CsvLines};
+pub use charset::{Charset, spelled_out};
+pub use csv_file::{CsvFile, CsvLines, REPLY, unmarked};
 pub use local_time::LocalTime;
 pub use log::{ENTRIES_MAX, Log};
 pub use recorder::{Output, Recorder};

@@ -154,9 +154,12 @@ impl Recorder {
         let at = self.timeline.at(traffic.at);
         let placed = LineEvent { at, ..*traffic };
         self.log.add_event(&placed);
-        let recorded = self.recording.add_event(&placed);
+        let recorded = self.recording.add(&placed);
         if let Some(writer) = &mut self.writer {
-            writer.add_event(traffic, recorded);
+            if let Some(sample) = recorded {
+                writer.mark(traffic, sample.commanded);
+            }
+            writer.add_event(traffic, recorded.is_some());
         }
         self.page_changed = true;
     }
@@ -221,10 +224,7 @@ impl Recorder {
     pub fn handle(&mut self, message: ToRecorder) {
         self.page_changed |= !matches!(
             message,
-            ToRecorder::ExportLog
-                | ToRecorder::ExportTelemetry
-                | ToRecorder::CancelExport
-                | ToRecorder::Record(_)
+            ToRecorder::Export(_) | ToRecorder::CancelExport | ToRecorder::Record(_)
         );
         match message {
             ToRecorder::Epoch { unix_ms } => {
@@ -261,8 +261,7 @@ impl Recorder {
                     writer.clear();
                 }
             }
-            ToRecorder::ExportLog => self.begin_export(Export::Log),
-            ToRecorder::ExportTelemetry => self.begin_export(Export::Telemetry),
+            ToRecorder::Export(what) => self.begin_export(what),
             ToRecorder::CancelExport => {
                 for file in std::mem::take(&mut self.files) {
                     self.no_file(file.what(), true);
@@ -305,6 +304,7 @@ impl Recorder {
         let file = match what {
             Export::Log => CsvFile::of_log(&mut self.log),
             Export::Telemetry => CsvFile::of_telemetry(&self.recording),
+            Export::Plot => CsvFile::of_plot(&self.recording),
         };
         if file.rows_in_all() == 0 {
             self.no_file(what, false);
@@ -424,6 +424,7 @@ impl Recorder {
         let mut name = String::from(match what {
             Export::Log => "motorlink-log-",
             Export::Telemetry => "motorlink-telemetry-",
+            Export::Plot => "motorlink-plot-",
         });
         self.own_clock.push_file_stamp(&mut name, now);
         name.push_str(".csv");

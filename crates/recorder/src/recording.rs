@@ -6,7 +6,10 @@ use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::RecordingStatus;
 use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, Reply};
 
-use crate::chunks::Chunks;
+use crate::{
+    chunks::Chunks,
+    commanded::{Commanded, Commands},
+};
 
 /// How long samples are kept that are not recorded.
 pub const ROLLING: Duration = Duration::from_secs(600);
@@ -26,19 +29,40 @@ pub(crate) struct Sample {
     pub(crate) frame: Frame,
     /// What its bytes 6 and 7 mean; `None` if that is uncertain.
     pub(crate) asked: Option<Layout>,
+    /// What the motor was told before it; `None` without a command.
+    pub(crate) commanded: Option<Commanded>,
 }
 
 const _: () = assert!(size_of::<Sample>() == 24);
 
 impl Sample {
-    /// The sample of a line event, if it is a valid reply.
-    fn of(traffic: &LineEvent) -> Option<Self> {
+    /// The sample of a line event, if it is a valid reply, without the command before it.
+    #[inline(never)]
+    pub(crate) fn of(traffic: &LineEvent) -> Option<Self> {
         let LineEventKind::Received { frame, asked } = traffic.kind else {
             return None;
         };
-        let at = traffic.at;
-        let is_reply = Reply::decode(&frame, asked).is_ok();
-        is_reply.then_some(Self { at, frame, asked })
+        Reply::decode(&frame, asked).ok()?;
+        Some(Self {
+            at: traffic.at,
+            frame,
+            asked,
+            commanded: None,
+        })
+    }
+
+    /// The same with the command that was sent before it. Takes the event into the commands.
+    pub(crate) fn after(commands: &mut Commands, traffic: &LineEvent) -> Option<Self> {
+        commands.add_event(traffic);
+        let mut sample = Self::of(traffic)?;
+        sample.commanded = commands.at(sample.address(), sample.at);
+        Some(sample)
+    }
+
+    /// The motor's ID.
+    pub(crate) const fn address(&self) -> u8 {
+        let [address, ..] = *self.frame.bytes();
+        address
     }
 }
 
@@ -74,6 +98,10 @@ pub struct Recording {
     recorded_for: Duration,
     /// The number after the newest exported sample.
     exported_until: u64,
+    /// The commands of all motors.
+    commands: Commands,
+    /// Those of a saved recording that is being restored.
+    marks: Commands,
 }
 
 impl Default for Recording {
@@ -93,28 +121,41 @@ impl Recording {
             state: State::Off,
             recorded_for: Duration::ZERO,
             exported_until: 0,
+            commands: Commands::new(),
+            marks: Commands::new(),
         }
     }
 
-    /// Adds the sample of a line event, if it is a valid reply. Returns whether it was recorded.
-    pub fn add_event(&mut self, traffic: &LineEvent) -> bool {
-        let Some(sample) = Sample::of(traffic) else {
-            return false;
-        };
+    /// Adds a line event: the sample of a valid reply, and what motors are told.
+    pub fn add_event(&mut self, traffic: &LineEvent) {
+        self.add(traffic);
+    }
+
+    /// The same. Returns the sample if it was recorded.
+    pub(crate) fn add(&mut self, traffic: &LineEvent) -> Option<Sample> {
+        let sample = Sample::after(&mut self.commands, traffic)?;
         self.roll_sample(sample);
-        self.record_sample(sample)
+        self.record_sample(sample).then_some(sample)
     }
 
     /// The same, but adds only to the rolling samples.
     pub(crate) fn roll(&mut self, traffic: &LineEvent) {
-        if let Some(sample) = Sample::of(traffic) {
+        if let Some(sample) = Sample::after(&mut self.commands, traffic) {
             self.roll_sample(sample);
         }
     }
 
-    /// The same, but adds only to the recorded samples.
+    /// A batch of a saved recording follows. It tells its commands anew.
+    pub(crate) fn begin_batch(&mut self) {
+        self.marks.clear();
+    }
+
+    /// Adds a line event of a saved recording: a sample to the recorded ones, or the mark before it, which has its
+    /// command.
     pub(crate) fn record_again(&mut self, traffic: &LineEvent) {
-        if let Some(sample) = Sample::of(traffic) {
+        self.marks.add_event(traffic);
+        if let Some(mut sample) = Sample::of(traffic) {
+            sample.commanded = self.marks.marked(sample.address());
             self.record_sample(sample);
         }
     }
@@ -205,7 +246,9 @@ impl Recording {
     pub(crate) fn rolling_before(&self, until: u64, most: u16) -> Vec<motorlink_bus::Sample> {
         let from = until.saturating_sub(most.into()).max(self.rolling.first());
         let samples = (from..until).filter_map(|number| {
-            let Sample { at, frame, asked } = self.rolling.get(number)?;
+            let Sample {
+                at, frame, asked, ..
+            } = self.rolling.get(number)?;
             let reply = Reply::decode(&frame, asked).ok()?;
             Some(motorlink_bus::Sample { at, reply })
         });
@@ -260,6 +303,8 @@ impl Recording {
         if other.is_exported() && own == 0 {
             self.all_exported();
         }
+        self.commands = other.commands.clone();
+        self.commands.set_clock(&mut at);
         self.recorded_for += other.recorded_for;
         self.state = match other.state {
             _ if self.recorded.len() >= self.recorded_max => State::Full,
@@ -284,133 +329,5 @@ impl Recording {
 }
 
 #[cfg(test)]
-mod tests {
-    use motorlink_protocol::MotorId;
-
-    use super::*;
-
-    fn reply_at(at: Instant) -> LineEvent {
-        LineEvent {
-            at,
-            kind: LineEventKind::Received {
-                frame: "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap(),
-                asked: Some(Layout::Drive),
-            },
-        }
-    }
-
-    fn receive(recording: &mut Recording, millis: impl IntoIterator<Item = u64>) {
-        for at in millis {
-            recording.add_event(&reply_at(Instant::from_millis(at)));
-        }
-    }
-
-    #[test]
-    fn samples_older_than_ten_minutes_are_dropped() {
-        let mut recording = Recording::default();
-        receive(&mut recording, [0, 1, 599_999, 600_000]);
-        assert_eq!(recording.status().rolling, 4);
-        receive(&mut recording, [600_001]);
-        assert_eq!(recording.status().rolling, 4, "the one at 0 is too old");
-        receive(&mut recording, [1_200_001]);
-        assert_eq!(recording.status().rolling, 2);
-    }
-
-    #[test]
-    fn no_more_samples_are_kept_than_the_line_carries_in_ten_minutes() {
-        let mut recording = Recording::default();
-        receive(&mut recording, std::iter::repeat_n(5, 400_000));
-        assert_eq!(recording.status().rolling, ROLLING_MAX);
-        assert_eq!(ROLLING_MAX, 345_623);
-        let reserved = recording.rolling.reserved();
-        receive(&mut recording, std::iter::repeat_n(6, 400_000));
-        assert!(recording.rolling.reserved() <= reserved + 1024);
-    }
-
-    #[test]
-    fn only_good_replies_are_samples() {
-        let mut recording = Recording::default();
-        let at = Instant::ZERO;
-        let frame = "01 74 00 00 00 00 00 00 00 04".parse().unwrap();
-        let silence = LineEventKind::Silence {
-            id: MotorId::FIRST,
-            waited_us: 1,
-        };
-        for passed in [
-            LineEventKind::Sent { frame, mode: None },
-            LineEventKind::Received { frame, asked: None },
-            silence,
-        ] {
-            recording.add_event(&LineEvent { at, kind: passed });
-        }
-        assert_eq!(recording.status().rolling, 0);
-    }
-
-    #[test]
-    fn a_recording_goes_on_until_it_was_exported() {
-        let mut recording = Recording::default();
-        receive(&mut recording, [0, 10]);
-        recording.record(true);
-        receive(&mut recording, [20, 30, 45]);
-        recording.record(false);
-        receive(&mut recording, [1_000]);
-        recording.record(true);
-        receive(&mut recording, [5_000, 5_005]);
-        let status = recording.status();
-        assert_eq!(
-            (status.recorded, status.recorded_ms, status.rolling),
-            (5, 30, 8)
-        );
-        assert!(status.recording && !status.exported);
-
-        let (which, range) = recording.to_export();
-        assert_eq!(which, SampleSet::Recorded);
-        recording.exported(range.end);
-        assert!(recording.status().exported);
-        receive(&mut recording, [5_010]);
-        assert!(!recording.status().exported, "one more came");
-        recording.record(false);
-        recording.record(true);
-        assert_eq!(
-            recording.status().recorded,
-            6,
-            "it was not exported as it is"
-        );
-
-        let (_, range) = recording.to_export();
-        recording.exported(range.end);
-        recording.record(false);
-        assert_eq!(recording.status().recorded, 6, "it is kept until the next");
-        recording.record(true);
-        receive(&mut recording, [6_000]);
-        let status = recording.status();
-        assert_eq!((status.recorded, status.recorded_ms), (1, 0));
-    }
-
-    #[test]
-    fn a_full_recording_ends_by_itself_and_keeps_what_it_has() {
-        let mut recording = Recording::with_capacity(3);
-        recording.record(true);
-        receive(&mut recording, 0..10);
-        let status = recording.status();
-        assert!(status.full && !status.recording);
-        assert_eq!((status.recorded, status.rolling), (3, 10));
-        recording.record(true);
-        receive(&mut recording, 10..12);
-        assert_eq!(recording.status().recorded, 3, "it is exported first");
-        let (_, range) = recording.to_export();
-        recording.exported(range.end);
-        recording.record(true);
-        receive(&mut recording, 12..14);
-        let status = recording.status();
-        assert!(status.recording && !status.full);
-        assert_eq!(status.recorded, 2);
-    }
-
-    #[test]
-    fn without_a_recording_the_last_ten_minutes_are_exported() {
-        let mut recording = Recording::default();
-        receive(&mut recording, 0..5);
-        assert_eq!(recording.to_export(), (SampleSet::Rolling, 0..5));
-    }
-}
+#[path = "recording_tests.rs"]
+mod tests;

@@ -1,5 +1,7 @@
 //! The texts of messages, stored separately because all entries have the same size.
 
+use crate::charset::Charset;
+
 /// Bytes of one text. Messages are a sentence or two.
 const LINE_MAX: usize = 1_000;
 
@@ -47,6 +49,15 @@ impl Texts {
     pub(crate) fn get(&self, TextRef(number): TextRef) -> &str {
         let slot = usize::try_from(number).ok().and_then(|n| self.slots.get(n));
         slot.and_then(Option::as_deref).unwrap_or_default()
+    }
+
+    /// The character set of a file with all texts.
+    pub(crate) fn charset(&self) -> Charset {
+        let mut charset = Charset::default();
+        for text in self.slots.iter().flatten() {
+            charset.add(text);
+        }
+        charset
     }
 
     pub(crate) fn forget(&mut self, TextRef(number): TextRef) {

@@ -152,6 +152,13 @@ pub(crate) fn push_seconds(out: &mut String, micros: u64) {
     push_padded(out, millis % 1000, 3);
 }
 
+/// Seconds to the microsecond, `12.345678`.
+pub(crate) fn push_seconds_to_us(out: &mut String, micros: u64) {
+    push_decimal(out, micros / 1_000_000);
+    out.push('.');
+    push_padded(out, micros % 1_000_000, 6);
+}
+
 /// Converts a number that is never negative.
 fn unsigned(value: i64) -> u64 {
     u64::try_from(value).unwrap_or_default()

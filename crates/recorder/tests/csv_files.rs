@@ -3,10 +3,10 @@
 
 mod line;
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, Row, Window};
-use motorlink_protocol::{Fault, Faults, Frame, Instant, Layout};
-use motorlink_recorder::{CsvFile, Log, Recording};
+use motorlink_protocol::{Fault, Faults, Frame, Instant, Layout, Mode};
+use motorlink_recorder::{CsvFile, Log, REPLY, Recording, spelled_out, unmarked};
 use proptest::prelude::*;
 
 use line::{at, collapsed, drive, driven, heard, junk, log, query, reply, silence};
@@ -64,18 +64,33 @@ fn a_log_is_written_line_by_line() {
         "said \"so\", twice\nor more",
     );
     log.add_message(Instant::from_millis(61_002), true, "=1+1");
+    log.add_event(&at(61_003, junk(&[0x12])));
     let (file, rows) = log_file(&mut log, 1_000);
     let expected = "\
 time,elapsed_s,direction,id,hex,meaning\r
-2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 64 FF 9C 00 00 00 00 00 9A,drive −100 rpm\r
-2026-11-21T13:15:36.964Z,0.002,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"'+100 rpm, +0.175 A, 66.96°\"\r
+2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 64 FF 9C 00 00 00 00 00 9A,drive -100 rpm\r
+2026-11-21T13:15:36.964Z,0.002,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"reply +100 rpm, +0.175 A, 66.96 deg\"\r
 2026-11-21T13:15:36.972Z,0.010,ERR,0x01,,no reply within 8.0 ms\r
 2026-11-21T13:15:37.962Z,1.000,ERR,,01 02 03,\"3 bytes, no valid frame\"\r
 2026-11-21T13:16:37.963Z,61.001,SYS,,,\"said \"\"so\"\", twice\nor more\"\r
-2026-11-21T13:16:37.964Z,61.002,ERR,,,'=1+1\r
+2026-11-21T13:16:37.964Z,61.002,ERR,,,text: =1+1\r
+2026-11-21T13:16:37.965Z,61.003,ERR,,0x12,\"1 byte, no valid frame\"\r
 ";
     assert_eq!(file, expected);
-    assert_eq!(rows, 6);
+    assert_eq!(rows, 7);
+}
+
+#[test]
+fn a_log_with_other_letters_is_utf_8_and_says_so() {
+    let mut log = log(10);
+    log.add_event(&at(0, drive(1, -100)));
+    log.add_message(Instant::from_millis(1), false, "Motor „links“, −2°");
+    let expected = "\
+\u{FEFF}time,elapsed_s,direction,id,hex,meaning\r
+2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 64 FF 9C 00 00 00 00 00 9A,drive -100 rpm\r
+2026-11-21T13:15:36.963Z,0.001,SYS,,,\"Motor „links“, −2°\"\r
+";
+    assert_eq!(log_file(&mut log, 10).0, expected);
 }
 
 #[test]
@@ -179,6 +194,64 @@ fn telemetry_has_the_columns_of_the_article() {
     assert_eq!(file, expected);
 }
 
+/// A file for plotting of this traffic, written in slices of this many lines.
+fn plot_file(traffic: &[LineEvent], slice: u64) -> String {
+    let mut recording = Recording::default();
+    for passed in traffic {
+        recording.add_event(passed);
+    }
+    let file = CsvFile::of_plot(&recording);
+    whole(file, &log(10), &recording, slice).0
+}
+
+/// Values by hand, as in the test before: current = raw x 8 / 32767, angle = raw x 360 / 32767.
+#[test]
+fn a_file_for_plotting_has_commanded_beside_measured_values() {
+    let reply_in = |address, mode| {
+        let frame = Frame::with_crc([address, mode, 0xFC, 0x00, 0xFF, 0x9C, 0x17, 0xCF, 0x08]);
+        heard(frame, Some(Layout::Drive))
+    };
+    let asked = Frame::with_crc([7, 2, 0x00, 0x0A, 0x00, 0x64, 0x21, 0x59, 0x00]);
+    let in_loop = |frame: &str, mode| LineEventKind::Sent {
+        frame: frame.parse().unwrap(),
+        mode,
+    };
+    let traffic = [
+        at(0, query(7)),
+        at(2, heard(asked, Some(Layout::Query))),
+        at(4, drive(7, -100)),
+        at(6, heard(asked, Some(Layout::Query))),
+        // The value before it was for another loop.
+        at(10, in_loop("01 A0 00 00 00 00 00 00 00 01", None)),
+        at(12, reply_in(1, 1)),
+        at(
+            20,
+            in_loop("01 64 FC 00 00 00 00 00 00 11", Some(Mode::Current)),
+        ),
+        at(22, reply_in(1, 1)),
+        at(
+            30,
+            in_loop("01 64 20 00 00 00 00 00 00 BF", Some(Mode::Position)),
+        ),
+        at(32, reply_in(1, 3)),
+        // Nothing drives the motor any more.
+        at(1_531, heard(asked, None)),
+    ];
+    let expected = "\
+time,motor_1_speed_rpm,motor_1_current_a,motor_1_position_deg,motor_1_temperature_c,motor_1_mode,motor_1_fault_code,motor_1_setpoint,motor_1_setpoint_mode,\
+motor_7_speed_rpm,motor_7_current_a,motor_7_position_deg,motor_7_temperature_c,motor_7_mode,motor_7_fault_code,motor_7_setpoint,motor_7_setpoint_mode\r
+0.000000,,,,,,,,,100,0.002,125.6,33,2,0,,\r
+0.004000,,,,,,,,,100,0.002,125.6,33,2,0,-100,2\r
+0.010000,-100,-0.250,66.96,,1,8,,,,,,,,,,\r
+0.020000,-100,-0.250,66.96,,1,8,-0.250,1,,,,,,,,\r
+0.030000,-100,-0.250,66.96,,3,8,90.00,3,,,,,,,,\r
+1.529000,,,,,,,,,100,0.002,,,2,0,,\r
+";
+    for slice in [1, 4, 1_000] {
+        assert_eq!(plot_file(&traffic, slice), expected);
+    }
+}
+
 #[test]
 fn every_fault_has_its_name() {
     let all = Fault::ALL.into_iter().fold(Faults::NONE, Faults::with);
@@ -212,17 +285,11 @@ fn direction(kind: Kind) -> &'static str {
     }
 }
 
-/// A text as a cell that no spreadsheet evaluates.
-fn harmless(text: &str) -> String {
-    let runs = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
-    format!("{}{text}", if runs { "'" } else { "" })
-}
-
 proptest! {
     /// A parsed file equals the log, for any messages and any slices.
     #[test]
     fn a_file_read_back_is_the_log(
-        said in prop::collection::vec((any::<bool>(), "[-=+@,\"'\t\r\n a-c°−]{0,12}"), 0..20),
+        said in prop::collection::vec((any::<bool>(), "[-=+@,\"'\t\r\n a-c°−Ω]{0,12}"), 0..20),
         frames in prop::collection::vec(any::<[u8; 10]>(), 0..20),
         slice in 1..10_u64,
     ) {
@@ -237,13 +304,22 @@ proptest! {
         }
         let (file, rows) = log_file(&mut log, slice);
         let shown = log.page(Window { first: None, rows: 400 }).rows;
+        prop_assert_eq!(file.starts_with('\u{FEFF}'), !file.is_ascii());
         let records = read(&file);
         prop_assert_eq!(rows, shown.len() as u64);
         prop_assert_eq!(records.len(), shown.len());
         for (record, Row { kind, time, id, hex, meaning, .. }) in records.iter().zip(&shown) {
             prop_assert_eq!(&record[0], &format!("2026-11-21T{time}Z"));
-            prop_assert_eq!(&record[2..5], [direction(*kind), id, hex]);
-            prop_assert_eq!(&record[5], &harmless(meaning));
+            prop_assert_eq!(&record[2..4], [direction(*kind), id]);
+            let hex = if hex.len() == 2 { format!("0x{hex}") } else { hex.clone() };
+            prop_assert_eq!(&record[4], &hex);
+            let meant = match kind {
+                Kind::Rx => record[5].strip_prefix(REPLY).unwrap_or("no reply"),
+                _ => unmarked(&record[5]),
+            };
+            prop_assert_eq!(meant, spelled_out(meaning.clone()));
+            let is_run = |cell: &String| cell.trim_start().starts_with(['=', '+', '-', '@']);
+            prop_assert!(!record.iter().any(is_run), "{:?}", record);
         }
     }
 }

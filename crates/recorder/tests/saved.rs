@@ -138,10 +138,7 @@ impl Page {
 
     fn export(&mut self, what: Export) -> String {
         self.file = None;
-        self.handle(match what {
-            Export::Log => ToRecorder::ExportLog,
-            Export::Telemetry => ToRecorder::ExportTelemetry,
-        });
+        self.handle(ToRecorder::Export(what));
         self.file.take().unwrap_or_default()
     }
 
@@ -184,6 +181,11 @@ fn a_session_comes_back_as_it_was() {
     page.handle(ToRecorder::Record(false));
     page.drive(9_000..10_000);
     let (log, telemetry) = (page.export(Export::Log), page.export(Export::Telemetry));
+    let plot = page.export(Export::Plot);
+    assert!(
+        plot.lines().skip(1).all(|line| line.ends_with(",50,2")),
+        "{plot}"
+    );
     let status = page.recording();
     let disk = page.crash();
 
@@ -198,6 +200,7 @@ fn a_session_comes_back_as_it_was() {
     assert!(page.told.contains(&FromRecorder::Restored));
     assert_eq!(page.export(Export::Log), log);
     assert_eq!(page.export(Export::Telemetry), telemetry);
+    assert_eq!(page.export(Export::Plot), plot);
     let again = page.recording();
     assert!(!again.recording && again.exported);
     assert_eq!(again.rolling, status.rolling);
@@ -503,7 +506,7 @@ fn what_comes_while_a_session_is_restored_is_in_it_and_in_the_file_that_waits() 
         page.recorder.add_event(&at(n, reply(1, 7)));
         n += 1;
         if n == 5 {
-            page.recorder.handle(ToRecorder::ExportLog);
+            page.recorder.handle(ToRecorder::Export(Export::Log));
             asked = true;
         }
         match page.recorder.poll(page.now) {
@@ -574,11 +577,13 @@ proptest! {
         let log = page.export(Export::Log);
         let recorded = page.recording().recorded;
         let telemetry = page.export(Export::Telemetry);
+        let plot = page.export(Export::Plot);
         let disk = page.crash();
         let mut again = restored(&disk, LATER_MS + LATER_MS);
         prop_assert_eq!(again.export(Export::Log), log);
         prop_assert_eq!(again.recording().recorded, recorded);
         prop_assert_eq!(again.export(Export::Telemetry), telemetry);
+        prop_assert_eq!(again.export(Export::Plot), plot);
     }
 
     #[test]

@@ -212,7 +212,7 @@ fn an_exported_log_is_a_file_with_a_name_and_its_rows() {
     caller.drive(0..10_000);
     caller.told.clear();
     caller.now = Instant::from_millis(36_962);
-    caller.handle(ToRecorder::ExportLog);
+    caller.handle(ToRecorder::Export(Export::Log));
     let name = "motorlink-log-20261121-141536.csv".into();
     let exported = FromRecorder::Exported {
         what: Export::Log,
@@ -236,7 +236,7 @@ fn an_exported_recording_is_known_to_be_exported() {
     caller.handle(ToRecorder::Record(true));
     caller.drive(0..100);
     caller.handle(ToRecorder::Record(false));
-    caller.handle(ToRecorder::ExportTelemetry);
+    caller.handle(ToRecorder::Export(Export::Telemetry));
     let named = caller.told.iter().find_map(|told| match told {
         FromRecorder::Exported { what, name, rows } => Some((*what, name.clone(), *rows)),
         _ => None,
@@ -259,11 +259,8 @@ fn an_exported_recording_is_known_to_be_exported() {
 #[test]
 fn nothing_to_write_is_said() {
     let mut caller = Caller::new();
-    for (message, what) in [
-        (ToRecorder::ExportLog, Export::Log),
-        (ToRecorder::ExportTelemetry, Export::Telemetry),
-    ] {
-        caller.handle(message);
+    for what in [Export::Log, Export::Telemetry, Export::Plot] {
+        caller.handle(ToRecorder::Export(what));
         let cancelled = false;
         assert_eq!(
             caller.told.pop(),
@@ -276,7 +273,7 @@ fn nothing_to_write_is_said() {
 fn a_cancelled_export_gives_no_file_and_the_next_one_a_whole_file() {
     let mut caller = Caller::new();
     caller.drive(0..10_000);
-    caller.recorder.handle(ToRecorder::ExportLog);
+    caller.recorder.handle(ToRecorder::Export(Export::Log));
     for _ in 0..5 {
         caller.recorder.work(caller.now, 500);
     }
@@ -288,21 +285,17 @@ fn a_cancelled_export_gives_no_file_and_the_next_one_a_whole_file() {
     };
     assert_eq!(caller.told, [cancelled]);
     assert!(caller.file.is_none());
-    caller.handle(ToRecorder::ExportLog);
+    caller.handle(ToRecorder::Export(Export::Log));
     assert_eq!(caller.file.unwrap().lines().count(), 10_001);
 }
 
 #[test]
-fn both_files_can_be_wanted_at_once_and_neither_twice() {
+fn every_file_can_be_wanted_at_once_and_none_twice() {
     let mut caller = Caller::new();
     caller.drive(0..1_000);
     caller.told.clear();
-    for message in [
-        ToRecorder::ExportLog,
-        ToRecorder::ExportTelemetry,
-        ToRecorder::ExportLog,
-    ] {
-        caller.recorder.handle(message);
+    for what in [Export::Log, Export::Telemetry, Export::Log, Export::Plot] {
+        caller.recorder.handle(ToRecorder::Export(what));
     }
     caller.run();
     let exported: Vec<_> = caller
@@ -313,15 +306,15 @@ fn both_files_can_be_wanted_at_once_and_neither_twice() {
             _ => None,
         })
         .collect();
-    assert_eq!(exported, [Export::Log, Export::Telemetry]);
-    assert!(caller.file.unwrap().starts_with("timestamp,"));
+    assert_eq!(exported, [Export::Log, Export::Telemetry, Export::Plot]);
+    assert!(caller.file.unwrap().starts_with("time,motor_1_speed_rpm,"));
 }
 
 #[test]
 fn frames_are_taken_in_while_a_file_is_made() {
     let mut caller = Caller::new();
     caller.drive(0..5_000);
-    caller.recorder.handle(ToRecorder::ExportLog);
+    caller.recorder.handle(ToRecorder::Export(Export::Log));
     let mut worked = 0;
     loop {
         match caller.recorder.poll(caller.now) {

@@ -42,7 +42,7 @@ pub enum Action {
 /// What to make of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// CSV for PlotJuggler: seconds, and a column for each motor and quantity.
+    /// CSV for plotting, as in PlotJuggler: seconds, and a column for each motor and quantity.
     Plot,
     /// CSV of telemetry, with the columns of the article's monitor script.
     Telemetry,

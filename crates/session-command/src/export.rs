@@ -7,8 +7,9 @@ use std::{
     process::ExitCode,
 };
 
+use motorlink_recorder::Charset;
 use motorlink_session::{
-    About, PlotTable, Record, Source, Table, Writer, for_each_record, overview, report,
+    About, Record, Source, Table, What, Writer, for_each_record, overview, report,
 };
 
 use crate::{
@@ -42,8 +43,14 @@ fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<
     };
     match format {
         Format::Telemetry => table(opened, &mut out, Table::of_telemetry())?,
-        Format::Log => table(opened, &mut out, Table::of_log())?,
-        Format::Plot => plot(opened, &mut out)?,
+        Format::Log => {
+            let charset = charset(opened)?;
+            table(opened, &mut out, Table::of_log(charset))?;
+        }
+        Format::Plot => {
+            let overview = overview(&mut opened.bytes, &opened.session)?;
+            table(opened, &mut out, Table::of_plot(&overview))?;
+        }
         Format::Report => {
             let overview = overview(&mut opened.bytes, &opened.session)?;
             let problems = opened.session.problems().and(&opened.imported);
@@ -58,6 +65,18 @@ fn write(opened: &mut Opened, format: Format, out: Option<&Path>) -> io::Result<
     out.flush()
 }
 
+/// The character set of a log, by the texts of all events.
+fn charset(opened: &mut Opened) -> io::Result<Charset> {
+    let mut charset = Charset::default();
+    each(opened, |record| {
+        if let What::Event(event) = &record.what {
+            charset.add(&event.text);
+        }
+        Ok(())
+    })?;
+    Ok(charset)
+}
+
 fn table(opened: &mut Opened, out: &mut impl Write, mut table: Table) -> io::Result<()> {
     let mut lines = Vec::new();
     table.head(&mut lines);
@@ -66,21 +85,6 @@ fn table(opened: &mut Opened, out: &mut impl Write, mut table: Table) -> io::Res
         pass_on(&mut lines, out)
     })?;
     out.write_all(&lines)
-}
-
-fn plot(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
-    let mut table = PlotTable::new(&overview(&mut opened.bytes, &opened.session)?);
-    let mut lines = String::new();
-    table.head(&mut lines);
-    each(opened, |record| {
-        table.record(&mut lines, record);
-        if lines.len() >= PIECE {
-            out.write_all(lines.as_bytes())?;
-            lines.clear();
-        }
-        Ok(())
-    })?;
-    out.write_all(lines.as_bytes())
 }
 
 /// Writes the session to a new session file: of a CSV file, or of the readable part of a damaged one. It keeps the

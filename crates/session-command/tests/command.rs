@@ -130,7 +130,9 @@ fn every_format_is_written() {
         plot.starts_with("time,motor_1_speed_rpm,motor_1_current_a,"),
         "{plot}"
     );
-    assert_eq!(plot.lines().count(), 41);
+    assert_eq!(plot.lines().count(), 21);
+    let first = plot.lines().nth(1);
+    assert_eq!(first, Some("0.000000,100,0.175,66.96,,2,0,100,2"));
     let telemetry = fixture.prints(&["export", "run.mcap", "--format", "telemetry"]);
     assert!(
         telemetry.starts_with("timestamp,motor_id,mode,"),

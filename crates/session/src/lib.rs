@@ -49,7 +49,7 @@ mod record;
 mod writer;
 
 pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
-pub use export::{About, PlotTable, Table, report};
+pub use export::{About, Table, report};
 pub use import::Import;
 pub use overview::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};
 pub use reader::{

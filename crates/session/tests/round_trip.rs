@@ -5,9 +5,9 @@ mod sample;
 
 use std::collections::BTreeMap;
 
+use motorlink_recorder::Charset;
 use motorlink_session::{
-    About, Cursor, Next, Overview, PlotTable, Problems, Session, Table, Writer, open, overview,
-    report,
+    About, Cursor, Next, Overview, Problems, Session, Table, Writer, open, overview, report,
 };
 
 use sample::{SETUP, ZERO_US, file_of, lines, read, read_file, records, without_derived};
@@ -188,7 +188,7 @@ fn tables_have_a_line_for_each_record() {
     let (records, _) = read(&mut source, &session);
 
     let mut csv = Vec::new();
-    let mut table = Table::of_log();
+    let mut table = Table::of_log(Charset::Ascii);
     table.head(&mut csv);
     for record in &records {
         table.record(&mut csv, record);
@@ -198,30 +198,28 @@ fn tables_have_a_line_for_each_record() {
     assert_eq!(rows.len(), records.len());
     assert_eq!(&rows[1][0], "2026-11-21T13:15:36.963Z");
 
-    let mut plot = PlotTable::new(&overview);
-    let mut text = String::new();
-    plot.head(&mut text);
+    let mut plot = Table::of_plot(&overview);
+    let mut csv = Vec::new();
+    plot.head(&mut csv);
     for record in &records {
-        plot.record(&mut text, record);
+        plot.record(&mut csv, record);
     }
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let mut reader = csv::Reader::from_reader(&csv[..]);
     let head = reader.headers().unwrap().clone();
     assert_eq!(
-        (&head[0], &head[1], &head[8]),
+        (&head[0], &head[1], &head[9]),
         ("time", "motor_1_speed_rpm", "motor_7_speed_rpm")
     );
-    assert_eq!(head.len(), 15);
+    assert_eq!(head.len(), 17);
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(
         rows.len(),
-        lines(&records).len() - 2,
-        "silence and junk have no value"
+        lines(&records).len() / 2 - 2,
+        "a row for each reply; silence and junk have no value"
     );
-    assert_eq!((&rows[0][0], &rows[0][7]), ("0.001000", "100"));
-    assert_eq!(
-        (&rows[3][0], &rows[3][8], &rows[3][9]),
-        ("0.303300", "1", "0.009")
-    );
+    let cells = |row: usize| rows[row].iter().collect::<Vec<_>>().join(",");
+    assert_eq!(cells(0), "0.000000,0,0.000,0.00,,2,0,100,2,,,,,,,,");
+    assert_eq!(cells(1), "0.300000,,,,,,,,,1,0.009,10.89,,2,0,100,2");
 }
 
 #[test]

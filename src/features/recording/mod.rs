@@ -44,10 +44,21 @@ pub(crate) fn Recording() -> impl IntoView {
             tr!("Records every sample from now on. Otherwise only the last 10 minutes are stored.")
         })
     };
-    let export_blocked_by = move || {
-        let disabled_reason = recorder.export_blocked_by(Export::Telemetry);
-        let writes = recorder.per_mille(Export::Telemetry).is_some();
-        disabled_reason.or_else(|| status.with(nothing_to_export_reason).filter(|_| !writes))
+    let export = move |what, label, hint| {
+        let blocked_by = move || {
+            let disabled_reason = recorder.export_blocked_by(what);
+            let writes = recorder.per_mille(what).is_some();
+            disabled_reason.or_else(|| status.with(nothing_to_export_reason).filter(|_| !writes))
+        };
+        view! {
+            <ExportButton
+                label
+                hint
+                per_mille=Signal::derive(move || page.recorder.per_mille(what))
+                disabled_reason=Signal::derive(blocked_by)
+                on_press=move || page.recorder.export_or_cancel(what)
+            />
+        }
     };
     view! {
         <section class="panel recording" aria-label=tr!("Recording")>
@@ -70,15 +81,18 @@ pub(crate) fn Recording() -> impl IntoView {
                 <span>{dynamic(move || says.with(|(what, _)| *what))}</span>
                 <span>{dynamic(move || says.with(|(_, much)| much.clone()))}</span>
             </output>
-            <ExportButton
-                label=tr!("Export telemetry CSV")
-                hint=tr!(
-                    "One row per sample: the recording or, without one, the last 10 minutes"
-                )
-                per_mille=Signal::derive(move || page.recorder.per_mille(Export::Telemetry))
-                disabled_reason=Signal::derive(export_blocked_by)
-                on_press=move || page.recorder.export_or_cancel(Export::Telemetry)
-            />
+            {export(
+                Export::Telemetry,
+                tr!("Export telemetry CSV"),
+                tr!("One row per sample: the recording or, without one, the last 10 minutes"),
+            )}
+            {export(
+                Export::Plot,
+                tr!("Plot CSV"),
+                tr!(
+                    "For plotting: the same samples with elapsed seconds, and commanded beside measured values"
+                ),
+            )}
         </section>
     }
 }

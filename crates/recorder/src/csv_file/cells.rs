@@ -3,39 +3,71 @@
 use csv::ByteRecord;
 use csv_core::{Terminator, WriterBuilder};
 
-/// A spreadsheet treats a text that begins with one of these as a formula, or may do so after trimming.
-/// Source: OWASP, "CSV Injection".
-const FORMULA_STARTS: [char; 7] = ['=', '+', '-', '@', '\t', '\r', '\n'];
+use crate::charset::spell_out;
+
+/// A spreadsheet treats a text that begins with one of these as a formula, or may do so after trimming; the
+/// wide ones where the user writes Chinese or Japanese. Source: OWASP, "CSV Injection".
+const FORMULA_STARTS: [char; 11] = [
+    '=', '+', '-', '@', '\t', '\r', '\n', '\u{FF1D}', '\u{FF0B}', '\u{FF0D}', '\u{FF20}',
+];
+
+/// What a spreadsheet may trim; tabs and line ends are [`FORMULA_STARTS`] themselves.
+const SPACES: [char; 3] = [' ', '\u{A0}', '\u{3000}'];
+
+/// Precedes a text that a spreadsheet could run. No program takes a cell that begins with a letter for a
+/// formula, and [`unmarked`] finds the text again. (An apostrophe would show in every program but the one
+/// that its user types it into.)
+const MARK: &str = "text: ";
 
 /// Builds one line cell by cell, in reused buffers.
 #[derive(Debug, Default)]
 pub(crate) struct Cells {
     line: ByteRecord,
     cell: String,
+    spelled: String,
 }
 
 impl Cells {
     /// Adds a cell unchanged.
+    #[inline(never)]
     pub(crate) fn plain(&mut self, cell: &str) {
         self.line.push_field(cell.as_bytes());
+    }
+
+    /// Adds the names of columns.
+    pub(crate) fn names(&mut self, names: &[&str]) {
+        for name in names {
+            self.plain(name);
+        }
     }
 
     /// Adds a cell with a number, a time or hex: never a formula, even if it begins with a minus.
     pub(crate) fn value(&mut self, write: impl FnOnce(&mut String)) {
         self.cell.clear();
         write(&mut self.cell);
-        self.line.push_field(self.cell.as_bytes());
+        self.end_cell();
     }
 
-    /// Adds a cell with a text. A spreadsheet would run a text that looks like a formula, such as `+100 rpm`:
-    /// a leading apostrophe prevents that.
+    /// Adds a cell with any text, in ASCII if possible, and marked if a spreadsheet could run it.
     pub(crate) fn text(&mut self, write: impl FnOnce(&mut String)) {
-        self.value(|cell| {
-            write(cell);
-            if cell.starts_with(FORMULA_STARTS) {
-                cell.insert(0, '\'');
-            }
-        });
+        self.cell.clear();
+        write(&mut self.cell);
+        self.end_text();
+    }
+
+    #[inline(never)]
+    fn end_text(&mut self) {
+        spell_out(&mut self.cell, &mut self.spelled);
+        if needs_mark(&self.cell) {
+            self.cell.insert_str(0, MARK);
+        }
+        self.end_cell();
+    }
+
+    /// One function for every kind of cell: it is called in some forty places.
+    #[inline(never)]
+    fn end_cell(&mut self) {
+        self.line.push_field(self.cell.as_bytes());
     }
 
     /// Adds an empty cell, for an unknown value.
@@ -44,6 +76,7 @@ impl Cells {
     }
 
     /// Adds the line to a file, by RFC 4180.
+    #[inline(never)]
     pub(crate) fn end_line(&mut self, out: &mut Vec<u8>) {
         let mut separator: &[u8] = b"";
         for cell in &self.line {
@@ -54,6 +87,24 @@ impl Cells {
         out.extend_from_slice(b"\r\n");
         self.line.clear();
     }
+}
+
+/// Whether a text is written behind [`MARK`]: a spreadsheet could run it, or a reader could take its beginning
+/// for a mark.
+fn needs_mark(text: &str) -> bool {
+    text.starts_with(MARK)
+        || text.starts_with('\'')
+        || text.trim_start_matches(SPACES).starts_with(FORMULA_STARTS)
+}
+
+/// The text of a cell of the packet log: without its mark, or without the apostrophe that earlier versions
+/// wrote instead.
+#[must_use]
+pub fn unmarked(cell: &str) -> &str {
+    let text = cell.strip_prefix(MARK).filter(|text| needs_mark(text));
+    let was_run = |text: &&str| text.starts_with(FORMULA_STARTS);
+    let text = text.or_else(|| cell.strip_prefix('\'').filter(was_run));
+    text.unwrap_or(cell)
 }
 
 /// Adds one cell, in quotes if it needs them.
@@ -94,26 +145,42 @@ mod tests {
     }
 
     #[test]
-    fn what_a_spreadsheet_would_run_is_made_text() {
+    fn what_a_spreadsheet_would_run_is_marked_as_text() {
         for (text, cell) in [
-            ("=1+1", "'=1+1\r\n"),
-            ("+100 rpm", "'+100 rpm\r\n"),
-            ("-2", "'-2\r\n"),
-            ("@SUM(A1)", "'@SUM(A1)\r\n"),
-            ("\t=1", "'\t=1\r\n"),
-            ("\r=1", "\"'\r=1\"\r\n"),
-            ("\n=1", "\"'\n=1\"\r\n"),
+            ("=1+1", "text: =1+1\r\n"),
+            ("+100 rpm", "text: +100 rpm\r\n"),
+            ("-2", "text: -2\r\n"),
+            ("@SUM(A1)", "text: @SUM(A1)\r\n"),
+            ("\t=1", "text: \t=1\r\n"),
+            ("\r=1", "\"text: \r=1\"\r\n"),
+            ("\n=1", "\"text: \n=1\"\r\n"),
+            (" =1", "text:  =1\r\n"),
+            ("\u{3000}\u{FF1D}1", "text: \u{3000}\u{FF1D}1\r\n"),
             (
                 "=HYPERLINK(\"a\",\"b\")",
-                "\"'=HYPERLINK(\"\"a\"\",\"\"b\"\")\"\r\n",
+                "\"text: =HYPERLINK(\"\"a\"\",\"\"b\"\")\"\r\n",
             ),
-            ("\u{2212}100 rpm", "\u{2212}100 rpm\r\n"),
+            ("Ω\u{2212}1", "Ω\u{2212}1\r\n"),
             ("1=1", "1=1\r\n"),
-            (" =1", " =1\r\n"),
+            ("text: a", "text: text: a\r\n"),
+            ("'=1", "text: '=1\r\n"),
         ] {
             let written = line(|cells| cells.text(|out| out.push_str(text)));
             assert_eq!(written, cell, "{text:?}");
+            let record = csv::ReaderBuilder::new()
+                .has_headers(false)
+                .from_reader(cell.as_bytes())
+                .records()
+                .next();
+            assert_eq!(unmarked(&record.unwrap().unwrap()[0]), text);
         }
+    }
+
+    #[test]
+    fn the_apostrophe_of_earlier_versions_is_removed() {
+        assert_eq!(unmarked("'+100 rpm"), "+100 rpm");
+        assert_eq!(unmarked("'s"), "'s");
+        assert_eq!(unmarked("text: a"), "text: a", "it was written so");
     }
 
     #[test]

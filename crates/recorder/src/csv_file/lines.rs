@@ -1,14 +1,17 @@
 //! Writes the same CSV files from single events, such as those of a session file.
 
-use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Instant, Reply};
+use motorlink_bus::LineEvent;
+use motorlink_protocol::{Instant, MotorId};
 
 use super::{
     cells::Cells,
     log_lines::{self, LogLines},
+    plot_lines::PlotLines,
     telemetry_lines::{self, TelemetryLines},
 };
 use crate::{
+    charset::Charset,
+    commanded::Commands,
     entry::{Entry, EntryContent, Visibility},
     recording::Sample,
     texts::Texts,
@@ -25,21 +28,30 @@ pub struct CsvLines {
 #[derive(Debug)]
 enum Columns {
     /// `None` before the first line.
-    Log(Option<LogLines>),
+    Log(Option<LogLines>, Charset),
     Telemetry(TelemetryLines),
+    Plot(PlotLines, Commands),
 }
 
 impl CsvLines {
-    /// Every entry, in the columns of the packet log.
+    /// Every entry, in the columns of the packet log. The character set is that of its messages.
     #[must_use]
-    pub fn of_log() -> Self {
-        Self::new(Columns::Log(None))
+    pub fn of_log(charset: Charset) -> Self {
+        Self::new(Columns::Log(None, charset))
     }
 
     /// Valid replies, in the columns of the article's monitor script.
     #[must_use]
     pub fn of_telemetry() -> Self {
         Self::new(Columns::Telemetry(TelemetryLines::default()))
+    }
+
+    /// Valid replies of these motors for plotting, with columns for each motor.
+    #[must_use]
+    pub fn of_plot(motors: impl IntoIterator<Item = MotorId>) -> Self {
+        let mut lines = PlotLines::default();
+        motors.into_iter().for_each(|id| lines.add_motor(id.get()));
+        Self::new(Columns::Plot(lines, Commands::new()))
     }
 
     fn new(columns: Columns) -> Self {
@@ -51,38 +63,36 @@ impl CsvLines {
 
     /// Adds the names of the columns.
     pub fn head(&mut self, out: &mut Vec<u8>) {
-        let names: &[&str] = match self.columns {
-            Columns::Log(_) => &log_lines::HEAD,
-            Columns::Telemetry(_) => &telemetry_lines::HEAD,
-        };
-        for name in names {
-            self.cells.plain(name);
+        match &self.columns {
+            Columns::Log(_, charset) => log_lines::push_head(&mut self.cells, out, *charset),
+            Columns::Telemetry(_) => telemetry_lines::push_head(&mut self.cells, out),
+            Columns::Plot(lines, _) => lines.push_head(&mut self.cells, out),
         }
-        self.cells.end_line(out);
     }
 
     /// Adds the row of a line event, if it has one.
     pub fn event(&mut self, out: &mut Vec<u8>, event: &LineEvent, clock: WallClock) {
         match &mut self.columns {
-            Columns::Log(_) => {
+            Columns::Log(..) => {
                 let content = EntryContent::Line(event.kind);
                 self.entry(out, event.at, content, &Texts::default(), clock);
             }
             Columns::Telemetry(lines) => {
-                let LineEventKind::Received { frame, asked } = event.kind else {
-                    return;
-                };
-                if Reply::decode(&frame, asked).is_err() {
-                    return;
+                if let Some(sample) = Sample::of(event) {
+                    lines.write(&mut self.cells, &sample, clock);
+                    self.cells.end_line(out);
                 }
-                let at = event.at;
-                lines.write(&mut self.cells, &Sample { at, frame, asked }, clock);
-                self.cells.end_line(out);
+            }
+            Columns::Plot(lines, commands) => {
+                if let Some(sample) = Sample::after(commands, event) {
+                    lines.write(&mut self.cells, &sample);
+                    self.cells.end_line(out);
+                }
             }
         }
     }
 
-    /// Adds the row of a message; a telemetry file has none.
+    /// Adds the row of a message, which only the log has.
     pub fn add_message(
         &mut self,
         out: &mut Vec<u8>,
@@ -91,7 +101,7 @@ impl CsvLines {
         text: &str,
         clock: WallClock,
     ) {
-        if matches!(self.columns, Columns::Log(_)) {
+        if matches!(self.columns, Columns::Log(..)) {
             let mut texts = Texts::default();
             let text = texts.keep(text);
             self.entry(
@@ -118,7 +128,7 @@ impl CsvLines {
             routine: false,
             visibility: Visibility::Shown,
         };
-        if let Columns::Log(lines) = &mut self.columns {
+        if let Columns::Log(lines, _) = &mut self.columns {
             let lines = lines.get_or_insert_with(|| LogLines::new(at));
             lines.write(&mut self.cells, &entry, texts, clock);
             self.cells.end_line(out);

@@ -1,23 +1,29 @@
 //! CSV files, written in slices.
 //!
-//! Both follow RFC 4180: a header, lines that end in CR LF, quotes where needed. They are UTF-8 without a
-//! byte order mark, because many programs read that mark as a part of the first column name.
+//! They follow RFC 4180: a header, lines that end in CR LF, quotes where needed. They are ASCII; a log with
+//! messages in another language than English is UTF-8 with a byte order mark (see `charset`).
 //!
-//! Times are ISO 8601 in UTC in both files. So a row of telemetry can be found in the log by its time, and
-//! a recording stays in order over midnight and over a change of the clock. (The article's script writes
-//! the time of day only.)
+//! No cell is a formula to a spreadsheet: a text that could be one is marked (see `cells`).
+//!
+//! Times are ISO 8601 in UTC in the log and in telemetry. So a row of telemetry can be found in the log by
+//! its time, and a recording stays in order over midnight and over a change of the clock. (The article's
+//! script writes the time of day only.) Telemetry for plotting has elapsed seconds, which every program reads
+//! as a number.
 
 mod cells;
 mod lines;
 mod log_lines;
+mod plot_lines;
 mod telemetry_lines;
 
 use std::ops::Range;
 
 use motorlink_messages::recorder::Export;
 
-pub use self::lines::CsvLines;
-use self::{cells::Cells, log_lines::LogLines, telemetry_lines::TelemetryLines};
+use self::{
+    cells::Cells, log_lines::LogLines, plot_lines::PlotLines, telemetry_lines::TelemetryLines,
+};
+pub use self::{cells::unmarked, lines::CsvLines, log_lines::REPLY};
 use crate::{
     log::Log,
     recording::{Recording, SampleSet},
@@ -39,6 +45,15 @@ pub struct CsvFile {
 enum Lines {
     Log(LogLines),
     Telemetry(SampleSet, TelemetryLines),
+    Plot(SampleSet, PlotLines, Head),
+}
+
+/// The header of a file for plotting, which names every motor in it.
+#[derive(Debug)]
+enum Head {
+    /// The motors of the samples before this number are known.
+    Collecting(u64),
+    Written,
 }
 
 impl CsvFile {
@@ -49,7 +64,9 @@ impl CsvFile {
         let range = log.settle();
         let first_at = log.entries().oldest().map(|entry| entry.at);
         let lines = LogLines::new(first_at.unwrap_or_default());
-        Self::new(Lines::Log(lines), range, &log_lines::HEAD)
+        let mut file = Self::new(Lines::Log(lines), range);
+        log_lines::push_head(&mut file.cells, &mut file.out, log.texts().charset());
+        file
     }
 
     /// A file of the recorded samples, or of the last ten minutes if none were recorded.
@@ -57,16 +74,25 @@ impl CsvFile {
     pub fn of_telemetry(recording: &Recording) -> Self {
         let (which, range) = recording.to_export();
         let lines = Lines::Telemetry(which, TelemetryLines::default());
-        Self::new(lines, range, &telemetry_lines::HEAD)
+        Self::new(lines, range)
     }
 
-    fn new(lines: Lines, Range { start, end }: Range<u64>, head: &[&str]) -> Self {
+    /// The same samples for plotting.
+    #[must_use]
+    pub fn of_plot(recording: &Recording) -> Self {
+        let (which, range) = recording.to_export();
+        let head = Head::Collecting(range.start);
+        Self::new(Lines::Plot(which, PlotLines::default(), head), range)
+    }
+
+    fn new(lines: Lines, Range { start, end }: Range<u64>) -> Self {
         let mut cells = Cells::default();
         let mut out = Vec::new();
-        for name in head {
-            cells.plain(name);
+        match lines {
+            Lines::Telemetry(..) => telemetry_lines::push_head(&mut cells, &mut out),
+            // They depend on what is in the file.
+            Lines::Log(_) | Lines::Plot(..) => {}
         }
-        cells.end_line(&mut out);
         Self {
             lines,
             next: start,
@@ -83,15 +109,21 @@ impl CsvFile {
         match self.lines {
             Lines::Log(_) => Export::Log,
             Lines::Telemetry(..) => Export::Telemetry,
+            Lines::Plot(..) => Export::Plot,
         }
     }
 
     /// Writes this number of further lines. Returns whether the file is complete.
     pub fn advance(&mut self, log: &Log, recording: &Recording, lines: u64) -> bool {
+        if !self.complete_head(recording, lines) {
+            return false;
+        }
         let clock = log.clock();
         let first = match &self.lines {
             Lines::Log(_) => log.entries().first(),
-            Lines::Telemetry(which, _) => recording.samples(*which).first(),
+            Lines::Telemetry(which, _) | Lines::Plot(which, ..) => {
+                recording.samples(*which).first()
+            }
         };
         self.next = self.next.max(first).min(self.until);
         let until = self.until.min(self.next.saturating_add(lines));
@@ -112,10 +144,40 @@ impl CsvFile {
                         self.rows += 1;
                     }
                 }
+                Lines::Plot(which, lines, _) => {
+                    if let Some(sample) = recording.samples(*which).get(self.next) {
+                        lines.write(cells, &sample);
+                        cells.end_line(out);
+                        self.rows += 1;
+                    }
+                }
             }
             self.next += 1;
         }
         self.next >= self.until
+    }
+
+    /// Writes the header of a file for plotting, after a look at this number of further samples. Returns whether
+    /// the header is written.
+    fn complete_head(&mut self, recording: &Recording, samples: u64) -> bool {
+        let Lines::Plot(which, lines, head) = &mut self.lines else {
+            return true;
+        };
+        let Head::Collecting(next) = head else {
+            return true;
+        };
+        let kept = recording.samples(*which);
+        let from = (*next).max(kept.first()).min(self.until);
+        *next = self.until.min(from.saturating_add(samples));
+        for sample in (from..*next).filter_map(|number| kept.get(number)) {
+            lines.add_motor(sample.address());
+        }
+        let is_complete = *next >= self.until;
+        if is_complete {
+            lines.push_head(&mut self.cells, &mut self.out);
+            *head = Head::Written;
+        }
+        is_complete
     }
 
     /// Lines written, without the header.
@@ -144,8 +206,12 @@ impl CsvFile {
     /// The number after the last recorded sample in the file, if it has recorded samples.
     pub(crate) const fn recorded_until(&self) -> Option<u64> {
         match self.lines {
-            Lines::Telemetry(SampleSet::Recorded, _) => Some(self.until),
-            Lines::Telemetry(SampleSet::Rolling, _) | Lines::Log(_) => None,
+            Lines::Telemetry(SampleSet::Recorded, _) | Lines::Plot(SampleSet::Recorded, ..) => {
+                Some(self.until)
+            }
+            Lines::Telemetry(SampleSet::Rolling, _)
+            | Lines::Plot(SampleSet::Rolling, ..)
+            | Lines::Log(_) => None,
         }
     }
 }

@@ -13,7 +13,7 @@
 //! | `error_str` | `OK`, or names with <code> &#124; </code> between |
 //! | `raw_hex` | the ten bytes |
 
-use motorlink_protocol::{Detail, Faults, Mode, Reply, Scaled};
+use motorlink_protocol::{Current, Detail, Faults, Mode, Reply, Rpm, Scaled};
 
 use super::cells::Cells;
 use crate::{
@@ -22,7 +22,7 @@ use crate::{
     wall_clock::{IsoWriter, WallClock},
 };
 
-pub(super) const HEAD: [&str; 10] = [
+const HEAD: [&str; 10] = [
     "timestamp",
     "motor_id",
     "mode",
@@ -34,6 +34,12 @@ pub(super) const HEAD: [&str; 10] = [
     "error_str",
     "raw_hex",
 ];
+
+/// Adds the names of the columns.
+pub(super) fn push_head(cells: &mut Cells, out: &mut Vec<u8>) {
+    cells.names(&HEAD);
+    cells.end_line(out);
+}
 
 #[derive(Debug, Default)]
 pub(super) struct TelemetryLines {
@@ -53,14 +59,8 @@ impl TelemetryLines {
             Mode::Velocity => "Velocity",
             Mode::Position => "Position",
         });
-        cells.value(|out| {
-            push_minus(out, reply.speed.rpm());
-            push_decimal(out, reply.speed.magnitude().into());
-        });
-        cells.value(|out| {
-            push_minus(out, reply.current.raw());
-            push_scaled(out, reply.current.scaled());
-        });
+        cells.value(|out| push_rpm(out, reply.speed));
+        cells.value(|out| push_amps(out, reply.current));
         match reply.detail {
             Detail::Drive { position } => {
                 cells.unknown();
@@ -79,9 +79,21 @@ impl TelemetryLines {
             }
         }
         cells.value(|out| push_0x(out, reply.faults.byte()));
-        cells.text(|out| push_faults(out, reply.faults));
+        cells.value(|out| push_faults(out, reply.faults));
         cells.value(|out| push_hex(out, sample.frame.bytes()));
     }
+}
+
+#[inline(never)]
+pub(super) fn push_rpm(out: &mut String, speed: Rpm) {
+    push_minus(out, speed.rpm());
+    push_decimal(out, speed.magnitude().into());
+}
+
+#[inline(never)]
+pub(super) fn push_amps(out: &mut String, current: Current) {
+    push_minus(out, current.raw());
+    push_scaled(out, current.scaled());
 }
 
 /// The ASCII minus, which spreadsheets accept.
@@ -91,7 +103,8 @@ fn push_minus(out: &mut String, value: i16) {
     }
 }
 
-fn push_scaled<const DECIMALS: usize>(out: &mut String, value: Scaled<DECIMALS>) {
+#[inline(never)]
+pub(super) fn push_scaled<const DECIMALS: usize>(out: &mut String, value: Scaled<DECIMALS>) {
     push_decimal(out, value.whole.into());
     out.push('.');
     push_padded(out, value.fraction.into(), DECIMALS);

@@ -1,6 +1,6 @@
 //! The content of a block.
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::traffic;
 use motorlink_protocol::Instant;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -26,6 +26,7 @@ pub(super) enum Content<'a> {
 /// Encoded line events, with the figures for a summary.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batch<'a> {
+    /// Without marks.
     pub(super) count: u32,
     /// The time of the last one.
     pub(super) last: Instant,
@@ -52,6 +53,12 @@ pub(super) enum Note {
 impl<'a> Batch<'a> {
     pub(super) fn traffic(self) -> impl Iterator<Item = LineEvent> + use<'a> {
         traffic(self.bytes)
+    }
+
+    /// Without the marks between recorded samples.
+    pub(super) fn samples(self) -> impl Iterator<Item = LineEvent> + use<'a> {
+        let is_sample = |event: &LineEvent| matches!(event.kind, LineEventKind::Received { .. });
+        self.traffic().filter(is_sample)
     }
 }
 

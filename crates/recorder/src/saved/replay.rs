@@ -63,6 +63,7 @@ impl Replay {
                 }
                 (Stream::Recorded, Some(Content::Traffic(batch))) => {
                     played += u64::from(batch.count);
+                    recording.begin_batch();
                     for traffic in placed(batch, timeline) {
                         recording.record_again(&traffic);
                     }

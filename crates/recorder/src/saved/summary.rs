@@ -49,7 +49,10 @@ impl Summary {
 
     fn batch(&mut self, stream: Stream, batch: Batch<'_>) {
         let count = u64::from(batch.count);
-        let first = batch.traffic().next();
+        let first = match stream {
+            Stream::Packets => batch.traffic().next(),
+            Stream::Recorded => batch.samples().next(),
+        };
         let first = first.map_or(batch.last, |first| first.at);
         match stream {
             Stream::Packets => self.packets = (self.packets + count).min(ENTRIES_MAX),

@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::push_traffic;
 use motorlink_protocol::Instant;
 
@@ -10,7 +10,10 @@ use super::{
     Segment, Stream,
     content::{Note, push_batch, push_epoch, push_note},
 };
-use crate::texts::cut;
+use crate::{
+    commanded::{Commanded, Commands},
+    texts::cut,
+};
 
 /// Approximate bytes of one file: a full log loses this much per rotation.
 pub const SEGMENT_BYTES_MAX: usize = 2 << 20;
@@ -86,6 +89,11 @@ impl SessionWriter {
         if recorded {
             self.recorded.pass(traffic);
         }
+    }
+
+    /// Saves the command of the recorded sample that follows, where it differs from the one before.
+    pub(crate) fn mark(&mut self, sample: &LineEvent, commanded: Option<Commanded>) {
+        self.recorded.mark(sample, commanded);
     }
 
     /// Adds a message of the page.
@@ -200,6 +208,8 @@ struct StreamWriter {
     batch: Vec<u8>,
     batch_count: u32,
     batch_last: Instant,
+    /// The commands that the next block tells: each does so anew, because the one before may be damaged.
+    marks: Commands,
 }
 
 impl StreamWriter {
@@ -210,12 +220,24 @@ impl StreamWriter {
         }
     }
 
+    #[inline(never)]
     fn pass(&mut self, traffic: &LineEvent) {
         push_traffic(&mut self.batch, traffic);
         self.batch_count += 1;
         self.batch_last = traffic.at;
         if self.batch.len() > BATCH_BYTES {
             self.end_batch();
+        }
+    }
+
+    /// The mark counts as no event.
+    fn mark(&mut self, sample: &LineEvent, commanded: Option<Commanded>) {
+        let LineEventKind::Received { frame, .. } = &sample.kind else {
+            return;
+        };
+        let [address, ..] = *frame.bytes();
+        if let Some(mark) = self.marks.mark(address, sample.at, commanded) {
+            push_traffic(&mut self.batch, &mark);
         }
     }
 
@@ -233,6 +255,7 @@ impl StreamWriter {
                 &self.batch,
             );
             self.batch.clear();
+            self.marks.clear();
             self.batch_count = 0;
         }
     }
@@ -246,6 +269,7 @@ impl StreamWriter {
         if self.blocks.len() + self.batch.len() > bytes_max {
             self.blocks.clear();
             self.batch.clear();
+            self.marks.clear();
             self.batch_count = 0;
         }
     }

@@ -7,6 +7,7 @@ use motorlink_protocol::{
     FRAME_LEN, Frame, Instant, Layout, Mode, MotorId, Reply, Request, explain_received,
     explain_sent,
 };
+use motorlink_recorder::{REPLY, spelled_out, unmarked};
 
 use super::times::Time;
 use crate::{
@@ -24,8 +25,8 @@ pub(super) enum Columns {
 }
 
 impl Columns {
-    /// The columns by the first line. A byte order mark is skipped, because some programs add one when they save a
-    /// file.
+    /// The columns by the first line. A byte order mark is skipped: our log has one, and some programs add one when
+    /// they save a file.
     pub(super) fn of_head(head: &[&str]) -> Option<Self> {
         let (first, rest) = head.split_first()?;
         let first = first.trim_start_matches('\u{FEFF}');
@@ -130,7 +131,9 @@ impl Rows {
             Some(Mode::Current),
             Some(Mode::Position),
         ];
-        let matches = |mode: &Option<Mode>| explain_sent(&frame, *mode).to_string() == meaning;
+        let meaning = spelled_out(meaning.to_owned());
+        let matches =
+            |mode: &Option<Mode>| spelled_out(explain_sent(&frame, *mode).to_string()) == meaning;
         let reported = id.and_then(|id| self.modes.get(&id).copied());
         let mode = modes.into_iter().find(matches).unwrap_or(reported);
         LineEventKind::Sent { frame, mode }
@@ -144,20 +147,17 @@ impl Rows {
         self.modes.insert(reply.id, reply.mode);
         let asked = self.asked.take().filter(|(id, _)| *id == reply.id);
         let layouts = [None, Some(Layout::Drive), Some(Layout::Query)];
-        let meaning = without_apostrophe(meaning);
-        let matches =
-            |layout: &Option<Layout>| explain_received(&frame, *layout).to_string() == meaning;
+        let meaning = meaning
+            .strip_prefix(REPLY)
+            .unwrap_or_else(|| unmarked(meaning));
+        let meaning = spelled_out(meaning.to_owned());
+        let matches = |layout: &Option<Layout>| {
+            spelled_out(explain_received(&frame, *layout).to_string()) == meaning
+        };
         let followed = asked.map(|(_, layout)| layout);
         let asked = layouts.into_iter().find(matches).unwrap_or(followed);
         LineEventKind::Received { frame, asked }
     }
-}
-
-/// Removes the leading apostrophe, which keeps spreadsheets from executing a text.
-fn without_apostrophe(text: &str) -> &str {
-    let bare = text.strip_prefix('\'');
-    let is_formula = |text: &&str| text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']);
-    bare.filter(is_formula).unwrap_or(text)
 }
 
 fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Option<Content<'a>> {
@@ -182,7 +182,7 @@ fn log_line<'a>(direction: &str, id: &str, hex: &str, meaning: &'a str) -> Optio
         }
         "SYS" | "ERR" => Content::Text {
             error,
-            text: without_apostrophe(meaning),
+            text: unmarked(meaning),
         },
         _ => return None,
     })
@@ -201,8 +201,9 @@ fn original_line<'a>(kind: &str, content: &'a str) -> Option<Content<'a>> {
     })
 }
 
-/// Parses one to ten bytes.
+/// Parses one to ten bytes. Our log has a single byte as `0x01`; earlier versions wrote `01`.
 fn junk(hex: &str) -> Option<JunkBytes> {
+    let hex = hex.strip_prefix("0x").unwrap_or(hex);
     let bytes = hex.split(' ').map(|byte| {
         let is_hex = byte.len() == 2 && byte.bytes().all(|digit| digit.is_ascii_hexdigit());
         u8::from_str_radix(byte, 16).ok().filter(|_| is_hex)

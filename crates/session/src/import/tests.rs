@@ -1,6 +1,6 @@
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
 use motorlink_protocol::{Instant, Layout, Mode, MotorId};
-use motorlink_recorder::{CsvLines, WallClock};
+use motorlink_recorder::{Charset, CsvLines, WallClock};
 
 use super::*;
 use crate::{
@@ -48,6 +48,7 @@ fn sample() -> Vec<LineEvent> {
         received(Layout::Drive),
         LineEventKind::NotSent { frame: drive },
         LineEventKind::Junk(JunkBytes::new(&[1, 2, 3])),
+        LineEventKind::Junk(JunkBytes::new(&[0x12])),
         LineEventKind::Silence {
             id: MotorId::FIRST,
             waited_us: 8_100,
@@ -71,17 +72,40 @@ fn exported(mut lines: CsvLines) -> Vec<u8> {
 
 #[test]
 fn our_log_is_read_as_it_was_written() {
-    let csv = exported(CsvLines::of_log());
+    let csv = exported(CsvLines::of_log(Charset::Utf8));
     for piece in [1, 7, csv.len()] {
         let (records, problems) = import(&csv, piece).unwrap();
         assert!(problems.is_empty());
         assert_eq!(lines(&records), sample());
         assert_eq!(records[0].utc_ns, 1_795_266_936_962_000_000);
-        let What::Event(said) = &records[7].what else {
+        let What::Event(said) = &records[8].what else {
             panic!("the last line is a text")
         };
         assert_eq!((said.text.as_str(), said.error), ("=1+1", true));
     }
+}
+
+/// As the page wrote it before the byte order mark: an apostrophe before what a spreadsheet could run.
+#[test]
+fn a_log_of_an_earlier_version_is_read_as_it_was_written() {
+    let csv = "time,elapsed_s,direction,id,hex,meaning\r
+2026-11-21T13:15:36.962Z,0.000,TX,0x01,01 74 00 00 00 00 00 00 00 04,feedback query\r
+2026-11-21T13:15:36.965Z,0.003,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"'+100 rpm, +0.175 A, 23 °C, 292.2°\"\r
+2026-11-21T13:15:36.968Z,0.006,TX,0x01,01 64 00 64 00 00 00 00 00 4F,drive +100 rpm\r
+2026-11-21T13:15:36.971Z,0.009,RX,0x01,01 02 02 CD 00 64 17 CF 00 8F,\"'+100 rpm, +0.175 A, 66.96°\"\r
+2026-11-21T13:15:36.974Z,0.012,ERR,0x01,01 64 00 64 00 00 00 00 00 4F,not sent: adapter still busy with the previous frame\r
+2026-11-21T13:15:36.977Z,0.015,ERR,,01 02 03,\"3 bytes, no valid frame\"\r
+2026-11-21T13:15:36.980Z,0.018,ERR,,12,\"1 byte, no valid frame\"\r
+2026-11-21T13:15:36.983Z,0.021,ERR,0x01,,no reply within 8.1 ms\r
+2026-11-21T13:15:36.992Z,0.030,ERR,,,'=1+1\r
+";
+    let (records, problems) = import(csv.as_bytes(), 11).unwrap();
+    assert!(problems.is_empty(), "{problems}");
+    assert_eq!(lines(&records), sample());
+    let What::Event(said) = &records[8].what else {
+        panic!("the last line is a text")
+    };
+    assert_eq!((said.text.as_str(), said.error), ("=1+1", true));
 }
 
 #[test]

@@ -106,6 +106,8 @@ fn the_log_is_the_wire(line: Line) -> Result<()> {
     let page = &scenario.page;
     a_busy_minute(&scenario)?;
     let file = page.download("Export CSV")?;
+    // No program can mistake its character set.
+    assert!(file.bytes()?.is_ascii());
     let table = Table::read(&file)?;
     assert_eq!(table.head, LOG_HEAD);
     let wire = scenario.adapter.wire()?;
@@ -139,10 +141,12 @@ fn the_log_is_the_wire(line: Line) -> Result<()> {
     // A spreadsheet runs nothing of it.
     for cell in table.rows.iter().flatten() {
         assert!(
-            !cell.starts_with(['=', '+', '-', '@', '\t', '\r']),
+            !cell.starts_with(['=', '+', '-', '@', '\t', '\r', '\'']),
             "{cell}"
         );
     }
+    let replies = table.rows.iter().filter(|row| row[2] == "RX");
+    assert!(replies.clone().all(|row| row[5].starts_with("reply ")));
     // What the page said itself is in it, with no bytes.
     let system = table.rows.iter().filter(|row| row[2] == "SYS");
     assert!(system.clone().count() > 0);
@@ -236,6 +240,7 @@ fn the_last_minutes_can_be_exported_though_nobody_recorded() -> Result<()> {
     wait_for_speed(page, 0..=0)?;
     disconnect(&scenario)?;
     let file = page.download("Export telemetry CSV")?;
+    assert!(file.bytes()?.is_ascii());
     let table = Table::read(&file)?;
     let replies = undisturbed_replies(&scenario.adapter.wire()?);
     assert!(replies.iter().any(|reply| reply.queried));

@@ -17,6 +17,7 @@ mod offline;
 mod pages_gone;
 mod parts;
 mod phone;
+mod plotting;
 mod raw_frames;
 mod scanning;
 mod security;

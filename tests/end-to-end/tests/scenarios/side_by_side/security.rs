@@ -58,6 +58,7 @@ fn nothing_that_a_person_does_breaks_the_policy_or_asks_another_host() -> Result
     page.press("Escape")?;
     page.download("Export CSV")?;
     page.download("Export telemetry CSV")?;
+    page.download("Plot CSV")?;
     assert_eq!(broken(page)?, [""; 0]);
     let foreign = "performance.getEntriesByType('resource').map((entry) => entry.name)
         .filter((name) => !name.startsWith(location.origin) && !name.startsWith('blob:' + location.origin))";

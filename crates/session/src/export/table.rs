@@ -1,27 +1,35 @@
 //! CSV files in the formats of the page's own exports, by the same writer.
 
-use motorlink_recorder::{CsvLines, LocalTime, WallClock};
+use motorlink_recorder::{Charset, CsvLines, LocalTime, WallClock};
 
 use crate::{
     clock::zero_unix_us,
+    overview::Overview,
     record::{Record, What},
 };
 
-/// A CSV file of records: the packet log, or telemetry in the columns of the article's monitor script.
+/// A CSV file of records: the packet log, or telemetry in the columns of the article's monitor script or for
+/// plotting.
 #[derive(Debug)]
 pub struct Table(CsvLines);
 
 impl Table {
-    /// A table of every entry of the packet log.
+    /// A table of every entry of the packet log. The character set is that of all its records.
     #[must_use]
-    pub fn of_log() -> Self {
-        Self(CsvLines::of_log())
+    pub fn of_log(charset: Charset) -> Self {
+        Self(CsvLines::of_log(charset))
     }
 
     /// A table of every valid reply.
     #[must_use]
     pub fn of_telemetry() -> Self {
         Self(CsvLines::of_telemetry())
+    }
+
+    /// A table of every valid reply for plotting, with columns for each motor.
+    #[must_use]
+    pub fn of_plot(overview: &Overview) -> Self {
+        Self(CsvLines::of_plot(overview.motors().map(|(id, _)| id)))
     }
 
     /// Adds the names of the columns.

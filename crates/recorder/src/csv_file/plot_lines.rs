@@ -1,0 +1,130 @@
+//! A sample of telemetry as a line for programs that plot columns of numbers.
+//!
+//! | column | content |
+//! |---|---|
+//! | `time` | seconds since the first line, to the microsecond |
+//! | `motor_<id>_speed_rpm` | signed |
+//! | `motor_<id>_current_a` | signed, three decimals |
+//! | `motor_<id>_position_deg` | as in `telemetry_lines` |
+//! | `motor_<id>_temperature_c` | only in replies to a feedback query |
+//! | `motor_<id>_mode` | 1 current, 2 velocity, 3 position |
+//! | `motor_<id>_fault_code` | byte 8 of the reply, as a decimal number |
+//! | `motor_<id>_setpoint` | what the motor was told: rpm, A or degrees, by its loop; empty without a command |
+//! | `motor_<id>_setpoint_mode` | the loop of that command, as in `mode` |
+//!
+//! The cells of all other motors are empty.
+
+use motorlink_protocol::{Detail, Instant, Reply};
+
+use super::{
+    cells::Cells,
+    telemetry_lines::{push_amps, push_rpm, push_scaled},
+};
+use crate::{
+    commanded::CommandedValue, digits::push_decimal, recording::Sample,
+    wall_clock::push_seconds_to_us,
+};
+
+/// The quantities of a motor, in the order of their columns.
+const QUANTITIES: [&str; 8] = [
+    "speed_rpm",
+    "current_a",
+    "position_deg",
+    "temperature_c",
+    "mode",
+    "fault_code",
+    "setpoint",
+    "setpoint_mode",
+];
+
+#[derive(Debug, Default)]
+pub(super) struct PlotLines {
+    /// The IDs of the motors with columns, ascending.
+    motors: Vec<u8>,
+    first_at: Option<Instant>,
+}
+
+impl PlotLines {
+    /// Adds columns for a motor, unless it has some.
+    pub(super) fn add_motor(&mut self, address: u8) {
+        let place = self.motors.iter().take_while(|id| **id < address).count();
+        if self.motors.get(place) != Some(&address) {
+            self.motors.insert(place, address);
+        }
+    }
+
+    /// Adds the names of the columns.
+    pub(super) fn push_head(&self, cells: &mut Cells, out: &mut Vec<u8>) {
+        cells.plain("time");
+        for motor in &self.motors {
+            for quantity in QUANTITIES {
+                cells.value(|out| {
+                    out.push_str("motor_");
+                    push_decimal(out, u64::from(*motor));
+                    out.push('_');
+                    out.push_str(quantity);
+                });
+            }
+        }
+        cells.end_line(out);
+    }
+
+    #[inline(never)]
+    pub(super) fn write(&mut self, cells: &mut Cells, sample: &Sample) {
+        // Only replies are recorded.
+        let Ok(reply) = Reply::decode(&sample.frame, sample.asked) else {
+            return;
+        };
+        let first_at = *self.first_at.get_or_insert(sample.at);
+        let elapsed = sample.at.as_micros().saturating_sub(first_at.as_micros());
+        cells.value(|out| push_seconds_to_us(out, elapsed));
+        for motor in &self.motors {
+            if *motor == sample.address() {
+                write_reply(cells, &reply);
+                write_command(cells, sample);
+            } else {
+                for _ in QUANTITIES {
+                    cells.unknown();
+                }
+            }
+        }
+    }
+}
+
+fn write_reply(cells: &mut Cells, reply: &Reply) {
+    cells.value(|out| push_rpm(out, reply.speed));
+    cells.value(|out| push_amps(out, reply.current));
+    match reply.detail {
+        Detail::Drive { position } => {
+            cells.value(|out| push_scaled(out, position.scaled()));
+            cells.unknown();
+        }
+        Detail::Query {
+            temperature,
+            position,
+        } => {
+            cells.value(|out| push_scaled(out, position.scaled()));
+            cells.value(|out| push_decimal(out, temperature.degrees().into()));
+        }
+        Detail::Undetermined(_) => {
+            cells.unknown();
+            cells.unknown();
+        }
+    }
+    cells.value(|out| push_decimal(out, reply.mode.byte().into()));
+    cells.value(|out| push_decimal(out, reply.faults.byte().into()));
+}
+
+fn write_command(cells: &mut Cells, sample: &Sample) {
+    let Some(commanded) = sample.commanded else {
+        cells.unknown();
+        cells.unknown();
+        return;
+    };
+    cells.value(|out| match commanded.value() {
+        CommandedValue::Speed(speed) => push_rpm(out, speed),
+        CommandedValue::Current(current) => push_amps(out, current),
+        CommandedValue::Position(position) => push_scaled(out, position.scaled()),
+    });
+    cells.value(|out| push_decimal(out, commanded.mode.byte().into()));
+}
