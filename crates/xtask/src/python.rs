@@ -1,43 +1,71 @@
-//! The Python packages of the official readers, in fixed versions, installed once.
+//! The Python packages that read our files, in fixed versions, installed once.
 
 use std::{fs, path::PathBuf, process::Command};
 
 use anyhow::{Context, Result, bail};
 
 use crate::cargo;
+use crate::libreoffice;
 use crate::process;
 use crate::tools::cache_dir;
 use crate::workspace::Workspace;
 
-/// The reader of MCAP files with the decoder that ROS 2 users add, and a validator of JSON schemas.
-const PACKAGES: [&str; 3] = [
-    "mcap==1.6.0",
-    "mcap-ros2-support==0.6.0",
-    "jsonschema==4.26.0",
-];
+/// A virtual environment.
+struct Environment {
+    /// Another set of packages has another name.
+    name: &'static str,
+    packages: &'static [&'static str],
+}
 
-/// The name of the environment: another set of packages is another one.
-const ENVIRONMENT: &str = "session-readers-1";
+/// The reader of MCAP files with the decoder that ROS 2 users add, and a validator of JSON schemas.
+const SESSION_READERS: Environment = Environment {
+    name: "session-readers-1",
+    packages: &[
+        "mcap==1.6.0",
+        "mcap-ros2-support==0.6.0",
+        "jsonschema==4.26.0",
+    ],
+};
+
+/// For CSV files, beside Python's own module.
+const CSV_READERS: Environment = Environment {
+    name: "csv-readers-1",
+    packages: &["pandas==2.3.3"],
+};
 
 /// Lets the official Python reader read a session file, and validate it.
 pub fn read_session(workspace: &Workspace) -> Result<()> {
-    let python = ensure()?;
-    let args = [
-        "--package",
-        "motorlink-session",
-        "--test",
-        "official_python",
-    ];
-    let mut test = cargo::command(workspace, &[&["test", "--quiet"][..], &args].concat());
-    test.args(["--", "--ignored"])
-        .env("MOTORLINK_PYTHON", python);
-    process::run(&mut test)
+    let test = ["motorlink-session", "--test", "official_python"];
+    process::run(&mut ignored_test(workspace, &test, &SESSION_READERS)?)
 }
 
-/// The Python of a virtual environment with these packages; makes it if it is missing.
-fn ensure() -> Result<PathBuf> {
+/// Lets Python's csv module, pandas and LibreOffice read the CSV files that the page exports.
+pub fn read_csv_files(workspace: &Workspace) -> Result<()> {
+    let libreoffice = libreoffice::ensure()?;
+    let test = ["motorlink-recorder", "--test", "other_readers"];
+    let mut test = ignored_test(workspace, &test, &CSV_READERS)?;
+    process::run(test.env("MOTORLINK_LIBREOFFICE", libreoffice))
+}
+
+/// A test that needs this environment.
+fn ignored_test(
+    workspace: &Workspace,
+    test: &[&str],
+    environment: &Environment,
+) -> Result<Command> {
+    let python = ensure(environment)?;
+    let args = ["test", "--quiet", "--package"];
+    let mut command = cargo::command(workspace, &[&args[..], test].concat());
+    command
+        .args(["--", "--ignored"])
+        .env("MOTORLINK_PYTHON", python);
+    Ok(command)
+}
+
+/// The Python of this environment; makes it if it is missing.
+fn ensure(Environment { name, packages }: &Environment) -> Result<PathBuf> {
     let tools = cache_dir()?.join("tools");
-    let dir = tools.join(ENVIRONMENT);
+    let dir = tools.join(name);
     let program = if cfg!(windows) {
         "Scripts/python.exe"
     } else {
@@ -55,7 +83,7 @@ fn ensure() -> Result<PathBuf> {
     }
     println!(
         "installing {} into {} (once)",
-        PACKAGES.join(", "),
+        packages.join(", "),
         dir.display()
     );
     let _ = fs::remove_dir_all(&dir);
@@ -69,7 +97,7 @@ fn ensure() -> Result<PathBuf> {
         "--quiet",
         "--disable-pip-version-check",
     ]);
-    process::run(pip.args(PACKAGES))?;
-    fs::write(&complete, PACKAGES.join("\n")).with_context(|| format!("{}", complete.display()))?;
+    process::run(pip.args(*packages))?;
+    fs::write(&complete, packages.join("\n")).with_context(|| format!("{}", complete.display()))?;
     Ok(dir.join(program))
 }

@@ -41,6 +41,12 @@ pub static SUITE: Suite = Suite(&[
         run: python::read_session,
     },
     Step {
+        name: "csv-readers",
+        about: "Python's csv module, pandas and LibreOffice read the exported CSV files",
+        needs: &[],
+        run: python::read_csv_files,
+    },
+    Step {
         name: "wasm",
         about: "tests of page and worker in a real browser",
         needs: &[],
