@@ -79,8 +79,8 @@ const PARTS: [Part; 14] = [
         &["help/en", "help/wiring"],
         7_300,
     ),
-    part("German", When::Asked, &["texts-de", "help/de"], 17_000),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 17_000),
+    part("German", When::Asked, &["texts-de", "help/de"], 18_000),
+    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 18_000),
     part("server", When::Asked, &["."], 1_000),
 ];
 
@@ -101,7 +101,7 @@ const fn part(
 /// Bound of what is fetched before the page can be used.
 pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000.
-pub const DRIVING_GZIP_BYTES_MAX: usize = 344_000;
+pub const DRIVING_GZIP_BYTES_MAX: usize = 340_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam.
 pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 613_000;
