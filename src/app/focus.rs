@@ -11,6 +11,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{Element, HtmlElement};
 
 use crate::{
+    app::keyboard::last_target,
     model::page::Page,
     ui::{listener::on_window, reactive::effect},
 };
@@ -37,7 +38,7 @@ struct Held {
 
 /// Keeps the focus from now on.
 pub(crate) fn keep(page: Page) {
-    let held = Rc::new(RefCell::new(Held::default()));
+    let held = Rc::new(RefCell::new(Held::before()));
     let on = |name, note: fn(&mut Held, Element)| {
         let held = Rc::clone(&held);
         on_window(name, move |event| {
@@ -53,6 +54,7 @@ pub(crate) fn keep(page: Page) {
     on("pointerdown", |held, _| held.by_pointer = true);
     on("keydown", |held, _| held.by_pointer = false);
     on("keyup", |_, _| ());
+    check_soon(&held);
     // Most controls are hidden or disabled by a report of the worker.
     let shown = Rc::clone(&held);
     effect(move || {
@@ -64,7 +66,7 @@ pub(crate) fn keep(page: Page) {
             in_two_frames(|| {
                 let panel = document().query_selector(".drawer:not([hidden])");
                 if let Some(panel) = panel.ok().flatten() {
-                    focus_on(&panel);
+                    enter(&panel);
                 }
             });
         }
@@ -72,6 +74,16 @@ pub(crate) fn keep(page: Page) {
 }
 
 impl Held {
+    /// The page is used before this part of it is there: a key may have dropped the focus already.
+    fn before() -> Self {
+        let mut held = Self::default();
+        let is_on_page = |target: &Element| target.is_connected() && target.tag_name() != "BODY";
+        if let Some(target) = last_target().filter(is_on_page) {
+            held.entered(target);
+        }
+        held
+    }
+
     fn entered(&mut self, target: Element) {
         let opened = target.closest(OPENED).ok().flatten();
         let before = self.path.first();
@@ -134,6 +146,15 @@ fn is_focus_dropped() -> bool {
     focused.is_none_or(|element| {
         element.tag_name() == "BODY" || element.matches(":disabled").unwrap_or(false)
     })
+}
+
+/// Gives the focus to a panel that does not have it. Where the pad is pressed at once, it has the focus, and losing it
+/// would end the hold.
+fn enter(panel: &Element) {
+    let focused = document().active_element();
+    if !panel.contains(focused.as_deref()) {
+        focus_on(panel);
+    }
 }
 
 /// Returns whether the element took the focus. A hidden or disabled one does not.

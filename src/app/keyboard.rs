@@ -1,6 +1,9 @@
 //! The keyboard: keys that work anywhere on the page.
 
-use std::{cell::Cell, rc::Rc};
+use std::{
+    cell::{Cell, RefCell},
+    rc::Rc,
+};
 
 use leptos::prelude::*;
 use motorlink_messages::bus::StopReason;
@@ -15,6 +18,16 @@ use crate::{
     },
     ui::listener::on_window,
 };
+
+thread_local! {
+    /// The element that had the focus when a key was last pressed.
+    static LAST_TARGET: RefCell<Option<Element>> = const { RefCell::new(None) };
+}
+
+/// What had the focus when a key was last pressed.
+pub(crate) fn last_target() -> Option<Element> {
+    LAST_TARGET.with_borrow(Clone::clone)
+}
 
 /// Listens to the keyboard from now on.
 pub(crate) fn listen(features: Features) {
@@ -41,6 +54,9 @@ pub(crate) fn listen(features: Features) {
 
 fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent) {
     let goes_down = event.type_() == "keydown";
+    if goes_down {
+        LAST_TARGET.set(document().active_element());
+    }
     let key = event.key();
     if let Some(key) = StopKey::of(&key) {
         let scene = Scene {
