@@ -25,6 +25,7 @@ pub static SUITE: Suite = Suite(&[
         name: "format",
         about: "the sources are formatted",
         needs: &[],
+        on_request: false,
         run: |workspace| {
             let args = ["fmt", "--all", "--check"];
             process::run(&mut cargo::command(workspace, &args))
@@ -34,30 +35,35 @@ pub static SUITE: Suite = Suite(&[
         name: "translations",
         about: "every message of the code has its translations",
         needs: &[],
+        on_request: false,
         run: |workspace| translations::update(workspace, true),
     },
     Step {
         name: "layers",
         about: "no arrow between modules or crates points up, and no two files use each other",
         needs: &[],
+        on_request: false,
         run: layers::check,
     },
     Step {
         name: "invariants",
         about: "every test and file that docs/invariants.md names exists",
         needs: &[],
+        on_request: false,
         run: invariants::check,
     },
     Step {
         name: "dependencies",
         about: "each dependency is locked, licensed, from the registry, and there once",
         needs: &[],
+        on_request: false,
         run: dependencies,
     },
     Step {
         name: "clippy",
         about: "no warnings in the native code",
         needs: &[],
+        on_request: false,
         run: |workspace| {
             let args = [&["--all-targets"], &NO_PAGE[..], &DENY_WARNINGS].concat();
             process::run(&mut cargo::native(workspace, "clippy", &args))
@@ -67,6 +73,7 @@ pub static SUITE: Suite = Suite(&[
         name: "clippy-wasm",
         about: "no warnings in the code for the browser, tests included",
         needs: &[],
+        on_request: false,
         run: |workspace| {
             let targets = ["--lib", "--bins", "--tests"];
             let args = [&targets[..], &DENY_WARNINGS].concat();
@@ -77,6 +84,7 @@ pub static SUITE: Suite = Suite(&[
         name: "doc",
         about: "the documentation builds without warnings",
         needs: &[],
+        on_request: false,
         run: |workspace| {
             strict_doc(cargo::native(
                 workspace,

@@ -100,7 +100,7 @@ const fn part(
 
 /// Bound of what is fetched before the page can be used.
 pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
-/// Bound of what is fetched before the virtual motor turns. The goal is 340,000.
+/// Bound of what is fetched before the virtual motor turns.
 pub const DRIVING_GZIP_BYTES_MAX: usize = 340_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam.

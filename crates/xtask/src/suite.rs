@@ -17,6 +17,8 @@ pub struct Step {
     pub about: &'static str,
     /// Steps whose results it uses. They come earlier in the suite.
     pub needs: &'static [&'static str],
+    /// Whether it runs only where `--only` names it: it installs much.
+    pub on_request: bool,
     /// Runs it.
     pub run: fn(&Workspace) -> Result<()>,
 }
@@ -45,7 +47,12 @@ impl Suite {
     /// Prints each step and what it shows.
     fn list(&self) {
         for step in self.0 {
-            println!("{:15} {}", step.name, step.about);
+            let when = if step.on_request {
+                " (only by --only)"
+            } else {
+                ""
+            };
+            println!("{:15} {}{when}", step.name, step.about);
         }
     }
 
@@ -57,7 +64,9 @@ impl Suite {
 
     fn select(&self, only: Option<&Step>) -> Vec<&'static Step> {
         let is_selected = |step: &&Step| {
-            only.is_none_or(|only| only.name == step.name || only.needs.contains(&step.name))
+            only.map_or(!step.on_request, |only| {
+                only.name == step.name || only.needs.contains(&step.name)
+            })
         };
         self.0.iter().filter(is_selected).collect()
     }

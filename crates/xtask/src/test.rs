@@ -19,12 +19,14 @@ pub static SUITE: Suite = Suite(&[
         name: "build",
         about: "the tests compile; the released site builds, is light enough and names no other host",
         needs: &[],
+        on_request: false,
         run: build,
     },
     Step {
         name: "native",
         about: "tests of the native code and of the page's pure parts",
         needs: &[],
+        on_request: false,
         run: |workspace| {
             let mut test = cargo::native(workspace, "test", &["--quiet"]);
             // The scenarios have a step of their own.
@@ -38,24 +40,28 @@ pub static SUITE: Suite = Suite(&[
         name: "session-readers",
         about: "the official Python reader reads a session file, and each message fits its schema",
         needs: &[],
+        on_request: false,
         run: python::read_session,
     },
     Step {
         name: "csv-readers",
         about: "Python's csv module, pandas and LibreOffice read the exported CSV files",
         needs: &[],
+        on_request: true,
         run: python::read_csv_files,
     },
     Step {
         name: "wasm",
         about: "tests of page and worker in a real browser",
         needs: &[],
+        on_request: false,
         run: page_tests::run,
     },
     Step {
         name: "end-to-end",
         about: "scenarios: the page in a real browser drives motors over real Web Serial",
         needs: &["build"],
+        on_request: false,
         run: scenarios::run,
     },
 ]);
