@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::fixture::{Scenario, assert_quiet_console, connect, spin};
 use anyhow::Result;
-use end_to_end::{Bench, FirstPress, Frame, Line, Page, Slowness, now_us, wait_until};
+use end_to_end::{Bench, FirstPress, Frame, Line, Page, Slowness, WAIT_MAX, now_us, wait_until};
 
 /// Slow enough for a press to come before the worker.
 const SLOWNESS: Slowness = Slowness {
@@ -40,7 +40,7 @@ fn a_press_before_all_of_the_page_is_there_connects_once_it_is() -> Result<()> {
 fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> Result<()> {
     let bench = Bench::start()?;
     let page = press_early(&bench, "Help")?;
-    wait_until("the focus on the help", end_to_end::WAIT_MAX, || {
+    wait_until("the focus on the help", WAIT_MAX, || {
         let focus = page.evaluate("document.activeElement.role")?;
         Ok(if focus == "dialog" {
             Ok(())
@@ -56,8 +56,15 @@ fn help_asked_for_before_all_of_the_page_is_there_has_the_focus_once_it_is() -> 
 fn a_finished_tour_stays_finished_and_the_next_steps_agree() -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open("/")?;
-    let next = page.evaluate("document.querySelector('.next-steps').textContent")?;
-    assert!(next.to_string().contains("press +50"), "{next}");
+    wait_until("the next steps", WAIT_MAX, || {
+        let next = page.evaluate("document.querySelector('.next-steps')?.textContent ?? ''")?;
+        let next = next.to_string();
+        Ok(if next.contains("press +50") {
+            Ok(())
+        } else {
+            Err(next)
+        })
+    })?;
     page.click("button", "Go virtual")?;
     page.click(
         "checkbox",

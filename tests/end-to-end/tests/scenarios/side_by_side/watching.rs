@@ -108,8 +108,16 @@ fn the_log_lets_go_of_the_newest_when_a_person_scrolls_up() -> Result<()> {
             Ok(())
         })
     })?;
-    // What is read stays where it is while more comes.
-    let rows = page.text("log", "Packets")?;
+    // What is read stays where it is while more comes. The rows of a new place are drawn in two frames.
+    let mut rows = String::new();
+    wait_until("the rows to be drawn", WAIT_MAX, || {
+        let before = std::mem::replace(&mut rows, page.text("log", "Packets")?);
+        Ok(if rows == before {
+            Ok(())
+        } else {
+            Err("they change".to_owned())
+        })
+    })?;
     page.wait_for_text("button", "Jump to newest", |text| {
         number(text).is_some_and(|new| new > 20.0)
     })?;
