@@ -17,7 +17,8 @@ use motorlink_recorder::{CsvFile, Log, Recording};
 
 use line::{at, drive, heard, junk, log, query, silence};
 
-const NEEDS: &str = "needs pandas and LibreOffice: cargo xtask test --only csv-readers";
+const NEEDS: &str =
+    "needs other programs: cargo xtask test --only csv-readers, or csv-in-libreoffice";
 
 /// Messages that spreadsheets could run, and with every character that needs quotes.
 const ENGLISH: [&str; 4] = ["Connected: \"CH343\",\ntwo lines", "=1+1", "-5", "@SUM(A1)"];
@@ -150,7 +151,7 @@ fn python_and_pandas_get_every_value_back() {
 }
 
 #[test]
-#[ignore = "needs LibreOffice: cargo xtask test --only csv-readers"]
+#[ignore = "needs LibreOffice: cargo xtask test --only csv-in-libreoffice"]
 fn libreoffice_shows_figures_as_numbers_and_runs_no_text() {
     let files = Files::new("libreoffice");
     // As it opens files without a question.

@@ -52,7 +52,7 @@ impl Suite {
             } else {
                 ""
             };
-            println!("{:15} {}{when}", step.name, step.about);
+            println!("{:18} {}{when}", step.name, step.about);
         }
     }
 
@@ -107,7 +107,7 @@ fn print_summary(
         } else {
             "ok"
         };
-        println!("{name:15} {result:6} {:>8.1} s", time.as_secs_f64());
+        println!("{name:18} {result:6} {:>8.1} s", time.as_secs_f64());
     }
     let result = match (failure, step_count - times.len()) {
         (None, _) => "all passed".to_owned(),
