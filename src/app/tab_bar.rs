@@ -58,7 +58,7 @@ impl Screen {
         }
     }
 
-    /// The screen of the page before a change of language, which mounts the tab bar anew.
+    /// The screen that is chosen already: a change of language mounts the tab bar a second time.
     fn present() -> Self {
         let root = document().document_element();
         let key = root.and_then(|root| root.get_attribute(ATTRIBUTE));

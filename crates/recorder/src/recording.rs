@@ -145,7 +145,7 @@ impl Recording {
         }
     }
 
-    /// A batch of a saved recording follows. It tells its commands anew.
+    /// Begins a batch of a saved recording. Each batch repeats the commands in force, so that it can be read alone.
     pub(crate) fn begin_batch(&mut self) {
         self.marks.clear();
     }

@@ -28,7 +28,7 @@ pub(crate) fn some_lost() -> &'static str {
     tr!("Some replies are lost or corrupted: too few to find a cause.")
 }
 
-/// The figures of the last ten seconds, by which the line is judged. Nothing before the first request.
+/// The figures of the last ten seconds, from which the doctor judges the line. Empty before the first request.
 pub(crate) fn judged(judged: Tally) -> String {
     let Tally {
         asked,

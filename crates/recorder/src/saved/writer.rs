@@ -208,7 +208,7 @@ struct StreamWriter {
     batch: Vec<u8>,
     batch_count: u32,
     batch_last: Instant,
-    /// The commands that the next block tells: each does so anew, because the one before may be damaged.
+    /// The commands that the next block contains. Each block repeats them: the block before may be damaged.
     marks: Commands,
 }
 
