@@ -47,14 +47,17 @@ impl Point {
         match self.detail {
             Detail::Drive { position } => Some(position.degrees()),
             Detail::Query { position, .. } => Some(position.degrees()),
-            Detail::Undetermined(_) => None,
+            Detail::Odometry { position, .. } => Some(position.degrees()),
+            Detail::Temperature(_) | Detail::Undetermined(_) => None,
         }
     }
 
     pub(crate) fn temperature(&self) -> Option<Celsius> {
         match self.detail {
-            Detail::Query { temperature, .. } => Some(temperature),
-            Detail::Drive { .. } | Detail::Undetermined(_) => None,
+            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
+                Some(temperature)
+            }
+            Detail::Drive { .. } | Detail::Odometry { .. } | Detail::Undetermined(_) => None,
         }
     }
 }

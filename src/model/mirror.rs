@@ -58,6 +58,7 @@ impl Mirror {
             (Self::Mirrored, Setpoint::Current(target)) => {
                 Setpoint::Current(CurrentTarget::new(-i32::from(target.raw())).unwrap_or_default())
             }
+            (Self::Mirrored, Setpoint::OpenLoop(target)) => Setpoint::OpenLoop(target.reversed()),
             (_, setpoint) => setpoint,
         }
     }

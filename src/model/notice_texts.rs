@@ -55,6 +55,21 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
         Notice::Withdrawn { id, reason } => {
             of_withdrawal(*id, *reason, &affected::stopping(session, *id))
         }
+        Notice::OtherModel { expected, found } => NoticeText::new(
+            Topic::Line,
+            Tone::Warning,
+            tr!("Motor of another model"),
+            &[&terms::other_model(*expected, *found)],
+        ),
+        Notice::AnswersInJson => NoticeText::new(
+            Topic::Line,
+            Tone::Warning,
+            tr!("The driver board answers in JSON"),
+            &[tr!(
+                "Set the switch of the DDSM Driver HAT away from ESP32: then USB reaches the motors \
+                 directly."
+            )],
+        ),
         Notice::MotorSilent(id) => of_silence(&affected::silent(session, *id)),
         Notice::StopEnded(report) => of_stop(report)?,
         Notice::AdapterLost { driven } => of_lost_adapter(driven),
@@ -158,7 +173,7 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
         Mode::Position => {
             tr!("The position loop needs less than 10 rpm: stop the motor, then switch.")
         }
-        Mode::Current | Mode::Velocity => {
+        Mode::OpenLoop | Mode::Current | Mode::Velocity => {
             tr!("Press Switch again. If that fails, power-cycle the motor.")
         }
     };
@@ -354,6 +369,7 @@ pub(crate) fn of_stop_reason(reason: StopReason) -> &'static str {
         StopReason::Disconnect => tr!("The port was closed."),
         StopReason::OneMotor => tr!("A motor was stopped."),
         StopReason::Job => tr!("A bus scan is starting."),
+        StopReason::OtherModel => tr!("A motor of another model answered."),
     }
 }
 

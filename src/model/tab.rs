@@ -27,6 +27,7 @@ impl Tab {
     /// Its name in element ids.
     pub(crate) const fn key(self) -> &'static str {
         match self {
+            Self::Loop(Mode::OpenLoop) => "open-loop",
             Self::Loop(Mode::Velocity) => "velocity",
             Self::Loop(Mode::Current) => "current",
             Self::Loop(Mode::Position) => "position",
@@ -38,6 +39,7 @@ impl Tab {
     /// Its label.
     pub(crate) fn name(self) -> &'static str {
         match self {
+            Self::Loop(Mode::OpenLoop) => tr!("Open loop"),
             Self::Loop(Mode::Velocity) => tr!("Velocity"),
             Self::Loop(Mode::Current) => tr!("Current" as "electric"),
             Self::Loop(Mode::Position) => tr!("Position"),

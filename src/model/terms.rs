@@ -2,10 +2,10 @@
 
 pub(crate) use motorlink_i18n::terms::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::Mode;
 use motorlink_messages::{
     Adapter,
     bus::{ExceededLimit, GroupError, GroupSetpoints, Refusal},
+    protocol::{Mode, family::Model},
 };
 
 use crate::ui::format;
@@ -131,6 +131,17 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
             "Motor {id} may still run at the opposite current. Send 0 first.",
             id
         ),
+        Refusal::NoSuchLoop { model, mode: asked } => tr!(
+            "A {model} has no {mode}. Choose another loop.",
+            model,
+            mode = mode(asked)
+        ),
+        Refusal::AboveSpeedOfModel(model) => tr!(
+            "A {model} takes at most {speed} rpm. Set less.",
+            model,
+            speed = model.spec().speed_rpm_max
+        ),
+        Refusal::OtherModel { expected, found } => other_model(expected, found),
         Refusal::NotAssignable(id) => tr!(
             "ID {id} is not allowed: a scan cannot find 0x00 or 0xFF, and 0xC8 is reserved for the \
              ID query. Use another ID.",
@@ -139,9 +150,20 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
     }
 }
 
+/// A motor of another model answers.
+pub(crate) fn other_model(expected: Model, found: Model) -> String {
+    tr!(
+        "A {found} answers on this line, not a {expected}. Choose the {found} in Settings, or \
+         remove it from the line.",
+        expected,
+        found
+    )
+}
+
 /// The name of a loop, as a heading.
 pub(crate) fn loop_name(mode: Mode) -> &'static str {
     match mode {
+        Mode::OpenLoop => tr!("Open loop"),
         Mode::Current => tr!("Current loop"),
         Mode::Velocity => tr!("Velocity loop"),
         Mode::Position => tr!("Position loop"),

@@ -78,6 +78,7 @@ pub(crate) fn goal(setpoint: Setpoint) -> String {
         Setpoint::Velocity { speed, .. } => format!("{} rpm", signed(speed.rpm().into())),
         Setpoint::Brake => tr!("brake").to_owned(),
         Setpoint::Current(target) => amps_of(target),
+        Setpoint::OpenLoop(target) => in_language(target.to_string()),
         Setpoint::Position(target) => in_language(fixed(target.degrees(), 1) + "°"),
     }
 }

@@ -79,7 +79,9 @@ impl AngleEstimate {
             (before.advanced_to(at, mean_dps), before.seen)
         });
         let angle = match reply.detail {
-            Detail::Drive { position } => Some((position.degrees(), at)),
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
+                Some((position.degrees(), at))
+            }
             Detail::Query {
                 position,
                 temperature,
@@ -89,6 +91,10 @@ impl AngleEstimate {
                 let coarse = position.degrees();
                 let fine = carried.filter(|(degrees, _)| apart(*degrees, coarse) <= NEAR_DEG / 2.0);
                 Some((fine.map_or(coarse, |(degrees, _)| degrees), at))
+            }
+            Detail::Temperature(temperature) => {
+                self.temperature = Some(temperature);
+                carried
             }
             Detail::Undetermined(bytes) => carried.map(|(degrees, seen)| {
                 self.read_uncertain(bytes, degrees)

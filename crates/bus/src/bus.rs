@@ -2,7 +2,7 @@
 
 use std::{collections::VecDeque, time::Duration};
 
-use motorlink_protocol::{Frame, Instant, MotorId, Request};
+use motorlink_protocol::{Frame, Instant, MotorId, Request, family::Model};
 
 use crate::{
     counters::Counters,
@@ -10,6 +10,7 @@ use crate::{
     exchange::Line,
     job::state::{Job, Proof},
     line_use::LineUse,
+    model_evidence::ModelEvidence,
     motor::{Activity, Control, Motor, MotorStatus},
     pending_transmit::PendingTransmit,
     probe::Probe,
@@ -51,6 +52,10 @@ pub(crate) enum LastDrive {
 /// at that moment at the latest.
 #[derive(Debug)]
 pub struct Bus {
+    /// The model of all motors on the line.
+    pub(crate) model: Model,
+    /// What replies have told about the model.
+    pub(crate) evidence: ModelEvidence,
     pub(crate) motors: Vec<Motor>,
     pub(crate) line: Line,
     pub(crate) receiver: Receiver,
@@ -102,10 +107,18 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// A bus that drives nothing.
+    /// A bus that drives nothing, for DDSM115 motors.
     #[must_use]
     pub fn new(now: Instant) -> Self {
+        Self::with_model(now, Model::Ddsm115)
+    }
+
+    /// A bus that drives nothing, for motors of this model on a line of its baud rate.
+    #[must_use]
+    pub fn with_model(now: Instant, model: Model) -> Self {
         Self {
+            model,
+            evidence: ModelEvidence::default(),
             motors: Vec::new(),
             line: Line::Free {
                 last: Request::IdQuery.frame(),
@@ -143,10 +156,34 @@ impl Bus {
     /// A bus that starts halted, as after Stop all motors: nothing drives until Release.
     #[must_use]
     pub fn halted(now: Instant) -> Self {
+        Self::new(now).into_halted()
+    }
+
+    /// This bus, halted.
+    #[must_use]
+    pub fn into_halted(self) -> Self {
         Self {
             halted: true,
-            ..Self::new(now)
+            ..self
         }
+    }
+
+    /// The model of all motors on the line.
+    #[must_use]
+    pub const fn model(&self) -> Model {
+        self.model
+    }
+
+    /// Whether a motor has answered as this model.
+    #[must_use]
+    pub const fn model_known(&self) -> bool {
+        self.evidence.own
+    }
+
+    /// The other model that replies have shown, if any.
+    #[must_use]
+    pub const fn other_model(&self) -> Option<Model> {
+        self.evidence.other
     }
 
     /// Whether Stop all motors is in force.

@@ -3,7 +3,7 @@
 use std::{fmt, time::Duration};
 
 use motorlink_protocol::{
-    AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Rpm, Setpoint,
+    AssignableId, CurrentTarget, Faults, Frame, Mode, MotorId, Rpm, Setpoint, family::Model,
 };
 
 use crate::{
@@ -223,6 +223,22 @@ pub enum Refusal {
     NotAssignable(u8),
     /// A raw frame asks for the opposite of a current that the motor may still follow.
     ReversesTorque(MotorId),
+    /// Motors of this model have no such loop.
+    NoSuchLoop {
+        /// The model of the line.
+        model: Model,
+        /// The loop.
+        mode: Mode,
+    },
+    /// Motors of this model do not take this speed.
+    AboveSpeedOfModel(Model),
+    /// Replies have shown motors of this model, so a value could be ten times too large.
+    OtherModel {
+        /// The model of the line.
+        expected: Model,
+        /// The model that the replies show.
+        found: Model,
+    },
 }
 
 impl fmt::Display for Refusal {
@@ -300,6 +316,18 @@ impl fmt::Display for Refusal {
             Self::ReversesTorque(id) => write!(
                 f,
                 "Motor {id} may still run at the opposite current. Send 0 first."
+            ),
+            Self::NoSuchLoop { model, mode } => {
+                write!(f, "A {model} has no {mode}. Choose another loop.")
+            }
+            Self::AboveSpeedOfModel(model) => write!(
+                f,
+                "A {model} takes at most {} rpm. Set less.",
+                model.spec().speed_rpm_max
+            ),
+            Self::OtherModel { expected, found } => write!(
+                f,
+                "A {found} answers on this line, not a {expected}. Choose the {found} in Settings, or remove it from the line."
             ),
             Self::NotAssignable(id) => write!(
                 f,

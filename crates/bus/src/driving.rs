@@ -161,6 +161,7 @@ pub(crate) fn is_rest(setpoint: Setpoint) -> bool {
     match setpoint {
         Setpoint::Velocity { speed, .. } => speed.rpm() == 0,
         Setpoint::Current(current) => current.raw() == 0,
+        Setpoint::OpenLoop(target) => target.raw() == 0,
         Setpoint::Brake => true,
         Setpoint::Position(_) => false,
     }

@@ -1,6 +1,6 @@
 //! Events of the bus.
 
-use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm};
+use motorlink_protocol::{AssignableId, Faults, Mode, MotorId, Rpm, family::Model};
 
 use crate::{
     id_change::outcome::IdChangeOutcome, limits::ExceededLimit, line_event::LineEvent,
@@ -58,6 +58,15 @@ pub enum Event {
     StopBegan(StopReason),
     /// Every motor of the stop stands, or its stop window has ended.
     StopEnded(StopReport),
+    /// Replies show motors of another model. Nothing drives on this line any more.
+    OtherModel {
+        /// The model of the line.
+        expected: Model,
+        /// The model that the replies show. A DDSM115 stands for a DDSM315 too.
+        found: Model,
+    },
+    /// A driver board answers in JSON: it is not switched to its plain bridge.
+    AnswersInJson,
     /// Ping the page. It answers through [`Bus::page_answered`](crate::Bus::page_answered).
     PingPage,
 }
@@ -98,6 +107,8 @@ pub enum StopReason {
     Job,
     /// The operator or the bus stops one motor or group.
     OneMotor,
+    /// A reply shows a motor of another model.
+    OtherModel,
 }
 
 /// Why the bus withdrew a setpoint.

@@ -117,7 +117,10 @@ impl Limits {
         match setpoint {
             Setpoint::Velocity { speed, .. } => speed.rpm().unsigned_abs() <= self.speed_rpm,
             // The drawn current differs from the setpoint, and a short excess is tolerated.
-            Setpoint::Current(_) | Setpoint::Position(_) | Setpoint::Brake => true,
+            Setpoint::Current(_)
+            | Setpoint::OpenLoop(_)
+            | Setpoint::Position(_)
+            | Setpoint::Brake => true,
         }
     }
 

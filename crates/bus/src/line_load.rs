@@ -17,6 +17,8 @@ impl Bus {
     pub fn line_status(&self, now: Instant) -> LineStatus {
         let [drive, query, other, waiting] = self.line_use.shares(now);
         LineStatus {
+            model: self.model,
+            model_known: self.model_known(),
             exchanges_hz: self.line_use.exchanges_hz(now),
             drive_per_mille: drive,
             query_per_mille: query,

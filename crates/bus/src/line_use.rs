@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Request};
+use motorlink_protocol::{Frame, Instant, Request, family::Model};
 
 use crate::{
     counters::Counters,
@@ -17,6 +17,10 @@ use crate::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LineStatus {
+    /// The model of all motors on the line.
+    pub model: Model,
+    /// Whether a motor has answered as this model. Before that nothing drives.
+    pub model_known: bool,
     /// Answered exchanges per second, over the last second.
     pub exchanges_hz: u16,
     /// Drive and stop frames with their replies, per mille.

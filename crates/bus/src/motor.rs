@@ -202,8 +202,12 @@ impl Motor {
         self.other_loop = None;
         self.count_reply();
         match reply.detail {
-            Detail::Drive { position } => self.position = Some((at, position)),
-            Detail::Query { temperature, .. } => self.temperature = Some((at, temperature)),
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
+                self.position = Some((at, position));
+            }
+            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
+                self.temperature = Some((at, temperature));
+            }
             Detail::Undetermined(_) => {}
         }
         std::mem::take(&mut self.silent)
@@ -244,7 +248,9 @@ impl Motor {
                 (position.degrees(), fits)
             }
             Detail::Drive { position } => (position.degrees(), true),
-            Detail::Undetermined(_) => return Some(layout),
+            Detail::Undetermined(_) | Detail::Temperature(_) | Detail::Odometry { .. } => {
+                return Some(layout);
+            }
         };
         // Both filters see every reading.
         let follows = self

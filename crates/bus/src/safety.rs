@@ -36,7 +36,9 @@ pub const fn stop_plan(fresh: Option<Mode>, last: Option<Mode>) -> StopPlan {
         (Some(Mode::Velocity), _) => StopPlan::Brake,
         // A motor leaves a loop by itself only through a power cycle, which ends in the velocity
         // loop. So a motor that was not in the position loop is not in it now.
-        (Some(Mode::Current), _) | (None, Some(Mode::Velocity | Mode::Current)) => {
+        // Zero in the open loop is no voltage.
+        (Some(Mode::Current | Mode::OpenLoop), _)
+        | (None, Some(Mode::Velocity | Mode::Current | Mode::OpenLoop)) => {
             StopPlan::BrakeWhileSwitching
         }
         (Some(Mode::Position), _) | (None, Some(Mode::Position) | None) => {
@@ -47,16 +49,17 @@ pub const fn stop_plan(fresh: Option<Mode>, last: Option<Mode>) -> StopPlan {
 
 /// The frame to send while a driven motor switches loops, harmless in both.
 ///
-/// Zero is 0 rpm and 0 A. No frame is harmless in the position loop and another loop: any angle
+/// Zero is 0 rpm, 0 A and no voltage. No frame is harmless in the position loop and another loop: any angle
 /// would be read as a speed or a current, and zero as "turn to 0 degrees". Then the drive frames
 /// pause.
 #[must_use]
 pub(crate) fn neutral_between(from: Mode, to: Mode) -> Option<Drive> {
     match (from, to) {
         (Mode::Position, _) | (_, Mode::Position) => None,
-        (Mode::Velocity | Mode::Current, Mode::Velocity | Mode::Current) => {
-            Some(Setpoint::Current(CurrentTarget::ZERO).into())
-        }
+        (
+            Mode::Velocity | Mode::Current | Mode::OpenLoop,
+            Mode::Velocity | Mode::Current | Mode::OpenLoop,
+        ) => Some(Setpoint::Current(CurrentTarget::ZERO).into()),
     }
 }
 

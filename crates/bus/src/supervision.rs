@@ -1,6 +1,8 @@
 //! Periodic checks of every motor: setpoints, mode switches, stops, silence.
 
-use motorlink_protocol::{CurrentTarget, Faults, Instant, Mode, Rpm, Setpoint, SpeedTarget};
+use motorlink_protocol::{
+    CurrentTarget, Faults, Instant, Mode, OpenLoopTarget, Rpm, Setpoint, SpeedTarget,
+};
 
 use crate::{
     bus::Bus,
@@ -104,6 +106,7 @@ fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>, faulty: bool)
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),
+        Mode::OpenLoop => Some(Setpoint::OpenLoop(OpenLoopTarget::ZERO)),
         Mode::Position => None,
     };
     let goal = switch

@@ -2,8 +2,8 @@
 //! programs; the English here is the same.
 
 use motorlink_protocol::{
-    Current, Detail, Drive, Explained, Fault, Faults, Mode, MotorIdError, NotAssignable, Position,
-    Reply, ReplyError, Request, RequestError, Rpm, UnknownMode,
+    Current, Detail, Drive, Explained, Fault, Faults, Mode, MotorIdError, NotAssignable,
+    OpenLoopTarget, Position, Reply, ReplyError, Request, RequestError, Rpm, UnknownMode,
 };
 
 use crate::{current_language, tr};
@@ -21,6 +21,7 @@ pub fn in_language(number: String) -> String {
 #[must_use]
 pub fn mode(mode: Mode) -> &'static str {
     match mode {
+        Mode::OpenLoop => tr!("open loop"),
         Mode::Current => tr!("current loop"),
         Mode::Velocity => tr!("velocity loop"),
         Mode::Position => tr!("position loop"),
@@ -34,8 +35,11 @@ pub fn fault(fault: Fault) -> &'static str {
         Fault::Sensor => tr!("sensor"),
         Fault::BusOvercurrent => tr!("bus overcurrent"),
         Fault::PhaseOvercurrent => tr!("phase overcurrent"),
+        Fault::Overcurrent => tr!("overcurrent"),
         Fault::Stall => tr!("stall"),
         Fault::OverTemperature => tr!("over-temperature"),
+        Fault::Disconnected => tr!("disconnected"),
+        Fault::Voltage => tr!("over- or undervoltage"),
     }
 }
 
@@ -101,6 +105,10 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
         None => tr!("drive, value {value}", value = drive.signed()),
         Some(Mode::Velocity) if drive.brakes() => tr!("drive, brake").to_owned(),
         Some(Mode::Velocity) => tr!("drive {goal}", goal = Rpm::new(drive.signed())),
+        Some(Mode::OpenLoop) => tr!(
+            "drive {goal}",
+            goal = in_language(OpenLoopTarget::nearest(drive.signed()).to_string())
+        ),
         Some(Mode::Current) => tr!(
             "drive {goal}",
             goal = in_language(Current::from_raw(drive.signed()).to_string())
@@ -136,6 +144,10 @@ fn received(reply: &Reply) -> String {
             );
         }
         Detail::Undetermined(_) => {}
+        Detail::Temperature(temperature) => said = format!("{said}, {temperature}"),
+        Detail::Odometry { position, .. } => {
+            said = format!("{said}, {}", in_language(position.to_string()));
+        }
     }
     if reply.mode != Mode::Velocity {
         said = format!("{said}, {}", mode(reply.mode));

@@ -9,7 +9,7 @@ use motorlink_bus::{
     Command, IdChangeOutcome, IdQueryOutcome, JobStatus, LineStatus, MotorStatus, RawStatus,
     Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
 };
-use motorlink_protocol::{AssignableId, Instant, Mode, MotorId};
+use motorlink_protocol::{AssignableId, Instant, Mode, MotorId, family::Model};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod adapter;
@@ -35,6 +35,8 @@ pub enum ToWorker {
         candidates: Vec<PortRef>,
         /// The motor that the page would like to find.
         wanted: MotorId,
+        /// The model of the motors.
+        model: ModelChoice,
     },
     /// Open the built-in virtual bus.
     ConnectVirtual,
@@ -59,6 +61,25 @@ pub enum ToWorker {
     },
     /// Make the virtual line ill in one way, or well. Starts no motion; nothing on a real line.
     VirtualWire(VirtualWire),
+}
+
+/// Which model the motors of a line are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ModelChoice {
+    /// The model to begin with.
+    pub model: Model,
+    /// Whether the worker takes another model if none answers as this one. A DDSM115 and a DDSM315 cannot be
+    /// told apart: it never takes one for the other.
+    pub detect: bool,
+}
+
+impl Default for ModelChoice {
+    fn default() -> Self {
+        Self {
+            model: Model::Ddsm115,
+            detect: true,
+        }
+    }
 }
 
 /// A serial port as the page sees it. Port objects cannot be posted, but `getPorts()` lists them in
@@ -198,6 +219,15 @@ pub enum Notice {
         /// Why.
         reason: WithdrawReason,
     },
+    /// Replies show motors of another model; what was driven is being stopped.
+    OtherModel {
+        /// The model of the line.
+        expected: Model,
+        /// The model that the replies show.
+        found: Model,
+    },
+    /// A driver board answers in JSON.
+    AnswersInJson,
     /// A motor has not answered for two seconds.
     MotorSilent(MotorId),
     /// A silent motor answers again.
@@ -266,6 +296,7 @@ mod tests {
                 }),
             }],
             wanted: id,
+            model: ModelChoice::default(),
         });
         let outcome = StopOutcome {
             id,

@@ -6,6 +6,7 @@ use crate::{
     frame::Frame,
     measured::{Current, Position, Rpm},
     mode::Mode,
+    open_loop::OpenLoopTarget,
     reply::{Detail, Layout, Reply, ReplyError},
     request::{Request, RequestError},
     setpoint::Drive,
@@ -77,6 +78,7 @@ fn driven(f: &mut fmt::Formatter<'_>, drive: Drive, mode: Option<Mode>) -> fmt::
         None => write!(f, "drive, value {}", drive.signed())?,
         Some(Mode::Velocity) if drive.brakes() => f.write_str("drive, brake")?,
         Some(Mode::Velocity) => write!(f, "drive {}", Rpm::new(drive.signed()))?,
+        Some(Mode::OpenLoop) => write!(f, "drive {}", OpenLoopTarget::nearest(drive.signed()))?,
         Some(Mode::Current) => write!(f, "drive {}", Current::from_raw(drive.signed()))?,
         Some(Mode::Position) => {
             write!(f, "drive to {}", Position::from_raw(drive.unsigned()))?;
@@ -102,6 +104,10 @@ fn received(f: &mut fmt::Formatter<'_>, reply: &Reply) -> fmt::Result {
             )?;
         }
         Detail::Undetermined(_) => write!(f, "{}, {}", reply.speed, reply.current)?,
+        Detail::Temperature(temperature) => {
+            write!(f, "{}, {}, {temperature}", reply.speed, reply.current)?;
+        }
+        Detail::Odometry { turns, position } => write!(f, "{turns} turns, {position}")?,
     }
     if reply.mode != Mode::Velocity {
         write!(f, ", {}", reply.mode)?;

@@ -1,132 +1,162 @@
-//! Byte 8 of a reply.
+//! The fault byte of every model.
 
 use core::fmt;
 
-/// A protection or defect that the motor reports.
+use crate::family::Model;
+
+/// A protection or defect that a motor reports.
 ///
-/// | bit | fault | trips at | clears |
+/// | bit | DDSM115, DDSM315 | DDSM210 | DDSM400 |
 /// |---|---|---|---|
-/// | 0 | sensor | encoder defect | not known |
-/// | 1 | bus overcurrent | 3 A | after 5 s |
-/// | 2 | phase overcurrent | 4.6 A | after 5 s |
-/// | 3 | stall | blocked over 5 s | after 5 s |
-/// | 4 | over-temperature | 80 °C | below 75 °C |
+/// | 0 | sensor | | sensor |
+/// | 1 | bus overcurrent | overcurrent | overcurrent |
+/// | 2 | phase overcurrent | | |
+/// | 3 | stall | | stall |
+/// | 4 | over-temperature | over-temperature | over-temperature |
+/// | 5 | | | disconnected |
+/// | 6 | | | over- or undervoltage |
 ///
-/// Source: the maker's manual. One published table calls bit 4 "troubleshooting".
+/// Source: the maker's manual for the DDSM115, two clients for the others. One published table calls bit 4
+/// of a DDSM115 "troubleshooting".
+///
+/// | of a DDSM115 | trips at | clears |
+/// |---|---|---|
+/// | sensor | encoder defect | not known |
+/// | bus overcurrent | 3 A | after 5 s |
+/// | phase overcurrent | 4.6 A | after 5 s |
+/// | stall | blocked over 5 s | after 5 s |
+/// | over-temperature | 80 °C | below 75 °C |
+///
+/// When a protection of the others trips and clears is not published, except the 80 °C of a DDSM210.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Fault {
     /// The encoder fails.
     Sensor,
-    /// More than 3 A from the supply.
+    /// The supply current is too high.
     BusOvercurrent,
-    /// More than 4.6 A in a phase.
+    /// A phase current is too high.
     PhaseOvercurrent,
-    /// The wheel was blocked for more than 5 s.
+    /// Too much current, of the supply or of a phase.
+    Overcurrent,
+    /// The wheel is blocked.
     Stall,
-    /// The winding reached 80 °C.
+    /// The winding is too hot.
     OverTemperature,
+    /// The motor reports that it is disconnected. No source says from what.
+    Disconnected,
+    /// The supply voltage is too high or too low.
+    Voltage,
 }
 
 impl Fault {
-    /// All of them, in the order of their bits.
-    pub const ALL: [Self; 5] = [
-        Self::Sensor,
-        Self::BusOvercurrent,
-        Self::PhaseOvercurrent,
-        Self::Stall,
-        Self::OverTemperature,
-    ];
-
-    /// Its bit in byte 8.
+    /// Its bit in the fault byte.
     #[must_use]
     pub const fn mask(self) -> u8 {
         match self {
             Self::Sensor => 1,
-            Self::BusOvercurrent => 1 << 1,
+            Self::BusOvercurrent | Self::Overcurrent => 1 << 1,
             Self::PhaseOvercurrent => 1 << 2,
             Self::Stall => 1 << 3,
             Self::OverTemperature => 1 << 4,
+            Self::Disconnected => 1 << 5,
+            Self::Voltage => 1 << 6,
         }
     }
 
-    /// Its name.
+    /// Short name, in lower case.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Sensor => "sensor",
             Self::BusOvercurrent => "bus overcurrent",
             Self::PhaseOvercurrent => "phase overcurrent",
+            Self::Overcurrent => "overcurrent",
             Self::Stall => "stall",
             Self::OverTemperature => "over-temperature",
+            Self::Disconnected => "disconnected",
+            Self::Voltage => "over- or undervoltage",
         }
     }
 }
 
-/// The fault byte: every fault that is active. Reserved bits are kept as they came.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
+impl Default for Faults {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+/// The fault byte: every fault that is active, by the names of the model. Bits without a name are kept
+/// as they came.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Faults(u8);
+pub struct Faults {
+    byte: u8,
+    model: Model,
+}
 
 impl Faults {
     /// No fault.
-    pub const NONE: Self = Self(0);
+    pub const NONE: Self = Self::from_byte(0);
 
-    /// Every bit that has a name.
-    const NAMED: u8 = 0b0001_1111;
-
-    /// From byte 8.
+    /// From the fault byte of a DDSM115.
     #[must_use]
     pub const fn from_byte(byte: u8) -> Self {
-        Self(byte)
+        Self::of(Model::Ddsm115, byte)
     }
 
-    /// Byte 8 as it came.
+    /// From the fault byte of this model.
+    #[must_use]
+    pub const fn of(model: Model, byte: u8) -> Self {
+        Self { byte, model }
+    }
+
+    /// The fault byte as it came.
     #[must_use]
     pub const fn byte(self) -> u8 {
-        self.0
+        self.byte
     }
 
-    /// Whether byte 8 is zero.
+    /// Whether the fault byte is zero.
     #[must_use]
     pub const fn is_none(self) -> bool {
-        self.0 == 0
+        self.byte == 0
     }
 
-    /// Whether a fault that has a name is active. Reserved bits say nothing that one could act on.
+    /// Whether a fault that has a name is active.
     #[must_use]
-    pub const fn any_named(self) -> bool {
-        self.0 & Self::NAMED != 0
+    pub fn any_named(self) -> bool {
+        self.iter().next().is_some()
     }
 
-    /// Whether this fault is active.
+    /// Whether this fault is active. A model without it never has it.
     #[must_use]
-    pub const fn contains(self, fault: Fault) -> bool {
-        self.0 & fault.mask() != 0
+    pub fn contains(self, fault: Fault) -> bool {
+        self.iter().any(|active| active == fault)
     }
 
     /// This set with one more fault.
     #[must_use]
     pub const fn with(self, fault: Fault) -> Self {
-        Self(self.0 | fault.mask())
+        Self::of(self.model, self.byte | fault.mask())
     }
 
     /// This set without one fault.
     #[must_use]
     pub const fn without(self, fault: Fault) -> Self {
-        Self(self.0 & !fault.mask())
+        Self::of(self.model, self.byte & !fault.mask())
     }
 
     /// The active faults in the order of their bits.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
-        Fault::ALL
-            .into_iter()
-            .filter(move |fault| self.contains(*fault))
+        let all = self.model.spec().faults.iter().copied();
+        all.filter(move |fault| self.byte & fault.mask() != 0)
     }
 
     /// Bits that are set but have no name, 0 if none.
     #[must_use]
-    pub const fn unknown_bits(self) -> u8 {
-        self.0 & !Self::NAMED
+    pub fn unknown_bits(self) -> u8 {
+        self.iter()
+            .fold(self.byte, |rest, fault| rest & !fault.mask())
     }
 }
 
@@ -150,6 +180,6 @@ impl fmt::Display for Faults {
 
 impl fmt::Debug for Faults {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{self} (0x{:02X})", self.0)
+        write!(f, "{self} (0x{:02X})", self.byte)
     }
 }

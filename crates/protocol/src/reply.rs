@@ -66,6 +66,16 @@ pub enum Detail {
     },
     /// The request is unknown, so the bytes have no meaning.
     Undetermined([u8; 2]),
+    /// Of a drive reply in separate frames, which has no position.
+    Temperature(Celsius),
+    /// Of an odometry reply in separate frames. It has neither speed nor current: those are the last
+    /// ones, the speed by two such replies if the motor is not driven.
+    Odometry {
+        /// Whole turns since power-up.
+        turns: i32,
+        /// The angle within the turn.
+        position: Position,
+    },
 }
 
 /// Why ten bytes are no reply.
@@ -158,6 +168,8 @@ impl Detail {
                 position,
             } => [temperature.degrees(), position.raw()],
             Self::Undetermined(bytes) => bytes,
+            Self::Temperature(temperature) => [temperature.degrees(), 0],
+            Self::Odometry { position, .. } => position.raw().to_be_bytes(),
         }
     }
 }

@@ -4,6 +4,7 @@ use core::fmt;
 
 use crate::{
     mode::Mode,
+    open_loop::OpenLoopTarget,
     target::{Acceleration, CurrentTarget, PositionTarget, SpeedTarget},
 };
 
@@ -27,6 +28,8 @@ pub enum Setpoint {
     Current(CurrentTarget),
     /// Go to an angle and hold it.
     Position(PositionTarget),
+    /// Put a share of the supply on the windings. Only of a model with separate frames.
+    OpenLoop(OpenLoopTarget),
 }
 
 impl Setpoint {
@@ -46,6 +49,7 @@ impl Setpoint {
             Self::Velocity { .. } | Self::Brake => Mode::Velocity,
             Self::Current(_) => Mode::Current,
             Self::Position(_) => Mode::Position,
+            Self::OpenLoop(_) => Mode::OpenLoop,
         }
     }
 }
@@ -58,6 +62,7 @@ impl fmt::Display for Setpoint {
             Self::Brake => f.write_str("brake"),
             Self::Current(target) => target.fmt(f),
             Self::Position(target) => target.fmt(f),
+            Self::OpenLoop(target) => target.fmt(f),
         }
     }
 }
@@ -124,6 +129,7 @@ impl From<Setpoint> for Drive {
             },
             Setpoint::Current(target) => plain(target.raw().to_be_bytes()),
             Setpoint::Position(target) => plain(target.raw().to_be_bytes()),
+            Setpoint::OpenLoop(target) => plain(target.raw().to_be_bytes()),
         }
     }
 }

@@ -218,6 +218,7 @@ macro_rules! through_i32 {
         }
     )*};
 }
+pub(crate) use through_i32;
 through_i32!(SpeedTarget, CurrentTarget, PositionTarget);
 
 /// Byte 6 of a drive frame in the velocity loop: a time per rpm, so *larger is gentler*.

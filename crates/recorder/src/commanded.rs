@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{LineEvent, LineEventKind};
-use motorlink_protocol::{Current, Frame, Instant, Mode, Position, Request, Rpm};
+use motorlink_protocol::{Current, Frame, Instant, Mode, OpenLoopTarget, Position, Request, Rpm};
 
 /// How long a drive frame counts as the command. It does not latch, so that the wheel coasts when such frames
 /// stop. At the lowest command rate, 1 Hz, the next one comes after a second; the rest is for a delayed line.
@@ -26,6 +26,7 @@ pub(crate) enum CommandedValue {
     Speed(Rpm),
     Current(Current),
     Position(Position),
+    OpenLoop(OpenLoopTarget),
 }
 
 impl Commanded {
@@ -34,6 +35,7 @@ impl Commanded {
         match self.mode {
             Mode::Velocity => CommandedValue::Speed(Rpm::new(signed)),
             Mode::Current => CommandedValue::Current(Current::from_raw(signed)),
+            Mode::OpenLoop => CommandedValue::OpenLoop(OpenLoopTarget::nearest(signed)),
             Mode::Position => {
                 CommandedValue::Position(Position::from_raw(u16::from_be_bytes(self.value)))
             }

@@ -67,7 +67,9 @@ fn close(shared: &Shared, then: AfterClosing) {
         }
         match then.0 {
             Some(ToWorker::ConnectVirtual) => open_virtual(&shared),
-            Some(ToWorker::ConnectSerial { candidates, wanted }) => {
+            Some(ToWorker::ConnectSerial {
+                candidates, wanted, ..
+            }) => {
                 open_serial(&shared, candidates, wanted).await;
             }
             _ => {}

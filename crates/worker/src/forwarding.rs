@@ -40,6 +40,8 @@ pub(crate) fn forward(outbox: &mut Outbox, open: &OpenSession, event: Event) {
             reported,
         },
         Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
+        Event::OtherModel { expected, found } => Notice::OtherModel { expected, found },
+        Event::AnswersInJson => Notice::AnswersInJson,
         Event::MotorSilent(id) => Notice::MotorSilent(id),
         Event::MotorBack(id) => Notice::MotorBack(id),
         Event::StopBegan(reason) => Notice::StopBegan(reason),

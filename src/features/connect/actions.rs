@@ -1,7 +1,7 @@
 //! From a press of Connect to the message to the worker.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_messages::{PortRef, ToWorker};
+use motorlink_messages::{ModelChoice, PortRef, ToWorker};
 
 use crate::{
     link::serial_ports::{self, PickTrouble},
@@ -55,7 +55,11 @@ impl Connect {
             .notices
             .update(|board| board.withdraw(Topic::Port));
         let wanted = self.page.selected.get_untracked();
-        self.ask_to_connect(ToWorker::ConnectSerial { candidates, wanted });
+        self.ask_to_connect(ToWorker::ConnectSerial {
+            candidates,
+            wanted,
+            model: ModelChoice::default(),
+        });
     }
 
     /// Sends the last request that was made before the worker was ready.

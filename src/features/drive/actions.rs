@@ -22,7 +22,10 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{Activity, Command, Consent, needs_consent},
-    protocol::{Acceleration, CurrentTarget, Mode, MotorId, PositionTarget, Setpoint, SpeedTarget},
+    protocol::{
+        Acceleration, CurrentTarget, Mode, MotorId, OpenLoopTarget, PositionTarget, Setpoint,
+        SpeedTarget,
+    },
 };
 
 /// The storage key of the targets: speed, acceleration, current and position, with spaces between.
@@ -83,6 +86,7 @@ impl Targets {
             Mode::Position => Setpoint::Position(
                 PositionTarget::new(self.position.get_untracked()).unwrap_or_default(),
             ),
+            Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::ZERO),
         }
     }
 

@@ -17,7 +17,7 @@ pub(crate) fn stop_of(id: MotorId, activity: Option<Activity>, tab: Tab) -> Opti
         Some(Activity::Driven { setpoint }) => setpoint.mode(),
         Some(Activity::Switching { .. } | Activity::DrivenRaw) => return Some(Command::Stop(id)),
         _ => match tab {
-            Tab::Loop(Mode::Current | Mode::Position) => return None,
+            Tab::Loop(Mode::OpenLoop | Mode::Current | Mode::Position) => return None,
             Tab::Loop(Mode::Velocity) | Tab::IdManager | Tab::RawHex => {
                 return Some(Command::Stop(id));
             }
@@ -31,6 +31,7 @@ pub(crate) fn stop_of(id: MotorId, activity: Option<Activity>, tab: Tab) -> Opti
             consent: Consent::None,
         },
         Mode::Position => Command::Hold(id),
+        Mode::OpenLoop => Command::Stop(id),
     })
 }
 

@@ -47,7 +47,7 @@ impl LineCard {
             match sample.reply.detail {
                 Detail::Drive { .. } => self.drive_reply = Some(sample.reply),
                 Detail::Query { .. } => self.query_reply = Some(sample.reply),
-                Detail::Undetermined(_) => {}
+                Detail::Temperature(_) | Detail::Odometry { .. } | Detail::Undetermined(_) => {}
             }
         }
     }

@@ -183,7 +183,7 @@ fn next_with_motor(session: &Session, id: MotorId) -> String {
             tr!("Keep fingers clear of the wheel and press +50, or set a speed and press Start.")
                 .to_owned()
         }
-        (_, Mode::Current) => {
+        (_, Mode::Current | Mode::OpenLoop) => {
             tr!("Set a current and press Start. An unloaded wheel accelerates to full speed.")
                 .to_owned()
         }

@@ -8,6 +8,8 @@ use motorlink_messages::protocol::{Fault, Faults, MotorId};
 pub(crate) struct Occurrence {
     /// Its bit in the fault byte.
     bit: u8,
+    /// What the bit means, if it has a name.
+    fault: Option<Fault>,
     pub(crate) came_ms: f64,
     pub(crate) end: End,
     /// Whether the user has marked it as seen.
@@ -44,13 +46,10 @@ struct Record {
 impl Occurrence {
     /// `stall`, or `bit 0x20` for a fault without a name.
     pub(crate) fn name(&self) -> String {
-        Fault::ALL
-            .into_iter()
-            .find(|fault| fault.mask() == self.bit)
-            .map_or_else(
-                || tr!("bit {byte}", byte = format!("0x{:02X}", self.bit)),
-                |fault| terms::fault(fault).to_owned(),
-            )
+        self.fault.map_or_else(
+            || tr!("bit {byte}", byte = format!("0x{:02X}", self.bit)),
+            |fault| terms::fault(fault).to_owned(),
+        )
     }
 }
 
@@ -144,6 +143,7 @@ impl Record {
                 changed = true;
                 self.kept.push(Occurrence {
                     bit,
+                    fault: faults.iter().find(|fault| fault.mask() == bit),
                     came_ms: at_ms,
                     end: End::Active,
                     seen: false,

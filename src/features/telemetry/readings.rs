@@ -83,11 +83,15 @@ impl Readings {
         self.twin.update_value(|feed| {
             for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
                 let (angle, quality) = match sample.reply.detail {
-                    Detail::Drive { position } => (Some(position.degrees()), AngleQuality::Fine),
+                    Detail::Drive { position } | Detail::Odometry { position, .. } => {
+                        (Some(position.degrees()), AngleQuality::Fine)
+                    }
                     Detail::Query { position, .. } => {
                         (Some(position.degrees()), AngleQuality::Coarse)
                     }
-                    Detail::Undetermined(_) => (None, AngleQuality::Coarse),
+                    Detail::Temperature(_) | Detail::Undetermined(_) => {
+                        (None, AngleQuality::Coarse)
+                    }
                 };
                 let at_ms = clock.page_ms(sample.at);
                 feed.sample(

@@ -67,5 +67,6 @@ fn value(setpoint: Setpoint) -> f64 {
         Setpoint::Brake => 0.0,
         Setpoint::Current(current) => current.amps().into(),
         Setpoint::Position(position) => position.degrees().into(),
+        Setpoint::OpenLoop(target) => target.raw().into(),
     }
 }

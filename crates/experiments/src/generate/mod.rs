@@ -78,6 +78,7 @@ pub fn arduino(program: &Program<'_>) -> String {
 pub fn rust(program: &Program<'_>) -> RustFiles {
     let motors = program.plan.motors.iter().map(|motor| {
         let mode = match motor.mode() {
+            Mode::OpenLoop => "OpenLoop",
             Mode::Current => "Current",
             Mode::Velocity => "Velocity",
             Mode::Position => "Position",

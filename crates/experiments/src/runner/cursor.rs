@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Instant, Setpoint};
+use motorlink_protocol::{Instant, OpenLoopTarget, Setpoint};
 
 use super::{
     record::Mark,
@@ -145,6 +145,7 @@ impl Cursor {
         let at_rest = |setpoint| match setpoint {
             Setpoint::Velocity { .. } | Setpoint::Brake => neutral(Quantity::Rpm),
             Setpoint::Current(_) => neutral(Quantity::Amps),
+            Setpoint::OpenLoop(_) => Setpoint::OpenLoop(OpenLoopTarget::ZERO),
             Setpoint::Position(_) => setpoint,
         };
         let setpoints = self.setpoints(plan, passed).into_iter();
@@ -181,6 +182,7 @@ fn value(plan: &Plan, part: Part, at_s: f64) -> f64 {
         Setpoint::Brake => 0.0,
         Setpoint::Current(current) => current.amps().into(),
         Setpoint::Position(position) => position.degrees().into(),
+        Setpoint::OpenLoop(target) => target.raw().into(),
     }
 }
 

@@ -43,6 +43,8 @@ impl Telemetry {
         let (degrees, celsius) = match reply.detail {
             Detail::Drive { position } => (Some(position.degrees()), None),
             Detail::Query { temperature, .. } => (None, Some(temperature.degrees())),
+            Detail::Odometry { position, .. } => (Some(position.degrees()), None),
+            Detail::Temperature(temperature) => (None, Some(temperature.degrees())),
             Detail::Undetermined(_) => (None, None),
         };
         Self {

@@ -300,6 +300,7 @@ impl Operator {
         let fits = match setpoint {
             // A ramp may not have reached it yet.
             Setpoint::Velocity { speed, .. } => within(speed.rpm()),
+            Setpoint::OpenLoop(target) => signed == target.raw() || signed == 0,
             Setpoint::Current(current) => signed == current.raw() || signed == 0,
             Setpoint::Position(target) => raw == target.raw() || holds(id, raw, bus, now),
             Setpoint::Brake => false,

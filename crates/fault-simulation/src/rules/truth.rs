@@ -104,7 +104,8 @@ impl Truth {
         let read = match reply.detail {
             Detail::Drive { position } => position.degrees(),
             Detail::Query { position, .. } => position.degrees(),
-            Detail::Undetermined(_) => return Ok(()),
+            Detail::Odometry { position, .. } => position.degrees(),
+            Detail::Temperature(_) | Detail::Undetermined(_) => return Ok(()),
         };
         if apart(read, *truth) > ANGLE_OFF_MAX_DEG {
             let what = format!("{} reads {read} for {truth} degrees of angle", reply.id);

@@ -13,24 +13,21 @@
 
 mod current;
 mod current_scale;
-mod fault;
-mod faults;
-mod mode;
 mod model;
-mod open_loop;
 mod reading;
 mod request;
 mod setpoint;
 mod spec;
 mod speed;
 
+pub use crate::{
+    faults::{Fault, Faults},
+    mode::Mode,
+    open_loop::OpenLoopTarget,
+};
 pub use current::{Current, CurrentTarget};
 pub use current_scale::CurrentScale;
-pub use fault::Fault;
-pub use faults::Faults;
-pub use mode::Mode;
 pub use model::{Model, UnknownModel};
-pub use open_loop::OpenLoopTarget;
 pub use reading::{DriveReading, Layout, ModeReading, Odometry, Reading, ReadingError};
 pub use request::{Request, RequestError};
 pub use setpoint::{NotOfModel, Setpoint};

@@ -7,19 +7,19 @@
 
 use core::{fmt, str::FromStr, time::Duration};
 
-use crate::frame::FRAME_LEN;
+use crate::{faults::Fault, frame::FRAME_LEN, mode::Mode};
 
 use super::{
     current_scale::CurrentScale,
-    fault::Fault,
-    mode::Mode,
     spec::{FrameSet, Nominal, Spec, Wiring},
 };
 
 /// A hub motor of the family. All motors of a line have the same one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Model {
     /// Waveshare DDSM115, the maker's M0601.
+    #[default]
     Ddsm115,
     /// Waveshare DDSM315, the maker's M0602C. Its frames are those of a DDSM115.
     Ddsm315,

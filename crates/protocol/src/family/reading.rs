@@ -3,15 +3,15 @@
 use core::fmt;
 
 use crate::{
+    faults::Faults,
     frame::Frame,
     measured::{Celsius, Position},
+    mode::Mode,
     motor_id::MotorId,
     reply::{Reply, ReplyError},
 };
 
-use super::{
-    current::Current, faults::Faults, mode::Mode, model::Model, spec::FrameSet, speed::Speed,
-};
+use super::{current::Current, model::Model, spec::FrameSet, speed::Speed};
 
 /// Byte 1 of the replies of a DDSM210; those of a DDSM400 are one higher.
 const DRIVE: u8 = 0x64;

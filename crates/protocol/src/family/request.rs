@@ -4,13 +4,13 @@ use core::fmt;
 
 use crate::{
     frame::Frame,
+    mode::Mode,
     motor_id::{AssignableId, MotorId},
     request as combined,
     setpoint::Drive,
 };
 
 use super::{
-    mode::Mode,
     model::Model,
     reading::{Layout, ModeReading},
     setpoint::{NotOfModel, Setpoint},
@@ -117,11 +117,11 @@ impl Request {
                 return Ok(Frame::with_crc([id.get(), MODE_QUERY, 0, 0, 0, 0, 0, 0, 0]));
             }
             Self::ModeQuery { .. } => return Err(none("mode query")),
-            Self::SwitchMode { id, mode } => match mode.closed() {
-                _ if !model.has(mode) => return Err(NotOfModel::Mode { model, mode }),
-                Some(mode) if !separate => combined::Request::SwitchMode { id, mode },
-                _ => return Ok(switch(id, mode.byte())),
-            },
+            Self::SwitchMode { mode, .. } if !model.has(mode) => {
+                return Err(NotOfModel::Mode { model, mode });
+            }
+            Self::SwitchMode { id, mode } if separate => return Ok(switch(id, mode.byte())),
+            Self::SwitchMode { id, mode } => combined::Request::SwitchMode { id, mode },
             Self::Enable { id, on } if model.spec().needs_enable => {
                 return Ok(switch(id, ModeReading::enabled_byte(on)));
             }
@@ -143,10 +143,7 @@ impl Request {
         Ok(match parsed {
             combined::Request::Drive { id, drive } => Self::Drive { id, drive },
             combined::Request::Query { id } => Self::Query { id },
-            combined::Request::SwitchMode { id, mode } => Self::SwitchMode {
-                id,
-                mode: mode.into(),
-            },
+            combined::Request::SwitchMode { id, mode } => Self::SwitchMode { id, mode },
             combined::Request::IdQuery => Self::IdQuery,
             combined::Request::SetId { id } => Self::SetId { id },
             combined::Request::Raw(_) => {

@@ -3,15 +3,15 @@
 use core::fmt;
 
 use crate::{
+    mode::Mode,
+    open_loop::OpenLoopTarget,
     setpoint::Drive,
     target::{Acceleration, PositionTarget},
 };
 
 use super::{
     current::CurrentTarget,
-    mode::Mode,
     model::Model,
-    open_loop::OpenLoopTarget,
     speed::{Speed, SpeedTarget},
 };
 

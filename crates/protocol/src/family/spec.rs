@@ -2,7 +2,9 @@
 
 use core::time::Duration;
 
-use super::{current_scale::CurrentScale, fault::Fault, mode::Mode};
+use crate::{faults::Fault, mode::Mode};
+
+use super::current_scale::CurrentScale;
 
 /// How the motor is connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

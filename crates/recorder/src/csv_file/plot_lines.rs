@@ -14,7 +14,7 @@
 //!
 //! The cells of all other motors are empty.
 
-use motorlink_protocol::{Detail, Instant, Reply};
+use motorlink_protocol::{Detail, Instant, Reply, Rpm};
 
 use super::{
     cells::Cells,
@@ -95,7 +95,7 @@ fn write_reply(cells: &mut Cells, reply: &Reply) {
     cells.value(|out| push_rpm(out, reply.speed));
     cells.value(|out| push_amps(out, reply.current));
     match reply.detail {
-        Detail::Drive { position } => {
+        Detail::Drive { position } | Detail::Odometry { position, .. } => {
             cells.value(|out| push_scaled(out, position.scaled()));
             cells.unknown();
         }
@@ -104,6 +104,10 @@ fn write_reply(cells: &mut Cells, reply: &Reply) {
             position,
         } => {
             cells.value(|out| push_scaled(out, position.scaled()));
+            cells.value(|out| push_decimal(out, temperature.degrees().into()));
+        }
+        Detail::Temperature(temperature) => {
+            cells.unknown();
             cells.value(|out| push_decimal(out, temperature.degrees().into()));
         }
         Detail::Undetermined(_) => {
@@ -125,6 +129,8 @@ fn write_command(cells: &mut Cells, sample: &Sample) {
         CommandedValue::Speed(speed) => push_rpm(out, speed),
         CommandedValue::Current(current) => push_amps(out, current),
         CommandedValue::Position(position) => push_scaled(out, position.scaled()),
+        // The raw value.
+        CommandedValue::OpenLoop(target) => push_rpm(out, Rpm::new(target.raw())),
     });
     cells.value(|out| push_decimal(out, commanded.mode.byte().into()));
 }

@@ -55,6 +55,7 @@ impl TelemetryLines {
         cells.value(|out| self.times.push(out, clock.utc(sample.at)));
         cells.value(|out| push_decimal(out, reply.id.get().into()));
         cells.plain(match reply.mode {
+            Mode::OpenLoop => "Open loop",
             Mode::Current => "Current",
             Mode::Velocity => "Velocity",
             Mode::Position => "Position",
@@ -62,7 +63,7 @@ impl TelemetryLines {
         cells.value(|out| push_rpm(out, reply.speed));
         cells.value(|out| push_amps(out, reply.current));
         match reply.detail {
-            Detail::Drive { position } => {
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 cells.unknown();
                 cells.value(|out| push_scaled(out, position.scaled()));
             }
@@ -72,6 +73,10 @@ impl TelemetryLines {
             } => {
                 cells.value(|out| push_decimal(out, temperature.degrees().into()));
                 cells.value(|out| push_scaled(out, position.scaled()));
+            }
+            Detail::Temperature(temperature) => {
+                cells.value(|out| push_decimal(out, temperature.degrees().into()));
+                cells.unknown();
             }
             Detail::Undetermined(_) => {
                 cells.unknown();

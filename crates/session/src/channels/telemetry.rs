@@ -119,7 +119,8 @@ fn degrees_of(reply: &Reply) -> Option<f64> {
     match reply.detail {
         Detail::Drive { position } => Some(position.degrees().into()),
         Detail::Query { position, .. } => Some(position.degrees().into()),
-        Detail::Undetermined(_) => None,
+        Detail::Odometry { position, .. } => Some(position.degrees().into()),
+        Detail::Temperature(_) | Detail::Undetermined(_) => None,
     }
 }
 
@@ -142,7 +143,7 @@ impl Reported {
         out.push_str(",\"current_a\":");
         push_scaled(out, current.raw() < 0, current.scaled());
         match detail {
-            Detail::Drive { position } => {
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
                 out.push_str(",\"position_deg\":");
                 push_scaled(out, false, position.scaled());
             }
@@ -152,6 +153,10 @@ impl Reported {
             } => {
                 out.push_str(",\"position_deg\":");
                 push_scaled(out, false, position.scaled());
+                out.push_str(",\"temperature_c\":");
+                push_decimal(out, temperature.degrees().into());
+            }
+            Detail::Temperature(temperature) => {
                 out.push_str(",\"temperature_c\":");
                 push_decimal(out, temperature.degrees().into());
             }
@@ -179,7 +184,7 @@ impl Reported {
         };
         out.push_str(",\"setpoint\":");
         match mode {
-            Mode::Velocity => push_signed(out, drive.signed()),
+            Mode::Velocity | Mode::OpenLoop => push_signed(out, drive.signed()),
             Mode::Current => {
                 let current = motorlink_protocol::Current::from_raw(drive.signed());
                 push_scaled(out, current.raw() < 0, current.scaled());

@@ -119,6 +119,7 @@ fn push_id(out: &mut String, frame: &Frame) {
 
 pub(crate) const fn mode_name(mode: Mode) -> &'static str {
     match mode {
+        Mode::OpenLoop => "open loop",
         Mode::Current => "current",
         Mode::Velocity => "velocity",
         Mode::Position => "position",
@@ -126,7 +127,12 @@ pub(crate) const fn mode_name(mode: Mode) -> &'static str {
 }
 
 fn mode_of(name: &str) -> Option<Mode> {
-    let modes = [Mode::Current, Mode::Velocity, Mode::Position];
+    let modes = [
+        Mode::OpenLoop,
+        Mode::Current,
+        Mode::Velocity,
+        Mode::Position,
+    ];
     modes.into_iter().find(|mode| mode_name(*mode) == name)
 }
 

@@ -187,10 +187,8 @@ impl Firmware {
             self.loops = Loops::Idle;
             return Bridge::Open;
         };
-        if model.has_separate_frames() && self.separate.is_open_loop() {
-            return self.loops.open_loop(drive, sense, winding);
-        }
         match self.mode {
+            Mode::OpenLoop => self.loops.open_loop(drive, sense, winding),
             Mode::Velocity if drive.brakes() => self.loops.brake(),
             Mode::Velocity => self.loops.velocity(model, drive, sense),
             Mode::Current => self.loops.current(model, drive),

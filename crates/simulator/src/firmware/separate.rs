@@ -13,7 +13,7 @@
 
 use motorlink_protocol::{
     Faults, Instant, Mode, MotorId,
-    family::{self, Fault, Layout, ModeReading, Model, Request, RequestError},
+    family::{Fault, Layout, ModeReading, Model, Request, RequestError},
 };
 
 use super::{Firmware, POSITION_MODE_BELOW_RPM, loops::Loops};
@@ -25,11 +25,9 @@ enum Stage {
     Disabled,
     /// Enabled, and ignores them until it is switched to a loop.
     Enabled,
-    /// Obeys them without a loop.
-    OpenLoop,
     /// Obeys them in its loop.
     #[default]
-    Closed,
+    Ready,
 }
 
 /// State that only a motor with separate frames has.
@@ -50,17 +48,13 @@ impl Separate {
         let stage = if model.spec().needs_enable {
             Stage::Disabled
         } else {
-            Stage::Closed
+            Stage::Ready
         };
         Self {
             stage,
             zero_turns: 0.0,
             power_up_turns: turns.floor(),
         }
-    }
-
-    pub(super) fn is_open_loop(self) -> bool {
-        self.stage == Stage::OpenLoop
     }
 
     pub(crate) const fn zero_turns(self) -> f64 {
@@ -78,11 +72,10 @@ impl Firmware {
     }
 
     /// The loop whose drive frames it obeys, if it does.
-    pub(crate) fn active_mode(&self) -> Option<family::Mode> {
+    pub(crate) fn active_mode(&self) -> Option<Mode> {
         match self.separate.stage {
             Stage::Disabled | Stage::Enabled => None,
-            Stage::OpenLoop => Some(family::Mode::OpenLoop),
-            Stage::Closed => Some(self.mode.into()),
+            Stage::Ready => Some(self.mode),
         }
     }
 
@@ -132,18 +125,15 @@ impl Firmware {
         request.reply_layout(model)
     }
 
-    fn switch(&mut self, mode: family::Mode, speed_rpm: f64, turns: f64) {
+    fn switch(&mut self, mode: Mode, speed_rpm: f64, turns: f64) {
         if self.separate.stage == Stage::Disabled || self.active_mode() == Some(mode) {
             return;
         }
-        match mode.closed() {
-            Some(Mode::Position) if speed_rpm.abs() >= POSITION_MODE_BELOW_RPM => return,
-            Some(mode) => {
-                self.mode = mode;
-                self.separate.stage = Stage::Closed;
-            }
-            None => self.separate.stage = Stage::OpenLoop,
+        if mode == Mode::Position && speed_rpm.abs() >= POSITION_MODE_BELOW_RPM {
+            return;
         }
+        self.mode = mode;
+        self.separate.stage = Stage::Ready;
         self.separate.zero_turns = turns;
         self.forget_command();
     }
@@ -168,16 +158,15 @@ impl Firmware {
 
 /// The fault byte of this model for these protections.
 pub(crate) fn fault_byte(model: Model, active: Faults) -> u8 {
-    use motorlink_protocol::Fault as Of115;
     let is_active = |fault: &Fault| match fault {
-        Fault::Sensor => active.contains(Of115::Sensor),
-        Fault::BusOvercurrent => active.contains(Of115::BusOvercurrent),
-        Fault::PhaseOvercurrent => active.contains(Of115::PhaseOvercurrent),
+        Fault::Sensor => active.contains(Fault::Sensor),
+        Fault::BusOvercurrent => active.contains(Fault::BusOvercurrent),
+        Fault::PhaseOvercurrent => active.contains(Fault::PhaseOvercurrent),
         Fault::Overcurrent => {
-            active.contains(Of115::BusOvercurrent) || active.contains(Of115::PhaseOvercurrent)
+            active.contains(Fault::BusOvercurrent) || active.contains(Fault::PhaseOvercurrent)
         }
-        Fault::Stall => active.contains(Of115::Stall),
-        Fault::OverTemperature => active.contains(Of115::OverTemperature),
+        Fault::Stall => active.contains(Fault::Stall),
+        Fault::OverTemperature => active.contains(Fault::OverTemperature),
         // Nothing simulates them.
         Fault::Disconnected | Fault::Voltage => false,
     };

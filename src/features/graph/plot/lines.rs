@@ -59,7 +59,7 @@ pub(crate) fn goal_lines(
         if let Some(value) = standing {
             lines.to(at_us, value);
         }
-        let goal = goal.map(|goal| trace::of_setpoint(mirror.setpoint(goal)));
+        let goal = goal.and_then(|goal| trace::of_setpoint(mirror.setpoint(goal)));
         standing = match goal {
             Some((quantity, value)) if quantity == of => {
                 // The way from one angle to another is ambiguous.

@@ -136,14 +136,15 @@ impl Trace {
     }
 }
 
-/// The quantity and the value of a setpoint. The brake is 0 rpm.
-pub(crate) fn of_setpoint(setpoint: Setpoint) -> (Trace, f32) {
-    match setpoint {
+/// The quantity and the value of a setpoint, if the graph draws it. The brake is 0 rpm.
+pub(crate) fn of_setpoint(setpoint: Setpoint) -> Option<(Trace, f32)> {
+    Some(match setpoint {
         Setpoint::Velocity { speed, .. } => (Trace::Speed, f32::from(speed.rpm())),
         Setpoint::Brake => (Trace::Speed, 0.0),
         Setpoint::Current(target) => (Trace::Current, target.amps()),
         Setpoint::Position(target) => (Trace::Position, target.degrees()),
-    }
+        Setpoint::OpenLoop(_) => return None,
+    })
 }
 
 /// The visible traces, or the one that is compared across motors instead.
@@ -235,12 +236,12 @@ mod tests {
     #[test]
     fn a_goal_belongs_to_the_quantity_it_asks_for() {
         let speed = Setpoint::velocity(SpeedTarget::new(-60).unwrap());
-        assert_eq!(of_setpoint(speed), (Trace::Speed, -60.0));
-        assert_eq!(of_setpoint(Setpoint::Brake), (Trace::Speed, 0.0));
+        assert_eq!(of_setpoint(speed), Some((Trace::Speed, -60.0)));
+        assert_eq!(of_setpoint(Setpoint::Brake), Some((Trace::Speed, 0.0)));
         let current = Setpoint::Current(CurrentTarget::new(-32_767).unwrap());
-        assert_eq!(of_setpoint(current), (Trace::Current, -8.0));
+        assert_eq!(of_setpoint(current), Some((Trace::Current, -8.0)));
         let position = Setpoint::Position(PositionTarget::new(32_767).unwrap());
-        assert_eq!(of_setpoint(position), (Trace::Position, 360.0));
+        assert_eq!(of_setpoint(position), Some((Trace::Position, 360.0)));
     }
 
     #[test]

@@ -114,7 +114,7 @@ impl Painter {
             Some(Setpoint::Position(target)) => {
                 self.goal_angle.rotate(f64::from(target.degrees()));
             }
-            Some(Setpoint::Current(_)) | None => {}
+            Some(Setpoint::Current(_) | Setpoint::OpenLoop(_)) | None => {}
         }
     }
 }
@@ -132,7 +132,7 @@ fn look(view: &View) -> String {
         Some(Setpoint::Velocity { .. } | Setpoint::Brake) => " goal-speed",
         Some(Setpoint::Position(_)) => " goal-angle",
         // The ring is a scale of speeds, so it has no pointer for a current.
-        Some(Setpoint::Current(_)) | None => "",
+        Some(Setpoint::Current(_) | Setpoint::OpenLoop(_)) | None => "",
     };
     let driven = if view.driven { " goal-driven" } else { "" };
     format!("{motion}{goal}{driven}")

@@ -4,13 +4,15 @@ use core::fmt;
 
 use crate::{
     measured::sign,
-    target::{OutOfRange, checked},
+    target::{OutOfRange, checked, through_i32},
 };
 
 /// The share of the supply that the open loop puts on the windings, raw -32767 to 32767.
 ///
 /// No controller limits the speed then, so a small value may turn a free wheel fast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
 pub struct OpenLoopTarget(i16);
 
 impl OpenLoopTarget {
@@ -36,6 +38,12 @@ impl OpenLoopTarget {
         }
     }
 
+    /// The target of a value on the wire. -32768 has no positive counterpart.
+    #[must_use]
+    pub const fn nearest(raw: i16) -> Self {
+        Self(if raw == i16::MIN { -i16::MAX } else { raw })
+    }
+
     /// The raw number.
     #[must_use]
     pub const fn raw(self) -> i16 {
@@ -48,6 +56,8 @@ impl OpenLoopTarget {
         Self(-self.0)
     }
 }
+
+through_i32!(OpenLoopTarget);
 
 /// `+12.5 %`, of full scale.
 impl fmt::Display for OpenLoopTarget {
