@@ -141,7 +141,9 @@ impl HelpTopic {
         match reason {
             WithdrawReason::Silent => Self::NoAnswer,
             WithdrawReason::Fault(_) => Self::Faults,
-            WithdrawReason::OtherLoop { .. } | WithdrawReason::Limit(_) => Self::StoppedByItself,
+            WithdrawReason::OtherLoop { .. }
+            | WithdrawReason::NotEnabled
+            | WithdrawReason::Limit(_) => Self::StoppedByItself,
         }
     }
 }

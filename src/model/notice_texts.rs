@@ -202,6 +202,10 @@ fn of_withdrawal(id: MotorId, reason: WithdrawReason, stopping: &[MotorId]) -> N
             ),
             tr!("Check the motor's power, switch the loop back, then press Start."),
         ),
+        WithdrawReason::NotEnabled => (
+            tr!("it is not enabled any more (power loss)").to_owned(),
+            tr!("Check the motor's power, then press Start."),
+        ),
         WithdrawReason::Limit(exceeded) => (
             terms::exceeded_limit(exceeded),
             tr!("Find the cause before you press Start. The limits are in Settings."),
@@ -238,6 +242,7 @@ pub(crate) fn of_ended_drive(
             reported = terms::mode(reported)
         ),
         WithdrawReason::Silent => tr!("no reply for 200 ms").to_owned(),
+        WithdrawReason::NotEnabled => tr!("it lost power").to_owned(),
         WithdrawReason::Limit(exceeded) => terms::exceeded_limit(exceeded),
     };
     let title = match stopped {

@@ -1,6 +1,6 @@
 //! Replies to a frame that several motors may answer.
 
-use motorlink_protocol::{Instant, Layout, MotorId};
+use motorlink_protocol::{Instant, Layout, MotorId, family::Reading};
 
 use crate::{
     bus::Bus,
@@ -37,37 +37,40 @@ impl Bus {
         let outcome = self.judge_answers(now, only, rest);
         let mut answer = None;
         for piece in &rest.segments {
-            let ReceivedReply { frame, reply } = match piece {
+            let ReceivedReply { frame, reading } = match piece {
                 Segment::Reply(received) => *received,
                 Segment::Junk(junk) => {
                     self.log(now, LineEventKind::Junk(*junk));
                     continue;
                 }
             };
-            if outcome != IdQueryOutcome::One(reply.id) {
+            let id = reading.id();
+            if outcome != IdQueryOutcome::One(id) {
                 // Several replies at once may pass the CRC as a reply of no motor.
                 self.log_received(now, &frame, None);
                 continue;
             }
             if exchange.purpose == Purpose::Control {
-                self.watch(exchange.sent, reply.id).next_query = now;
+                self.watch(exchange.sent, id).next_query = now;
             }
-            let asked = layout.and_then(|layout| match self.motor_mut(reply.id) {
+            let asked = layout.and_then(|layout| match self.motor_mut(id) {
                 Some(motor) => motor.late.layout_of_reply(now, layout),
                 None => Some(layout),
             });
             self.log_received(now, &frame, asked);
             // An unknown motor may have answered too. So a broadcast tells which motors exist, not
             // their state.
-            if only.is_some() {
+            self.evidence.own = true;
+            if let (Some(_), Reading::Combined(reply)) = (only, reading) {
                 // Not `now`: the computer may have slept before the window ended.
                 let at = exchange.last_byte.unwrap_or(exchange.sent);
                 self.record_reply(at, reply.in_layout(asked));
             }
             answer = answer.or(Some((frame, asked)));
         }
+        self.judge_model(now, rest);
         // The other motors, and motors added later, may still answer.
-        let answered = |id: MotorId| rest.replies().any(|received| received.reply.id == id);
+        let answered = |id: MotorId| rest.replies().any(|received| received.reading.id() == id);
         let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));
         for motor in others {
             if layout.is_some() {
@@ -111,7 +114,9 @@ impl Bus {
         }
         let mut replies = rest.replies();
         let one = match (replies.next(), replies.next()) {
-            (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => Some(received.reply.id),
+            (Some(received), None) if rest.junk_bytes <= STRAY_BYTES_MAX => {
+                Some(received.reading.id())
+            }
             _ => None,
         };
         // If another motor is present, it has answered too.

@@ -10,7 +10,7 @@ use crate::{
     exchange::Line,
     job::state::{Job, Proof},
     line_use::LineUse,
-    model_evidence::ModelEvidence,
+    model::evidence::ModelEvidence,
     motor::{Activity, Control, Motor, MotorStatus},
     pending_transmit::PendingTransmit,
     probe::Probe,
@@ -123,7 +123,7 @@ impl Bus {
             line: Line::Free {
                 last: Request::IdQuery.frame(),
             },
-            receiver: Receiver::new(),
+            receiver: Receiver::new(model),
             round_trip: RoundTrip::new(),
             settings: BusSettings::default(),
             last_group: 0,
@@ -180,10 +180,10 @@ impl Bus {
         self.evidence.own
     }
 
-    /// The other model that replies have shown, if any.
+    /// The other model that a frame has shown. A single frame may be noise.
     #[must_use]
-    pub const fn other_model(&self) -> Option<Model> {
-        self.evidence.other
+    pub const fn likely_model(&self) -> Option<Model> {
+        self.evidence.likely()
     }
 
     /// Whether Stop all motors is in force.
@@ -354,12 +354,13 @@ impl Bus {
 
     /// The state of this motor, created if it is new. At most 254 motors, one per address.
     pub(crate) fn watch(&mut self, now: Instant, id: MotorId) -> &mut Motor {
+        let model = self.model;
         let place = self
             .motors
             .iter()
             .position(|motor| motor.id == id)
             .unwrap_or_else(|| {
-                let mut motor = Motor::new(now, id);
+                let mut motor = Motor::new(now, model, id);
                 let last_id_query = self
                     .last_id_query
                     .filter(|sent| now.since(*sent) < ID_QUERY_FORGOTTEN);

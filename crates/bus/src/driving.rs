@@ -23,6 +23,10 @@ impl Bus {
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
         self.check_not_in_group(id)?;
+        let model = self.model;
+        if !model.has(mode) {
+            return Err(Refusal::NoSuchLoop { model, mode });
+        }
         let motor = self.watch(now, id);
         if mode == Mode::Position {
             check_position_switch(id, motor.fresh_speed(now))?;
@@ -50,6 +54,7 @@ impl Bus {
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.settings.limits;
+        let model = self.model;
         let motor = self.watch(now, id);
         let known = motor.known(now);
         let speed = motor.fresh_speed(now);
@@ -57,14 +62,15 @@ impl Bus {
             Control::Stopping(_) => return Err(Refusal::Stopping(id)),
             Control::Switching(switch) => {
                 let reported = Some(switch.to);
-                check_drive(id, setpoint, consent, limits, Known { reported, ..known })?;
+                let known = Known { reported, ..known };
+                check_drive(model, id, setpoint, consent, limits, known)?;
                 switch.queued_setpoint = Some(setpoint);
             }
             Control::Driven(driven) => {
                 // The motor already gets values of this loop, so a zero makes nothing worse.
                 let comes_to_rest = is_rest(setpoint) && setpoint.mode() == driven.goal.mode();
                 if !comes_to_rest {
-                    check_drive(id, setpoint, consent, limits, known)?;
+                    check_drive(model, id, setpoint, consent, limits, known)?;
                 }
                 // A command takes effect at once, at any command rate.
                 *driven = Driven {
@@ -78,7 +84,7 @@ impl Bus {
                 }
             }
             Control::Idle => {
-                check_drive(id, setpoint, consent, limits, known)?;
+                check_drive(model, id, setpoint, consent, limits, known)?;
                 motor.control = Control::Driven(Driven::begin(now, setpoint, speed));
                 motor.may_turn = true;
             }
@@ -112,6 +118,7 @@ impl Bus {
     }
 
     pub(crate) fn hold(&mut self, now: Instant, id: MotorId) -> Result<(), Refusal> {
+        let has_separate_frames = self.model.has_separate_frames();
         let motor = self.motor_mut(id).ok_or(Refusal::NotHolding(id))?;
         let Control::Driven(driven) = &mut motor.control else {
             return Err(Refusal::NotHolding(id));
@@ -123,7 +130,13 @@ impl Bus {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         }
-        let Some((hold, angle)) = motor.angle_estimate.hold(now) else {
+        // With separate frames an angle is asked for from where the loop was entered, and reported from
+        // elsewhere.
+        let estimate = motor
+            .angle_estimate
+            .hold(now)
+            .filter(|_| !has_separate_frames);
+        let Some((hold, angle)) = estimate else {
             self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             return Ok(());
         };
@@ -147,7 +160,11 @@ impl Bus {
         }
     }
 
-    pub(crate) const fn check_not_halted(&self) -> Result<(), Refusal> {
+    pub(crate) fn check_not_halted(&self) -> Result<(), Refusal> {
+        if let Some(found) = self.evidence.other {
+            let expected = self.model;
+            return Err(Refusal::OtherModel { expected, found });
+        }
         if self.halted {
             Err(Refusal::Halted)
         } else {

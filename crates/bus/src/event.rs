@@ -127,6 +127,8 @@ pub enum WithdrawReason {
     },
     /// A limit of the operator was exceeded.
     Limit(ExceededLimit),
+    /// The motor is not enabled any more: it has lost power.
+    NotEnabled,
 }
 
 /// Result of a stop.

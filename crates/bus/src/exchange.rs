@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant, Layout, MotorId, Request};
+use motorlink_protocol::{
+    Frame, Instant, MotorId,
+    family::{Layout, Model, Request},
+};
 
 use crate::{raw::frame::addressee, timing::SETTLE};
 
@@ -51,46 +54,50 @@ pub(crate) enum Expects {
     /// Replies of several motors. The exchange lasts the whole window.
     Everyone {
         /// `None` if the request is unknown.
-        layout: Option<Layout>,
+        layout: Option<motorlink_protocol::Layout>,
     },
-    /// None: mode switches and set ID.
+    /// None: set ID, and mode switches in combined frames.
     Nothing,
 }
 
 impl Expects {
     /// The answer to a request.
-    pub(crate) fn of(request: &Request) -> Self {
-        match (request.addressee(), request.reply_layout()) {
+    pub(crate) fn of(model: Model, request: &Request) -> Self {
+        match (request.addressee(), request.reply_layout(model)) {
             (Some(id), Some(layout)) => Self::Reply { id, layout },
-            (None, layout @ Some(_)) => Self::Everyone { layout },
+            (None, Some(layout)) => Self::Everyone {
+                layout: layout.combined(),
+            },
             (_, None) => Self::Nothing,
         }
     }
 
     /// The answer to a raw frame. An unreadable frame may be answered by any motor, and so may a
     /// drive frame without a single addressee.
-    pub(crate) fn of_raw(frame: &Frame) -> Self {
-        match Request::parse(frame) {
+    pub(crate) fn of_raw(model: Model, frame: &Frame) -> Self {
+        match Request::parse(model, frame) {
             Ok(Request::Drive { .. }) if addressee(frame).is_none() => {
                 Self::Everyone { layout: None }
             }
-            Ok(request) => Self::of(&request),
+            Ok(request) => Self::of(model, &request),
             Err(_) => Self::Everyone { layout: None },
         }
     }
 }
 
 impl Exchange {
-    /// An exchange that begins now. `window` is how long a reply may take.
+    /// An exchange that begins now. `window` is how long a reply may take, `airtime` how long the frame occupies the
+    /// line.
     pub(crate) fn begin(
         now: Instant,
         frame: Frame,
         expects: Expects,
         window: Duration,
+        airtime: Duration,
         purpose: Purpose,
     ) -> Self {
         let occupied = if expects == Expects::Nothing {
-            FRAME_AIRTIME + SETTLE
+            airtime + SETTLE
         } else {
             window
         };

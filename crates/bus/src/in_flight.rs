@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{FRAME_AIRTIME, Frame, Instant};
+use motorlink_protocol::{Frame, Instant, family::Model};
 
 /// Without a received byte, a second frame that moves a wheel waits this long. A motor that cannot
 /// answer still gets raw frames.
@@ -27,15 +27,16 @@ impl InFlight {
     /// Whether a frame may be handed over now: behind at most one other frame, and a frame that
     /// moves a wheel behind no other such frame.
     #[must_use]
-    pub fn admits(&self, now: Instant, frame: &Frame) -> bool {
+    pub fn admits(&self, now: Instant, model: Model, frame: &Frame) -> bool {
         let queue = self.carried_at.since(now);
         let unproved = self.moving.map(|since| now.since(since));
-        queue <= FRAME_AIRTIME && !(moves(frame) && unproved.is_some_and(|age| age < UNPROVED_MAX))
+        queue <= model.frame_airtime()
+            && !(moves(frame) && unproved.is_some_and(|age| age < UNPROVED_MAX))
     }
 
     /// A frame was handed over.
-    pub fn handed_over(&mut self, now: Instant, frame: &Frame) {
-        self.carried_at = self.carried_at.max(now) + FRAME_AIRTIME;
+    pub fn handed_over(&mut self, now: Instant, model: Model, frame: &Frame) {
+        self.carried_at = self.carried_at.max(now) + model.frame_airtime();
         if moves(frame) {
             self.moving = Some(now);
         }
@@ -83,28 +84,28 @@ mod tests {
     fn a_frame_behind_one_in_flight_is_admitted_and_one_behind_two_is_not() {
         let mut in_flight = InFlight::default();
         for _ in 0..2 {
-            assert!(in_flight.admits(at(0), &brake()));
-            in_flight.handed_over(at(0), &brake());
+            assert!(in_flight.admits(at(0), Model::Ddsm115, &brake()));
+            in_flight.handed_over(at(0), Model::Ddsm115, &brake());
         }
-        assert!(!in_flight.admits(at(0), &brake()));
-        assert!(!in_flight.admits(at(867), &brake()));
-        assert!(in_flight.admits(at(869), &brake()));
+        assert!(!in_flight.admits(at(0), Model::Ddsm115, &brake()));
+        assert!(!in_flight.admits(at(867), Model::Ddsm115, &brake()));
+        assert!(in_flight.admits(at(869), Model::Ddsm115, &brake()));
     }
 
     #[test]
     fn a_drive_frame_behind_one_that_nothing_proves_is_not_admitted_for_a_second() {
         let mut in_flight = InFlight::default();
-        in_flight.handed_over(at(0), &drive(100));
-        assert!(!in_flight.admits(at(999_999), &drive(100)));
-        assert!(in_flight.admits(at(1_000_000), &drive(100)));
+        in_flight.handed_over(at(0), Model::Ddsm115, &drive(100));
+        assert!(!in_flight.admits(at(999_999), Model::Ddsm115, &drive(100)));
+        assert!(in_flight.admits(at(1_000_000), Model::Ddsm115, &drive(100)));
         in_flight.received();
-        assert!(in_flight.admits(at(2_000), &drive(-50)));
+        assert!(in_flight.admits(at(2_000), Model::Ddsm115, &drive(-50)));
     }
 
     #[test]
     fn stops_and_queries_are_admitted_behind_a_drive_frame_that_nothing_proves() {
         let mut in_flight = InFlight::default();
-        in_flight.handed_over(at(0), &drive(100));
+        in_flight.handed_over(at(0), Model::Ddsm115, &drive(100));
         let switch = Request::SwitchMode {
             id: ID,
             mode: motorlink_protocol::Mode::Velocity,
@@ -112,10 +113,10 @@ mod tests {
         let frames = [brake(), query(), switch.frame(), Request::IdQuery.frame()];
         for (place, frame) in (1..).zip(frames) {
             let now = at(place * 6_000);
-            assert!(in_flight.admits(now, &frame), "{frame}");
-            in_flight.handed_over(now, &frame);
+            assert!(in_flight.admits(now, Model::Ddsm115, &frame), "{frame}");
+            in_flight.handed_over(now, Model::Ddsm115, &frame);
         }
-        assert!(!in_flight.admits(at(100_000), &drive(100)));
+        assert!(!in_flight.admits(at(100_000), Model::Ddsm115, &drive(100)));
     }
 
     #[test]

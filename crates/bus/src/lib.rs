@@ -38,7 +38,7 @@ mod line_event;
 mod line_load;
 mod line_use;
 mod mode_switch;
-mod model_evidence;
+mod model;
 mod motor;
 mod next_request;
 mod packet_log;

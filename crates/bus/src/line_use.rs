@@ -59,6 +59,8 @@ impl Use {
         match Request::parse(frame) {
             Ok(Request::Drive { .. }) => Self::Drive,
             Ok(Request::Query { .. }) => Self::Query,
+            // The mode query of separate frames.
+            Err(_) if frame.bytes()[1] == 0x75 => Self::Query,
             _ => Self::Other,
         }
     }

@@ -58,6 +58,11 @@ impl Switch {
         }
     }
 
+    /// Whether its first frame is still to be sent.
+    pub(crate) const fn is_unsent(&self) -> bool {
+        self.sent == 0
+    }
+
     /// When the next mode switch frame is due; `None` after the last.
     pub(crate) fn next_frame(&self) -> Option<Instant> {
         (self.sent < SWITCH_FRAMES).then_some(self.next_frame)

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{
     Celsius, Detail, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
+    family::{Model, Request},
 };
 
 use crate::{
@@ -13,6 +14,7 @@ use crate::{
     late_replies::LateReplies,
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
+    model::separate::Separate,
     ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
@@ -128,6 +130,8 @@ struct Switched {
 #[derive(Clone, Debug)]
 pub(crate) struct Motor {
     pub(crate) id: MotorId,
+    pub(crate) model: Model,
+    pub(crate) separate: Separate,
     pub(crate) control: Control,
     /// Whether it was driven and no reply has reported standstill since.
     pub(crate) may_turn: bool,
@@ -160,9 +164,11 @@ pub(crate) struct Motor {
 }
 
 impl Motor {
-    pub(crate) fn new(now: Instant, id: MotorId) -> Self {
+    pub(crate) fn new(now: Instant, model: Model, id: MotorId) -> Self {
         Self {
             id,
+            model,
+            separate: Separate::default(),
             control: Control::Idle,
             may_turn: false,
             last: None,
@@ -286,6 +292,7 @@ impl Motor {
     pub(crate) fn lost(&mut self, layout: Layout, sent: Instant) {
         self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
         self.late.unanswered(layout, sent, self.unanswered_in_a_row);
+        self.separate.unanswered(self.is_without_answer());
     }
 
     /// Records an ID query without an answer of this motor. Its answer has the layout of a drive
@@ -370,9 +377,39 @@ impl Motor {
     }
 
     pub(crate) fn fresh_mode(&self, now: Instant) -> Option<Mode> {
-        self.fresh(now)
-            .filter(|_| self.switched_to.is_none() && self.other_loop.is_none())
-            .map(|reply| reply.mode)
+        let fresh = self
+            .fresh(now)
+            .filter(|_| self.switched_to.is_none() && self.other_loop.is_none())?;
+        if self.model.has_separate_frames() {
+            self.separate.loop_known.fresh(now, self.model)
+        } else {
+            Some(fresh.mode)
+        }
+    }
+
+    /// The last reply, to fill up one that has less.
+    pub(crate) fn last_reply(&self) -> Option<Reply> {
+        self.last.map(|sample| sample.reply)
+    }
+
+    /// Whether it is known to obey drive frames.
+    pub(crate) fn obeys(&self) -> bool {
+        self.separate.loop_known.obeys(self.model)
+    }
+
+    /// Whether it answers, must be enabled, and the bus has not tried that since it was last without an answer.
+    pub(crate) fn needs_enable(&self, now: Instant) -> bool {
+        !self.obeys() && !self.separate.enable_tried && self.fresh(now).is_some()
+    }
+
+    /// The next request for telemetry.
+    pub(crate) const fn next_query(&self) -> Request {
+        let id = self.id;
+        if self.model.has_separate_frames() && self.separate.asks_loop {
+            Request::ModeQuery { id }
+        } else {
+            Request::Query { id }
+        }
     }
 
     pub(crate) fn fresh_speed(&self, now: Instant) -> Option<Rpm> {
@@ -421,6 +458,9 @@ impl Motor {
 
     /// The loop in the last reply, of any age.
     pub(crate) fn last_mode(&self) -> Option<Mode> {
+        if self.model.has_separate_frames() {
+            return self.separate.loop_known.last();
+        }
         let last = self.last.map(|sample| sample.reply.mode);
         self.other_loop.or(last)
     }
@@ -453,6 +493,7 @@ impl Motor {
     /// Records a query. `period` is the time between two queries of an answering motor;
     /// `others_driven` is whether other motors are driven.
     pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, others_driven: bool) {
+        self.separate.asks_loop = !self.separate.asks_loop;
         // A silent motor costs the others a reply window each time, so it is queried more and more
         // rarely.
         let period = if !self.silent {

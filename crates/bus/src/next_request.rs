@@ -2,10 +2,14 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Instant, Mode, Request, Setpoint};
+use motorlink_protocol::{
+    Instant, Mode, Setpoint,
+    family::{Model, Request},
+};
 
 use crate::{
     mode_switch::{NeutralDrive, Switch},
+    model::units,
     motor::{Control, Driven, Motor},
     ramp::Ramp,
     safety::step_towards,
@@ -29,6 +33,7 @@ pub(crate) enum Sent {
 /// Rates and limits that apply to the next frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SendContext {
+    pub(crate) model: Model,
     /// Time between two drive frames to one motor.
     pub(crate) period: Duration,
     /// Time between two queries of a motor that answers.
@@ -45,7 +50,7 @@ pub(crate) fn next_request(
     context: SendContext,
 ) -> (Request, Control, Sent) {
     let id = motor.id;
-    let period = context.period;
+    let SendContext { model, period, .. } = context;
     match (motor.control, due_frame) {
         (Control::Stopping(mut stop), DueFrame::Stop(_)) => {
             let stop_period =
@@ -54,15 +59,27 @@ pub(crate) fn next_request(
                 } else {
                     STOP_PERIOD
                 };
-            let request = stop.next_request(now, id);
-            stop.sent(now, &request, stop_period, !motor.is_without_answer());
+            let request = stop.next_request(now, model, id);
+            stop.sent(
+                now,
+                model,
+                &request,
+                stop_period,
+                !motor.is_without_answer(),
+            );
             (request, Control::Stopping(stop), Sent::Stop)
         }
         (Control::Switching(mut switch), DueFrame::Switch(_)) => {
+            let is_first = switch.is_unsent();
             switch.frame_sent(now);
             let to = switch.to;
             let is_last = switch.next_frame().is_none();
-            let request = Request::SwitchMode { id, mode: to };
+            // A DDSM400 ignores a mode switch before it is enabled.
+            let request = if model.spec().needs_enable && is_first {
+                Request::Enable { id, on: true }
+            } else {
+                Request::SwitchMode { id, mode: to }
+            };
             (
                 request,
                 Control::Switching(switch),
@@ -84,7 +101,10 @@ pub(crate) fn next_request(
                 ..driven
             });
             (
-                Request::drive(id, setpoint),
+                Request::Drive {
+                    id,
+                    drive: units::drive(model, setpoint),
+                },
                 control,
                 Sent::Drive(Some(setpoint)),
             )
@@ -107,7 +127,10 @@ pub(crate) fn next_request(
             let drive = neutral_drive.drive;
             (Request::Drive { id, drive }, control, Sent::Drive(None))
         }
-        (control, _) => (Request::Query { id }, control, Sent::Query(context)),
+        (control, DueFrame::LoopQuery(_)) => {
+            (Request::ModeQuery { id }, control, Sent::Query(context))
+        }
+        (control, _) => (motor.next_query(), control, Sent::Query(context)),
     }
 }
 

@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{MotorId, Request};
+use motorlink_protocol::{
+    MotorId,
+    family::{Model, Request},
+};
 
 /// Whom a scan asks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,9 +29,12 @@ pub(crate) enum ProbeResult {
 
 impl Probe {
     /// The request of this question.
-    pub(crate) const fn request(self) -> Request {
+    pub(crate) const fn request(self, model: Model) -> Request {
         match self {
             Self::IdQuery => Request::IdQuery,
+            // The odometry reply of a DDSM210 at angle 0 is identical to its request, like an echo. Its loop at
+            // power-up is not.
+            Self::Query(id) if model.replies_look_like_requests() => Request::ModeQuery { id },
             Self::Query(id) => Request::Query { id },
         }
     }

@@ -1,8 +1,14 @@
 //! Finds replies in the received bytes: behind echoes, behind junk, in pieces.
 
-use motorlink_protocol::{FRAME_LEN, Frame, Mode, MotorId, Reply};
+use motorlink_protocol::{
+    FRAME_LEN, Frame, Mode, MotorId,
+    family::{FrameSet, Layout, Model, Reading},
+};
 
-use crate::line_event::JunkBytes;
+use crate::{
+    line_event::JunkBytes,
+    model::evidence::{is_json, other_model},
+};
 
 /// Size of the receive buffer. Twelve replies and an echo fit into it. Of more junk than that the
 /// oldest bytes are dropped.
@@ -12,16 +18,23 @@ const CAPACITY: usize = 128;
 const FAULT_BYTE: usize = 8;
 const RESERVED: u8 = 0b1110_0000;
 
+/// So many replies in a row without an echo, and a frame that is identical to its request is its reply.
+const ECHO_RULED_OUT: u8 = 3;
+
 /// The received bytes of one exchange.
 ///
 /// Every offset is tried, because a truncated echo shifts the reply by an unknown length. CRC, ID
-/// and mode byte tell whether a window is a reply; a whole echo of a request has a good CRC but 64,
-/// 74 or A0 in place of the mode.
+/// and byte 1 tell whether a window is a reply. Of a DDSM115 byte 1 is the mode, and a whole echo of a request has
+/// 64, 74 or A0 there. A reply of a DDSM210 may be identical to its request: the first such frame is the echo,
+/// until several replies have come without one.
 #[derive(Debug)]
 pub(crate) struct Receiver {
     buffer: Vec<u8>,
     /// Bytes dropped because the buffer was full.
     overflowed: usize,
+    model: Model,
+    /// Replies in a row without an echo before them; `None` once there was one.
+    without_echo: Option<u8>,
 }
 
 /// Result of the search for a reply.
@@ -44,14 +57,18 @@ pub(crate) struct OtherBytes {
     pub(crate) segments: Vec<Segment>,
     /// Bytes outside any frame and echo, including dropped ones.
     pub(crate) junk_bytes: usize,
+    /// The model of a good frame that is none of the model of the line.
+    pub(crate) other_model: Option<Model>,
+    /// Whether the bytes are text in JSON.
+    pub(crate) is_json: bool,
 }
 
 /// A good frame of any motor, decoded. The bus decodes a reply here and nowhere else.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ReceivedReply {
     pub(crate) frame: Frame,
-    /// With bytes 6 and 7 undetermined: only the bus knows the request.
-    pub(crate) reply: Reply,
+    /// In combined frames bytes 6 and 7 are undetermined: only the bus knows the request.
+    pub(crate) reading: Reading,
 }
 
 /// Bytes that belong together.
@@ -79,10 +96,12 @@ impl OtherBytes {
 }
 
 impl Receiver {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(model: Model) -> Self {
         Self {
             buffer: Vec::with_capacity(CAPACITY),
             overflowed: 0,
+            model,
+            without_echo: Some(0),
         }
     }
 
@@ -100,20 +119,26 @@ impl Receiver {
         self.buffer.len()
     }
 
-    /// Searches for the reply of this motor to the request `sent`. `settled` means that no more
+    /// Searches for the reply of this motor to the request `sent`, in this layout. `settled` means that no more
     /// bytes are expected.
-    pub(crate) fn find(&self, id: MotorId, sent: &Frame, settled: bool) -> Found {
+    pub(crate) fn find(&self, id: MotorId, layout: Layout, sent: &Frame, settled: bool) -> Found {
+        let model = self.model;
         let bytes = self.buffer.as_slice();
-        let is_its = |offset: usize| replier_at(bytes, offset) == Some(id);
+        let byte_1 = reply_byte(model, layout);
+        let echo = self.echo_like_a_reply(bytes, sent);
+        let is_its = |offset: usize| {
+            let in_layout = byte_1.is_none_or(|byte| bytes.get(offset + 1) == Some(&byte));
+            in_layout && Some(offset) != echo && replier_at(model, bytes, offset) == Some(id)
+        };
         if !(0..bytes.len()).any(is_its) {
             return Found::Nothing;
         }
         let may_begin = |offset: usize| match bytes.get(offset..offset + 2) {
-            Some([first, second]) => *first == id.get() && Mode::from_byte(*second).is_ok(),
+            Some([first, second]) => *first == id.get() && begins_reply(model, *second),
             _ => false,
         };
         let mut from = 0;
-        while let Some(window) = next_window(bytes, from, sent) {
+        while let Some(window) = next_window(model, bytes, from, sent) {
             let unfinished = || {
                 let mut rivals = window.offset + 1..window.offset + FRAME_LEN;
                 rivals.any(|at| at + FRAME_LEN > bytes.len() && may_begin(at))
@@ -136,8 +161,13 @@ impl Receiver {
         offset: usize,
         sent: &Frame,
     ) -> Option<(ReceivedReply, OtherBytes)> {
-        let received = reply_at(&self.buffer, offset)?;
+        let received = reply_at(self.model, &self.buffer, offset)?;
         let other_bytes = self.sort(offset, sent);
+        if received.frame != *sent {
+            let echoed = other_bytes.echoed == FRAME_LEN;
+            let counted = self.without_echo.filter(|_| !echoed);
+            self.without_echo = counted.map(|replies| replies.saturating_add(1));
+        }
         self.buffer.drain(..offset + FRAME_LEN);
         Some((received, other_bytes))
     }
@@ -145,36 +175,62 @@ impl Receiver {
     /// Empties the buffer at the end of an exchange.
     pub(crate) fn clear(&mut self, sent: &Frame) -> OtherBytes {
         let other_bytes = self.sort(self.buffer.len(), sent);
+        if other_bytes.echoed == 0 && other_bytes.replies().next().is_some() {
+            self.without_echo = self.without_echo.map(|replies| replies.saturating_add(1));
+        }
         self.buffer.clear();
         other_bytes
     }
 
+    /// Where a whole echo of `sent` stands that looks like a reply.
+    fn echo_like_a_reply(&self, bytes: &[u8], sent: &Frame) -> Option<usize> {
+        let echoes = self
+            .without_echo
+            .is_none_or(|replies| replies < ECHO_RULED_OUT);
+        if !(echoes && self.model.replies_look_like_requests()) {
+            return None;
+        }
+        let mut windows = bytes.windows(FRAME_LEN);
+        windows.position(|window| window == sent.bytes())
+    }
+
     /// Sorts the first `length` bytes into echo, frames and junk.
     fn sort(&mut self, length: usize, sent: &Frame) -> OtherBytes {
+        let model = self.model;
         let bytes = self.buffer.get(..length).unwrap_or_default();
+        let echo = self.echo_like_a_reply(bytes, sent);
         let same = bytes
             .iter()
             .zip(sent.bytes())
             .take_while(|(heard, sent)| heard == sent)
             .count();
-        let first = next_window(bytes, 0, sent).map(|window| window.offset);
+        let first = next_window(model, bytes, 0, sent).map(|window| window.offset);
         // A reply and its request begin with the same byte. Where a reply starts, whole or corrupt,
         // that byte is not an echo.
         let echoed = match first {
             // A raw frame that looks like a reply: no motor answers with the bytes of the request.
             _ if same == FRAME_LEN => FRAME_LEN,
             Some(reply) if reply < same => reply,
-            _ if same == 1 && replier_at(&self.buffer, 1).is_none() => 0,
+            _ if same == 1 && replier_at(model, &self.buffer, 1).is_none() => 0,
             _ => same,
         };
         let mut other_bytes = OtherBytes {
             echoed,
             segments: Vec::new(),
             junk_bytes: std::mem::take(&mut self.overflowed),
+            other_model: [0, bytes.len().saturating_sub(FRAME_LEN)]
+                .into_iter()
+                .find_map(|offset| {
+                    // Noise is rarely aligned to a frame.
+                    let frame = frame_at(bytes, offset)?;
+                    other_model(model, &frame).filter(|_| frame != *sent)
+                }),
+            is_json: is_json(bytes),
         };
         let mut at = echoed;
         while at < bytes.len() {
-            let next = next_window(bytes, at, sent).map_or(bytes.len(), |window| window.offset);
+            let next =
+                next_window(model, bytes, at, sent).map_or(bytes.len(), |window| window.offset);
             for junk in bytes.get(at..next).unwrap_or_default().chunks(FRAME_LEN) {
                 other_bytes
                     .segments
@@ -182,8 +238,10 @@ impl Receiver {
             }
             other_bytes.junk_bytes += next - at;
             at = next;
-            if let Some(received) = reply_at(bytes, at) {
-                other_bytes.segments.push(Segment::Reply(received));
+            if let Some(received) = reply_at(model, bytes, at) {
+                if Some(at) != echo {
+                    other_bytes.segments.push(Segment::Reply(received));
+                }
                 at += FRAME_LEN;
             }
         }
@@ -206,8 +264,8 @@ struct Window {
 /// one, unless it is not part of a row of frames and there is a reason for the other: a frame
 /// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes
 /// end.
-fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
-    let is_good = |offset: usize| replier_at(bytes, offset).is_some();
+fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
+    let is_good = |offset: usize| replier_at(model, bytes, offset).is_some();
     let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
     let ends_at = |offset: usize| offset + FRAME_LEN == bytes.len();
     let follows_echo = |offset: usize| {
@@ -239,21 +297,47 @@ fn next_window(bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
     Some(Window { offset, is_open })
 }
 
-/// The motor whose reply begins at `offset`: mode byte, CRC and ID are those of a reply. The search tries
+/// Byte 1 of a reply in this layout, if it has a fixed one.
+const fn reply_byte(model: Model, layout: Layout) -> Option<u8> {
+    let FrameSet::Separate { reply_offset } = model.spec().frames else {
+        return None;
+    };
+    let of_a_ddsm210 = match layout {
+        Layout::Drive => 0x64,
+        Layout::Query => 0x74,
+        Layout::Mode => 0x75,
+        Layout::Switch => 0xA0,
+    };
+    Some(of_a_ddsm210 + reply_offset)
+}
+
+/// Whether a reply of this model has this byte 1.
+fn begins_reply(model: Model, byte: u8) -> bool {
+    match model.spec().frames {
+        FrameSet::Combined => Mode::from_byte(byte).is_ok(),
+        FrameSet::Separate { reply_offset } => {
+            matches!(byte.wrapping_sub(reply_offset), 0x64 | 0x74 | 0x75 | 0xA0)
+        }
+    }
+}
+
+/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply. The search tries
 /// every offset, so it checks these bytes and decodes none.
-fn replier_at(bytes: &[u8], offset: usize) -> Option<MotorId> {
-    // The mode byte before the CRC: it rules out most offsets.
-    Mode::from_byte(*bytes.get(offset + 1)?).ok()?;
+fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<MotorId> {
+    // Byte 1 before the CRC: it rules out most offsets.
+    if !begins_reply(model, *bytes.get(offset + 1)?) {
+        return None;
+    }
     let frame = frame_at(bytes, offset).filter(Frame::crc_holds)?;
     let &[id, ..] = frame.bytes();
     MotorId::new(id).ok()
 }
 
 /// The reply that begins at `offset`, decoded.
-fn reply_at(bytes: &[u8], offset: usize) -> Option<ReceivedReply> {
+fn reply_at(model: Model, bytes: &[u8], offset: usize) -> Option<ReceivedReply> {
     let frame = frame_at(bytes, offset)?;
-    let reply = Reply::decode(&frame, None).ok()?;
-    Some(ReceivedReply { frame, reply })
+    let reading = Reading::decode(model, &frame, None).ok()?;
+    Some(ReceivedReply { frame, reading })
 }
 
 fn frame_at(bytes: &[u8], offset: usize) -> Option<Frame> {
@@ -274,8 +358,8 @@ mod tests {
     }
 
     fn received(frame: Frame) -> Segment {
-        let reply = Reply::decode(&frame, None).unwrap();
-        Segment::Reply(ReceivedReply { frame, reply })
+        let reading = Reading::decode(Model::Ddsm115, &frame, None).unwrap();
+        Segment::Reply(ReceivedReply { frame, reading })
     }
 
     fn frames(other_bytes: &OtherBytes) -> Vec<Frame> {
@@ -286,7 +370,7 @@ mod tests {
     }
 
     fn after(bytes: &[u8]) -> Receiver {
-        let mut receiver = Receiver::new();
+        let mut receiver = Receiver::new(Model::Ddsm115);
         receiver.push(bytes);
         receiver
     }
@@ -298,7 +382,7 @@ mod tests {
             bytes.extend(frame(REPLY).bytes());
             let mut receiver = after(&bytes);
             assert_eq!(
-                receiver.find(ID, &frame(QUERY), false),
+                receiver.find(ID, Layout::Query, &frame(QUERY), false),
                 Found::At(cut),
                 "echo of {cut} bytes"
             );
@@ -317,7 +401,10 @@ mod tests {
     #[test]
     fn an_echo_alone_is_no_reply() {
         let mut receiver = after(frame(QUERY).bytes());
-        assert_eq!(receiver.find(ID, &frame(QUERY), true), Found::Nothing);
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), true),
+            Found::Nothing
+        );
         assert_eq!(receiver.clear(&frame(QUERY)).echoed, FRAME_LEN);
     }
 
@@ -327,7 +414,7 @@ mod tests {
             let mut bytes = vec![0x55; length];
             bytes.extend(frame(REPLY).bytes());
             assert_eq!(
-                after(&bytes).find(ID, &frame(QUERY), false),
+                after(&bytes).find(ID, Layout::Query, &frame(QUERY), false),
                 Found::At(length)
             );
         }
@@ -338,7 +425,7 @@ mod tests {
         let mut receiver = after(&[0x55; 1000]);
         receiver.push(frame(REPLY).bytes());
         assert_eq!(
-            receiver.find(ID, &frame(QUERY), false),
+            receiver.find(ID, Layout::Query, &frame(QUERY), false),
             Found::At(CAPACITY - FRAME_LEN)
         );
         let (_, before) = receiver.take(CAPACITY - FRAME_LEN, &frame(QUERY)).unwrap();
@@ -362,9 +449,15 @@ mod tests {
             .expect("one in 256 does");
         let mut receiver = after(&[1]);
         receiver.push(&image.bytes()[..9]);
-        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::Ambiguous);
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), false),
+            Found::Ambiguous
+        );
         receiver.push(&image.bytes()[9..]);
-        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::At(1));
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), false),
+            Found::At(1)
+        );
     }
 
     /// Two replies in one chunk, found by the fault simulation: the last byte of one and nine of
@@ -380,7 +473,7 @@ mod tests {
         let motors = [(MotorId::new(2).unwrap(), 0), (ID, 10)];
         for (id, offset) in motors {
             for settled in [false, true] {
-                let found = after(&bytes).find(id, &sent, settled);
+                let found = after(&bytes).find(id, Layout::Query, &sent, settled);
                 assert_eq!(found, Found::At(offset), "{id}");
             }
         }
@@ -398,9 +491,15 @@ mod tests {
         let sent = frame("02 74 00 00 00 00 00 00 00 F1");
         let mut receiver = after(&bytes[..19]);
         let second = MotorId::new(2).unwrap();
-        assert_eq!(receiver.find(second, &sent, false), Found::Ambiguous);
+        assert_eq!(
+            receiver.find(second, Layout::Query, &sent, false),
+            Found::Ambiguous
+        );
         receiver.push(&bytes[19..]);
-        assert_eq!(receiver.find(second, &sent, false), Found::At(0));
+        assert_eq!(
+            receiver.find(second, Layout::Query, &sent, false),
+            Found::At(0)
+        );
     }
 
     /// The last byte of a corrupt frame and nine of the good one after it.
@@ -409,7 +508,14 @@ mod tests {
         let first = frame("02 02 00 08 00 00 75 7F 00 02");
         let second = frame(REPLY);
         let last = (1..u8::MAX)
-            .find(|last| replier_at(&[&[*last], first.bytes().as_slice()].concat(), 0).is_some())
+            .find(|last| {
+                replier_at(
+                    Model::Ddsm115,
+                    &[&[*last], first.bytes().as_slice()].concat(),
+                    0,
+                )
+                .is_some()
+            })
             .expect("the CRC tells all first bytes apart");
         let mut bytes = vec![0x55; 9];
         bytes.push(last);
@@ -417,7 +523,10 @@ mod tests {
         bytes.extend(second.bytes());
         let mut receiver = after(&bytes);
         let id = MotorId::new(2).unwrap();
-        assert_eq!(receiver.find(id, &frame(QUERY), false), Found::At(10));
+        assert_eq!(
+            receiver.find(id, Layout::Query, &frame(QUERY), false),
+            Found::At(10)
+        );
         let rest = receiver.clear(&frame(QUERY));
         assert_eq!(frames(&rest), [first, second], "{last:02X}");
     }
@@ -427,11 +536,19 @@ mod tests {
         let reply = *frame(REPLY).bytes();
         let junk = (0..=u16::MAX)
             .map(|junk| [1, 2, junk.to_be_bytes()[0], junk.to_be_bytes()[1]])
-            .find(|junk| replier_at(&[junk.as_slice(), &reply].concat(), 0).is_some())
+            .find(|junk| {
+                replier_at(Model::Ddsm115, &[junk.as_slice(), &reply].concat(), 0).is_some()
+            })
             .expect("one in 256 does");
         let mut receiver = after(&[junk.as_slice(), &reply].concat());
-        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::Ambiguous);
-        assert_eq!(receiver.find(ID, &frame(QUERY), true), Found::At(4));
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), false),
+            Found::Ambiguous
+        );
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), true),
+            Found::At(4)
+        );
         let (taken, before) = receiver.take(4, &frame(QUERY)).unwrap();
         assert_eq!((taken.frame, before.junk_bytes), (frame(REPLY), 4));
     }
@@ -470,14 +587,18 @@ mod tests {
         bytes.extend(other.bytes());
         bytes.extend(frame(REPLY).bytes());
         let mut receiver = after(&bytes);
-        assert_eq!(receiver.find(ID, &frame(QUERY), false), Found::At(11));
+        assert_eq!(
+            receiver.find(ID, Layout::Query, &frame(QUERY), false),
+            Found::At(11)
+        );
         let (_, before) = receiver.take(11, &frame(QUERY)).unwrap();
         assert_eq!(
             before,
             OtherBytes {
                 echoed: 0,
                 segments: vec![Segment::Junk(JunkBytes::new(&[0x33])), received(other)],
-                junk_bytes: 1
+                junk_bytes: 1,
+                ..OtherBytes::default()
             }
         );
     }
@@ -491,7 +612,7 @@ mod tests {
         let query = frame("02 74 00 00 00 00 00 00 00 F1");
         let mut receiver = after(reply.bytes());
         receiver.push(&[0x85]);
-        let Found::At(offset) = receiver.find(id, &query, true) else {
+        let Found::At(offset) = receiver.find(id, Layout::Query, &query, true) else {
             panic!("no reply");
         };
         let (found, _) = receiver.take(offset, &query).unwrap();
@@ -506,6 +627,6 @@ mod tests {
         let query = frame("03 74 00 00 00 00 00 00 00 55");
         let mut receiver = after(reply.bytes());
         receiver.push(&[0x4B]);
-        assert_eq!(receiver.find(id, &query, true), Found::At(0));
+        assert_eq!(receiver.find(id, Layout::Query, &query, true), Found::At(0));
     }
 }

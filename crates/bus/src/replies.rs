@@ -2,12 +2,15 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{FRAME_LEN, Instant, Layout, MotorId, Reply, Setpoint};
+use motorlink_protocol::{
+    FRAME_LEN, Instant, Mode, MotorId, Reply, Setpoint,
+    family::{Layout, Reading},
+};
 
 use crate::{
     bus::{Bus, LastDrive},
     counters::Counters,
-    event::Event,
+    event::{Event, StopReason},
     exchange::{Exchange, Expects, Line, Purpose},
     job::state::Job,
     line_event::LineEventKind,
@@ -18,7 +21,7 @@ use crate::{
     receiver::ReceivedReply,
     receiver::{Found, OtherBytes, Segment},
     sample::Sample,
-    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, EARLIEST_REPLY, LATE, MIN_WINDOW},
+    timing::{AMBIGUITY_QUIET, DRIVEN_UNANSWERED_MAX, LATE, MIN_WINDOW, earliest_reply},
 };
 
 impl Bus {
@@ -42,7 +45,7 @@ impl Bus {
             && let Expects::Reply { id, layout } = exchange.expects
         {
             let settled = now >= exchange.deadline();
-            match self.receiver.find(id, &exchange.frame, settled) {
+            match self.receiver.find(id, layout, &exchange.frame, settled) {
                 Found::Nothing => {
                     // The bytes held back belong to another motor: keep the whole window.
                     if let Line::Busy(exchange) = &mut self.line {
@@ -62,7 +65,7 @@ impl Bus {
                         return;
                     };
                     self.process_other_bytes(now, &exchange, &before);
-                    if now.since(exchange.sent) < EARLIEST_REPLY {
+                    if now.since(exchange.sent) < earliest_reply(self.model) {
                         // It arrives too early to answer this request.
                         self.receive_late_reply(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
@@ -156,8 +159,15 @@ impl Bus {
         }
         let counters = match self.motors.iter_mut().find(|motor| motor.id == id) {
             Some(motor) => {
-                motor.lost(layout, exchange.sent);
+                let layout = layout.combined();
+                motor.lost(
+                    layout.unwrap_or(motorlink_protocol::Layout::Query),
+                    exchange.sent,
+                );
                 motor.loss.count(true);
+                if let Control::Stopping(stop) = &mut motor.control {
+                    stop.unanswered(now);
+                }
                 &mut motor.counters
             }
             None => &mut self.counters,
@@ -195,6 +205,7 @@ impl Bus {
         let rest = self.receiver.clear(&last);
         count_line(&mut self.counters, &rest);
         self.log_and_record(now, &rest);
+        self.judge_model(now, &rest);
     }
 
     fn replied(
@@ -204,17 +215,25 @@ impl Bus {
         layout: Layout,
         received: ReceivedReply,
     ) {
-        let ReceivedReply { frame, reply } = received;
-        let id = reply.id;
+        let ReceivedReply { frame, reading } = received;
+        let model = self.model;
+        let id = reading.id();
+        self.evidence.own = true;
         let took = now.since(exchange.sent);
+        let layout = layout.combined();
         let (asked, outstanding) = match self.motor_mut(id) {
             Some(motor) => {
                 let outstanding = motor.late.may_come(now);
-                (motor.layout_of(now, reply, layout), outstanding)
+                let asked = match (&reading, layout) {
+                    (Reading::Combined(reply), Some(layout)) => {
+                        motor.layout_of(now, *reply, layout)
+                    }
+                    _ => None,
+                };
+                (asked, outstanding)
             }
-            None => (Some(layout), false),
+            None => (layout, false),
         };
-        let reply = reply.in_layout(asked);
         self.log_received(now, &frame, asked);
         let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
         if outstanding && own_reply > now {
@@ -243,7 +262,10 @@ impl Bus {
             return;
         }
         let confirms_loop = motor.confirms_loop();
-        motor.loop_reported();
+        let names_loop = reading.names_loop(model);
+        if names_loop.is_some() {
+            motor.loop_reported();
+        }
         let measures_round_trip = !motor.late.makes_round_trip_ambiguous(now);
         if measures_round_trip {
             motor.round_trip.replied(took);
@@ -260,10 +282,27 @@ impl Bus {
             }
         }
         let loop_unconfirmed = motor.loop_is_unconfirmed();
+        let reply = match &reading {
+            Reading::Combined(reply) => Some(reply.in_layout(asked)),
+            separate => {
+                let is_driven = matches!(motor.control, Control::Driven(_) | Control::Stopping(_));
+                let last = motor.last_reply();
+                motor.separate.record(now, model, separate, last, is_driven)
+            }
+        };
+        let Some(reply) = reply else {
+            self.loop_named(id, names_loop.filter(|_| confirms_loop));
+            if measures_round_trip {
+                self.round_trip.replied(took);
+            }
+            return;
+        };
         motor.angle_estimate.replied(now, &reply);
         let seen = motor.angle_estimate.confirmed_now(now);
         match (&mut motor.control, reply.detail) {
-            (Control::Switching(switch), _) if confirms_loop => switch.record_mode(reply.mode),
+            (Control::Switching(switch), _) if confirms_loop && names_loop.is_some() => {
+                switch.record_mode(reply.mode);
+            }
             // A late reply may report the time before a switch.
             (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !loop_unconfirmed => {
                 stop.record_reply(&reply);
@@ -287,18 +326,56 @@ impl Bus {
         }
     }
 
+    /// A reply has named the loop and nothing else, or has not named it.
+    fn loop_named(&mut self, id: MotorId, named: Option<Mode>) {
+        let Some(motor) = self.motor_mut(id) else {
+            return;
+        };
+        // It answers, even if it tells nothing of the wheel.
+        motor.unanswered_in_a_row = 0;
+        motor.count_reply();
+        match (&mut motor.control, named) {
+            (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
+            (Control::Stopping(stop), Some(mode)) => stop.record_loop(mode),
+            _ => {}
+        }
+    }
+
+    /// Takes note of frames of another model and of text in JSON.
+    pub(crate) fn judge_model(&mut self, now: Instant, rest: &OtherBytes) {
+        if rest.is_json && self.evidence.json(now) {
+            self.events.push_back(Event::AnswersInJson);
+        }
+        let expected = self.model;
+        if let Some(found) = rest.other_model
+            && self.evidence.other_reply(now, found)
+        {
+            self.events.push_back(Event::OtherModel { expected, found });
+            if self.is_active(now) {
+                self.stop_all(now, StopReason::OtherModel);
+            }
+        }
+    }
+
     /// Processes a good frame outside its window. The request is uncertain, so bytes 6 and 7 stay
     /// undetermined.
     fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
-        let ReceivedReply { frame, reply } = received;
+        let ReceivedReply { frame, reading } = received;
+        let id = reading.id();
         self.log_received(now, &frame, None);
         self.last_late_reply = Some(now);
-        self.job_late_reply(now, reply.id);
-        let expected = |motor: &Motor| motor.id == reply.id && motor.late.may_come(now);
+        self.job_late_reply(now, id);
+        let expected = |motor: &Motor| motor.id == id && motor.late.may_come(now);
         match self.motors.iter_mut().find(|motor| expected(motor)) {
             Some(motor) => {
                 motor.counters.late += 1;
                 motor.late.late_reply();
+                let Reading::Combined(reply) = reading else {
+                    // Of unknown age: it may name the loop before a switch.
+                    motor.separate.unanswered(false);
+                    motor.count_reply();
+                    return;
+                };
                 if motor.late.may_answer_id_query() {
                     motor.count_reply();
                 } else if motor.late.makes_round_trip_ambiguous(now) {
@@ -342,6 +419,7 @@ impl Bus {
             None => count_line(&mut self.counters, rest),
         }
         self.log_and_record(now, rest);
+        self.judge_model(now, rest);
     }
 
     /// Logs the bytes beside the expected reply and records the good frames among them.

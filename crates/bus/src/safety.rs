@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Celsius, CurrentTarget, Drive, Faults, Mode, MotorId, Rpm, Setpoint};
+use motorlink_protocol::{
+    Celsius, CurrentTarget, Drive, Faults, Mode, MotorId, OpenLoopTarget, Rpm, Setpoint,
+    family::Model,
+};
 
 use crate::{
     command::{Consent, Refusal},
@@ -107,6 +110,7 @@ impl Known {
 
 /// Checks whether a motor may be driven to a setpoint now.
 pub(crate) fn check_drive(
+    model: Model,
     id: MotorId,
     setpoint: Setpoint,
     consent: Consent,
@@ -118,6 +122,15 @@ pub(crate) fn check_drive(
         faults,
         temperature,
     } = known;
+    let mode = setpoint.mode();
+    if !model.has(mode) {
+        return Err(Refusal::NoSuchLoop { model, mode });
+    }
+    if let Setpoint::Velocity { speed, .. } = setpoint
+        && speed.rpm().unsigned_abs() > model.spec().speed_rpm_max
+    {
+        return Err(Refusal::AboveSpeedOfModel(model));
+    }
     if !limits.allow(setpoint) {
         return Err(Refusal::AboveSpeedLimit(limits.speed_rpm()));
     }
@@ -177,12 +190,17 @@ pub(crate) fn check_driven(
 /// that the motor has answered. `possible` is the current that the motor may still follow.
 #[must_use]
 pub(crate) fn step_towards(goal: Setpoint, possible: Option<CurrentTarget>) -> Setpoint {
-    if let (Setpoint::Current(goal), Some(present)) = (goal, possible)
-        && i32::from(goal.raw()) * i32::from(present.raw()) < 0
-    {
-        return Setpoint::Current(CurrentTarget::ZERO);
+    let (raw, zero) = match goal {
+        Setpoint::Current(goal) => (goal.raw(), Setpoint::Current(CurrentTarget::ZERO)),
+        Setpoint::OpenLoop(goal) => (goal.raw(), Setpoint::OpenLoop(OpenLoopTarget::ZERO)),
+        Setpoint::Velocity { .. } | Setpoint::Brake | Setpoint::Position(_) => return goal,
+    };
+    let reverses = |present: CurrentTarget| i32::from(raw) * i32::from(present.raw()) < 0;
+    if possible.is_some_and(reverses) {
+        zero
+    } else {
+        goal
     }
-    goal
 }
 
 #[cfg(test)]

@@ -76,7 +76,14 @@ fn a_drive_is_refused_for_each_reason_by_name() {
             faults,
             temperature: Some(Celsius::new(75)),
         };
-        check_drive(ID, setpoint, consent, Limits::default(), known)
+        check_drive(
+            Model::Ddsm115,
+            ID,
+            setpoint,
+            consent,
+            Limits::default(),
+            known,
+        )
     };
     let none = Some(Faults::NONE);
     assert_eq!(
@@ -165,7 +172,7 @@ fn a_motor_is_asked_for_no_more_than_its_limits_and_not_while_it_is_too_hot() {
             temperature: Some(Celsius::new(celsius)),
         };
         let setpoint = Setpoint::velocity(SpeedTarget::clamped(rpm));
-        check_drive(ID, setpoint, Consent::None, limits, known)
+        check_drive(Model::Ddsm115, ID, setpoint, Consent::None, limits, known)
     };
     assert_eq!(drive(-100, 60), Ok(()));
     assert_eq!(drive(-101, 20), Err(Refusal::AboveSpeedLimit(100)));

@@ -33,6 +33,8 @@ pub(crate) enum DueFrame {
     Drive(MotorId),
     /// This motor's telemetry.
     Query(MotorId),
+    /// The loop of a motor with separate frames, before its next drive frame.
+    LoopQuery(MotorId),
     /// The ID query.
     IdQuery,
     /// The next probe of a scan or an ID change.

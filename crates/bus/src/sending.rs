@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Frame, Instant, Layout, MotorId, Request, Setpoint};
+use motorlink_protocol::{
+    CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint,
+    family::{Layout, Request},
+};
 
 use crate::{
     bus::{Bus, LastDrive},
@@ -32,9 +35,12 @@ impl Bus {
             DueFrame::Drive(id) if self.waits_for_proof(now, id) => {
                 DueFrame::Query(self.last_to_answer(id))
             }
+            DueFrame::Drive(id) if self.waits_for_loop(id) => DueFrame::LoopQuery(id),
             due_frame => due_frame,
         };
+        let model = self.model;
         let context = SendContext {
+            model,
             period: self.settings.rate.period(),
             query_period: self.query_period(),
             ramp: self.settings.ramp,
@@ -43,34 +49,38 @@ impl Bus {
         let (frame, expects, purpose, effect) = match due_frame {
             DueFrame::Raw => {
                 // A raw frame exists whenever one is due. The ID query is a harmless fallback.
-                let frame = self.raw.map_or(Request::IdQuery.frame(), |raw| raw.frame);
-                let expects = Expects::of_raw(&frame);
+                let frame = self
+                    .raw
+                    .map_or(self.frame_of(&Request::IdQuery), |raw| raw.frame);
+                let expects = Expects::of_raw(model, &frame);
                 (frame, expects, Purpose::Raw, Effect::Raw)
             }
             DueFrame::IdQuery => {
                 let request = Request::IdQuery;
-                let expects = Expects::of(&request);
-                (request.frame(), expects, Purpose::Control, Effect::IdQuery)
+                let expects = Expects::of(model, &request);
+                let frame = self.frame_of(&request);
+                (frame, expects, Purpose::Control, Effect::IdQuery)
             }
             DueFrame::Probe(_) | DueFrame::SetId(_) => {
                 let request = match due_frame {
                     DueFrame::SetId(id) => Request::SetId { id },
-                    DueFrame::Probe(ask) => ask.request(),
+                    DueFrame::Probe(ask) => ask.request(model),
                     _ => Request::IdQuery,
                 };
                 let effect = Effect::Job(due_frame);
-                let expects = Expects::of(&request);
-                (request.frame(), expects, Purpose::Job, effect)
+                let expects = Expects::of(model, &request);
+                (self.frame_of(&request), expects, Purpose::Job, effect)
             }
             DueFrame::Stop(id)
             | DueFrame::Switch(id)
             | DueFrame::Drive(id)
+            | DueFrame::LoopQuery(id)
             | DueFrame::Query(id) => {
                 let motor = self.watch(now, id);
                 let (request, control, sent) = next_request(motor, now, due_frame, context);
                 let effect = Effect::Motor { id, control, sent };
-                let expects = Expects::of(&request);
-                (request.frame(), expects, Purpose::Control, effect)
+                let expects = Expects::of(model, &request);
+                (self.frame_of(&request), expects, Purpose::Control, effect)
             }
         };
         let [addressee, ..] = *frame.bytes();
@@ -85,6 +95,27 @@ impl Bus {
             effect,
         });
         frame
+    }
+
+    /// The bytes of a request. No request is made that the model does not have; the ID query is a harmless
+    /// fallback.
+    fn frame_of(&self, request: &Request) -> Frame {
+        let id_query = motorlink_protocol::Request::IdQuery;
+        request
+            .frame(self.model)
+            .unwrap_or_else(|_| id_query.frame())
+    }
+
+    /// Whether the next drive frame to this motor waits until it has named its loop: it may have lost power, and
+    /// would then read the value in the velocity loop.
+    fn waits_for_loop(&self, id: MotorId) -> bool {
+        let motor = self.motors.iter().find(|motor| motor.id == id);
+        let setpoint = motor.and_then(|motor| match motor.control {
+            Control::Driven(driven) if motor.separate.loop_known.is_doubted() => Some(driven.goal),
+            _ => None,
+        });
+        self.model.has_separate_frames()
+            && setpoint.is_some_and(|goal| goal.mode() != Mode::Velocity && !is_rest(goal))
     }
 
     /// The motor that answered last, or `otherwise`.
@@ -208,8 +239,13 @@ impl Bus {
                     Sent::Drive(setpoint) => {
                         drives = setpoint.is_some_and(|setpoint| !is_rest(setpoint));
                         motor.drive_frames.count(now);
-                        if let Some(Setpoint::Current(current)) = setpoint {
-                            motor.torque.sent(current);
+                        match setpoint {
+                            Some(Setpoint::Current(current)) => motor.torque.sent(current),
+                            Some(Setpoint::OpenLoop(target)) => {
+                                let torque = CurrentTarget::new(target.raw().into());
+                                motor.torque.sent(torque.unwrap_or_default());
+                            }
+                            _ => {}
                         }
                     }
                     Sent::Query(context) => {
@@ -243,7 +279,8 @@ impl Bus {
             ..
         } = handed;
         let window = self.window(at, expects, purpose);
-        let exchange = Exchange::begin(at, frame, expects, window, purpose);
+        let airtime = self.model.frame_airtime();
+        let exchange = Exchange::begin(at, frame, expects, window, airtime, purpose);
         match expects {
             Expects::Reply { id, .. } => match self.motor_mut(id) {
                 Some(motor) => motor.counters.requests += 1,

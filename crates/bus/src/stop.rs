@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{Instant, Mode, MotorId, Reply, Request, Setpoint};
+use motorlink_protocol::{
+    Drive, Instant, Mode, MotorId, Reply, Setpoint,
+    family::{Model, Request},
+};
 
 use crate::{
     event::{StopOutcome, StopReason, StopReport},
@@ -27,6 +30,10 @@ pub(crate) struct Stopping {
     pub(crate) first_frame_sent: bool,
     switches: u8,
     next_switch: Instant,
+    /// Earliest time of the next brake frame: see [`Spec::stop_period_min`].
+    ///
+    /// [`Spec::stop_period_min`]: motorlink_protocol::family::Spec::stop_period_min
+    next_brake: Instant,
     /// Replies in a row that report standstill in the velocity loop.
     standstill_replies: u8,
     /// Whether the last reply since the stop began, of any age, reports the position loop.
@@ -53,20 +60,24 @@ impl Stopping {
             next_frame: now,
             switches: 0,
             next_switch: first_switch,
+            next_brake: now,
             standstill_replies: 0,
             reports_position: false,
         }
     }
 
     /// The next request to the motor.
-    pub(crate) fn next_request(&self, now: Instant, id: MotorId) -> Request {
+    pub(crate) fn next_request(&self, now: Instant, model: Model, id: MotorId) -> Request {
         if self.plan != StopPlan::Brake && now >= self.next_switch {
             Request::SwitchMode {
                 id,
                 mode: Mode::Velocity,
             }
-        } else if self.may_brake() {
-            Request::drive(id, Setpoint::Brake)
+        } else if self.may_brake() && now >= self.next_brake {
+            let drive = Drive::from(Setpoint::Brake);
+            Request::Drive { id, drive }
+        } else if model.has_separate_frames() {
+            Request::ModeQuery { id }
         } else {
             Request::Query { id }
         }
@@ -86,6 +97,7 @@ impl Stopping {
     pub(crate) fn sent(
         &mut self,
         now: Instant,
+        model: Model,
         request: &Request,
         period: Duration,
         answers: bool,
@@ -93,6 +105,9 @@ impl Stopping {
         self.round += 1;
         self.first_frame_sent = true;
         self.next_frame = now + period;
+        if let (Request::Drive { .. }, Some(least)) = (request, model.spec().stop_period_min) {
+            self.next_brake = now + least;
+        }
         if matches!(request, Request::SwitchMode { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
@@ -112,6 +127,17 @@ impl Stopping {
         } else {
             0
         };
+    }
+
+    /// The last frame was unanswered: a brake frame may be lost.
+    pub(crate) fn unanswered(&mut self, now: Instant) {
+        self.next_brake = now;
+    }
+
+    /// Records a reply that only names the loop.
+    pub(crate) fn record_loop(&mut self, mode: Mode) {
+        self.reports_position = mode == Mode::Position;
+        self.plan = stop_plan(Some(mode), None);
     }
 
     /// Records a reply that may be older than this stop. It counts if it reports the position loop.

@@ -11,6 +11,11 @@ fn stop_of(mode: Option<Mode>) -> Stopping {
     Stopping::begin(BEGAN, mode, None, 0)
 }
 
+fn brake() -> Request {
+    let drive = Drive::from(Setpoint::Brake);
+    Request::Drive { id: ID, drive }
+}
+
 fn switch() -> Request {
     let mode = Mode::Velocity;
     Request::SwitchMode { id: ID, mode }
@@ -21,7 +26,7 @@ fn send_switches(stop: &mut Stopping, count: u8, answers: bool) -> Instant {
     let mut now = BEGAN;
     for _ in 0..count {
         now = now + SWITCH_PERIOD;
-        stop.sent(now, &switch(), STOP_PERIOD, answers);
+        stop.sent(now, Model::Ddsm115, &switch(), STOP_PERIOD, answers);
     }
     now
 }
@@ -63,7 +68,7 @@ fn an_uncertain_reply_from_the_position_loop_ends_the_brake() {
         stop.record_reply(&standing(Mode::Velocity));
     }
     stop.record_uncertain_reply(Mode::Position);
-    let request = |stop: &Stopping, at| stop.next_request(at, ID);
+    let request = |stop: &Stopping, at| stop.next_request(at, Model::Ddsm115, ID);
     assert_eq!(request(&stop, BEGAN), Request::Query { id: ID });
     assert_eq!(request(&stop, BEGAN + STOP_PERIOD), switch());
     stop.record_reply(&standing(Mode::Velocity));
@@ -78,8 +83,8 @@ fn an_uncertain_reply_from_another_loop_changes_no_plan_and_no_count() {
             stop.record_reply(&standing(Mode::Velocity));
         }
         stop.record_uncertain_reply(mode);
-        let next = stop.next_request(BEGAN + STOP_PERIOD, ID);
-        assert_eq!(next, Request::drive(ID, Setpoint::Brake));
+        let next = stop.next_request(BEGAN + STOP_PERIOD, Model::Ddsm115, ID);
+        assert_eq!(next, brake());
         assert!(!stop.confirmed());
         stop.record_reply(&standing(Mode::Velocity));
         assert!(stop.confirmed());
@@ -92,10 +97,10 @@ fn a_motor_that_last_reported_the_position_loop_is_not_braked_after_many_switche
     let mut stop = stop_of(None);
     stop.record_uncertain_reply(Mode::Position);
     let now = send_switches(&mut stop, SILENT_SWITCHES, false);
-    assert_eq!(stop.next_request(now, ID), Request::Query { id: ID });
-    stop.record_uncertain_reply(Mode::Velocity);
     assert_eq!(
-        stop.next_request(now, ID),
-        Request::drive(ID, Setpoint::Brake)
+        stop.next_request(now, Model::Ddsm115, ID),
+        Request::Query { id: ID }
     );
+    stop.record_uncertain_reply(Mode::Velocity);
+    assert_eq!(stop.next_request(now, Model::Ddsm115, ID), brake());
 }

@@ -6,7 +6,7 @@ use motorlink_protocol::{
 
 use crate::{
     bus::Bus,
-    event::{Event, StopReason},
+    event::{Event, StopReason, WithdrawReason},
     mode_switch::{Progress, Switch},
     motor::{Control, Driven, Motor},
     safety::check_driven,
@@ -18,10 +18,19 @@ impl Bus {
     /// motors.
     pub(crate) fn supervise_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
+        let may_enable = self.stop.is_none()
+            && self.check_not_halted().is_ok()
+            && self.check_no_job().is_ok()
+            && self.check_no_raw_hazard().is_ok();
         for motor in &mut self.motors {
             if !motor.silent && now >= motor.silent_at() {
                 motor.silent = true;
                 self.events.push_back(Event::MotorSilent(motor.id));
+            }
+            if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
+                // Starts no motion: it ignores drive frames until it is in a loop, and gets none.
+                motor.separate.enable_tried = true;
+                motor.control = Control::Switching(Switch::begin(now, Mode::Velocity, None));
             }
             if let Control::Switching(switch) = motor.control {
                 match switch.progress(now) {
@@ -65,6 +74,8 @@ impl Bus {
                     quiet,
                     motor.unanswered_in_a_row,
                 );
+                let withdrawn =
+                    withdrawn.or((!motor.obeys()).then_some(WithdrawReason::NotEnabled));
                 if let Some(reason) = withdrawn {
                     self.events.push_back(Event::Withdrawn {
                         id: motor.id,

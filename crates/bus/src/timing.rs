@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use motorlink_protocol::family::Model;
+
 /// Older telemetry is unknown, not zero (safety rule 5).
 pub const FRESH_FOR: Duration = Duration::from_millis(500);
 
@@ -105,9 +107,11 @@ pub(crate) const STANDSTILL_REPLIES: u8 = 3;
 /// round trip of a common adapter.
 pub(crate) const STOP_PATIENCE: Duration = Duration::from_millis(10);
 
-/// No reply is complete sooner after its request: 868 us of request and 868 us of reply, less the
+/// No reply is complete sooner after its request: the airtime of both (868 us each of a DDSM115), less the
 /// error of clocks with steps of 0.1 ms. An earlier reply answers an earlier request.
-pub(crate) const EARLIEST_REPLY: Duration = Duration::from_micros(1_500);
+pub(crate) const fn earliest_reply(model: Model) -> Duration {
+    Duration::from_micros(2 * model.frame_airtime().as_micros() as u64 - 236)
+}
 
 /// First reply window: an FTDI adapter holds received bytes for up to 16 ms.
 pub(crate) const FIRST_WINDOW: Duration = Duration::from_millis(25);

@@ -111,6 +111,7 @@ fn every_way_to_drive_ends_by_a_gap() {
         let mut fixture = Fixture::one_motor();
         fixture.switch(mode);
         match mode {
+            Mode::OpenLoop => unreachable!("a DDSM115 has none"),
             Mode::Current => fixture.drive(amps(0.3)).unwrap(),
             Mode::Position => fixture.drive(degrees(300.0)).unwrap(),
             Mode::Velocity => fixture.command(raw(frame, every(0, 20))).unwrap(),

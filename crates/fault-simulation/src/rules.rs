@@ -307,7 +307,9 @@ impl Rules {
                 match reason {
                     WithdrawReason::Silent => self.judge(Rule::SilentIsWithdrawn),
                     WithdrawReason::Limit(_) => self.judge(Rule::LimitsHold),
-                    WithdrawReason::Fault(_) | WithdrawReason::OtherLoop { .. } => {}
+                    WithdrawReason::Fault(_)
+                    | WithdrawReason::NotEnabled
+                    | WithdrawReason::OtherLoop { .. } => {}
                 }
                 self.stop_begins(now, |other| other == id);
                 self.moves_no_more(now, world, |other| other == id);

@@ -207,7 +207,7 @@ impl SequenceRun {
             }
             Event::Withdrawn { id, reason } => {
                 let cause = match reason {
-                    WithdrawReason::Silent => Cause::Silent(*id),
+                    WithdrawReason::Silent | WithdrawReason::NotEnabled => Cause::Silent(*id),
                     WithdrawReason::Fault(faults) => Cause::Fault(*id, *faults),
                     WithdrawReason::OtherLoop { reported } => Cause::OtherLoop(*id, *reported),
                     WithdrawReason::Limit(_) => Cause::Limit(*id, ExceededLimit::OfBus),

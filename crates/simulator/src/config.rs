@@ -10,6 +10,10 @@ use crate::wire::WireFaults;
 /// not use must not add to its weight.
 pub(crate) const EVERY_MODEL: bool = cfg!(not(target_arch = "wasm32"));
 
+/// How long a drive frame is obeyed. Of a DDSM315 longer: a client stops it by frames 300 ms apart, so it must obey each
+/// that long.
+const LATCH: Duration = Duration::from_millis(100);
+
 /// Initial state of a motor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotorConfig {
@@ -60,6 +64,10 @@ impl MotorConfig {
         Self {
             model,
             set_id_frames: model.spec().set_id_frames,
+            latch: model
+                .spec()
+                .stop_period_min
+                .map_or(LATCH, |period| period + LATCH),
             ..Self::new(id)
         }
     }
@@ -83,7 +91,7 @@ impl Default for MotorConfig {
             ambient_c: 28.0,
             supply_v: 18.0,
             load_nm: 0.0,
-            latch: Duration::from_millis(100),
+            latch: LATCH,
             mode_switch_frames: 1,
             set_id_frames: 5,
             obeys_all: false,

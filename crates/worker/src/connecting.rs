@@ -9,7 +9,7 @@ use std::{rc::Rc, time::Duration};
 use gloo_timers::future::sleep;
 use motorlink_bus::{Command, Refusal, StopReason};
 use motorlink_messages::{Adapter, ConnectError, Notice, PortRef, ToWorker};
-use motorlink_protocol::MotorId;
+use motorlink_protocol::{MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
 use crate::{
@@ -23,6 +23,8 @@ use crate::{
 /// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
 /// and three queries at 10 Hz.
 const TRIAL: Duration = Duration::from_millis(400);
+/// How long the motors may take to show their model: an ID query of 60 ms and two queries at 10 Hz.
+const DETECTION: Duration = Duration::from_millis(200);
 /// How often to check for a reply.
 const TRIAL_STEP: Duration = Duration::from_millis(20);
 
@@ -68,8 +70,11 @@ fn close(shared: &Shared, then: AfterClosing) {
         match then.0 {
             Some(ToWorker::ConnectVirtual) => open_virtual(&shared),
             Some(ToWorker::ConnectSerial {
-                candidates, wanted, ..
+                candidates,
+                wanted,
+                model,
             }) => {
+                shared.borrow_mut().model = model;
                 open_serial(&shared, candidates, wanted).await;
             }
             _ => {}
@@ -107,7 +112,7 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
 pub(crate) fn open_virtual(shared: &Shared) {
     {
         let mut owner = shared.borrow_mut();
-        let bus = owner.new_bus();
+        let bus = owner.new_bus(Model::Ddsm115);
         let open = OpenSession {
             line: Line::virtual_bus(),
             bus,
@@ -151,12 +156,7 @@ async fn open_any(
     let mut failure = ConnectError::PortGone;
     let alone = candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst;
     for candidate in candidates {
-        let stage = if alone {
-            Stage::Settled
-        } else {
-            Stage::OnTrial { lost }
-        };
-        match open_one(shared, generation, candidate, stage).await? {
+        match open_as_shown(shared, generation, candidate, lost).await? {
             Err(error) => failure = error,
             Ok(opened) => {
                 generation = opened;
@@ -170,7 +170,7 @@ async fn open_any(
         }
     }
     if let Some(candidate) = first_that_opens.filter(|_| if_no_reply == IfNoReply::TakeFirst) {
-        match open_one(shared, generation, candidate, Stage::Settled).await? {
+        match open_as_shown(shared, generation, candidate, lost).await? {
             Ok(_) => {
                 settle(shared, lost);
                 return Ok(None);
@@ -230,15 +230,85 @@ fn begin(shared: &Shared, session: Session) -> u32 {
     generation
 }
 
-/// Opens one port and starts reading it. Returns the number of its session.
+/// What the motors of a port on trial have shown.
+enum Shown {
+    /// They answer as the model of the line.
+    Own,
+    /// One answers as another model of the same baud rate.
+    Other(Model),
+    /// None answers.
+    Nothing,
+}
+
+/// Opens one port on trial for the model that its motors show, if the person leaves that to the worker. Without an
+/// answer for the model that the person has chosen.
+async fn open_as_shown(
+    shared: &Shared,
+    mut generation: u32,
+    candidate: PortRef,
+    lost: Option<Adapter>,
+) -> Result<Result<u32, ConnectError>, Superseded> {
+    let choice = shared.borrow().model;
+    let mut tried = Vec::new();
+    let mut next = Some(choice.model).filter(|_| choice.detect);
+    while let Some(model) = next {
+        match open_one(shared, generation, candidate, model, lost).await? {
+            Err(error) => return Ok(Err(error)),
+            Ok(opened) => generation = opened,
+        }
+        tried.push(model);
+        let shown = match shown(shared, generation).await? {
+            Shown::Own => {
+                shared.borrow_mut().model.model = model;
+                return Ok(Ok(generation));
+            }
+            Shown::Other(model) => Some(model),
+            Shown::Nothing => None,
+        };
+        let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
+        let untried = |model: &Model| {
+            let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
+            !tried.iter().any(same_baud)
+        };
+        next = shown
+            .filter(|model| !tried.contains(model))
+            .or_else(|| of_either_baud.into_iter().find(untried));
+        generation = close_trial(shared, lost).await;
+    }
+    open_one(shared, generation, candidate, choice.model, lost).await
+}
+
+/// Waits until the motors of the port on trial show their model.
+async fn shown(shared: &Shared, generation: u32) -> Result<Shown, Superseded> {
+    let mut left = DETECTION.as_millis() / TRIAL_STEP.as_millis();
+    loop {
+        sleep(TRIAL_STEP).await;
+        let owner = shared.borrow();
+        let open = match &owner.session {
+            Session::Open(open) if owner.generation == generation => open,
+            _ => return Err(Superseded),
+        };
+        if open.bus.model_known() {
+            return Ok(Shown::Own);
+        }
+        left = left.saturating_sub(1);
+        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
+        if left == 0 && !open.bus.is_active(owner.now()) {
+            return Ok(open.bus.likely_model().map_or(Shown::Nothing, Shown::Other));
+        }
+    }
+}
+
+/// Opens one port on trial and starts reading it. Returns the number of its session.
 async fn open_one(
     shared: &Shared,
     generation: u32,
     candidate: PortRef,
-    stage: Stage,
+    model: Model,
+    lost: Option<Adapter>,
 ) -> Result<Result<u32, ConnectError>, Superseded> {
     let opened = if claim(candidate.place).await {
-        serial::open(candidate).await
+        serial::open(candidate, model).await
     } else {
         Err(ConnectError::OtherTab)
     };
@@ -253,11 +323,11 @@ async fn open_one(
         Err(error) => return Ok(Err(error)),
     };
     let (port, in_flight) = (line.port(), line.in_flight());
-    let bus = shared.borrow().new_bus();
+    let bus = shared.borrow().new_bus(model);
     let open = OpenSession {
         line: Line::Serial(line),
         bus,
-        stage,
+        stage: Stage::OnTrial { lost },
         reader: None,
     };
     let generation = begin(shared, Session::Open(Box::new(open)));

@@ -3,8 +3,8 @@
 use std::{cell::RefCell, rc::Rc};
 
 use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output, Refusal};
-use motorlink_messages::Notice;
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_messages::{ModelChoice, Notice};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 use web_sys::MessagePort;
 
 use crate::{
@@ -31,6 +31,8 @@ pub(crate) struct PortOwner {
     pub(crate) generation: u32,
     pub(crate) selected: MotorId,
     settings: BusSettings,
+    /// The model of the motors on the serial port.
+    pub(crate) model: ModelChoice,
     /// Whether "Stop all motors" is in effect. It stays so after the port is closed.
     halted: bool,
     /// How far our clock is ahead of the page's, by the message with the least delay so far.
@@ -51,6 +53,7 @@ impl PortOwner {
             generation: 0,
             selected: MotorId::FIRST,
             settings: BusSettings::default(),
+            model: ModelChoice::default(),
             halted: false,
             ahead_of_page_ms: f64::INFINITY,
         }
@@ -65,14 +68,13 @@ impl PortOwner {
         self.clock.now()
     }
 
-    /// A new bus on which nothing drives. It is halted if "Stop all motors" is in effect.
-    pub(crate) fn new_bus(&self) -> Bus {
+    /// A new bus for this model, on which nothing drives. It is halted if "Stop all motors" is in effect.
+    pub(crate) fn new_bus(&self, model: Model) -> Bus {
         let now = self.now();
-        let mut bus = if self.halted {
-            Bus::halted(now)
-        } else {
-            Bus::new(now)
-        };
+        let mut bus = Bus::with_model(now, model);
+        if self.halted {
+            bus = bus.into_halted();
+        }
         for command in [
             Command::Configure(self.settings),
             Command::IdQuery,

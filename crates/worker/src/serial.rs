@@ -10,7 +10,7 @@ use gloo_timers::future::sleep;
 use js_sys::{Promise, Reflect, Uint8Array};
 use motorlink_bus::InFlight;
 use motorlink_messages::{ConnectError, PortRef, UsbId};
-use motorlink_protocol::{Frame, Instant};
+use motorlink_protocol::{Frame, Instant, family::Model};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::{
@@ -20,8 +20,6 @@ use web_sys::{
 
 use crate::scope::{global, report};
 
-/// The only baud rate of the motors.
-const BAUD: u32 = 115_200;
 /// The browser's receive buffer; its default of 255 bytes holds three chunks of a busy adapter.
 const BUFFER_BYTES: u32 = 16_384;
 
@@ -35,6 +33,8 @@ pub(crate) struct SerialLine {
     writer: Option<Writer>,
     in_flight: SharedInFlight,
     usb: Option<UsbId>,
+    /// The model of the motors, which decides the baud rate.
+    model: Model,
 }
 
 /// Frames that may not have been sent yet: the writing side adds them, the reading side confirms them.
@@ -125,15 +125,15 @@ pub(crate) fn usb_of(port: &SerialPort) -> Option<UsbId> {
     })
 }
 
-/// Opens the port that the page has chosen.
-pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
+/// Opens the port that the page has chosen, at the baud rate of this model.
+pub(crate) async fn open(wanted: PortRef, model: Model) -> Result<SerialLine, ConnectError> {
     let ports = ports().await?;
     let port = ports
         .get(usize::from(wanted.place))
         .filter(|port| usb_of(port) == wanted.usb)
         .ok_or(ConnectError::PortGone)?
         .clone();
-    let options = SerialOptions::new(BAUD);
+    let options = SerialOptions::new(model.spec().baud);
     options.set_buffer_size(BUFFER_BYTES);
     let mut tries = 0;
     loop {
@@ -147,7 +147,7 @@ pub(crate) async fn open(wanted: PortRef) -> Result<SerialLine, ConnectError> {
             Err(error) => return Err(open_error(&error)),
         }
     }
-    Ok(SerialLine::new(port))
+    Ok(SerialLine::new(port, model))
 }
 
 impl SerialLine {
@@ -155,8 +155,9 @@ impl SerialLine {
         self.usb
     }
 
-    fn new(port: SerialPort) -> Self {
+    fn new(port: SerialPort, model: Model) -> Self {
         Self {
+            model,
             usb: usb_of(&port),
             writer: None,
             in_flight: SharedInFlight::default(),
@@ -170,17 +171,17 @@ impl SerialLine {
     /// A successful write proves nothing: the first write after an unplug succeeds too. Failures show
     /// on the reading side.
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
-        let mut in_flight = self.in_flight.get();
+        let (model, mut in_flight) = (self.model, self.in_flight.get());
         let Some(writer) = self.writer() else {
             return false;
         };
-        let accepts = writer.is_empty() && in_flight.admits(now, &frame);
+        let accepts = writer.is_empty() && in_flight.admits(now, model, &frame);
         if accepts {
             // A new array, because the browser may read it after this returns.
             let bytes = Uint8Array::from(frame.bytes().as_slice());
             let written = writer.end.write_with_chunk(&bytes);
             let _ = IGNORE.with(|ignore| written.catch(ignore));
-            in_flight.handed_over(now, &frame);
+            in_flight.handed_over(now, model, &frame);
             self.in_flight.set(in_flight);
         }
         accepts
@@ -424,7 +425,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_that_was_written_is_not_overwritten_by_the_next() {
         let port = port();
-        let mut line = SerialLine::new(port.clone());
+        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
         for place in 1..=3 {
             turn().await;
             assert!(write(&mut line, query(place)));
@@ -437,7 +438,7 @@ mod tests {
     async fn behind_a_frame_that_waits_in_the_stream_none_is_taken() {
         let port = port();
         set(&port, "holds", true);
-        let mut line = SerialLine::new(port.clone());
+        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
         turn().await;
         assert!(write(&mut line, query(1)));
         turn().await;
@@ -448,7 +449,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn behind_a_write_that_failed_frames_go_to_the_new_stream() {
         let port = port();
-        let mut line = SerialLine::new(port.clone());
+        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
         turn().await;
         set(&port, "fails", true);
         write(&mut line, query(1));
@@ -463,7 +464,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_frame_is_not_taken_where_the_port_has_no_stream_any_more() {
         let port = port();
-        let mut line = SerialLine::new(port.clone());
+        let mut line = SerialLine::new(port.clone(), Model::Ddsm115);
         turn().await;
         assert!(write(&mut line, query(1)));
         set(&port, "writable", JsValue::NULL);
@@ -475,7 +476,7 @@ mod tests {
     #[wasm_bindgen_test]
     async fn a_drive_frame_is_not_taken_behind_another_before_a_byte_has_come() {
         let port = port();
-        let mut line = SerialLine::new(port);
+        let mut line = SerialLine::new(port, Model::Ddsm115);
         let rpm = |rpm| Setpoint::velocity(SpeedTarget::new(rpm).unwrap());
         let drive = Request::drive(MotorId::FIRST, rpm(100)).frame();
         let brake = Request::drive(MotorId::FIRST, Setpoint::Brake).frame();

@@ -24,6 +24,7 @@ impl Bus {
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
         let limits = self.settings.limits;
+        let model = self.model;
         for (id, setpoint) in setpoints.entries() {
             let motor = self.motor_mut(id).ok_or(Refusal::NotAnswering(id))?;
             match motor.control {
@@ -31,7 +32,7 @@ impl Bus {
                 Control::Switching(_) => return Err(Refusal::Switching(id)),
                 Control::Idle | Control::Driven(_) => {}
             }
-            check_drive(id, setpoint, consent, limits, motor.known(now))?;
+            check_drive(model, id, setpoint, consent, limits, motor.known(now))?;
             self.check_whole_group(id, setpoints)?;
         }
         self.last_group += 1;
@@ -61,9 +62,9 @@ impl Bus {
             if driven.goal.mode() != setpoint.mode() || *group.get_or_insert(own) != own {
                 return Err(Refusal::NotDriven(id));
             }
-            let limits = self.settings.limits;
+            let (limits, model) = (self.settings.limits, self.model);
             let motor = self.motor_mut(id).ok_or(Refusal::NotDriven(id))?;
-            check_drive(id, setpoint, consent, limits, motor.known(now))?;
+            check_drive(model, id, setpoint, consent, limits, motor.known(now))?;
             self.check_whole_group(id, setpoints)?;
         }
         for (id, setpoint) in setpoints.entries() {

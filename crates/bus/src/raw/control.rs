@@ -34,9 +34,12 @@ impl Bus {
         }
         self.check_no_job()?;
         self.check_no_raw_hazard()?;
-        let mut raw = Raw::begin(now, frame, repeat);
+        let mut raw = Raw::begin(now, self.model, frame, repeat);
         // A frame that all may answer takes the line for several drive periods.
-        let holds_line = matches!(Expects::of_raw(&frame), Expects::Everyone { .. });
+        let holds_line = matches!(
+            Expects::of_raw(self.model, &frame),
+            Expects::Everyone { .. }
+        );
         if raw.is_hazardous() || holds_line {
             self.check_nothing_driven()?;
         }
@@ -261,7 +264,7 @@ fn check_raw(
     consent: Consent,
 ) -> Result<(), Refusal> {
     let value = match effect {
-        RawEffect::Drive { value } => value,
+        RawEffect::Drive { value, .. } => value,
         RawEffect::Switch(Mode::Position) => return check_position_switch(id, speed),
         RawEffect::Probe | RawEffect::Switch(_) | RawEffect::SetId | RawEffect::Unknown => {
             return Ok(());
@@ -286,11 +289,11 @@ fn check_raw(
 /// Whether a raw drive value is within the speed limit. If the motor's loop is unknown, the value
 /// may be a speed, and a motor clamps a larger value to its highest speed.
 fn check_raw_speed(effect: RawEffect, known: Known, limits: Limits) -> Result<(), Refusal> {
-    let RawEffect::Drive { value } = effect else {
+    let RawEffect::Drive { rpm, .. } = effect else {
         return Ok(());
     };
     let may_be_speed = matches!(known.reported, None | Some(Mode::Velocity));
-    if may_be_speed && value.unsigned_abs() > limits.speed_rpm() {
+    if may_be_speed && rpm > limits.speed_rpm() {
         return Err(Refusal::AboveSpeedLimit(limits.speed_rpm()));
     }
     Ok(())

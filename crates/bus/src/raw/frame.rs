@@ -5,10 +5,14 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{CurrentTarget, Frame, Instant, Mode, MotorId, Request};
+use motorlink_protocol::{
+    CurrentTarget, Frame, Instant, Mode, MotorId, Request,
+    family::{FrameSet, Model},
+};
 
 use crate::{
     id_change::outcome::SetIdFrames,
+    model::units,
     raw::hazard::is_hazardous,
     raw::status::{RawAnswer, RawStatus, Repeat},
     timing::PROOF_LASTS,
@@ -26,6 +30,8 @@ pub(crate) enum RawEffect {
     Drive {
         /// Bytes 2 and 3.
         value: i16,
+        /// Its size as a speed, in whole rpm, rounded up.
+        rpm: u16,
     },
     /// A mode switch.
     Switch(Mode),
@@ -36,17 +42,25 @@ pub(crate) enum RawEffect {
 }
 
 impl RawEffect {
-    fn of(frame: &Frame) -> Self {
+    fn of(model: Model, frame: &Frame) -> Self {
         let &[first, command, high, low, .., last] = frame.bytes();
         if !is_hazardous(frame) {
             return Self::Probe;
         }
         match (first, command, high) {
             (0xAA, 0x55, 0x53) => Self::SetId,
-            (_, 0x64, _) => Self::Drive {
-                value: i16::from_be_bytes([high, low]),
-            },
-            (_, 0xA0, _) => Mode::from_byte(last).map_or(Self::Unknown, Self::Switch),
+            (_, 0x64, _) => {
+                let value = i16::from_be_bytes([high, low]);
+                let rpm = units::rpm_of_raw(model, value);
+                Self::Drive { value, rpm }
+            }
+            (_, 0xA0, _) => {
+                let byte = match model.spec().frames {
+                    FrameSet::Combined => last,
+                    FrameSet::Separate { .. } => high,
+                };
+                model.mode_of(byte).map_or(Self::Unknown, Self::Switch)
+            }
             _ => Self::Unknown,
         }
     }
@@ -74,12 +88,12 @@ pub(crate) struct Raw {
 }
 
 impl Raw {
-    pub(crate) fn begin(now: Instant, frame: Frame, repeat: Repeat) -> Self {
+    pub(crate) fn begin(now: Instant, model: Model, frame: Frame, repeat: Repeat) -> Self {
         let (count, interval_ms) = match repeat {
             Repeat::Once => (1, 0),
             Repeat::Times { count, interval } => (count, interval.millis()),
         };
-        let effect = RawEffect::of(&frame);
+        let effect = RawEffect::of(model, &frame);
         let count = match (effect, count) {
             (RawEffect::SetId, 0) => SET_ID_FRAMES_MAX,
             (RawEffect::SetId, count) => count.min(SET_ID_FRAMES_MAX),
@@ -106,7 +120,7 @@ impl Raw {
     /// for none.
     pub(crate) fn current_in(&self, reported: Option<Mode>) -> Option<CurrentTarget> {
         match (self.effect, reported) {
-            (RawEffect::Drive { value }, None | Some(Mode::Current)) => {
+            (RawEffect::Drive { value, .. }, None | Some(Mode::Current | Mode::OpenLoop)) => {
                 // -32768 has no positive counterpart.
                 CurrentTarget::new(i32::from(value).max(-i32::from(i16::MAX))).ok()
             }
@@ -191,7 +205,10 @@ mod tests {
 
     #[test]
     fn what_a_frame_may_do_and_to_whom_is_known_whatever_is_wrong_with_it() {
-        let drive = |value| RawEffect::Drive { value };
+        let drive = |value: i16| RawEffect::Drive {
+            value,
+            rpm: value.unsigned_abs(),
+        };
         for (text, motor, effect) in [
             ("01 64 00 64 00 00 00 00 00 4F", Some(1), drive(100)),
             ("05 64 80 00 01 00 01 00 00 00", Some(5), drive(i16::MIN)),
@@ -221,7 +238,7 @@ mod tests {
                 frame = Frame::with_crc(body);
             }
             assert_eq!(addressee(&frame).map(MotorId::get), motor, "{text}");
-            assert_eq!(RawEffect::of(&frame), effect, "{text}");
+            assert_eq!(RawEffect::of(Model::Ddsm115, &frame), effect, "{text}");
         }
     }
 
@@ -230,8 +247,18 @@ mod tests {
         let frame = "01 74 00 00 00 00 00 00 00 04".parse().unwrap();
         let interval = crate::RawInterval::new(20).unwrap();
         let mut now = Instant::ZERO;
-        let mut three = Raw::begin(now, frame, Repeat::Times { count: 3, interval });
-        let mut endless = Raw::begin(now, frame, Repeat::Times { count: 0, interval });
+        let mut three = Raw::begin(
+            now,
+            Model::Ddsm115,
+            frame,
+            Repeat::Times { count: 3, interval },
+        );
+        let mut endless = Raw::begin(
+            now,
+            Model::Ddsm115,
+            frame,
+            Repeat::Times { count: 0, interval },
+        );
         for _ in 0..3 {
             assert_eq!(three.next_frame(), Some(now));
             three.sent(now);

@@ -222,6 +222,16 @@ impl Reading {
         }
     }
 
+    /// The loop that it names, if it names one.
+    #[must_use]
+    pub fn names_loop(&self, model: Model) -> Option<Mode> {
+        match self {
+            Self::Combined(reply) => Some(reply.mode),
+            Self::Mode(reading) => reading.mode(model),
+            Self::Drive(_) | Self::Odometry(_) => None,
+        }
+    }
+
     /// The motor.
     #[must_use]
     pub const fn id(&self) -> MotorId {

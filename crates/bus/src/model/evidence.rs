@@ -1,0 +1,161 @@
+//! What replies tell about the model of the motors.
+
+use std::time::Duration;
+
+use motorlink_protocol::{
+    Frame, Instant, Mode, MotorId,
+    family::{FrameSet, Model},
+};
+
+/// This many frames in a row, each within this time of the one before, show another model. Fewer may be noise: about one in 256
+/// garbled frames has a good CRC.
+const FRAMES: u8 = 3;
+const WITHIN: Duration = Duration::from_secs(1);
+
+/// What replies have told about the model of the motors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ModelEvidence {
+    /// Whether a motor has answered as the model of the line.
+    pub(crate) own: bool,
+    /// The other model that the replies show.
+    pub(crate) other: Option<Model>,
+    /// The last frame of another model.
+    last: Option<(Instant, Model)>,
+    in_a_row: u8,
+    /// When text in JSON came last, and whether that was said.
+    json: Option<Instant>,
+    json_said: bool,
+}
+
+impl ModelEvidence {
+    /// Records a frame of another model. Returns whether the replies show that model from now on.
+    pub(crate) fn other_reply(&mut self, now: Instant, found: Model) -> bool {
+        let before = self.last.replace((now, found));
+        let again = before.is_some_and(|(at, model)| model == found && now.since(at) <= WITHIN);
+        self.in_a_row = if again {
+            self.in_a_row.saturating_add(1)
+        } else {
+            1
+        };
+        let is_new = self.in_a_row >= FRAMES && self.other.is_none();
+        if is_new {
+            self.other = Some(found);
+        }
+        is_new
+    }
+
+    /// The other model that the last foreign frame has shown.
+    pub(crate) const fn likely(&self) -> Option<Model> {
+        match self.last {
+            Some((_, model)) => Some(model),
+            None => None,
+        }
+    }
+
+    /// Records text in JSON. Returns whether it must be said: at the second time within a second, once.
+    pub(crate) fn json(&mut self, now: Instant) -> bool {
+        let before = self.json.replace(now);
+        let again = before.is_some_and(|at| now.since(at) <= WITHIN);
+        let is_new = again && !self.json_said;
+        self.json_said |= is_new;
+        is_new
+    }
+}
+
+/// The other model whose reply this is, on a line of `model`. A frame with a good CRC that could be a request is
+/// not one: it may come from another host.
+pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<Model> {
+    let &[id, command, b2, b3, b4, b5, b6, b7, b8, _] = frame.bytes();
+    let id_is_good = MotorId::new(id).is_ok() && id != 0xC8;
+    if !id_is_good || !frame.crc_holds() {
+        return None;
+    }
+    // A host sends 00 or FF in place of the temperature, and only zeros behind an odometry query.
+    let has_temperature = !matches!(b7, 0 | 0xFF);
+    let has_angle = [b2, b3, b4, b5, b6, b7, b8] != [0; 7];
+    let offset = match model.spec().frames {
+        FrameSet::Combined => None,
+        FrameSet::Separate { reply_offset } => Some(reply_offset),
+    };
+    match command {
+        _ if offset.is_some() && Mode::from_byte(command).is_ok() => Some(Model::Ddsm115),
+        0x64 if offset != Some(0) && has_temperature => Some(Model::Ddsm210),
+        0x74 if offset != Some(0) && has_angle => Some(Model::Ddsm210),
+        0x65 if offset != Some(1) && has_temperature => Some(Model::Ddsm400),
+        _ => None,
+    }
+}
+
+/// Whether these bytes are text of a driver board in JSON.
+pub(crate) fn is_json(bytes: &[u8]) -> bool {
+    bytes.windows(2).any(|pair| pair == b"{\"")
+        && bytes
+            .iter()
+            .all(|byte| matches!(byte, b' '..=b'~' | b'\r' | b'\n'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame(text: &str) -> Frame {
+        let [body @ .., _] = *text.parse::<Frame>().unwrap().bytes();
+        Frame::with_crc(body)
+    }
+
+    #[test]
+    fn a_reply_tells_its_model() {
+        let of_115 = frame("01 02 00 0A 00 00 20 F6 00 00");
+        let of_210 = frame("01 64 03 E8 00 10 00 1E 00 00");
+        let of_400 = frame("01 65 03 E8 00 10 00 1E 00 00");
+        let odometry = frame("01 74 00 00 00 02 10 00 00 00");
+        for (line, reply, other) in [
+            (Model::Ddsm115, of_115, None),
+            (Model::Ddsm315, of_210, Some(Model::Ddsm210)),
+            (Model::Ddsm115, of_400, Some(Model::Ddsm400)),
+            (Model::Ddsm115, odometry, Some(Model::Ddsm210)),
+            (Model::Ddsm210, of_115, Some(Model::Ddsm115)),
+            (Model::Ddsm210, of_210, None),
+            (Model::Ddsm210, odometry, None),
+            (Model::Ddsm210, of_400, Some(Model::Ddsm400)),
+            (Model::Ddsm400, of_400, None),
+            (Model::Ddsm400, of_210, Some(Model::Ddsm210)),
+        ] {
+            assert_eq!(other_model(line, &reply), other, "{line} {reply}");
+        }
+    }
+
+    #[test]
+    fn a_frame_of_another_host_tells_nothing() {
+        for text in [
+            "01 64 00 64 00 00 00 00 00 00",
+            "01 64 00 00 00 00 00 FF 00 00",
+            "01 74 00 00 00 00 00 00 00 00",
+            "01 A0 02 00 00 00 00 00 00 00",
+            "C8 64 00 00 00 00 00 1E 00 00",
+        ] {
+            for line in Model::ALL {
+                assert_eq!(other_model(line, &frame(text)), None, "{line} {text}");
+            }
+        }
+    }
+
+    #[test]
+    fn three_frames_in_a_row_show_another_model_once() {
+        let at = |ms| Instant::ZERO + Duration::from_millis(ms);
+        let mut evidence = ModelEvidence::default();
+        assert!(!evidence.other_reply(at(0), Model::Ddsm210));
+        assert!(!evidence.other_reply(at(1_001), Model::Ddsm210));
+        assert!(!evidence.other_reply(at(1_100), Model::Ddsm210));
+        assert_eq!(evidence.likely(), Some(Model::Ddsm210));
+        assert!(evidence.other_reply(at(1_200), Model::Ddsm210));
+        assert!(!evidence.other_reply(at(1_300), Model::Ddsm210));
+    }
+
+    #[test]
+    fn json_is_told_from_noise() {
+        assert!(is_json(b"{\"T\":20010,\"id\":1}\r\n"));
+        assert!(!is_json(&[0x7B, 0x22, 0x80]));
+        assert!(!is_json(b"hello"));
+    }
+}

@@ -1,0 +1,95 @@
+//! What a motor with separate frames has told: each reply has a part of what a DDSM115 says in one.
+
+use motorlink_protocol::{
+    Current, Detail, Instant, Mode, Reply,
+    family::{ModeReading, Model, Reading},
+};
+
+use super::{loop_known::LoopKnown, odometry::LastOdometry, units};
+
+/// State of one motor with separate frames.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Separate {
+    pub(crate) loop_known: LoopKnown,
+    odometry: LastOdometry,
+    /// Whether the next query asks for the loop. The two kinds alternate.
+    pub(crate) asks_loop: bool,
+    /// Whether the bus has tried to enable the motor since it was last without an answer.
+    pub(crate) enable_tried: bool,
+}
+
+impl Separate {
+    /// Records a reading. Returns it as a reply with what `last` told of the rest, unless it only names the loop.
+    ///
+    /// Outside the position loop a driven motor reports its speed in every drive reply. Otherwise the
+    /// speed is that of the odometry.
+    pub(crate) fn record(
+        &mut self,
+        now: Instant,
+        model: Model,
+        reading: &Reading,
+        last: Option<Reply>,
+        is_driven: bool,
+    ) -> Option<Reply> {
+        match reading {
+            Reading::Combined(_) => None,
+            Reading::Mode(reading) => {
+                self.record_loop(now, model, *reading);
+                None
+            }
+            Reading::Drive(reading) => {
+                let mode = self.loop_known.last()?;
+                let speed = reading.speed(model, mode).map(units::speed);
+                Some(Reply {
+                    id: reading.id,
+                    mode,
+                    current: units::current(reading.current),
+                    speed: speed.or(last.map(|last| last.speed))?,
+                    detail: Detail::Temperature(reading.temperature),
+                    faults: reading.faults,
+                })
+            }
+            Reading::Odometry(reading) => {
+                // It powers up in the velocity loop.
+                let mode = self.loop_known.last().unwrap_or(Mode::Velocity);
+                let (turns, position) = (reading.turns, reading.position);
+                let moved = self.odometry.speed(now, turns, position);
+                let told = last.filter(|_| is_driven);
+                let speed = match told.filter(|_| mode != Mode::Position) {
+                    Some(told) => told.speed,
+                    None => moved.or(last.map(|last| last.speed)).unwrap_or_default(),
+                };
+                Some(Reply {
+                    id: reading.id,
+                    mode,
+                    current: told.map_or(Current::from_raw(0), |told| told.current),
+                    speed,
+                    detail: Detail::Odometry { turns, position },
+                    faults: reading.faults,
+                })
+            }
+        }
+    }
+
+    fn record_loop(&mut self, now: Instant, model: Model, reading: ModeReading) {
+        match (reading.mode(model), reading.byte) {
+            (Some(mode), _) => self.loop_known.reported(now, mode),
+            (None, ModeReading::ENABLED) => self.loop_known.enabled(true),
+            (None, ModeReading::DISABLED) => {
+                self.loop_known.enabled(false);
+                // The loop it has once it is enabled and switched.
+                self.loop_known.reported(now, Mode::Velocity);
+            }
+            (None, _) => {}
+        }
+    }
+
+    /// A request was unanswered, the last of several if `may_be_off`.
+    pub(crate) fn unanswered(&mut self, may_be_off: bool) {
+        self.loop_known.unanswered(may_be_off);
+        if may_be_off {
+            self.odometry.forget();
+            self.enable_tried = false;
+        }
+    }
+}
