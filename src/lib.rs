@@ -14,5 +14,5 @@ mod ui;
 
 pub use app::{App, start};
 pub use features::{graph::plot as graph, raw::editor as raw_editor, telemetry::twin};
-pub use model::preferences::{Model, Preferences, Theme};
+pub use model::preferences::{Preferences, Theme};
 pub use model::setup;

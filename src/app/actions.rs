@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{Command, CommandRate, Consent, Limits, StopReason},
-    protocol::Setpoint,
+    protocol::{Setpoint, family::Model},
     recorder::ToRecorder,
 };
 
@@ -16,7 +16,7 @@ use crate::{
         names_and_sides::NamesAndSides,
         notice_board::Remedy,
         page::Dialog,
-        preferences::{Model, Preferences, forget_all},
+        preferences::{Preferences, forget_all},
         setup::Setup,
         tab::Tab,
     },
@@ -107,6 +107,7 @@ impl Features {
         let limits = Limits::default();
         self.page.take_setup(Setup {
             model: Some(Model::default()),
+            detect_model: Some(true),
             rate: Some(CommandRate::default()),
             keep_driving: Some(true),
             ramp: Some(0),

@@ -80,6 +80,7 @@ impl Features {
             Change::Motor => features.readings.forget(),
             Change::Declined => features.ids.give_up(),
             Change::Tab(tab) => features.ids.tab_opened(tab),
+            Change::Model => features.connect.reconnect(),
         });
         features
     }

@@ -15,7 +15,7 @@ use crate::{
         tab_bar::TabBar,
     },
     features::{
-        drive::{current::CurrentTab, position::PositionTab},
+        drive::{current::CurrentTab, open_loop::OpenLoopTab, position::PositionTab},
         graph::Graph,
         groups::panel::TogetherPanel,
         help::{HelpDialog, tour::Shown, tour_view::TourNotice},
@@ -35,7 +35,7 @@ use crate::{
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The rest of the main view: notices, motor strip, current and position tabs, packet log, graph, recording, the
+    /// The rest of the main view: notices, motor strip, the other loops' tabs, packet log, graph, recording, the
     /// tab bar of a phone, questions.
     Desk,
     /// ID manager, raw frames and the panels of the drawer.
@@ -98,6 +98,7 @@ macro_rules! in_part {
 in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
+    hosts.mount(move || view! { <OpenLoopTab drive=features.drive /> }),
     hosts.mount(move || notices(features)),
     hosts.mount(move || view! { <PacketLog log=features.log /> }),
     hosts.mount(move || view! { <Graph chart=features.chart /> }),

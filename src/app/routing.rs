@@ -79,6 +79,7 @@ impl Features {
         self.page
             .history
             .update_value(|history| history.take(update));
+        self.page.follow_model();
         self.follow_loop();
         // Readings are shown every tenth of a second, changes of state at once.
         let changed = self.page.latest.with_value(|latest| {

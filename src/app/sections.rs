@@ -60,7 +60,7 @@ pub(crate) enum Frame {
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Place, Section); 21] = [
+pub(crate) const SECTIONS: [(Place, Section); 22] = [
     (
         Place::Top,
         Section::Now(|place, features| {
@@ -90,6 +90,10 @@ pub(crate) const SECTIONS: [(Place, Section); 21] = [
     (
         Place::TabPanels,
         Section::Later(Part::Desk, Frame::Tab(Tab::Loop(Mode::Position))),
+    ),
+    (
+        Place::TabPanels,
+        Section::Later(Part::Desk, Frame::Tab(Tab::Loop(Mode::OpenLoop))),
     ),
     (
         Place::TabPanels,

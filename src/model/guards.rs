@@ -139,6 +139,11 @@ pub(crate) fn side_change_blocked_by(session: &Session, id: MotorId) -> Option<S
 
 /// Why this motor's loop cannot be changed to this one now.
 pub(crate) fn switch_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    // A key asks for any loop.
+    let model = session.line.map(|line| line.model);
+    if let Some(model) = model.filter(|model| !model.has(mode)) {
+        return Some(terms::refusal(Refusal::NoSuchLoop { model, mode }));
+    }
     if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }

@@ -16,7 +16,7 @@ use motorlink_i18n::{Language, current_language};
 use motorlink_messages::{
     ToWorker,
     bus::Repeat,
-    protocol::{AssignableId, CurrentTarget, Frame, Mode, MotorId},
+    protocol::{AssignableId, CurrentTarget, Frame, Mode, MotorId, family::Model},
 };
 
 use crate::{
@@ -26,8 +26,8 @@ use crate::{
     },
     model::{
         drive_settings::DriveSettings, governor::Governor, help_topic::HelpTopic, history::History,
-        names_and_sides::NamesAndSides, notice_board::NoticeBoard, preferences::Preferences,
-        recorder::Recorder, snapshot::Session, tab::Tab,
+        motor_model, names_and_sides::NamesAndSides, notice_board::NoticeBoard,
+        preferences::Preferences, recorder::Recorder, snapshot::Session, tab::Tab,
     },
     ui::{drawer::Drawer, reactive::memo},
 };
@@ -99,6 +99,8 @@ pub(crate) enum Change {
     Declined,
     /// Another tab of the control panel was opened.
     Tab(Tab),
+    /// Another model was chosen for the open serial port.
+    Model,
 }
 
 /// The port worker as the page sees it.
@@ -164,6 +166,8 @@ pub(crate) struct Parts {
     /// Decides how often the page draws.
     pub(crate) governor: StoredValue<Governor>,
     pub(crate) selected: RwSignal<MotorId>,
+    /// The model of the motors: see [`motor_model`].
+    pub(crate) model: Memo<Model>,
     pub(crate) motors: Motors,
     pub(crate) loops: Loops,
     pub(crate) settings: DriveSettings,
@@ -187,6 +191,14 @@ impl Page {
     }
 
     pub(crate) fn new(preferences: Preferences) -> Self {
+        let settings = DriveSettings::load(&preferences);
+        let selected = RwSignal::new(preferences.motor);
+        let preferences = RwSignal::new(preferences);
+        let shown = RwSignal::new(Session::default());
+        let model = memo(move || {
+            let chosen = preferences.with(|chosen| chosen.model);
+            shown.with(|session| motor_model::shown(session, chosen))
+        });
         Self(Box::leak(Box::new(Parts {
             worker: Worker {
                 link: StoredValue::new_local(None),
@@ -198,10 +210,11 @@ impl Page {
             },
             recorder: Recorder::new(),
             latest: StoredValue::new(Session::default()),
-            shown: RwSignal::new(Session::default()),
+            shown,
             history: StoredValue::new_local(History::with_past()),
             governor: StoredValue::new(Governor::default()),
-            selected: RwSignal::new(preferences.motor),
+            selected,
+            model,
             motors: Motors {
                 names: RwSignal::new(NamesAndSides::load()),
                 replaced: RwSignal::new(0),
@@ -209,13 +222,13 @@ impl Page {
                 steered: RwSignal::new(false),
             },
             loops: Loops {
-                tab: RwSignal::new(Tab::Loop(Mode::Velocity)),
+                tab: RwSignal::new(Tab::FIRST),
                 tab_to_follow: StoredValue::new(false),
                 asked: RwSignal::new(None),
             },
-            settings: DriveSettings::load(&preferences),
+            settings,
             notices: RwSignal::new(NoticeBoard::default()),
-            preferences: RwSignal::new(preferences),
+            preferences,
             language: RwSignal::new(current_language()),
             dialog: RwSignal::new(None),
             drawer: RwSignal::new(None),

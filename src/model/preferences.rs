@@ -1,49 +1,10 @@
 //! The stored preferences. Missing or invalid values have their defaults.
 
 use motorlink_messages::{
-    UsbId,
+    ModelChoice, UsbId,
     bus::{CommandRate, Limits},
-    protocol::MotorId,
+    protocol::{MotorId, family::Model},
 };
-
-/// The motor's make. Both are one design; the name is for the operator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Model {
-    /// SKUs FIT1042 (left) and FIT1038 (right).
-    #[default]
-    M0601,
-    /// The same motor by another name.
-    Ddsm115,
-}
-
-impl Model {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::M0601, Self::Ddsm115];
-
-    /// As the list shows it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::M0601 => "DFRobot M0601 (FIT1042/FIT1038)",
-            Self::Ddsm115 => "Waveshare DDSM115",
-        }
-    }
-
-    /// The stored value.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::M0601 => "m0601",
-            Self::Ddsm115 => "ddsm115",
-        }
-    }
-
-    /// The model with this key.
-    #[must_use]
-    pub fn from_key(key: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|model| model.key() == key)
-    }
-}
 
 /// The colours of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -94,8 +55,10 @@ impl Theme {
 pub struct Preferences {
     /// The last selected motor.
     pub motor: MotorId,
-    /// Its make.
+    /// The model of the motors on the serial port, as chosen or found last.
     pub model: Model,
+    /// Whether the worker takes another model if the motors answer as that.
+    pub detect_model: bool,
     /// The adapter used last.
     pub adapter: Option<UsbId>,
     /// Drive frames a second.
@@ -115,6 +78,7 @@ impl Default for Preferences {
         Self {
             motor: MotorId::FIRST,
             model: Model::default(),
+            detect_model: true,
             adapter: None,
             rate: CommandRate::default(),
             limits: Limits::default(),
@@ -137,8 +101,9 @@ impl Preferences {
                 .and_then(|text| text.parse().ok())
                 .unwrap_or(default.motor),
             model: lookup("model")
-                .and_then(|text| Model::from_key(&text))
+                .and_then(|text| text.parse().ok())
                 .unwrap_or(default.model),
+            detect_model: yes("detect-model"),
             adapter: lookup("adapter").and_then(|text| usb_from(&text)),
             rate: number("rate")
                 .and_then(|hertz| CommandRate::new(hertz).ok())
@@ -156,12 +121,13 @@ impl Preferences {
 
     /// The keys and values that [`Preferences::from_store`] reads.
     #[must_use]
-    pub fn to_store(&self) -> [(&'static str, String); 8] {
+    pub fn to_store(&self) -> [(&'static str, String); 9] {
         let adapter = self.adapter.map(|usb| usb.to_string());
         let yes = |is| if is { "yes" } else { "no" }.to_owned();
         [
             ("motor", self.motor.get().to_string()),
-            ("model", self.model.key().to_owned()),
+            ("model", self.model.spec().key.to_owned()),
+            ("detect-model", yes(self.detect_model)),
             ("adapter", adapter.unwrap_or_default()),
             ("rate", self.rate.hertz().to_string()),
             ("limits", limits_to(self.limits)),
@@ -169,6 +135,15 @@ impl Preferences {
             ("keep-driving", yes(self.keep_driving)),
             ("collapse-polls", yes(self.collapse_polls)),
         ]
+    }
+
+    /// What the worker is told when a serial port is opened.
+    #[must_use]
+    pub const fn model_choice(&self) -> ModelChoice {
+        ModelChoice {
+            model: self.model,
+            detect: self.detect_model,
+        }
     }
 
     /// Loads them from the browser's storage.
@@ -257,7 +232,8 @@ mod tests {
     fn what_is_saved_is_loaded() {
         let chosen = Preferences {
             motor: MotorId::new(7).unwrap(),
-            model: Model::Ddsm115,
+            model: Model::Ddsm210,
+            detect_model: false,
             adapter: Some(UsbId {
                 vendor: 0x0403,
                 product: 0x6001,
@@ -283,9 +259,17 @@ mod tests {
         let out_of_range = HashMap::from([
             ("motor", "255".into()),
             ("rate", "501".into()),
-            ("limits", "331 2700 75".into()),
+            ("limits", "999 2700 75".into()),
         ]);
         assert_eq!(read(&out_of_range), Preferences::default());
+    }
+
+    /// Before there were other models, the page stored the maker's name of a DDSM115.
+    #[test]
+    fn the_name_that_an_older_page_stored_is_a_ddsm115() {
+        let old = HashMap::from([("model", "m0601".into())]);
+        assert_eq!(read(&old).model, Model::Ddsm115);
+        assert!(read(&old).detect_model);
     }
 
     #[test]

@@ -4,11 +4,12 @@
 //! | field | what it is | allowed |
 //! |---|---|---|
 //! | `motorlink_setup` | the version of this table; must be there | 1 |
-//! | `model` | the motor's model | `"m0601"`, `"ddsm115"` |
+//! | `model` | the motor's model | `"ddsm115"`, `"ddsm315"`, `"ddsm210"`, `"ddsm400"`, or the maker's name, such as `"m0601"` |
+//! | `detect_model` | whether another model is taken if the motors answer as that | `true`, `false` |
 //! | `command_rate_hz` | drive frames a second | 1 to 500 |
 //! | `keep_driving_while_hidden` | whether a hidden page goes on driving | `true`, `false` |
 //! | `ramp_rpm_per_s` | by how much a commanded speed may grow in a second | 0 (no ramp) to 10000 |
-//! | `speed_limit_rpm` | the speed at which a driven motor is stopped | 1 to 330 |
+//! | `speed_limit_rpm` | the speed at which a driven motor is stopped | 1 to 380 |
 //! | `current_limit_ma` | the current, for half a second | 100 to 8000 |
 //! | `temperature_limit_c` | the temperature | 30 to 80 |
 //! | `motors` | the motors, in any order | a list, each ID once |
@@ -28,10 +29,10 @@ mod reading;
 
 use std::fmt::Write;
 
-use motorlink_messages::bus::CommandRate;
+use motorlink_messages::{bus::CommandRate, protocol::family::Model};
 
 pub use self::error::{Misfit, SETUP_BYTES_MAX, SetupError};
-use crate::model::{names_and_sides::NamesAndSides, preferences::Model};
+use crate::model::names_and_sides::NamesAndSides;
 
 /// The version of the table above. A field may be added to a version only if pages that do not know it may
 /// refuse the file.
@@ -41,6 +42,7 @@ const VERSION: u16 = 1;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Setup {
     pub(crate) model: Option<Model>,
+    pub(crate) detect_model: Option<bool>,
     pub(crate) rate: Option<CommandRate>,
     pub(crate) keep_driving: Option<bool>,
     /// In rpm a second, up to [`motorlink_messages::bus::Ramp::MAX`]; 0 is none.
@@ -69,7 +71,10 @@ impl Setup {
         // Writing into a String cannot fail.
         let mut text = format!("{{\n  \"motorlink_setup\": {VERSION}");
         if let Some(model) = self.model {
-            let _ = write!(text, ",\n  \"model\": \"{}\"", model.key());
+            let _ = write!(text, ",\n  \"model\": \"{}\"", model.spec().key);
+        }
+        if let Some(detect) = self.detect_model {
+            let _ = write!(text, ",\n  \"detect_model\": {detect}");
         }
         if let Some(rate) = self.rate {
             let _ = write!(text, ",\n  \"command_rate_hz\": {}", rate.hertz());

@@ -10,6 +10,7 @@ impl Page {
         let preferences = self.preferences.get_untracked();
         Setup {
             model: Some(preferences.model),
+            detect_model: Some(preferences.detect_model),
             rate: Some(preferences.rate),
             keep_driving: Some(preferences.keep_driving),
             ramp: u16::try_from(self.settings.ramp.get_untracked()).ok(),
@@ -22,8 +23,15 @@ impl Page {
 
     /// Applies a setup. That starts and stops no wheel.
     pub(crate) fn take_setup(self, setup: Setup) {
+        if let Some(model) = setup.model {
+            let is_other = self.preferences.with_untracked(|chosen| chosen.model) != model;
+            // An open line keeps its model if it cannot be opened again now.
+            if is_other && !self.choose_model(model) {
+                self.prefer(|preferences| preferences.model = model);
+            }
+        }
         self.prefer(|preferences| {
-            preferences.model = setup.model.unwrap_or(preferences.model);
+            preferences.detect_model = setup.detect_model.unwrap_or(preferences.detect_model);
             preferences.keep_driving = setup.keep_driving.unwrap_or(preferences.keep_driving);
         });
         if let Some(rate) = setup.rate {

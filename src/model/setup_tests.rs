@@ -14,7 +14,8 @@ use crate::model::{
 
 const ROVER: &str = r#"{
   "motorlink_setup": 1,
-  "model": "ddsm115",
+  "model": "ddsm210",
+  "detect_model": false,
   "command_rate_hz": 200,
   "keep_driving_while_hidden": false,
   "ramp_rpm_per_s": 300,
@@ -37,7 +38,8 @@ fn rover() -> Setup {
     });
     names.change(id(254), |_| {});
     Setup {
-        model: Some(Model::Ddsm115),
+        model: Some(Model::Ddsm210),
+        detect_model: Some(false),
         rate: CommandRate::new(200).ok(),
         keep_driving: Some(false),
         ramp: Some(300),
@@ -67,6 +69,13 @@ fn a_setup_is_written_a_line_a_motor_and_read_as_the_same() {
     assert_eq!(Setup::from_json(ROVER.as_bytes()), Ok(rover()));
 }
 
+/// Files of the page that knew one model by two names.
+#[test]
+fn the_makers_name_is_read_as_the_model() {
+    let old = Setup::from_json(with("\"model\": \"m0601\"").as_bytes()).unwrap();
+    assert_eq!(old.model, Some(Model::Ddsm115));
+}
+
 #[test]
 fn what_is_left_out_is_left_as_it_is() {
     let nothing = Setup::from_json(b"{\"motorlink_setup\": 1}");
@@ -91,17 +100,19 @@ fn a_mark_of_an_editor_and_other_orders_are_read() {
 
 #[test]
 fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
-    const MODEL: &str = "model: expected \"m0601\" or \"ddsm115\".";
+    const MODEL: &str = "model: expected \"ddsm115\", \"ddsm315\", \"ddsm210\" or \"ddsm400\".";
     const RATE: &str = "command_rate_hz: expected a whole number from 1 to 500.";
+    const DETECT: &str = "detect_model: expected true or false.";
     const KEEP: &str = "keep_driving_while_hidden: expected true or false.";
-    const SPEED: &str = "speed_limit_rpm: expected a whole number from 1 to 330.";
+    const SPEED: &str = "speed_limit_rpm: expected a whole number from 1 to 380.";
     const CURRENT: &str = "current_limit_ma: expected a whole number from 100 to 8000.";
     const TEMPERATURE: &str = "temperature_limit_c: expected a whole number from 30 to 80.";
     const RAMP: &str = "ramp_rpm_per_s: expected a whole number from 0 to 10000.";
     for (field, refusal) in [
-        ("\"model\": \"M0601\"", MODEL),
+        ("\"model\": \"ddsm120\"", MODEL),
         ("\"model\": 1", MODEL),
         ("\"model\": null", MODEL),
+        ("\"detect_model\": \"yes\"", DETECT),
         ("\"command_rate_hz\": 0", RATE),
         ("\"command_rate_hz\": 501", RATE),
         ("\"command_rate_hz\": -1", RATE),
@@ -113,14 +124,14 @@ fn a_value_that_does_not_fit_is_refused_with_its_place_and_what_is_allowed() {
         ("\"keep_driving_while_hidden\": 1", KEEP),
         ("\"ramp_rpm_per_s\": 10001", RAMP),
         ("\"ramp_rpm_per_s\": -0", RAMP),
-        ("\"speed_limit_rpm\": 331", SPEED),
+        ("\"speed_limit_rpm\": 381", SPEED),
         ("\"current_limit_ma\": 2.7", CURRENT),
         ("\"temperature_limit_c\": 29", TEMPERATURE),
         ("\"motors\": {}", "motors: expected a list of motors."),
         ("\"motors\": [1]", "motors[0]: expected a JSON object."),
         (
             "\"speed_max_rpm\": 100",
-            "speed_max_rpm: unknown field; known fields: motorlink_setup, model, command_rate_hz, keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, temperature_limit_c, motors.",
+            "speed_max_rpm: unknown field; known fields: motorlink_setup, model, detect_model, command_rate_hz, keep_driving_while_hidden, ramp_rpm_per_s, speed_limit_rpm, current_limit_ma, temperature_limit_c, motors.",
         ),
         (
             "\"model\": \"m0601\", \"m\\u006fdel\": \"m0601\"",
@@ -263,12 +274,15 @@ fn any_setup() -> impl Strategy<Value = Setup> {
     let name = "[\\PC]{0,16}".prop_map(|name| name.trim().to_owned());
     let member = (name, select(Side::ALL.to_vec()), any::<bool>());
     (
-        option::of(select(Model::ALL.to_vec())),
+        (
+            option::of(select(Model::ALL.to_vec())),
+            option::of(any::<bool>()),
+        ),
         option::of(1_u16..=500),
         option::of(any::<bool>()),
         option::of(0..=Ramp::MAX),
         (
-            option::of(1_u16..=330),
+            option::of(1_u16..=380),
             option::of(100_u16..=8_000),
             option::of(30_u16..=80),
         ),
@@ -276,7 +290,8 @@ fn any_setup() -> impl Strategy<Value = Setup> {
     )
         .prop_map(
             |(model, hertz, keep_driving, ramp, limits, members)| Setup {
-                model,
+                model: model.0,
+                detect_model: model.1,
                 rate: hertz.and_then(|hertz| CommandRate::new(hertz).ok()),
                 keep_driving,
                 ramp,

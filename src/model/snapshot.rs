@@ -246,6 +246,12 @@ impl Session {
         Some(self.last_reply(id)?.map(|reply| reply.current))
     }
 
+    /// Whether the unit of reported currents is certain. If not, the raw number is shown.
+    pub(crate) fn is_current_certain(&self) -> bool {
+        self.line
+            .is_none_or(|line| line.model.spec().current.is_certain())
+    }
+
     pub(crate) fn faults(&self, id: MotorId) -> Option<Reading<Faults>> {
         Some(self.last_reply(id)?.map(|reply| reply.faults))
     }

@@ -20,7 +20,7 @@ const COUNT_MAX: i32 = 1_000_000;
 pub(crate) const NEW_ID: Entry = Entry {
     min: MotorId::FIRST.get() as i32,
     max: MotorId::LAST.get() as i32,
-    read: new_id,
+    read: |text, _, _| new_id(text),
     show: |id| match id {
         NO_NEW_ID => String::new(),
         id => id.to_string(),
@@ -34,7 +34,7 @@ pub(crate) const NEW_ID: Entry = Entry {
 pub(crate) const COUNT: Entry = Entry {
     min: 0,
     max: COUNT_MAX,
-    read: |text| {
+    read: |text, _, _| {
         whole(text, |count| {
             let fits = (0..=COUNT_MAX).contains(&count);
             fits.then_some(count)
@@ -51,7 +51,7 @@ pub(crate) const COUNT: Entry = Entry {
 pub(crate) const INTERVAL: Entry = Entry {
     min: RawInterval::MIN_MS as i32,
     max: RawInterval::MAX_MS as i32,
-    read: |text| {
+    read: |text, _, _| {
         whole(text, |millis| {
             let fits = interval(millis).is_some();
             fits.then_some(millis)
@@ -68,7 +68,7 @@ pub(crate) const INTERVAL: Entry = Entry {
 pub(crate) const RAMP: Entry = Entry {
     min: 0,
     max: Ramp::MAX as i32,
-    read: |text| {
+    read: |text, _, _| {
         if text.trim().is_empty() {
             return Typed::Value(0);
         }
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     fn wrong(text: &str) -> String {
-        match (NEW_ID.read)(text) {
+        match NEW_ID.read(text) {
             Typed::Wrong(words) => words,
             typed => panic!("{text} is {typed:?}"),
         }
@@ -145,10 +145,10 @@ mod tests {
             ("201", 201),
             ("010", 10),
         ] {
-            assert_eq!((NEW_ID.read)(text), Typed::Value(id), "{text}");
+            assert_eq!(NEW_ID.read(text), Typed::Value(id), "{text}");
         }
         for text in ["", "0x", " "] {
-            assert_eq!((NEW_ID.read)(text), Typed::Unfinished, "{text:?}");
+            assert_eq!(NEW_ID.read(text), Typed::Unfinished, "{text:?}");
         }
     }
 
@@ -187,24 +187,24 @@ mod tests {
     #[test]
     fn no_ramp_is_zero_or_nothing() {
         for (text, rpm) in [("", 0), ("0", 0), (" 1 ", 1), ("10000", 10_000)] {
-            assert_eq!((RAMP.read)(text), Typed::Value(rpm), "{text:?}");
+            assert_eq!(RAMP.read(text), Typed::Value(rpm), "{text:?}");
         }
         for text in ["-1", "10001", "x"] {
-            assert!(matches!((RAMP.read)(text), Typed::Wrong(_)), "{text}");
+            assert!(matches!(RAMP.read(text), Typed::Wrong(_)), "{text}");
         }
     }
 
     #[test]
     fn a_repeat_is_kept_in_the_range_of_the_bus() {
-        assert_eq!((COUNT.read)("0"), Typed::Value(0));
+        assert_eq!(COUNT.read("0"), Typed::Value(0));
         assert_eq!(
-            (COUNT.read)("1000001"),
+            COUNT.read("1000001"),
             Typed::Wrong("Enter 0 to 1\u{202F}000\u{202F}000.".to_owned())
         );
-        assert_eq!((INTERVAL.read)("60000"), Typed::Value(60_000));
+        assert_eq!(INTERVAL.read("60000"), Typed::Value(60_000));
         for text in ["1", "60001", "-5", "99999999999"] {
             assert_eq!(
-                (INTERVAL.read)(text),
+                INTERVAL.read(text),
                 Typed::Wrong("Enter 2 to 60\u{202F}000.".to_owned()),
                 "{text}"
             );

@@ -26,8 +26,8 @@ pub(crate) struct Entry {
     pub(crate) min: i32,
     /// Greatest value.
     pub(crate) max: i32,
-    /// Parses a text.
-    pub(crate) read: fn(&str) -> Typed,
+    /// Parses a text into a value between these two.
+    pub(crate) read: fn(&str, i32, i32) -> Typed,
     /// Formats a value.
     pub(crate) show: fn(i32) -> String,
     /// Displayed number per unit of the value.
@@ -39,6 +39,20 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// Parses a text.
+    pub(crate) fn read(self, text: &str) -> Typed {
+        (self.read)(text, self.min, self.max)
+    }
+
+    /// The entry with a smaller range, up to this distance from zero.
+    pub(crate) fn limited(self, limit: i32) -> Self {
+        Self {
+            min: self.min.max(-limit),
+            max: self.max.min(limit),
+            ..self
+        }
+    }
+
     /// The displayed number of a value.
     pub(crate) fn shown(self, value: i32) -> f64 {
         f64::from(value) * self.scale
@@ -73,11 +87,7 @@ const DEGREES_PER_RAW: f64 = 360.0 / PositionTarget::MAX as f64;
 pub(crate) const SPEED: Entry = Entry {
     min: SpeedTarget::MIN,
     max: SpeedTarget::MAX,
-    read: |text| {
-        whole(text, |rpm| {
-            within(rpm, SpeedTarget::MIN, SpeedTarget::MAX, tr!("Speed in rpm"))
-        })
-    },
+    read: |text, min, max| whole(text, |rpm| within(rpm, min, max, tr!("Speed in rpm"))),
     show: format::signed,
     scale: 1.0,
     step: 1.0,
@@ -88,7 +98,7 @@ pub(crate) const SPEED: Entry = Entry {
 pub(crate) const ACCELERATION: Entry = Entry {
     min: 0,
     max: 255,
-    read: |text| whole(text, |byte| within(byte, 0, 255, tr!("Acceleration"))),
+    read: |text, min, max| whole(text, |byte| within(byte, min, max, tr!("Acceleration"))),
     show: |byte| byte.to_string(),
     scale: 1.0,
     step: 1.0,
@@ -99,36 +109,33 @@ pub(crate) const ACCELERATION: Entry = Entry {
 pub(crate) const CURRENT: Entry = Entry {
     min: CurrentTarget::MIN,
     max: CurrentTarget::MAX,
-    read: |text| {
-        whole(text, |raw| {
-            within(
-                raw,
-                CurrentTarget::MIN,
-                CurrentTarget::MAX,
-                tr!("Raw current"),
-            )
-        })
-    },
+    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw current"))),
     show: format::signed,
     scale: 1.0,
     step: 100.0,
     page: 1000.0,
 };
 
+/// Share of the supply in percent.
+pub(crate) const SHARE: Entry = Entry {
+    min: -100,
+    max: 100,
+    read: |text, min, max| {
+        whole(text.trim_end_matches(['%', ' ']), |percent| {
+            within(percent, min, max, tr!("Share in percent"))
+        })
+    },
+    show: format::signed,
+    scale: 1.0,
+    step: 1.0,
+    page: 10.0,
+};
+
 /// Raw angle.
 pub(crate) const POSITION: Entry = Entry {
     min: PositionTarget::MIN,
     max: PositionTarget::MAX,
-    read: |text| {
-        whole(text, |raw| {
-            within(
-                raw,
-                PositionTarget::MIN,
-                PositionTarget::MAX,
-                tr!("Raw position"),
-            )
-        })
-    },
+    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw position"))),
     show: |raw| raw.to_string(),
     scale: 1.0,
     step: 100.0,
@@ -139,7 +146,7 @@ pub(crate) const POSITION: Entry = Entry {
 pub(crate) const ANGLE: Entry = Entry {
     min: PositionTarget::MIN,
     max: PositionTarget::MAX,
-    read: degrees,
+    read: |text, _, _| degrees(text),
     show: |raw| PositionTarget::new(raw).map_or_else(|_| String::new(), format::angle_of),
     scale: DEGREES_PER_RAW,
     step: 1.0,
@@ -150,14 +157,9 @@ pub(crate) const ANGLE: Entry = Entry {
 pub(crate) const RATE: Entry = Entry {
     min: CommandRate::MIN as i32,
     max: CommandRate::MAX as i32,
-    read: |text| {
+    read: |text, min, max| {
         whole(text, |hertz| {
-            within(
-                hertz,
-                CommandRate::MIN.into(),
-                CommandRate::MAX.into(),
-                tr!("Command rate in Hz"),
-            )
+            within(hertz, min, max, tr!("Command rate in Hz"))
         })
     },
     show: |hertz| hertz.to_string(),
@@ -170,11 +172,7 @@ pub(crate) const RATE: Entry = Entry {
 pub(crate) const SPEED_LIMIT: Entry = Entry {
     min: Limits::SPEED_RPM.0 as i32,
     max: Limits::SPEED_RPM.1 as i32,
-    read: |text| {
-        whole(text, |rpm| {
-            within_pair(rpm, Limits::SPEED_RPM, tr!("Speed limit"))
-        })
-    },
+    read: |text, min, max| whole(text, |rpm| within(rpm, min, max, tr!("Speed limit"))),
     show: |rpm| rpm.to_string(),
     scale: 1.0,
     step: 10.0,
@@ -199,9 +197,9 @@ pub(crate) const CURRENT_LIMIT: Entry = Entry {
 pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
     min: Limits::TEMPERATURE_C.0 as i32,
     max: Limits::TEMPERATURE_C.1 as i32,
-    read: |text| {
+    read: |text, min, max| {
         whole(text, |degrees| {
-            within_pair(degrees, Limits::TEMPERATURE_C, tr!("Temperature limit"))
+            within(degrees, min, max, tr!("Temperature limit"))
         })
     },
     show: |degrees| degrees.to_string(),
@@ -210,25 +208,24 @@ pub(crate) const TEMPERATURE_LIMIT: Entry = Entry {
     page: 5.0,
 };
 
-fn within_pair(value: i32, (min, max): (u16, u16), quantity: &str) -> Result<i32, String> {
-    within(value, min.into(), max.into(), quantity)
-}
-
 /// Amps, rounded to a tenth.
 #[allow(
     clippy::cast_possible_truncation,
     reason = "a float cast saturates, and the value is in its range"
 )]
-fn milliamps(text: &str) -> Typed {
+fn milliamps(text: &str, least: i32, most: i32) -> Typed {
     let text = plain(text);
     if is_unfinished(&text) {
         return Typed::Unfinished;
     }
     let tenths = decimal(&text).map(|amps| (amps * 10.0).round() as i32);
-    let (least, most) = Limits::CURRENT_MA;
     match tenths.map(|tenths| tenths.saturating_mul(100)) {
-        Some(value) if (least.into()..=most.into()).contains(&value) => Typed::Value(value),
-        Some(_) => Typed::Wrong(tr!("Current limit must be 0.1 to 8 A, not {text}.", text)),
+        Some(value) if (least..=most).contains(&value) => Typed::Value(value),
+        Some(_) => Typed::Wrong(tr!(
+            "Current limit must be 0.1 to {most} A, not {text}.",
+            most = most / 1_000,
+            text
+        )),
         None => Typed::Wrong(tr!("Enter the current in amps.").to_owned()),
     }
 }
@@ -337,6 +334,8 @@ mod tests {
             (SPEED, "\u{2212}50", -50),
             (ACCELERATION, "255", 255),
             (CURRENT, "32767", 32_767),
+            (SHARE, "-100", -100),
+            (SHARE, "+12 %", 12),
             (POSITION, "0", 0),
             (ANGLE, "360", 32_767),
             (ANGLE, "90,0", 8_192),
@@ -350,17 +349,19 @@ mod tests {
             (CURRENT_LIMIT, "0,1", 100),
             (TEMPERATURE_LIMIT, "80", 80),
         ] {
-            assert_eq!((entry.read)(text), Typed::Value(value), "{text}");
+            assert_eq!(entry.read(text), Typed::Value(value), "{text}");
         }
     }
 
     #[test]
     fn out_of_range_names_the_range() {
         for (entry, text, range) in [
-            (SPEED, "331", "-330 to 330"),
-            (SPEED, "99999999999", "-330 to 330"),
+            (SPEED, "381", "-380 to 380"),
+            (SPEED, "99999999999", "-380 to 380"),
+            (SPEED.limited(210), "211", "-210 to 210"),
             (ACCELERATION, "-1", "0 to 255"),
             (CURRENT, "-32768", "-32767 to 32767"),
+            (SHARE, "101", "-100 to 100"),
             (POSITION, "32768", "0 to 32767"),
             (ANGLE, "361", "0 to 360"),
             (ANGLE, "360.001", "0 to 360"),
@@ -371,14 +372,16 @@ mod tests {
             ),
             (ANGLE, "-1", "0 to 360"),
             (RATE, "0", "1 to 500"),
-            (SPEED_LIMIT, "0", "1 to 330"),
+            (SPEED_LIMIT, "0", "1 to 380"),
+            (SPEED_LIMIT.limited(210), "211", "1 to 210"),
             (CURRENT_LIMIT, "0", "0.1 to 8 A"),
             (CURRENT_LIMIT, "8.1", "0.1 to 8 A"),
+            (CURRENT_LIMIT.limited(4_000), "4.1", "0.1 to 4 A"),
             (CURRENT_LIMIT, "-3", "0.1 to 8 A"),
             (CURRENT_LIMIT, "99999999999999999999", "0.1 to 8 A"),
             (TEMPERATURE_LIMIT, "81", "30 to 80"),
         ] {
-            let Typed::Wrong(words) = (entry.read)(text) else {
+            let Typed::Wrong(words) = entry.read(text) else {
                 panic!("{text} was taken");
             };
             assert!(words.contains(range), "{words}");
@@ -389,22 +392,22 @@ mod tests {
     #[test]
     fn somebody_who_is_typing_is_not_told_off() {
         for text in ["", "-", " + ", "\u{2212}"] {
-            assert_eq!((SPEED.read)(text), Typed::Unfinished, "{text:?}");
+            assert_eq!(SPEED.read(text), Typed::Unfinished, "{text:?}");
         }
         assert_eq!(
-            (SPEED.read)("12a"),
+            SPEED.read("12a"),
             Typed::Wrong(tr!("Enter a whole number.").to_owned())
         );
         for text in ["NaN", "1e2", "1.2.3", ".", "--1", "inf"] {
             let words = tr!("Enter the angle in degrees.").to_owned();
-            assert_eq!((ANGLE.read)(text), Typed::Wrong(words), "{text}");
+            assert_eq!(ANGLE.read(text), Typed::Wrong(words), "{text}");
         }
     }
 
     #[test]
     fn keys_move_what_is_shown_and_end_at_the_range() {
         assert_eq!(SPEED.moved(100, SPEED.step), 101);
-        assert_eq!(SPEED.moved(325, SPEED.page), 330);
+        assert_eq!(SPEED.moved(375, SPEED.page), 380);
         assert_eq!(POSITION.moved(50, -POSITION.step), 0);
         // From 44.99 degrees to 46.
         assert_eq!(ANGLE.moved(4_095, ANGLE.step), 4_187);
@@ -427,7 +430,7 @@ mod tests {
         ] {
             for value in [entry.min, entry.min + 1, entry.max / 2, entry.max] {
                 let shown = (entry.show)(value);
-                assert_eq!((entry.read)(&shown), Typed::Value(value), "{shown}");
+                assert_eq!(entry.read(&shown), Typed::Value(value), "{shown}");
             }
         }
     }

@@ -62,6 +62,15 @@ pub(crate) fn current(current: Current) -> String {
     signed_decimal(current.amps(), 2)
 }
 
+/// `+0.18` and `A`; where the scale is not certain, the raw number and `raw`.
+pub(crate) fn current_in(value: Current, is_certain: bool) -> (String, &'static str) {
+    if is_certain {
+        (current(value), "A")
+    } else {
+        (signed(value.raw().into()), tr!("raw"))
+    }
+}
+
 /// `+2.44 A`
 pub(crate) fn amps_of(target: CurrentTarget) -> String {
     format!("{} A", signed_decimal(target.amps(), 2))

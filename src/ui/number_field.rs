@@ -29,6 +29,9 @@ pub(crate) fn NumberField(
     target: Target,
     /// How it is parsed and displayed.
     entry: Entry,
+    /// Where it ends on both sides of zero, if not at the ends of the range.
+    #[prop(optional)]
+    limit: Option<&'static (dyn Fn() -> i32 + Sync)>,
     /// What is wrong with a value in range.
     #[prop(optional, into)]
     objection: Signal<Option<String>>,
@@ -42,6 +45,8 @@ pub(crate) fn NumberField(
     let words_id = format!("{slug}-words");
     let trouble = memo(move || target.trouble_in(field).or_else(|| objection.get()));
     let wrong = move || trouble.with(Option::is_some);
+    let limited = move || limit.map_or(entry, |limit| entry.limited(limit()));
+    let entry_now = move || untrack(limited);
     view! {
         <div class="field" class:wrong=dynamic(wrong)>
             <label class="field-name" for=slug.clone() aria-hidden="true">
@@ -56,23 +61,23 @@ pub(crate) fn NumberField(
                     autocomplete="off"
                     spellcheck="false"
                     aria-label=name
-                    aria-valuemin=entry.plain(entry.min)
-                    aria-valuemax=entry.plain(entry.max)
+                    aria-valuemin=dynamic(move || entry.plain(limited().min))
+                    aria-valuemax=dynamic(move || entry.plain(limited().max))
                     aria-valuenow=dynamic(move || entry.plain(target.get()))
                     aria-valuetext=dynamic(move || format!("{} {unit}", (entry.show)(target.get())))
                     aria-invalid=dynamic(move || if wrong() { "true" } else { "false" })
                     aria-describedby=words_id.clone()
                     prop:value=dynamic(move || target.text(field, entry))
                     on:input=handler(move |event| {
-                        target.type_in(field, event_target_value(&event), entry);
+                        target.type_in(field, event_target_value(&event), entry_now());
                     })
                     on:blur=handler(move |_| {
-                        if target.finish(field, entry) {
+                        if target.finish(field, entry_now()) {
                             on_edit.run(());
                         }
                     })
                     on:keydown=handler(move |event| {
-                        if step(target, field, entry, &event) {
+                        if step(target, field, entry_now(), &event) {
                             on_edit.run(());
                         }
                     })

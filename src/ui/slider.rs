@@ -87,8 +87,8 @@ mod tests {
     #[test]
     fn the_filled_part_begins_at_zero() {
         let speed = (SPEED.min, SPEED.max);
-        assert_eq!(filled(speed, 330), (50.0, 100.0));
-        assert_eq!(filled(speed, -165), (25.0, 50.0));
+        assert_eq!(filled(speed, 380), (50.0, 100.0));
+        assert_eq!(filled(speed, -190), (25.0, 50.0));
         assert_eq!(filled(speed, 0), (50.0, 50.0));
         assert_eq!(filled((POSITION.min, POSITION.max), 32_767), (0.0, 100.0));
         assert_eq!(filled((-60, 60), -330), (0.0, 50.0), "ends at the limit");

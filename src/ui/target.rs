@@ -45,7 +45,7 @@ impl Target {
 
     /// Takes the present text of a field. If it is not a value, the old value stays.
     pub(crate) fn type_in(self, field: &'static str, text: String, entry: Entry) {
-        let typed = (entry.read)(&text);
+        let typed = entry.read(&text);
         self.0.update(|entered| {
             let trouble = match typed {
                 Typed::Value(value) => {
@@ -69,7 +69,7 @@ impl Target {
         let mut good = false;
         self.0.update(|Entered { draft, .. }| {
             if let Some(typing) = draft.as_mut().filter(|draft| draft.field == field) {
-                match (entry.read)(&typing.text) {
+                match entry.read(&typing.text) {
                     Typed::Value(_) => {
                         *draft = None;
                         good = true;
@@ -134,7 +134,7 @@ mod tests {
         speed.type_in("Speed", "400".to_owned(), SPEED);
         assert!(!speed.finish("Speed", SPEED));
         assert_eq!(speed.text("Speed", SPEED), "400");
-        assert!(speed.trouble_in("Speed").unwrap().contains("-330 to 330"));
+        assert!(speed.trouble_in("Speed").unwrap().contains("-380 to 380"));
         assert_eq!(speed.get_untracked(), 100);
         speed.set(50);
         assert_eq!(speed.text("Speed", SPEED), "+50");

@@ -15,6 +15,7 @@ mod link;
 mod log;
 mod log_bench;
 mod log_list;
+mod model;
 mod operating;
 mod raw_hex;
 mod remembering;

@@ -1,11 +1,11 @@
 //! The setup as a file: taken in as a whole or not at all, and never under a hand that drives.
 
 use js_sys::Array;
-use motorlink::{Model, Preferences};
+use motorlink::Preferences;
 use motorlink_messages::{
     ToWorker,
     bus::{Activity, BusSettings, Command, CommandRate, Limits, Ramp},
-    protocol::{Mode, Setpoint, SpeedTarget},
+    protocol::{Mode, Setpoint, SpeedTarget, family::Model},
 };
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_test::wasm_bindgen_test;
@@ -16,7 +16,7 @@ use crate::{
     tools::{report, standing},
 };
 
-const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm115", "command_rate_hz": 120,
+const ROVER: &str = r#"{"motorlink_setup": 1, "model": "ddsm315", "command_rate_hz": 120,
     "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300,
     "temperature_limit_c": 60, "motors": [
     {"id": 1, "name": "Port", "side": "left", "drives_together": true},
@@ -93,7 +93,7 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     let bench = page("setup-taken").await;
     // A person has chosen a model before.
     let model: HtmlSelectElement = bench.find("combobox", "Model").unchecked_into();
-    model.set_value(Model::M0601.key());
+    model.set_value(Model::Ddsm400.spec().key);
     bench.enter_into("textbox", "Name of 0x01", "Typed");
     bench.received().await;
 
@@ -116,13 +116,13 @@ async fn a_setup_is_taken_in_at_once_and_starts_nothing() {
     assert_eq!(side.value(), "right");
     let drives: HtmlInputElement = bench.find("checkbox", "Drive 0x02").unchecked_into();
     assert!(drives.checked());
-    assert_eq!(model.value(), Model::Ddsm115.key());
+    assert_eq!(model.value(), Model::Ddsm315.spec().key);
     bench.find("button", "Motor 0x02, Starboard, right, mirrored");
     bench.open("Settings").await;
     assert_eq!(value(&bench, "spinbutton", "Temperature limit"), "60");
     let (preferences, fleet, ramp) = kept();
     assert_eq!(preferences.rate.hertz(), 120);
-    assert_eq!(preferences.model, Model::Ddsm115);
+    assert_eq!(preferences.model, Model::Ddsm315);
     assert!(!preferences.keep_driving);
     let fleet = fleet.unwrap();
     assert!(fleet.contains("2\tyes\tright\tStarboard"), "{fleet}");

@@ -17,10 +17,11 @@ pub const OVERCURRENT_FOR: Duration = Duration::from_millis(500);
 ///
 /// | limit | at first | allowed | exceeded |
 /// |---|---|---|---|
-/// | speed | 330 rpm | 1-330 rpm | by one reply over 10 rpm above it |
+/// | speed | 330 rpm | 1-380 rpm | by one reply over 10 rpm above it |
 /// | current | 2.7 A, the stall current | 0.1-8 A | by every reply of half a second |
 /// | temperature | 75 deg C | 30-80 deg C | by one reply that reports it |
 ///
+/// The highest speed is that of the fastest model; the first one is that of a DDSM115.
 /// The motor protects itself at 80 deg C (`motor.md`); a higher limit would have no effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -64,7 +65,7 @@ pub enum ExceededLimit {
 
 impl Limits {
     /// Lowest and highest speed limit in rpm.
-    pub const SPEED_RPM: (u16, u16) = (1, 330);
+    pub const SPEED_RPM: (u16, u16) = (1, 380);
     /// Lowest and highest current limit in mA; the highest is full scale.
     pub const CURRENT_MA: (u16, u16) = (100, 8_000);
     /// Lowest and highest temperature limit in deg C.
@@ -208,7 +209,7 @@ impl From<Limits> for [u16; 3] {
 
 impl fmt::Display for LimitOutOfRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("limits go from 1 to 330 rpm, from 0.1 to 8 A and from 30 to 80 °C")
+        f.write_str("limits go from 1 to 380 rpm, from 0.1 to 8 A and from 30 to 80 °C")
     }
 }
 

@@ -76,12 +76,25 @@ fn a_temperature_is_crossed_above_its_limit_and_unknown_is_not_hot() {
     assert_eq!(hot.to_string(), "76 °C, above your limit of 75 °C");
 }
 
+/// The greatest speed of any model.
+fn family_max() -> u16 {
+    let models = motorlink_protocol::family::Model::ALL;
+    models
+        .map(|model| model.spec().speed_rpm_max)
+        .into_iter()
+        .max()
+        .unwrap()
+}
+
 #[test]
 fn limits_lie_within_what_the_motor_takes() {
     assert_eq!(Limits::new(330, 2_700, 75), Ok(Limits::default()));
+    let fastest = family_max();
+    assert_eq!(Limits::SPEED_RPM.1, fastest);
+    assert_eq!(i32::from(fastest), SpeedTarget::MAX);
     for (speed, current, temperature) in [
         (0, 2_700, 75),
-        (331, 2_700, 75),
+        (381, 2_700, 75),
         (330, 99, 75),
         (330, 8_001, 75),
         (330, 2_700, 29),
@@ -113,10 +126,10 @@ fn limits_are_stored_as_three_numbers_and_checked_when_read() {
     let limits = Limits::try_from(numbers).unwrap();
     assert_eq!(Ok(limits), Limits::new(123, 2_345, 67));
     assert_eq!(<[u16; 3]>::from(limits), numbers);
-    let refused = Limits::try_from([331, 2_700, 75]).unwrap_err();
+    let refused = Limits::try_from([381, 2_700, 75]).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "limits go from 1 to 330 rpm, from 0.1 to 8 A and from 30 to 80 °C"
+        "limits go from 1 to 380 rpm, from 0.1 to 8 A and from 30 to 80 °C"
     );
 }
 

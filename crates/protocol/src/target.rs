@@ -49,9 +49,10 @@ pub(crate) const fn checked(
     }
 }
 
-/// A commanded speed, -330 to 330 rpm (the range of the velocity loop in the maker's manual).
+/// A commanded speed, -380 to 380 rpm: the range of the fastest model, a DDSM400.
 ///
-/// The motor itself does not reach 330: at 18 V it runs at about 200 rpm without load.
+/// Each model has a range of its own ([`Spec::speed_rpm_max`](crate::family::Spec::speed_rpm_max)). That of a
+/// DDSM115 is 330 rpm (the maker's manual), which it does not reach: at 18 V it runs at about 200 rpm without load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "i32", into = "i32"))]
@@ -59,16 +60,16 @@ pub struct SpeedTarget(i16);
 
 impl SpeedTarget {
     /// Least target in rpm.
-    pub const MIN: i32 = -330;
+    pub const MIN: i32 = -380;
     /// Greatest target in rpm.
-    pub const MAX: i32 = 330;
+    pub const MAX: i32 = 380;
     /// 0 rpm: hold still. Not the same as stopping.
     pub const ZERO: Self = Self(0);
 
     /// A target in rpm.
     ///
     /// # Errors
-    /// Outside -330..=330.
+    /// Outside -380..=380.
     pub const fn new(rpm: i32) -> Result<Self, OutOfRange> {
         match checked(rpm, Self::MIN, Self::MAX, "speed in rpm") {
             Ok(rpm) => Ok(Self::clamped(rpm)),

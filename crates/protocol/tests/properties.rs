@@ -98,10 +98,10 @@ proptest! {
 
     #[test]
     fn targets_take_their_range_and_nothing_else(value: i32) {
-        prop_assert_eq!(SpeedTarget::new(value).is_ok(), (-330..=330).contains(&value));
+        prop_assert_eq!(SpeedTarget::new(value).is_ok(), (-380..=380).contains(&value));
         prop_assert_eq!(PositionTarget::new(value).is_ok(), (0..=32_767).contains(&value));
         let clamped = i32::from(SpeedTarget::clamped(value).rpm());
-        prop_assert_eq!(clamped, value.clamp(-330, 330));
+        prop_assert_eq!(clamped, value.clamp(-380, 380));
     }
 
     #[test]

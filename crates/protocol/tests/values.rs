@@ -66,15 +66,15 @@ fn an_angle_outside_a_turn_becomes_the_nearer_end() {
 
 #[test]
 fn a_target_takes_its_range_and_a_refusal_names_it() {
-    assert!(SpeedTarget::try_from(330).is_ok() && SpeedTarget::try_from(-330).is_ok());
+    assert!(SpeedTarget::try_from(380).is_ok() && SpeedTarget::try_from(-380).is_ok());
     assert!(CurrentTarget::try_from(32_767).is_ok() && CurrentTarget::try_from(-32_767).is_ok());
     assert!(PositionTarget::try_from(32_767).is_ok() && PositionTarget::try_from(0).is_ok());
-    assert!(SpeedTarget::try_from(331).is_err());
+    assert!(SpeedTarget::try_from(381).is_err());
     assert!(CurrentTarget::try_from(-32_768).is_err());
     assert!(CurrentTarget::try_from(32_768).is_err());
     assert_eq!(
-        SpeedTarget::try_from(-331).unwrap_err().to_string(),
-        "speed in rpm must be -330 to 330, not -331"
+        SpeedTarget::try_from(-381).unwrap_err().to_string(),
+        "speed in rpm must be -380 to 380, not -381"
     );
     assert_eq!(
         PositionTarget::try_from(-1).unwrap_err().to_string(),

@@ -1,11 +1,11 @@
 //! From a press of Connect to the message to the worker.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_messages::{ModelChoice, PortRef, ToWorker};
+use motorlink_messages::{PortRef, ToWorker};
 
 use crate::{
     link::serial_ports::{self, PickTrouble},
-    model::{connect_texts, notice_board::Topic, page::Page},
+    model::{connect_texts, notice_board::Topic, page::Page, preferences::Preferences},
 };
 
 /// Opens and closes ports.
@@ -24,6 +24,20 @@ impl Connect {
         spawn_local(async move {
             match serial_ports::permitted(last).await {
                 Ok(ports) if ports.is_empty() => self.pick_and_open(true).await,
+                Ok(ports) => self.open(ports),
+                Err(trouble) => self.could_not_pick(trouble),
+            }
+        });
+    }
+
+    /// Opens the port again that is open, because another model was chosen.
+    pub(crate) fn reconnect(self) {
+        let last = self
+            .page
+            .preferences
+            .with_untracked(|chosen| chosen.adapter);
+        spawn_local(async move {
+            match serial_ports::permitted(last).await {
                 Ok(ports) => self.open(ports),
                 Err(trouble) => self.could_not_pick(trouble),
             }
@@ -58,7 +72,10 @@ impl Connect {
         self.ask_to_connect(ToWorker::ConnectSerial {
             candidates,
             wanted,
-            model: ModelChoice::default(),
+            model: self
+                .page
+                .preferences
+                .with_untracked(Preferences::model_choice),
         });
     }
 

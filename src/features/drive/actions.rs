@@ -45,6 +45,8 @@ pub(crate) struct Targets {
     pub(crate) current: Target,
     /// Raw position.
     pub(crate) position: Target,
+    /// In percent of the supply. Not remembered: nothing limits the speed, so it begins at 0.
+    pub(crate) open_loop: Target,
 }
 
 impl Targets {
@@ -62,6 +64,7 @@ impl Targets {
             acceleration: next(entry::ACCELERATION, FIRST_ACCELERATION),
             current: next(entry::CURRENT, 0),
             position: next(entry::POSITION, 0),
+            open_loop: Target::new(0),
         }
     }
 
@@ -86,7 +89,10 @@ impl Targets {
             Mode::Position => Setpoint::Position(
                 PositionTarget::new(self.position.get_untracked()).unwrap_or_default(),
             ),
-            Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::ZERO),
+            Mode::OpenLoop => {
+                let raw = self.open_loop.get_untracked() * OpenLoopTarget::MAX / 100;
+                Setpoint::OpenLoop(OpenLoopTarget::new(raw).unwrap_or_default())
+            }
         }
     }
 

@@ -25,6 +25,14 @@ use crate::{
 
 const MODE: Mode = Mode::Current;
 
+/// Full scale of the page's raw numbers in mA.
+const FULL_SCALE_MA: i32 = 8_000;
+
+/// The raw number of the page for a current in mA.
+const fn raw_of(milliamps: i32) -> i32 {
+    milliamps * CurrentTarget::MAX / FULL_SCALE_MA
+}
+
 /// Amps of the preset buttons, what they read and what they are called.
 const PRESETS: [(f32, &str, &str); 7] = [
     (-2.0, "−2 A", "-2 A"),
@@ -43,16 +51,28 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let disabled_reason = loop_blocked_by(page, MODE);
     let start_blocked_by = loop_start_blocked_by(page, MODE, [current]);
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
+    let raw_max = Box::leak(Box::new(move || raw_of(page.current_max_ma())));
     let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
+        let max_ma = page.current_max_ma();
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
             tr!("Above 6.1 A: confirm on Start").to_owned()
+        } else if max_ma < FULL_SCALE_MA {
+            tr!(
+                "±{raw} = ±{amps} A; the motor's own raw numbers differ",
+                raw = raw_of(max_ma),
+                amps = max_ma / 1_000
+            )
         } else if mirrored.get() {
             tr!("±32\u{202F}767 = ±8 A; mirrored").to_owned()
         } else {
             tr!("±32\u{202F}767 = ±8 A").to_owned()
         }
+    });
+    let ends = Signal::derive(move || {
+        let amps = page.current_max_ma() / 1_000;
+        marks([&format!("−{amps} A"), "0", &format!("+{amps} A")])
     });
     let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
         view! {
@@ -76,6 +96,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             hint=hint
             target=current
             entry=entry::CURRENT
+            limit=raw_max
             on_edit=move || drive.adjust(MODE)
         />
         <Slider
@@ -83,7 +104,8 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             unit=tr!("raw")
             target=current
             entry=entry::CURRENT
-            marks=marks(["−8 A", "0", "+8 A"])
+            limit=raw_max
+            marks=ends
             on_edit=move || drive.adjust(MODE)
         />
         <LimitLink page quantity=Quantity::Current />

@@ -2,7 +2,10 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::bus::{Limits, Refusal};
+use motorlink_messages::{
+    bus::{Limits, Refusal},
+    protocol::family::Model,
+};
 
 use crate::{
     model::{page::Page, terms},
@@ -13,16 +16,16 @@ use crate::{
     },
 };
 
-/// The speed limit in rpm that the bus has.
+/// The highest speed in rpm: that of the model, or the limit of Settings.
 pub(crate) fn speed_limit(page: Page) -> i32 {
     let limits = page.preferences.with(|chosen| chosen.limits);
-    limits.speed_rpm().into()
+    page.speed_max().min(limits.speed_rpm().into())
 }
 
 /// Why this speed is refused.
 pub(crate) fn speed_refused(page: Page, rpm: i32) -> Option<String> {
     let limit = page.preferences.with(|chosen| chosen.limits).speed_rpm();
-    is_beyond(rpm, limit).then(|| terms::refusal(Refusal::AboveSpeedLimit(limit)))
+    refusal(rpm, limit, page.model.get()).map(terms::refusal)
 }
 
 /// The same reason, or why this speed is refused.
@@ -34,8 +37,13 @@ pub(crate) fn or_refused(
     Signal::derive(move || reason.get().or_else(|| speed_refused(page, rpm())))
 }
 
-fn is_beyond(rpm: i32, limit: u16) -> bool {
-    rpm.unsigned_abs() > limit.into()
+fn refusal(rpm: i32, limit: u16, model: Model) -> Option<Refusal> {
+    let is_beyond = |most: u16| rpm.unsigned_abs() > most.into();
+    if is_beyond(model.spec().speed_rpm_max) {
+        Some(Refusal::AboveSpeedOfModel(model))
+    } else {
+        is_beyond(limit).then_some(Refusal::AboveSpeedLimit(limit))
+    }
 }
 
 /// What a limit is of.
@@ -47,11 +55,12 @@ pub(crate) enum Quantity {
 
 impl Quantity {
     /// The limit in words; `None` if it is as high as the motor allows.
-    fn limit(self, limits: Limits) -> Option<String> {
+    fn limit(self, limits: Limits, model: Model) -> Option<String> {
+        let spec = model.spec();
         match self {
-            Self::Speed => (limits.speed_rpm() < Limits::SPEED_RPM.1)
+            Self::Speed => (limits.speed_rpm() < spec.speed_rpm_max)
                 .then(|| tr!("Limit: {limit} rpm", limit = limits.speed_rpm())),
-            Self::Current => (limits.current_ma() < Limits::CURRENT_MA.1).then(|| {
+            Self::Current => (limits.current_ma() < spec.current.milliamps()).then(|| {
                 let limit = format::milliamps(limits.current_ma());
                 tr!("Limit: {limit} A", limit)
             }),
@@ -64,7 +73,7 @@ impl Quantity {
 pub(crate) fn LimitLink(page: Page, quantity: Quantity) -> impl IntoView {
     let words = move || {
         page.preferences
-            .with(|chosen| quantity.limit(chosen.limits))
+            .with(|chosen| quantity.limit(chosen.limits, page.model.get()))
     };
     view! {
         <button
@@ -86,20 +95,27 @@ mod tests {
     #[test]
     fn a_limit_is_shown_unless_it_is_the_highest() {
         let all = Limits::new(330, 8_000, 80).unwrap();
-        assert_eq!(Quantity::Speed.limit(all), None);
-        assert_eq!(Quantity::Current.limit(all), None);
+        let of = |quantity: Quantity, limits| quantity.limit(limits, Model::Ddsm115);
+        assert_eq!(of(Quantity::Speed, all), None);
+        assert_eq!(of(Quantity::Current, all), None);
         let low = Limits::new(60, 2_700, 75).unwrap();
-        assert_eq!(Quantity::Speed.limit(low).as_deref(), Some("Limit: 60 rpm"));
-        assert_eq!(
-            Quantity::Current.limit(low).as_deref(),
-            Some("Limit: 2.7 A")
-        );
+        assert_eq!(of(Quantity::Speed, low).as_deref(), Some("Limit: 60 rpm"));
+        assert_eq!(of(Quantity::Current, low).as_deref(), Some("Limit: 2.7 A"));
+        assert_eq!(Quantity::Speed.limit(all, Model::Ddsm210), None);
+        let fast = Quantity::Speed.limit(all, Model::Ddsm400);
+        assert_eq!(fast.as_deref(), Some("Limit: 330 rpm"));
     }
 
     #[test]
     fn a_speed_beyond_the_limit_is_refused_in_both_directions() {
         for (rpm, refused) in [(60, false), (-60, false), (61, true), (-61, true)] {
-            assert_eq!(is_beyond(rpm, 60), refused, "{rpm}");
+            let refusal = refusal(rpm, 60, Model::Ddsm115);
+            assert_eq!(refusal.is_some(), refused, "{rpm}");
+        }
+        // Another limit would not help.
+        for rpm in [211, -380] {
+            let of_model = Refusal::AboveSpeedOfModel(Model::Ddsm210);
+            assert_eq!(refusal(rpm, 60, Model::Ddsm210), Some(of_model), "{rpm}");
         }
     }
 }

@@ -19,10 +19,15 @@ pub(crate) fn LoopHead(drive: Drive, mode: Mode) -> impl IntoView {
     });
     let active = move || reported.get() == Some(mode);
     let words = move || {
-        reported.get().map_or_else(
+        let words = reported.get().map_or_else(
             || tr!("Loop unknown.").to_owned(),
             |reported| tr!("The motor is in the {mode}.", mode = terms::mode(reported)),
-        )
+        );
+        if page.model.get().spec().needs_enable {
+            format!("{words} {}", tr!("Start enables it."))
+        } else {
+            words
+        }
     };
     let disabled_reason = page.of_motor(move |session, id| switch_blocked_by(session, id, mode));
     view! {

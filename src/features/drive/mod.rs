@@ -6,6 +6,7 @@ pub(crate) mod limit;
 pub(crate) mod loop_head;
 pub(crate) mod loop_panel;
 pub(crate) mod one_stop;
+pub(crate) mod open_loop;
 pub(crate) mod position;
 pub(crate) mod rate;
 pub(crate) mod velocity;
@@ -58,6 +59,7 @@ fn TabButton(tab: Tab) -> impl IntoView {
             role="tab"
             class="tab"
             class:working=working
+            hidden=dynamic(move || !tab.is_of(page.model.get()))
             id=tab_id(tab.key())
             aria-controls=panel_id(tab.key())
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
@@ -72,8 +74,13 @@ fn TabButton(tab: Tab) -> impl IntoView {
 
 /// Arrow keys, Home and End choose a tab and take the focus with them.
 fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
-    let last = Tab::ALL.len() - 1;
-    let place = Tab::ALL.iter().position(|tab| *tab == from).unwrap_or(0);
+    let model = page.model.get_untracked();
+    let tabs: Vec<Tab> = Tab::ALL
+        .into_iter()
+        .filter(|tab| tab.is_of(model))
+        .collect();
+    let last = tabs.len() - 1;
+    let place = tabs.iter().position(|tab| *tab == from).unwrap_or(0);
     let place = match event.key().as_str() {
         "ArrowRight" if place == last => 0,
         "ArrowRight" => place + 1,
@@ -83,7 +90,7 @@ fn move_between_tabs(page: Page, from: Tab, event: &KeyboardEvent) {
         _ => return,
     };
     event.prevent_default();
-    if let Some(tab) = Tab::ALL.get(place) {
+    if let Some(tab) = tabs.get(place) {
         page.open_tab(*tab);
         let tab = document().get_element_by_id(&tab_id(tab.key()));
         if let Some(tab) = tab.and_then(|tab| tab.dyn_into::<HtmlElement>().ok()) {

@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::{Mode, PositionTarget};
+use motorlink_messages::protocol::{Mode, PositionTarget, family::Model};
 
 use crate::{
     features::drive::{
@@ -30,6 +30,14 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
     let disabled_reason = loop_blocked_by(page, MODE);
     let go_blocked_by = loop_start_blocked_by(page, MODE, [position]);
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
+    let hint_of_angle = Signal::derive(move || {
+        let words = match page.model.get() {
+            Model::Ddsm115 | Model::Ddsm315 => tr!("Decreases at speed > 0"),
+            Model::Ddsm210 => tr!("0° is where the loop was entered"),
+            Model::Ddsm400 => tr!("0° is where the loop was entered (uncertain)"),
+        };
+        words.to_owned()
+    });
     let preset = move |(degrees, label): (f32, &'static str)| {
         view! {
             <PressButton
@@ -51,7 +59,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
                     id="target-angle"
                     name=tr!("Target angle")
                     unit="°"
-                    hint=tr!("Decreases at speed > 0")
+                    hint=hint_of_angle
                     target=position
                     entry=entry::ANGLE
                     on_edit=move || drive.adjust(MODE)

@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::{Mode, Setpoint};
+use motorlink_messages::protocol::{Mode, Setpoint, family::Model};
 
 use crate::{
     features::drive::{
@@ -36,6 +36,15 @@ fn hint() -> String {
     format!("<span class=\"keys\">{keys}</span>")
 }
 
+/// What a unit of the acceleration is.
+fn acceleration_hint(model: Model) -> &'static str {
+    match model {
+        Model::Ddsm115 | Model::Ddsm315 => tr!("Higher is gentler: about 3.6 ms per rpm per unit"),
+        Model::Ddsm210 => tr!("Higher is gentler: 1 or 0.1 ms per rpm per unit (uncertain)"),
+        Model::Ddsm400 => tr!("Higher is gentler: about 1 ms per rpm per unit"),
+    }
+}
+
 #[component]
 pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
@@ -46,6 +55,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let above_limit = Signal::derive(move || speed_refused(page, targets.speed.get()));
     let preset_blocked_by = loop_start_blocked_by(page, MODE, [targets.acceleration]);
     let limit = Box::leak(Box::new(move || speed_limit(page)));
+    let speed_max = Box::leak(Box::new(move || page.speed_max()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let direction = Signal::derive(move || {
@@ -88,6 +98,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             hint=direction
             target=targets.speed
             entry=entry::SPEED
+            limit=speed_max
             objection=above_limit
             on_edit=move || drive.adjust(MODE)
         />
@@ -104,7 +115,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         <NumberField
             id="acceleration"
             name=tr!("Acceleration")
-            hint=tr!("Higher is gentler: about 3.6 ms per rpm per unit")
+            hint=Signal::derive(move || acceleration_hint(page.model.get()).to_owned())
             target=targets.acceleration
             entry=entry::ACCELERATION
             on_edit=move || drive.adjust(MODE)

@@ -42,10 +42,17 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
         }
         .to_owned()
     });
+    let heading = move || {
+        if chart.page.model.get().spec().current.is_certain() {
+            tr!("Speed and current")
+        } else {
+            tr!("Speed and current (scale of the current uncertain)")
+        }
+    };
     let [ten, minute, five] = WINDOWS;
     view! {
         <div class="graph-head">
-            <h2>{tr!("Speed and current")}</h2>
+            <h2>{dynamic(heading)}</h2>
             <div class="graph-traces" role="group" aria-label=tr!("Traces")>
                 <Switch chart trace=Trace::Speed />
                 <Switch chart trace=Trace::Current />

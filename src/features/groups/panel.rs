@@ -65,6 +65,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                     hint=tr!("Right wheels are mirrored. Maximum for the drive pad.")
                     target=groups.speed
                     entry=entry::SPEED
+                    limit=Box::leak(Box::new(move || page.speed_max()))
                     on_edit=move || groups.adjust_together()
                 />
                 <NumberField

@@ -57,7 +57,7 @@ mod tests {
         assert_eq!(speeds(&members, 100, 100), [(1, 100), (2, -100)], "forward");
         assert_eq!(speeds(&members, 50, -50), [(1, 50), (2, 50)], "on the spot");
         assert_eq!(speeds(&[(id(3), Side::None)], -20, -20), [(3, -20)]);
-        assert_eq!(speeds(&members, 999, 999), [(1, 330), (2, -330)]);
+        assert_eq!(speeds(&members, 999, 999), [(1, 380), (2, -380)]);
         let wheels = Wheels { left: 1, right: 1 };
         assert_eq!(group_setpoints(&[], wheels), Err(GroupError::Empty));
     }

@@ -68,6 +68,10 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
         Loaded::Not | Loaded::Loading => words::loading(),
         Loaded::In(_) => "",
     };
+    let of_model = move || {
+        let model = page.model.get();
+        tr!("For the {model}. Choose another under Model.", model)
+    };
     let take_tour = move || {
         page.dialog.set(None);
         tour.set(Tour::new(Shown::Opened));
@@ -89,6 +93,7 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
             >
                 <div class="dialog-head">
                     <h2>{tr!("Help")}</h2>
+                    <span class="quiet">{dynamic(of_model)}</span>
                     <PressButton label=tr!("Tour") hint=tr!("First spin, step by step") on_press=take_tour />
                     <PressButton label=tr!("Close") on_press=move || page.dialog.set(None) />
                 </div>
@@ -103,7 +108,13 @@ pub(crate) fn HelpDialog(tour: RwSignal<Tour>) -> impl IntoView {
                         {tr!("Retry")}
                     </button>
                 </div>
-                <div class="help-page" node_ref=article on:click=handler(pressed)></div>
+                // The style sheet shows what is for this model.
+                <div
+                    class="help-page"
+                    data-model=dynamic(move || page.model.get().spec().key)
+                    node_ref=article
+                    on:click=handler(pressed)
+                ></div>
             </div>
         </div>
     }

@@ -103,7 +103,8 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
     [
         Figure::of(speed, |speed| format!("{} rpm", format::speed(speed))),
         Figure::of(session.current(id), |current| {
-            format!("{} A", format::current(current))
+            let (figure, unit) = format::current_in(current, session.is_current_certain());
+            format!("{figure} {unit}")
         }),
         Figure::of(session.temperature(id), |temperature| {
             format!("{} °C", temperature.degrees())

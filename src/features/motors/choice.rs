@@ -4,10 +4,11 @@ use std::fmt::Write;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::MotorId;
+use motorlink_messages::protocol::{MotorId, family::Model};
+use web_sys::HtmlSelectElement;
 
 use crate::{
-    model::{page::use_page, preferences::Model, snapshot::Session},
+    model::{motor_model::choice_blocked_by, page::use_page, snapshot::Session},
     ui::reactive::{dynamic, handler, memo},
 };
 
@@ -73,15 +74,8 @@ fn push_group(
 #[component]
 pub(crate) fn ModelChoice() -> impl IntoView {
     let page = use_page();
-    let options = [Model::M0601, Model::Ddsm115]
-        .map(|model| {
-            format!(
-                "<option value=\"{}\">{}</option>",
-                model.key(),
-                model.name()
-            )
-        })
-        .concat();
+    let disabled_reason = page.of_motor(|session, _| choice_blocked_by(session));
+    let key = move || page.model.get().spec().key;
     view! {
         <label class="labelled">
             <span class="label" aria-hidden="true">
@@ -90,17 +84,29 @@ pub(crate) fn ModelChoice() -> impl IntoView {
             <select
                 aria-label=tr!("Model")
                 class="select model-select"
-                inner_html=options
+                title=disabled_reason
+                disabled=dynamic(move || disabled_reason.with(Option::is_some))
+                inner_html=Model::ALL.map(model_option).concat()
                 // After the options, because it selects one of them.
-                prop:value=dynamic(move || page.preferences.with(|chosen| chosen.model.key()))
+                prop:value=dynamic(key)
                 on:change=handler(move |event| {
-                    if let Some(model) = Model::from_key(&event_target_value(&event)) {
-                        page.prefer(|preferences| preferences.model = model);
+                    let chosen = event_target_value(&event).parse::<Model>();
+                    if !chosen.is_ok_and(|model| page.choose_model(model)) {
+                        event_target::<HtmlSelectElement>(&event).set_value(untrack(key));
                     }
                 })
             ></select>
         </label>
     }
+}
+
+/// `DDSM115 / M0601`
+fn model_option(model: Model) -> String {
+    let spec = model.spec();
+    format!(
+        "<option value=\"{}\">{} / {}</option>",
+        spec.key, spec.name, spec.maker_name
+    )
 }
 
 #[cfg(test)]

@@ -9,12 +9,13 @@ use web_sys::{Element, Event, HtmlInputElement};
 
 use crate::{
     features::settings::actions::Settings,
+    model::page::Page,
     ui::{
         drawer::{Drawer, panel_of_drawer},
         entry,
         listener::on_window,
         number_field::NumberField,
-        reactive::effect,
+        reactive::{dynamic, effect, handler},
     },
 };
 
@@ -97,6 +98,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
             "rpm",
             targets.speed_limit,
             entry::SPEED_LIMIT,
+            leaked(move || page.speed_max()),
         ),
         (
             tr!("Current limit"),
@@ -104,6 +106,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
             "A",
             targets.current_limit,
             entry::CURRENT_LIMIT,
+            leaked(move || page.current_max_ma()),
         ),
         (
             tr!("Temperature limit"),
@@ -111,6 +114,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
             "°C",
             targets.temperature_limit,
             entry::TEMPERATURE_LIMIT,
+            leaked(|| i32::MAX),
         ),
     ];
     attach_handlers(settings, install);
@@ -122,15 +126,46 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
             <div class="settings-panel">
                 <div inner_html=limits_head()></div>
                 {limits
-                    .map(|(name, id, unit, target, entry)| {
+                    .map(|(name, id, unit, target, entry, limit)| {
                         view! {
-                            <NumberField name unit target entry id on_edit=move || page.set_limits() />
+                            <NumberField name unit target entry limit id on_edit=move || page.set_limits() />
                         }
                     })}
+                <DetectModel page />
                 <div inner_html=files()></div>
             </div>
         },
     )
+}
+
+/// A range that follows the model. The panel is there as long as the page.
+fn leaked(limit: impl Fn() -> i32 + Sync + 'static) -> &'static (dyn Fn() -> i32 + Sync) {
+    Box::leak(Box::new(limit))
+}
+
+/// Checkbox `Detect the model`.
+#[component]
+fn DetectModel(page: Page) -> impl IntoView {
+    view! {
+        <h3>{tr!("Model")}</h3>
+        <label class="check">
+            <input
+                type="checkbox"
+                prop:checked=dynamic(move || page.preferences.with(|chosen| chosen.detect_model))
+                on:change=handler(move |event| {
+                    let checked = event_target_checked(&event);
+                    page.prefer(|preferences| preferences.detect_model = checked);
+                })
+            />
+            {tr!("Detect the model")}
+        </label>
+        <p>
+            {tr!(
+                "While a port opens: takes the model that the motors answer as. A DDSM115 and a DDSM315 \
+                 answer alike: choose between them under Model."
+            )}
+        </p>
+    }
 }
 
 /// Attaches the handlers of the buttons.

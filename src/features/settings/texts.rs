@@ -12,7 +12,10 @@ pub(crate) fn of_taken(setup: &Setup) -> String {
             taken.push_str(what);
         }
     };
-    tell(setup.model.is_some(), tr!("model"));
+    tell(
+        setup.model.is_some() || setup.detect_model.is_some(),
+        tr!("model"),
+    );
     tell(setup.rate.is_some(), tr!("command rate"));
     tell(
         setup.keep_driving.is_some(),
@@ -69,7 +72,7 @@ mod tests {
 
     #[test]
     fn what_was_taken_is_named() {
-        let all = r#"{"motorlink_setup": 1, "model": "m0601", "command_rate_hz": 50,
+        let all = r#"{"motorlink_setup": 1, "model": "m0601", "detect_model": true, "command_rate_hz": 50,
             "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0, "speed_limit_rpm": 100, "motors": [{"id": 1}]}"#;
         assert_eq!(
             of_file(all),

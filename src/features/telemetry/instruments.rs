@@ -65,7 +65,7 @@ impl Instruments {
     fn of(cards: &Element) -> Option<Self> {
         Some(Self {
             speed: Spark::of(cards, ".speed", SPEED_SCALE, Quantity::Speed)?,
-            current: Spark::of(cards, ".current", CURRENT_SCALE, Quantity::Current)?,
+            current: Spark::of(cards, ".current", CURRENT_SCALE, Quantity::CURRENT)?,
             dial: Dial::of(cards)?,
             gauge: Gauge::of(cards)?,
             drawn_ms: f64::NEG_INFINITY,
@@ -76,9 +76,14 @@ impl Instruments {
         let page = readings.page;
         let now_ms = page_now_ms();
         let id = page.selected.get_untracked();
-        let (alone, temperature, mirror) = page.shown.with_untracked(|session| {
+        let (alone, temperature, mirror, is_certain) = page.shown.with_untracked(|session| {
             let temperature = session.temperature(id).map(|reading| reading.value);
-            (session.motors.is_empty(), temperature, session.mirror(id))
+            (
+                session.motors.is_empty(),
+                temperature,
+                session.mirror(id),
+                session.is_current_certain(),
+            )
         });
         // A state that comes sooner is followed by another one, unless there are no motors: then old values are
         // removed at once.
@@ -89,6 +94,7 @@ impl Instruments {
         self.drawn_ms = now_ms;
         readings.recent.with_value(|recent| {
             self.speed.draw(recent, mirror, now_ms);
+            self.current.quantity = Quantity::Current { is_certain };
             self.current.draw(recent, mirror, now_ms);
         });
         let drawn = readings.twin.with_value(TwinFeed::drawn);
@@ -101,24 +107,31 @@ impl Instruments {
 #[derive(Clone, Copy)]
 enum Quantity {
     Speed,
-    Current,
+    Current {
+        /// Whether its unit is. If not, the raw number is shown.
+        is_certain: bool,
+    },
 }
 
 impl Quantity {
+    const CURRENT: Self = Self::Current { is_certain: true };
+
     fn of(self, report: &Report, mirror: Mirror) -> i32 {
         match self {
             Self::Speed => mirror.speed(report.speed).rpm().into(),
-            Self::Current => mirror.current(report.current).raw().into(),
+            Self::Current { .. } => mirror.current(report.current).raw().into(),
         }
     }
 
     /// The value at the upper and the lower edge, in the unit of the card.
     fn scale(self, scale: Scale) -> String {
         match (self, scale.multiple()) {
-            (Self::Speed, _) => format!("±{}", scale.limit()),
-            (Self::Current, 1) => in_language("±0.25".to_owned()),
-            (Self::Current, 2) => in_language("±0.5".to_owned()),
-            (Self::Current, quarters) => format!("±{}", quarters / 4),
+            (Self::Speed | Self::Current { is_certain: false }, _) => {
+                format!("±{}", scale.limit())
+            }
+            (Self::Current { .. }, 1) => in_language("±0.25".to_owned()),
+            (Self::Current { .. }, 2) => in_language("±0.5".to_owned()),
+            (Self::Current { .. }, quarters) => format!("±{}", quarters / 4),
         }
     }
 }
@@ -221,7 +234,9 @@ mod tests {
         assert_eq!(label(Quantity::Speed, SPEED_SCALE, 0), "±25");
         assert_eq!(label(Quantity::Speed, SPEED_SCALE, 330), "±400");
         for (peak, text) in [(0, "±0.25"), (2_048, "±0.5"), (4_096, "±1"), (32_767, "±8")] {
-            assert_eq!(label(Quantity::Current, CURRENT_SCALE, peak), text);
+            assert_eq!(label(Quantity::CURRENT, CURRENT_SCALE, peak), text);
         }
+        let raw = Quantity::Current { is_certain: false };
+        assert_eq!(label(raw, CURRENT_SCALE, 2_048), "±2048");
     }
 }

@@ -92,8 +92,18 @@ fn speed(session: &Session, id: MotorId) -> Option<Shown> {
 
 fn current(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.current(id)?;
-    let shown = Shown::new(&reading, format::current(reading.value), "A");
-    Some(shown.with_detail(mirrored(session, id)))
+    let is_certain = session.is_current_certain();
+    let (figure, unit) = format::current_in(reading.value, is_certain);
+    let shown = Shown::new(&reading, figure, unit);
+    let mirrored = mirrored(session, id);
+    if is_certain {
+        return Some(shown.with_detail(mirrored));
+    }
+    let words = [tr!("scale uncertain"), &mirrored].join("\n");
+    let shown = shown.with_detail(words.trim_end().to_owned());
+    Some(shown.with_hint(tr!(
+        "Sources disagree about the unit of this model's current: 8 A or 3.28 A at 32\u{202F}767."
+    )))
 }
 
 /// The mark beside a value with the reversed sign.
@@ -160,7 +170,10 @@ fn mode(
 
 #[cfg(test)]
 mod tests {
-    use motorlink_messages::protocol::{Celsius, Mode};
+    use motorlink_messages::{
+        bus::LineStatus,
+        protocol::{Celsius, Mode, family::Model},
+    };
 
     use super::*;
     use crate::model::snapshot::tests::{ID, session, status};
@@ -190,6 +203,23 @@ mod tests {
         let sample = session.motors[0].last.as_mut().unwrap();
         sample.reply.faults = Faults::from_byte(0x18);
         assert_eq!(text(faults(&session, ID)), "Stall, over-temperature 0x18");
+    }
+
+    #[test]
+    fn a_current_of_uncertain_scale_is_shown_raw_and_says_so() {
+        let mut session = session(1_016, status(1_000, Mode::Velocity, 0));
+        session.line = Some(LineStatus {
+            model: Model::Ddsm210,
+            ..LineStatus::default()
+        });
+        let shown = current(&session, ID);
+        assert!(shown.as_ref().unwrap().hint.contains("3.28 A"));
+        assert_eq!(text(shown), "+100raw scale uncertain");
+        session.mirrored.push(ID);
+        assert_eq!(
+            text(current(&session, ID)),
+            "+100raw scale uncertain\nmirrored"
+        );
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub(crate) struct Shown {
     pub(crate) unit: &'static str,
     /// In small print.
     pub(crate) detail: String,
+    /// Explains it.
+    pub(crate) hint: &'static str,
     age: String,
     fresh: bool,
     rating: Rating,
@@ -40,6 +42,7 @@ impl Shown {
             figure,
             unit,
             detail: String::new(),
+            hint: "",
             age: format::age(reading.age),
             fresh: reading.is_fresh(),
             rating: Rating::None,
@@ -48,6 +51,10 @@ impl Shown {
 
     pub(crate) fn with_detail(self, detail: String) -> Self {
         Self { detail, ..self }
+    }
+
+    pub(crate) fn with_hint(self, hint: &'static str) -> Self {
+        Self { hint, ..self }
     }
 
     pub(crate) fn good(self) -> Self {
@@ -133,7 +140,12 @@ pub(crate) fn ReadOut(
                     {dynamic(part(|shown| shown.age.clone()))}
                 </span>
             </div>
-            <output aria-label=name aria-live="off" aria-describedby=age_id>
+            <output
+                aria-label=name
+                aria-live="off"
+                aria-describedby=age_id
+                title=dynamic(part(|shown| shown.hint.to_owned()))
+            >
                 <span class="figure">{dynamic(figure)}</span>
                 <span class="unit">{dynamic(unit)}</span>
                 <span class="detail">{dynamic(detail)}</span>

@@ -9,13 +9,13 @@ use nojson::{JsonValueKind, RawJson, RawJsonValue};
 
 use crate::model::{
     names_and_sides::{NameAndSide, NamesAndSides, Side},
-    preferences::Model,
     setup::{Misfit, SETUP_BYTES_MAX, Setup, SetupError, VERSION},
 };
 
-const FIELDS: [&str; 9] = [
+const FIELDS: [&str; 10] = [
     "motorlink_setup",
     "model",
+    "detect_model",
     "command_rate_hz",
     "keep_driving_while_hidden",
     "ramp_rpm_per_s",
@@ -30,7 +30,7 @@ fn a_version() -> &'static str {
     tr!("1 (the supported version)")
 }
 fn a_model() -> &'static str {
-    tr!("\"m0601\" or \"ddsm115\"")
+    tr!("\"ddsm115\", \"ddsm315\", \"ddsm210\" or \"ddsm400\"")
 }
 fn a_rate() -> &'static str {
     tr!("a whole number from 1 to 500")
@@ -39,7 +39,7 @@ fn a_ramp() -> &'static str {
     tr!("a whole number from 0 to 10000")
 }
 fn a_speed_limit() -> &'static str {
-    tr!("a whole number from 1 to 330")
+    tr!("a whole number from 1 to 380")
 }
 fn a_current_limit() -> &'static str {
     tr!("a whole number from 100 to 8000")
@@ -87,6 +87,7 @@ pub(crate) fn read(file: &[u8]) -> Result<Setup, SetupError> {
     let [
         _,
         model,
+        detect_model,
         rate,
         keep_driving,
         ramp,
@@ -96,7 +97,8 @@ pub(crate) fn read(file: &[u8]) -> Result<Setup, SetupError> {
         motors,
     ] = fields(file, &FIELDS)?;
     Ok(Setup {
-        model: fit(model, a_model(), |value| Model::from_key(&text_of(value)?))?,
+        model: fit(model, a_model(), |value| text_of(value)?.parse().ok())?,
+        detect_model: fit(detect_model, a_yes(), yes)?,
         rate: fit(rate, a_rate(), |value| CommandRate::new(whole(value)?).ok())?,
         keep_driving: fit(keep_driving, a_yes(), yes)?,
         ramp: fit(ramp, a_ramp(), |value| {

@@ -1,0 +1,105 @@
+//! Tab `Open loop`.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::Mode;
+
+use crate::{
+    features::drive::{
+        actions::Drive,
+        loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
+    },
+    model::{guards::stop_blocked_by, tab::Tab},
+    ui::{
+        button::PressButton,
+        entry, format,
+        number_field::NumberField,
+        slider::{Slider, marks},
+    },
+};
+
+const MODE: Mode = Mode::OpenLoop;
+
+/// The values of the preset buttons in percent, and their names.
+const PRESETS: [(i32, &str); 5] = [
+    (-20, "-20 %"),
+    (-10, "-10 %"),
+    (0, "0 %"),
+    (10, "+10 %"),
+    (20, "+20 %"),
+];
+
+#[component]
+pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
+    let page = drive.page;
+    let share = drive.targets.open_loop;
+    let disabled_reason = loop_blocked_by(page, MODE);
+    let start_blocked_by = loop_start_blocked_by(page, MODE, [share]);
+    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
+    let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
+    let hint = Signal::derive(move || {
+        let words = if mirrored.get() {
+            tr!("100 % is the whole supply; mirrored")
+        } else {
+            tr!("100 % is the whole supply")
+        };
+        words.to_owned()
+    });
+    let preset = move |(percent, name): (i32, &'static str)| {
+        view! {
+            <PressButton
+                label=format!("{} %", format::signed(percent))
+                name=name
+                class="button preset"
+                disabled_reason=disabled_reason
+                on_press=move || {
+                    share.set(percent);
+                    drive.start(MODE);
+                }
+            />
+        }
+    };
+    let body = view! {
+        <NumberField
+            id="target-share"
+            name=tr!("Share of the supply")
+            unit="%"
+            hint=hint
+            target=share
+            entry=entry::SHARE
+            on_edit=move || drive.adjust(MODE)
+        />
+        <Slider
+            name=tr!("Share of the supply")
+            unit="%"
+            target=share
+            entry=entry::SHARE
+            marks=marks(["−100 %", "0", "+100 %"])
+            on_edit=move || drive.adjust(MODE)
+        />
+        <p class="open-loop-warning">
+            {tr!(
+                "No controller limits the speed: a wheel without load gets fast even at a small share. \
+                 Begin with 10 %."
+            )}
+        </p>
+        <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
+        <div class="button-row two">
+            <PressButton
+                label=tr!("Stop")
+                class="button halt"
+                hint=tr!("Brakes to a standstill, then coasts")
+                disabled_reason=halt_blocked_by
+                on_press=move || drive.stop_motor(Tab::Loop(MODE))
+            />
+            <PressButton
+                label=tr!("Start")
+                class="button primary"
+                disabled_reason=start_blocked_by
+                on_press=move || drive.start(MODE)
+            />
+        </div>
+    };
+    let hint = tr!("Stop brakes the wheel to a standstill, then lets it coast.");
+    loop_panel(drive, MODE, start_blocked_by, hint.to_owned(), body)
+}

@@ -1,0 +1,162 @@
+//! The model of the motors: that of the open line, else the chosen one.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{Adapter, Connection, protocol::family::Model};
+
+use crate::model::{
+    page::{Change, Page},
+    snapshot::Session,
+    tab::Tab,
+};
+
+/// The model that the page shows.
+pub(crate) fn shown(session: &Session, chosen: Model) -> Model {
+    session.line.map_or(chosen, |line| line.model)
+}
+
+/// The model that becomes the chosen one, because motors have answered as it.
+///
+/// Only the person tells a DDSM115 from a DDSM315. A virtual line says nothing about the motors on the port.
+fn found(session: &Session, chosen: Model) -> Option<Model> {
+    let line = session.line.filter(|line| line.model_known)?;
+    let on_port = matches!(
+        session.connection,
+        Connection::Connected(Adapter::Serial(_))
+    );
+    let differs = line.model != chosen;
+    let is_told_apart = line.model.has_separate_frames() || chosen.has_separate_frames();
+    (on_port && differs && is_told_apart).then_some(line.model)
+}
+
+/// Why no other model can be chosen now.
+pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
+    match session.connection {
+        Connection::Disconnected | Connection::Failed(_) => None,
+        Connection::Connected(Adapter::Virtual) => {
+            Some(tr!("Virtual motors have a model of their own."))
+        }
+        Connection::Connecting => Some(tr!("Opening the port.")),
+        Connection::Reconnecting(_) => Some(tr!("The adapter is unplugged. Plug it back in.")),
+        Connection::Connected(Adapter::Serial(_)) => (session.is_anything_driven()
+            || session.job.is_some())
+        .then(|| tr!("Another model opens the port again. Stop all motors first.")),
+    }
+}
+
+impl Page {
+    /// The greatest speed of the model in rpm.
+    pub(crate) fn speed_max(self) -> i32 {
+        self.model.get().spec().speed_rpm_max.into()
+    }
+
+    /// Full scale of the model's current in mA; an upper bound if that is not certain.
+    pub(crate) fn current_max_ma(self) -> i32 {
+        self.model.get().spec().current.milliamps().into()
+    }
+
+    /// Takes the model that the motors of the line have.
+    pub(crate) fn follow_model(self) {
+        let chosen = self.preferences.with_untracked(|chosen| chosen.model);
+        if let Some(model) = self.latest.with_value(|session| found(session, chosen)) {
+            self.prefer(|preferences| preferences.model = model);
+        }
+        self.leave_missing_tab();
+    }
+
+    /// Takes the model that the person has chosen, and opens the serial port again with it. Returns whether it was
+    /// taken.
+    pub(crate) fn choose_model(self, model: Model) -> bool {
+        // Driving may have begun since the list was opened.
+        let blocked = self.latest.with_value(choice_blocked_by).is_some();
+        if blocked || self.is_anything_driven() {
+            return false;
+        }
+        self.prefer(|preferences| preferences.model = model);
+        if self.latest.with_value(|session| session.line.is_some()) {
+            self.announce(Change::Model);
+        }
+        self.leave_missing_tab();
+        true
+    }
+
+    /// Opens the velocity loop in place of a loop that the model does not have.
+    pub(crate) fn leave_missing_tab(self) {
+        let chosen = self.preferences.with_untracked(|chosen| chosen.model);
+        let model = self.latest.with_value(|session| shown(session, chosen));
+        let tab = self.loops.tab.get_untracked();
+        if !tab.is_of(model) {
+            self.open_tab(Tab::FIRST);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::{
+        bus::{Activity, LineStatus},
+        protocol::Mode,
+    };
+
+    use super::*;
+    use crate::model::snapshot::tests::{session, status};
+
+    const PORT: Connection = Connection::Connected(Adapter::Serial(None));
+
+    fn line(model: Model, model_known: bool) -> Session {
+        let mut open = session(1_000, status(1_000, Mode::Velocity, 0));
+        open.connection = PORT;
+        open.line = Some(LineStatus {
+            model,
+            model_known,
+            ..LineStatus::default()
+        });
+        open
+    }
+
+    #[test]
+    fn the_model_is_that_of_the_line_and_without_a_line_the_chosen_one() {
+        let open = line(Model::Ddsm400, false);
+        assert_eq!(shown(&open, Model::Ddsm210), Model::Ddsm400);
+        assert_eq!(shown(&Session::default(), Model::Ddsm210), Model::Ddsm210);
+    }
+
+    #[test]
+    fn a_found_model_is_chosen_but_a_115_and_a_315_are_left_to_the_person() {
+        use Model::{Ddsm115, Ddsm210, Ddsm315, Ddsm400};
+        for (chosen, on_line, taken) in [
+            (Ddsm115, Ddsm400, Some(Ddsm400)),
+            (Ddsm210, Ddsm115, Some(Ddsm115)),
+            (Ddsm210, Ddsm400, Some(Ddsm400)),
+            (Ddsm210, Ddsm210, None),
+            (Ddsm315, Ddsm115, None),
+            (Ddsm115, Ddsm315, None),
+        ] {
+            assert_eq!(
+                found(&line(on_line, true), chosen),
+                taken,
+                "{chosen} {on_line}"
+            );
+            assert_eq!(found(&line(on_line, false), chosen), None, "not known yet");
+            let mut virtual_line = line(on_line, true);
+            virtual_line.connection = Connection::Connected(Adapter::Virtual);
+            assert_eq!(found(&virtual_line, chosen), None, "virtual");
+        }
+    }
+
+    #[test]
+    fn while_a_motor_is_driven_or_turns_no_other_model_can_be_chosen() {
+        let mut open = line(Model::Ddsm115, true);
+        assert_eq!(choice_blocked_by(&open), None);
+        open.motors[0].activity = Activity::Switching { to: Mode::Current };
+        assert!(
+            choice_blocked_by(&open)
+                .unwrap()
+                .contains("Stop all motors")
+        );
+        let mut coasting = session(1_000, status(1_000, Mode::Velocity, 20));
+        coasting.connection = PORT;
+        assert!(choice_blocked_by(&coasting).is_some());
+        assert_eq!(choice_blocked_by(&Session::default()), None);
+    }
+}
