@@ -1,6 +1,9 @@
 //! The help's files, held against what leads to them.
 
-use motorlink_messages::protocol::{Frame, Layout, Reply, Request};
+use motorlink_messages::protocol::{
+    Frame, Layout, Reply, Request,
+    family::{self, Model},
+};
 
 use crate::{features::help::line_card, model::help_topic::HelpTopic};
 
@@ -52,6 +55,7 @@ fn every_language_says_as_much() {
         "<li",
         "<kbd",
         "data-copy=",
+        "data-for=",
         "data-live=",
         "data-says=",
     ];
@@ -69,6 +73,62 @@ fn every_language_says_as_much() {
                 .collect()
         };
         assert_eq!(commands(html), commands(english), "{language}");
+    }
+}
+
+/// Wiring, pinout, specifications, protocol and faults are there for each model once; nothing is for a model that does
+/// not exist.
+#[test]
+fn each_model_has_its_own_words_in_every_language() {
+    let keys = Model::ALL.map(|model| model.spec().key);
+    for (language, html) in FILES {
+        for of_these in all(html, "data-for=\"") {
+            assert!(
+                of_these.split(' ').all(|key| keys.contains(&key)),
+                "{language}: {of_these}"
+            );
+        }
+        for topic in ["wiring", "pinout", "specifications", "protocol", "faults"] {
+            let (_, section) = html.split_once(&format!("<h3 id=\"{topic}\"")).unwrap();
+            let section = section.split("<h3").next().unwrap();
+            for key in keys {
+                let of_model = all(section, "data-for=\"");
+                let count = of_model.filter(|keys| keys.split(' ').any(|one| one == key));
+                // The drawing of a DDSM115 has a remark for the DDSM315.
+                let expected = 1 + usize::from(topic == "wiring" && key == "ddsm315");
+                assert_eq!(count.count(), expected, "{language}: {topic} {key}");
+            }
+        }
+        for model in Model::ALL {
+            let spec = model.spec();
+            assert!(html.contains(spec.maker_name), "{language}: {model}");
+            let reach = format!("{} rpm; ", spec.speed_rpm_max);
+            let reach_zh = format!("{} rpm；", spec.speed_rpm_max);
+            assert!(
+                html.contains(&reach) || html.contains(&reach_zh),
+                "{language}: {model}"
+            );
+        }
+    }
+}
+
+/// The examples without a motor are what a DDSM210 is sent.
+#[test]
+fn the_examples_of_separate_frames_are_frames() {
+    for (language, html) in FILES {
+        let examples: Vec<Frame> = html
+            .split("<code>01 ")
+            .skip(1)
+            .map(|rest| format!("01 {}", rest.split('<').next().unwrap()))
+            .map(|text| text.parse().unwrap())
+            .collect();
+        assert_eq!(examples.len(), 4, "{language}");
+        for frame in examples {
+            assert!(
+                family::Request::parse(Model::Ddsm210, &frame).is_ok(),
+                "{frame}"
+            );
+        }
     }
 }
 
