@@ -5,18 +5,11 @@
 
 use crate::features::telemetry::twin::{
     geometry::{TreadBlock, annulus, arc, bearings, circle, d_shaft, hexagon, holes, sector},
+    look::Look,
     markup::Markup,
     measures,
 };
 
-/// Tread blocks that extend over the shoulder.
-const BLOCK: TreadBlock = TreadBlock {
-    inner: measures::SHOULDER,
-    outer: measures::TYRE,
-    root_deg: 3.2,
-    tip_deg: 6.2,
-    lean_deg: 6.5,
-};
 /// Highlights of turned metal: the bearing of each pair of fans, and its class, light or shade.
 const FANS: [(f64, &str); 2] = [(-38.0, "twin-fan-light"), (52.0, "twin-fan-shade")];
 /// Each fan consists of this number of overlapping sectors, which makes its edges soft.
@@ -24,36 +17,48 @@ const FAN_LAYERS: u8 = 9;
 const FAN_LAYER_DEG: f64 = 7.5;
 
 /// The whole wheel.
-pub fn wheel(art: &mut Markup) {
-    art.group("twin-wheel", |art| {
+pub fn wheel(art: &mut Markup, look: Look) {
+    art.scaled(look.size, |art| {
+        art.group("twin-wheel", |art| parts(art, look));
+    });
+}
+
+fn parts(art: &mut Markup, look: Look) {
+    art.shaded(
+        "twin-shadow",
+        circle(180.0, measures::SHADOW_DROP, measures::SHADOW),
+    );
+    art.path("twin-rim-light", circle(0.0, 0.0, measures::CARCASS));
+    art.shaded("twin-carcass", circle(0.0, 0.0, measures::CARCASS));
+    art.group("twin-tread-band", |art| {
         art.shaded(
-            "twin-shadow",
-            circle(180.0, measures::SHADOW_DROP, measures::SHADOW),
+            "twin-tread-band",
+            annulus(measures::SHOULDER, measures::TYRE),
         );
-        art.path("twin-rim-light", circle(0.0, 0.0, measures::CARCASS));
-        art.shaded("twin-carcass", circle(0.0, 0.0, measures::CARCASS));
-        art.group("twin-tread-band", |art| {
-            art.shaded(
-                "twin-tread-band",
-                annulus(measures::SHOULDER, measures::TYRE),
-            );
-            // Small differences between the blocks look like rings at speed.
-            for radius in [45.3, 46.1, 47.7, 48.6] {
-                art.path("twin-streak", circle(0.0, 0.0, radius));
-            }
-        });
-        sidewall(art);
+        // Small differences between the blocks look like rings at speed.
+        for radius in [45.3, 46.1, 47.7, 48.6] {
+            art.path("twin-streak", circle(0.0, 0.0, radius));
+        }
+    });
+    sidewall(art, look);
+    art.scaled(look.hub, |art| {
         hub(art);
         cover(art);
-        art.group("twin-turning", turning);
-        art.shaded("twin-tyre-light", annulus(measures::HUB, measures::TYRE));
+    });
+    art.group("twin-turning", |art| turning(art, look));
+    art.shaded(
+        "twin-tyre-light",
+        annulus(measures::HUB * look.hub, measures::TYRE),
+    );
+    art.scaled(look.hub, |art| {
         axle(art);
         art.shaded("twin-gloss", circle(0.0, 0.0, measures::FACE));
     });
 }
 
-fn sidewall(art: &mut Markup) {
-    art.shaded("twin-sidewall", annulus(measures::HUB, measures::SIDEWALL));
+fn sidewall(art: &mut Markup, look: Look) {
+    let inner = measures::HUB * look.hub;
+    art.shaded("twin-sidewall", annulus(inner, measures::SIDEWALL));
     art.path("twin-rib", circle(0.0, 0.0, 39.3));
     art.path("twin-rib", circle(0.0, 0.0, 43.9));
 }
@@ -87,18 +92,31 @@ fn cover(art: &mut Markup) {
 }
 
 /// The turning parts, which make the rotation visible.
-fn turning(art: &mut Markup) {
+fn turning(art: &mut Markup, look: Look) {
+    // They extend over the shoulder.
+    let block = TreadBlock {
+        inner: measures::SHOULDER,
+        outer: measures::TYRE,
+        root_deg: look.tread_tip_deg / 2.0,
+        tip_deg: look.tread_tip_deg,
+        lean_deg: look.tread_lean_deg,
+    };
     art.group("twin-tread", |art| {
-        art.path("twin-block-edge", BLOCK.ring(measures::TREAD_BLOCKS, -0.55));
-        art.path("twin-block", BLOCK.ring(measures::TREAD_BLOCKS, 0.0));
+        art.path("twin-block-edge", block.ring(look.tread_blocks, -0.55));
+        art.path("twin-block", block.ring(look.tread_blocks, 0.0));
     });
+    art.scaled(look.hub, |art| turning_hub(art, look));
+    mark(art, look);
+}
+
+fn turning_hub(art: &mut Markup, look: Look) {
     art.group("twin-holes", |art| {
-        let offset_deg = 180.0 / f64::from(measures::HOLE_COUNT);
-        let ring = |radius| holes(measures::HOLE_COUNT, offset_deg, measures::HOLES, radius);
+        let offset_deg = 180.0 / f64::from(look.holes);
+        let ring = |radius| holes(look.holes, offset_deg, measures::HOLES, radius);
         art.path("twin-hole-edge", ring(measures::HOLE));
         art.path("twin-hole", ring(measures::HOLE - 0.28));
     });
-    for bearing in bearings(3, 60.0) {
+    for bearing in bearings(look.screws, 60.0) {
         art.path(
             "twin-sink",
             circle(bearing, measures::SCREWS, measures::SCREW + 0.75),
@@ -113,12 +131,12 @@ fn turning(art: &mut Markup) {
         );
         art.path("twin-socket", hexagon(bearing, measures::SCREWS, 1.25));
     }
-    mark(art);
+    art.path("twin-mark", "M0 -34.9L2.3 -30.4Q0 -31.3 -2.3 -30.4Z");
 }
 
 /// The mark that shows the angle, and its trail at speed.
-fn mark(art: &mut Markup) {
-    let middle = f64::midpoint(measures::HUB, measures::SIDEWALL);
+fn mark(art: &mut Markup, look: Look) {
+    let middle = f64::midpoint(measures::HUB * look.hub, measures::SIDEWALL);
     art.measured_path(
         "twin-trail",
         360.0,
@@ -130,7 +148,6 @@ fn mark(art: &mut Markup) {
         ),
     );
     art.path("twin-mark", sector(0.0, 2.6, 39.3, 43.9));
-    art.path("twin-mark", "M0 -34.9L2.3 -30.4Q0 -31.3 -2.3 -30.4Z");
 }
 
 fn axle(art: &mut Markup) {

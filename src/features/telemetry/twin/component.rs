@@ -6,11 +6,13 @@ use leptos::prelude::*;
 use leptos::svg::Svg;
 use leptos::web_sys::Element;
 use motorlink_i18n::tr;
+use motorlink_messages::protocol::family::Model;
 
 use crate::{
     features::telemetry::twin::{
         TwinFeed,
         feed::View,
+        look::Look,
         painter::Painter,
         picture::{VIEW_BOX, picture},
         texts::{Figures, Motion},
@@ -35,6 +37,8 @@ const SIGHT_PERIOD_MS: f64 = 250.0;
 pub fn DigitalTwin(
     /// The data of the motor.
     feed: StoredValue<TwinFeed, LocalStorage>,
+    /// Whose wheel it is.
+    model: Memo<Model>,
 ) -> impl IntoView {
     let svg = NodeRef::<Svg>::new();
     let motion = RwSignal::new(Motion::NoData);
@@ -42,10 +46,12 @@ pub fn DigitalTwin(
     // Dropped with the component; this cancels the next frame.
     let frames = StoredValue::new_local(None::<Frames>);
 
-    // The picture starts when it is mounted; its drawing needs no reactivity.
+    // The picture is drawn when it is mounted and for another model; its motion needs no reactivity.
     Effect::new(move |_| {
         let Some(svg) = svg.get() else { return };
-        let Some(mut painter) = Painter::of(&svg) else {
+        let wheel = Look::of(model.get());
+        svg.set_inner_html(&picture(wheel));
+        let Some(mut painter) = Painter::of(&svg, wheel) else {
             return;
         };
         let mut sight = Sight::default();
@@ -92,7 +98,6 @@ pub fn DigitalTwin(
                 aria-label=tr!("Digital twin")
                 viewBox=VIEW_BOX
                 node_ref=svg
-                inner_html=picture()
             ></svg>
             <figcaption class="twin-caption">
                 // No live region: a wheel that creeps about zero would be announced without end.

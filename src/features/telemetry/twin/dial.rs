@@ -6,7 +6,7 @@ use crate::features::telemetry::twin::{
     geometry::{arc, circle, polar, spokes},
     markup::Markup,
     measures,
-    scale::{END_DEG, LIMIT_RPM, bearing_deg},
+    scale::{END_DEG, SpeedScale},
 };
 
 /// Distance of the short ticks, in rpm.
@@ -15,11 +15,13 @@ const TICK_RPM: u16 = 10;
 const FIGURE_RPM: u16 = 100;
 
 /// The ring with its scale, drawn under the wheel.
-pub fn ring(art: &mut Markup) {
+pub fn ring(art: &mut Markup, scale: SpeedScale) {
     art.path("twin-track", arc(measures::RING, -END_DEG, END_DEG));
     let ticks = |step: u16, end: f64| {
         spokes(
-            scale(step).into_iter().map(bearing_deg),
+            marks(step, scale)
+                .into_iter()
+                .map(|rpm| scale.bearing_deg(rpm)),
             measures::TICKS,
             end,
         )
@@ -35,10 +37,10 @@ pub fn ring(art: &mut Markup) {
         ),
     );
     art.group("twin-scale", |art| {
-        for rpm in scale(FIGURE_RPM) {
+        for rpm in marks(FIGURE_RPM, scale) {
             art.text(
                 "twin-figure",
-                polar(bearing_deg(rpm), measures::FIGURES),
+                polar(scale.bearing_deg(rpm), measures::FIGURES),
                 &signed(rpm),
             );
         }
@@ -57,11 +59,11 @@ pub fn ring(art: &mut Markup) {
 }
 
 /// The moving parts of the ring, drawn over the wheel.
-pub fn needles(art: &mut Markup) {
+pub fn needles(art: &mut Markup, scale: SpeedScale) {
     // From the negative to the positive end, measured in rpm, so that a speed is a dash on it.
     art.measured_path(
         "twin-speed",
-        2.0 * LIMIT_RPM,
+        2.0 * scale.limit_rpm,
         arc(measures::RING, END_DEG, -END_DEG),
     );
     art.path("twin-knob", circle(0.0, measures::RING, 2.1));
@@ -73,10 +75,10 @@ pub fn needles(art: &mut Markup) {
 }
 
 /// The speeds of the scale's marks: both directions and zero.
-fn scale(step_rpm: u16) -> Vec<f64> {
+fn marks(step_rpm: u16, scale: SpeedScale) -> Vec<f64> {
     let reach = (1..)
         .map(|place: u16| f64::from(place * step_rpm))
-        .take_while(|rpm| *rpm <= LIMIT_RPM);
+        .take_while(|rpm| *rpm <= scale.limit_rpm);
     let mut speeds = vec![0.0];
     for rpm in reach {
         speeds.extend([rpm, -rpm]);
@@ -99,9 +101,13 @@ mod tests {
 
     #[test]
     fn the_scale_has_zero_and_both_sides() {
-        assert_eq!(scale(100).len(), 7);
-        assert_eq!(scale(10).len(), 67);
-        assert!(scale(100).iter().all(|rpm| rpm.abs() <= LIMIT_RPM));
+        for (limit_rpm, long, short) in [(330.0, 7, 67), (210.0, 5, 43), (380.0, 7, 77)] {
+            let scale = SpeedScale { limit_rpm };
+            assert_eq!(marks(100, scale).len(), long);
+            assert_eq!(marks(10, scale).len(), short);
+            let all = marks(100, scale);
+            assert!(all.iter().all(|rpm| rpm.abs() <= limit_rpm));
+        }
     }
 
     #[test]

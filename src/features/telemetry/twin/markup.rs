@@ -72,6 +72,13 @@ impl Markup {
         self.write(format_args!("</g>"))
     }
 
+    /// Elements in another size. The gradients in them scale too.
+    pub fn scaled(&mut self, size: f64, content: impl FnOnce(&mut Self)) -> &mut Self {
+        self.write(format_args!(r#"<g transform="scale({size:.2})">"#));
+        content(self);
+        self.write(format_args!("</g>"))
+    }
+
     /// An element of the given name without a class: `defs`, `desc`.
     pub fn element(&mut self, name: &str, content: impl FnOnce(&mut Self)) -> &mut Self {
         self.write(format_args!("<{name}>"));

@@ -1,4 +1,6 @@
-//! The wheel and its dial in millimetres from the axle.
+//! The wheel of a DDSM115 and the dial in millimetres from the axle. Others differ by their [`Look`].
+//!
+//! [`Look`]: crate::features::telemetry::twin::look::Look
 //!
 //! The wheel has a diameter of 102 mm, its shaft 15.2 mm with a flat of 8 mm, and three M2.5 screws hold its front
 //! cover. These are the maker's figures; the rest is estimated.
@@ -11,8 +13,6 @@ pub const CARCASS: f64 = 49.5;
 pub const SIDEWALL: f64 = 44.9;
 /// Inner end of the tread blocks, under the edge of the sidewall.
 pub const SHOULDER: f64 = 44.2;
-/// Number of tread blocks.
-pub const TREAD_BLOCKS: u16 = 32;
 
 /// Aluminium hub, up to the bead of the tyre.
 pub const HUB: f64 = 38.0;
@@ -24,8 +24,6 @@ pub const FACE: f64 = 35.8;
 pub const HOLES: f64 = 31.9;
 /// Radius of a hole.
 pub const HOLE: f64 = 1.75;
-/// Number of holes.
-pub const HOLE_COUNT: u16 = 18;
 
 /// Black front cover.
 pub const COVER: f64 = 27.6;

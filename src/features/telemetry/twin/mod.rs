@@ -8,7 +8,7 @@
 //! | `texts` | motion and figures as text |
 //! | `blur`, `scale` | sharpness at a speed, and its position on the ring |
 //! | `geometry`, `markup` | shapes as path data, elements as text |
-//! | `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
+//! | `look`, `measures`, `gradients`, `artwork`, `dial`, `picture` | the drawing itself |
 //! | `painter`, `turning`, `component` | the browser: attributes, the turning layer, the view |
 //!
 //! Only the last row touches a browser; the rest is pure and tested natively.
@@ -21,6 +21,7 @@ mod dial;
 mod feed;
 mod geometry;
 mod gradients;
+mod look;
 mod markup;
 mod measures;
 mod motion;

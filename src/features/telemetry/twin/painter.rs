@@ -7,8 +7,8 @@ use crate::{
     features::telemetry::twin::{
         blur::{sharpness, trail_deg},
         feed::View,
-        measures,
-        scale::{bearing_deg, dash},
+        look::Look,
+        scale::SpeedScale,
         texts::{Motion, description},
         turning::Turning,
     },
@@ -17,6 +17,8 @@ use crate::{
 
 /// The moving parts of a mounted picture.
 pub struct Painter {
+    wheel: Look,
+    scale: SpeedScale,
     look: Attribute,
     description: (Element, String),
     turning: Turning,
@@ -34,10 +36,14 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Finds the moving parts; `None` if the element does not contain the picture.
-    pub fn of(picture: &SvgElement) -> Option<Self> {
+    /// Finds the moving parts of the picture of this wheel; `None` if the element does not contain it.
+    pub fn of(picture: &SvgElement, wheel: Look) -> Option<Self> {
         let find = |selector, name| Attribute::find(picture, selector, name);
         Some(Self {
+            wheel,
+            scale: SpeedScale {
+                limit_rpm: wheel.speed_rpm_max.into(),
+            },
             look: Attribute::of(picture.clone().into(), "data-look"),
             description: (
                 picture.query_selector("desc").ok().flatten()?,
@@ -77,10 +83,10 @@ impl Painter {
         // Without fresh data the wheel does not turn, so it is drawn sharp.
         let blurred_rpm = if view.pose.fresh { rpm } else { 0.0 };
         let rate = frame_rate();
-        let tread = sharpness(blurred_rpm, measures::TREAD_BLOCKS, rate);
+        let tread = sharpness(blurred_rpm, self.wheel.tread_blocks, rate);
         self.tread.set(opacity(tread));
         self.tread_band.set(opacity(1.0 - tread));
-        let holes = sharpness(blurred_rpm, measures::HOLE_COUNT, rate);
+        let holes = sharpness(blurred_rpm, self.wheel.holes, rate);
         self.holes.set(opacity(holes));
         self.hole_band.set(opacity(1.0 - holes));
         // In steps of two degrees, as above.
@@ -99,16 +105,17 @@ impl Painter {
     /// with every report of a wheel at constant speed.
     fn paint_speed(&mut self, rpm: f64) {
         let rpm = (rpm * 2.0).round() / 2.0;
-        let dash = dash(rpm);
+        let dash = self.scale.dash(rpm);
         self.speed_length.set(format!("{:.2} 999", dash.length));
         self.speed_start.set(format!("{:.2}", -dash.start));
-        self.knob.rotate(bearing_deg(rpm));
+        self.knob.rotate(self.scale.bearing_deg(rpm));
     }
 
     fn paint_goal(&mut self, goal: Option<Setpoint>) {
         match goal {
             Some(Setpoint::Velocity { speed, .. }) => {
-                self.goal_speed.rotate(bearing_deg(f64::from(speed.rpm())));
+                let bearing_deg = self.scale.bearing_deg(f64::from(speed.rpm()));
+                self.goal_speed.rotate(bearing_deg);
             }
             Some(Setpoint::Brake) => self.goal_speed.rotate(0.0),
             Some(Setpoint::Position(target)) => {

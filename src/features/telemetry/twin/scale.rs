@@ -1,28 +1,10 @@
 //! The position of a speed on the ring around the wheel.
 
-use motorlink_messages::protocol::SpeedTarget;
-
 use crate::ui::mathematics::limited;
-
-/// Speed at both ends of the ring, in rpm: the greatest that can be commanded.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a limit of a few hundred rpm is exact in any float"
-)]
-pub const LIMIT_RPM: f64 = SpeedTarget::MAX as f64;
 
 /// Bearing of both ends, in degrees from the top. The gap of sixty degrees at the bottom separates the ends and has
 /// room for their labels.
 pub const END_DEG: f64 = 150.0;
-
-/// The bearing of a speed; beyond the limit, the end.
-///
-/// Positive speeds turn the wheel counter-clockwise and are on the left, so that the arc grows in the direction of
-/// rotation.
-#[must_use]
-pub fn bearing_deg(rpm: f64) -> f64 {
-    -clamped(rpm) / LIMIT_RPM * END_DEG
-}
 
 /// A dash along the ring, in rpm from its beginning at the negative end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,21 +15,39 @@ pub struct Dash {
     pub length: f64,
 }
 
-/// The part of the ring between zero and a speed.
-#[must_use]
-pub fn dash(rpm: f64) -> Dash {
-    let rpm = clamped(rpm);
-    Dash {
-        start: LIMIT_RPM + rpm.min(0.0),
-        length: rpm.abs(),
-    }
+/// The scale of the ring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpeedScale {
+    /// Speed at both ends in rpm: the greatest that the model takes.
+    pub limit_rpm: f64,
 }
 
-fn clamped(rpm: f64) -> f64 {
-    if rpm.is_nan() {
-        0.0
-    } else {
-        limited(rpm, -LIMIT_RPM, LIMIT_RPM)
+impl SpeedScale {
+    /// The bearing of a speed; beyond the limit, the end.
+    ///
+    /// Positive speeds turn the wheel counter-clockwise and are on the left, so that the arc grows in the direction of
+    /// rotation.
+    #[must_use]
+    pub fn bearing_deg(self, rpm: f64) -> f64 {
+        -self.clamped(rpm) / self.limit_rpm * END_DEG
+    }
+
+    /// The part of the ring between zero and a speed.
+    #[must_use]
+    pub fn dash(self, rpm: f64) -> Dash {
+        let rpm = self.clamped(rpm);
+        Dash {
+            start: self.limit_rpm + rpm.min(0.0),
+            length: rpm.abs(),
+        }
+    }
+
+    fn clamped(self, rpm: f64) -> f64 {
+        if rpm.is_nan() {
+            0.0
+        } else {
+            limited(rpm, -self.limit_rpm, self.limit_rpm)
+        }
     }
 }
 
@@ -55,36 +55,38 @@ fn clamped(rpm: f64) -> f64 {
 mod tests {
     use super::*;
 
+    const SCALE: SpeedScale = SpeedScale { limit_rpm: 330.0 };
+
     fn assert_near(a: f64, b: f64) {
         assert!((a - b).abs() < 1e-9, "{a} is not {b}");
     }
 
     #[test]
     fn counter_clockwise_speeds_stand_on_the_left() {
-        assert_near(bearing_deg(0.0), 0.0);
-        assert_near(bearing_deg(330.0), -150.0);
-        assert_near(bearing_deg(-330.0), 150.0);
-        assert_near(bearing_deg(110.0), -50.0);
+        assert_near(SCALE.bearing_deg(0.0), 0.0);
+        assert_near(SCALE.bearing_deg(330.0), -150.0);
+        assert_near(SCALE.bearing_deg(-330.0), 150.0);
+        assert_near(SCALE.bearing_deg(110.0), -50.0);
     }
 
     #[test]
     fn beyond_the_limit_is_the_end_of_the_scale() {
-        assert_near(bearing_deg(1000.0), -150.0);
-        assert_near(bearing_deg(f64::NAN), 0.0);
-        assert_near(dash(-999.0).length, 330.0);
+        assert_near(SCALE.bearing_deg(1000.0), -150.0);
+        assert_near(SCALE.bearing_deg(f64::NAN), 0.0);
+        assert_near(SCALE.dash(-999.0).length, 330.0);
     }
 
     #[test]
     fn the_arc_reaches_from_zero_to_the_speed_on_its_own_side() {
         assert_eq!(
-            dash(100.0),
+            SCALE.dash(100.0),
             Dash {
                 start: 330.0,
                 length: 100.0
             }
         );
         assert_eq!(
-            dash(-100.0),
+            SCALE.dash(-100.0),
             Dash {
                 start: 230.0,
                 length: 100.0
