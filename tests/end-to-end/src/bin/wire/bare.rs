@@ -11,7 +11,7 @@ use end_to_end::{
 use crate::driving::{connected, spin, watch, watch_both};
 
 /// Minimal part of the bare loop's rate that the page must reach.
-const RATIO_MIN: f64 = 0.97;
+pub const RATIO_MIN: f64 = 0.97;
 /// Turnarounds in microseconds: the default one, and the shortest.
 const TURNAROUNDS_US: [u32; 2] = [600, 100];
 
@@ -25,7 +25,7 @@ pub fn measure(watched: Duration) -> Result<()> {
         let part = watched / 2;
         let (mut bare, mut visible, mut hidden) = (0, 0, 0);
         for _ in 0..2 {
-            bare += bare_exchanges(line(), part)?;
+            bare += bare_exchanges(line(), 115_200, part)?;
             let (seen, unseen) = page_exchanges(line(), part)?;
             visible += seen;
             hidden += unseen;
@@ -51,17 +51,17 @@ pub fn measure(watched: Duration) -> Result<()> {
     Ok(())
 }
 
-fn bare_exchanges(line: Line, watched: Duration) -> Result<u64> {
+pub fn bare_exchanges(line: Line, baud: u32, watched: Duration) -> Result<u64> {
     let fixtures = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures"));
     let bench = Bench::serving(fixtures)?;
     let adapter = bench.plug(line, Usb::default())?;
-    let page = bench.open("/bare.html")?;
+    let page = bench.open(&format!("/bare.html?baud={baud}"))?;
     page.wait_for_text("output", "Port of the loop", |text| text == "open")?;
     Ok(watch(&adapter, watched)?.from_motors().len() as u64)
 }
 
 /// Exchanges of the page while it is visible, and while it is hidden.
-fn page_exchanges(line: Line, watched: Duration) -> Result<(u64, u64)> {
+pub fn page_exchanges(line: Line, watched: Duration) -> Result<(u64, u64)> {
     let bench = Bench::start()?;
     let (adapter, page) = connected(&bench, line)?;
     spin(&page, 500)?;

@@ -1,7 +1,7 @@
 //! Measures how much of the bus capacity the page uses, with one motor and with many, and its cost. Prints a table.
 //!
 //! `cargo xtask bench` builds everything and runs this after `instruments`. `--seconds N` sets the duration of each
-//! measurement, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `stop`, `stall` or `heap` measures a part.
+//! measurement, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `models`, `stop`, `stall` or `heap` measures a part.
 //! The heap is measured ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
@@ -9,6 +9,7 @@ mod crowd;
 mod drawing;
 mod driving;
 mod load;
+mod models;
 mod rates;
 mod stall;
 mod stop;
@@ -22,7 +23,7 @@ use end_to_end::{Page, figures::Table};
 const WATCHED_S: u64 = 60;
 
 const PARTS: [&str; 8] = [
-    "bare", "rates", "crowd", "load", "drawing", "stop", "stall", "heap",
+    "bare", "rates", "crowd", "load", "drawing", "models", "stop", "stall", "heap",
 ];
 
 fn main() -> ExitCode {
@@ -54,7 +55,7 @@ fn wanted() -> Result<Wanted> {
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
             _ => bail!(
-                "usage: wire [--seconds N] [--only bare|rates|crowd|load|drawing|stop|stall|heap]"
+                "usage: wire [--seconds N] [--only bare|rates|crowd|load|drawing|models|stop|stall|heap]"
             ),
         }
     }
@@ -73,6 +74,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "crowd" => crowd::measure(wanted.watched),
             "load" => load::measure(wanted.watched),
             "drawing" => drawing::measure(wanted.watched),
+            "models" => models::measure(wanted.watched),
             "stop" => stop::measure(wanted.watched),
             "stall" => stall::measure(),
             _ => load::measure_heap(wanted.watched),

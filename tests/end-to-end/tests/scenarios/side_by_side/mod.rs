@@ -13,6 +13,7 @@ mod harness;
 mod harness_measuring;
 mod keys;
 mod limits;
+mod models;
 mod offline;
 mod pages_gone;
 mod parts;

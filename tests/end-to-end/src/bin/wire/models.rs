@@ -1,0 +1,112 @@
+//! Measures what differs between models: how soon the page knows the model, how soon a wheel stands after a stop, and
+//! the exchange rate at 38400 baud.
+
+use std::{thread, time::Duration};
+
+use anyhow::{Context, Result};
+use end_to_end::{
+    Bench, Line, Usb, View,
+    figures::{ms, ratio, row},
+    now_us,
+};
+
+use crate::bare::{RATIO_MIN, bare_exchanges, page_exchanges};
+
+/// Each model with its no-load preset of this measurement: about its nominal speed.
+const MODELS: [(&str, u32, &str); 4] = [
+    ("ddsm115", 115_200, "+100"),
+    ("ddsm315", 115_200, "+100"),
+    ("ddsm210", 115_200, "+100"),
+    ("ddsm400", 38_400, "+100"),
+];
+const KNOWN_MAX_US: [(u32, u64); 2] = [(115_200, 600_000), (38_400, 1_200_000)];
+const STANDING_MAX_US: u64 = 400_000;
+const TIMES: usize = 5;
+
+pub fn measure(watched: Duration) -> Result<()> {
+    for (model, baud, preset) in MODELS {
+        let mut known = Vec::new();
+        let mut stopped = Vec::new();
+        for _ in 0..TIMES {
+            let (known_us, stopped_us) = connect_and_stop(model, preset)?;
+            known.push(known_us);
+            stopped.push(stopped_us);
+        }
+        let longest = |times: &[u64]| times.iter().copied().max().unwrap_or(u64::MAX);
+        let bound = KNOWN_MAX_US.iter().find(|(of, _)| *of == baud);
+        let (_, known_max_us) = bound.context("no bound for this baud rate")?;
+        row(
+            &format!("{model}: from Connect to the model known, longest of {TIMES}"),
+            &format!("under {}", ms(*known_max_us)),
+            ms(longest(&known)),
+            longest(&known) < *known_max_us,
+        );
+        row(
+            &format!(
+                "{model}: wheel standing and confirmed after a stop from 100 rpm, longest of {TIMES}"
+            ),
+            "at most 400 ms",
+            ms(longest(&stopped)),
+            longest(&stopped) <= STANDING_MAX_US,
+        );
+    }
+    against_a_bare_loop(watched)
+}
+
+/// Time from Connect to the first query after the model is known, and from a stop to its confirmation.
+fn connect_and_stop(model: &str, preset: &str) -> Result<(u64, u64)> {
+    let bench = Bench::start()?;
+    let adapter = bench.plug(Line::default().with(&["--model", model]), Usb::default())?;
+    let page = bench.open("/")?;
+    page.look(View::DESKTOP)?;
+    let pressed = now_us();
+    page.click("button", "Connect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("1a86:7523"))?;
+    let known_us = now_us() - pressed;
+    page.wait_for_text("output", "Speed", crate::driving::has_digits)?;
+    if model == "ddsm400" {
+        // It is enabled first.
+        thread::sleep(Duration::from_secs(1));
+    }
+    page.click("button", preset)?;
+    page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
+    thread::sleep(Duration::from_secs(1));
+    let key = page.press_timed("Escape")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| {
+        text.to_lowercase().contains("confirmed")
+    })?;
+    let brakes = adapter.wire()?.since(key.sent_us).drives();
+    let last = brakes.frames.iter().rfind(|frame| frame.brakes());
+    let last = last.context("no stop frame")?;
+    crate::ensure_quiet(&page)?;
+    Ok((known_us, last.at_us.saturating_sub(key.sent_us)))
+}
+
+fn against_a_bare_loop(watched: Duration) -> Result<()> {
+    let line = || Line::default().with(&["--model", "ddsm400"]);
+    let part = watched / 2;
+    let (mut bare, mut visible, mut hidden) = (0, 0, 0);
+    for _ in 0..2 {
+        bare += bare_exchanges(line(), 38_400, part)?;
+        let (seen, unseen) = page_exchanges(line(), part)?;
+        visible += seen;
+        hidden += unseen;
+    }
+    let seconds = watched.as_secs().max(1);
+    for (page_is, page) in [("visible", visible), ("hidden", hidden)] {
+        let share = ratio(page, bare);
+        row(
+            &format!(
+                "ddsm400: exchanges a second against a bare loop at 38400 baud, page {page_is}"
+            ),
+            &format!("{RATIO_MIN} or more"),
+            format!(
+                "{share:.3} ({} of {} a second)",
+                page / seconds,
+                bare / seconds
+            ),
+            share >= RATIO_MIN,
+        );
+    }
+    Ok(())
+}
