@@ -41,11 +41,35 @@ pub enum LineEventKind {
         /// Length of the reply window.
         waited_us: u32,
     },
+    /// A drive frame of a model with separate frames, in the units of the bus: for the recording. It was sent as
+    /// [`Sent`](Self::Sent) says, just before.
+    Commanded {
+        /// As it would be for a DDSM115.
+        frame: Frame,
+        /// The loop in which the motor reads it, if known.
+        mode: Option<Mode>,
+    },
+    /// A reading in separate frames, as a reply of a DDSM115 in the units of the bus: for the recording. What the motor
+    /// did not say in this frame is as it was last.
+    Reading {
+        /// As a DDSM115 would send it.
+        frame: Frame,
+        /// The layout of bytes 6 and 7; `None` if they say nothing.
+        asked: Option<Layout>,
+    },
     /// A frame that the port refused because it was still busy with the one before.
     NotSent {
         /// The bytes.
         frame: Frame,
     },
+}
+
+impl LineEventKind {
+    /// Whether it repeats a frame in other units, for the recording alone.
+    #[must_use]
+    pub const fn is_for_the_recording(&self) -> bool {
+        matches!(self, Self::Commanded { .. } | Self::Reading { .. })
+    }
 }
 
 /// One to ten bytes that are not a good frame.

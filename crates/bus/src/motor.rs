@@ -392,6 +392,11 @@ impl Motor {
         self.last.map(|sample| sample.reply)
     }
 
+    /// The last fine position.
+    pub(crate) fn last_position(&self) -> Option<Position> {
+        self.position.map(|(_, position)| position)
+    }
+
     /// Whether it is known to obey drive frames.
     pub(crate) fn obeys(&self) -> bool {
         self.separate.loop_known.obeys(self.model)

@@ -13,8 +13,9 @@ use crate::{
     event::{Event, StopReason},
     exchange::{Exchange, Expects, Line, Purpose},
     job::state::Job,
-    line_event::LineEventKind,
+    line_event::{LineEvent, LineEventKind},
     line_use::Use,
+    model::units::as_combined,
     motor::{Control, Motor},
     probe::ProbeResult,
     raw::status::RawAnswer,
@@ -297,6 +298,12 @@ impl Bus {
             }
             return;
         };
+        if model.has_separate_frames() {
+            let (frame, asked) = as_combined(reply, motor.last_position());
+            let kind = LineEventKind::Reading { frame, asked };
+            self.events
+                .push_back(Event::Line(LineEvent { at: now, kind }));
+        }
         motor.angle_estimate.replied(now, &reply);
         let seen = motor.angle_estimate.confirmed_now(now);
         match (&mut motor.control, reply.detail) {

@@ -7,11 +7,11 @@ use std::time::Duration;
 
 use motorlink_bus::{
     Activity, BusSettings, Command, Consent, Event, IdChangeOutcome, LimitOutOfRange, Limits,
-    Refusal, SetIdFrames, WithdrawReason,
+    LineEventKind, Refusal, SetIdFrames, WithdrawReason,
 };
 use motorlink_protocol::{
-    CurrentTarget, Detail, Mode, MotorId, OpenLoopTarget, PositionTarget, Setpoint, SpeedTarget,
-    family::Model,
+    CurrentTarget, Detail, Layout, Mode, MotorId, OpenLoopTarget, PositionTarget, Reply, Setpoint,
+    SpeedTarget, family::Model,
 };
 use motorlink_simulator::{WireFaults, WorldConfig};
 
@@ -317,5 +317,53 @@ fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
         fixture.run(ms(seed * 7));
         let took = stopped(&mut fixture);
         assert!(took <= ms(600), "seed {seed}: {took:?}");
+    }
+}
+
+/// A DDSM Driver HAT whose switch is not set to its plain bridge.
+#[test]
+fn a_driver_board_that_answers_in_json_is_said_once() {
+    let mut fixture = Fixture::new(WorldConfig::with_ids([]));
+    fixture.command(Command::Watch(ID)).unwrap();
+    for _ in 0..30 {
+        fixture.run(ms(100));
+        let text = b"{\"T\":1005,\"id\":1,\"typ\":115}\r\n";
+        fixture.bus.receive(fixture.now, text);
+    }
+    let said = fixture.events.iter();
+    let said = said.filter(|(_, event)| *event == Event::AnswersInJson);
+    assert_eq!(said.count(), 1);
+}
+
+/// The recording has one set of units: it gets each frame of a model with separate frames a second time, as a DDSM115
+/// would send it.
+#[test]
+fn commands_and_readings_are_given_to_the_recording_in_the_units_of_the_bus() {
+    for model in [Model::Ddsm210, Model::Ddsm400] {
+        let mut fixture = on(model);
+        fixture.drive(rpm(60)).unwrap();
+        fixture.run(ms(2_000));
+        let lines = fixture.events.iter().filter_map(|(_, event)| match event {
+            Event::Line(line) => Some(line.kind),
+            _ => None,
+        });
+        let commanded = lines.clone().filter_map(|kind| match kind {
+            LineEventKind::Commanded { frame, mode } => Some((frame, mode)),
+            _ => None,
+        });
+        let (frame, mode) = commanded.last().unwrap();
+        assert_eq!(mode, Some(Mode::Velocity));
+        assert_eq!(frame, fixture::drive_frame(ID, rpm(60)), "{model}");
+        let mut layouts = Vec::new();
+        let mut last = None;
+        for kind in lines {
+            if let LineEventKind::Reading { frame, asked } = kind {
+                layouts.extend(asked);
+                last = Reply::decode(&frame, asked).ok();
+            }
+        }
+        let reply = last.unwrap();
+        assert!((58..=62).contains(&reply.speed.rpm()), "{model} {reply:?}");
+        assert!(layouts.contains(&Layout::Drive) && layouts.contains(&Layout::Query));
     }
 }

@@ -63,7 +63,9 @@ impl Commands {
     /// Takes in a line event. Only drive frames and mode switches count.
     #[inline(never)]
     pub(crate) fn add_event(&mut self, event: &LineEvent) {
-        let LineEventKind::Sent { frame, mode } = event.kind else {
+        let (LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode }) =
+            event.kind
+        else {
             return;
         };
         let (id, commanded) = match Request::parse(&frame) {

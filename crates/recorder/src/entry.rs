@@ -43,8 +43,12 @@ pub(crate) enum Visibility {
 impl Entry {
     pub(crate) const fn kind(&self) -> Kind {
         match self.content {
-            EntryContent::Line(LineEventKind::Sent { .. }) => Kind::Tx,
-            EntryContent::Line(LineEventKind::Received { .. }) => Kind::Rx,
+            EntryContent::Line(LineEventKind::Sent { .. } | LineEventKind::Commanded { .. }) => {
+                Kind::Tx
+            }
+            EntryContent::Line(LineEventKind::Received { .. } | LineEventKind::Reading { .. }) => {
+                Kind::Rx
+            }
             EntryContent::Line(
                 LineEventKind::Junk(_)
                 | LineEventKind::Silence { .. }
@@ -59,7 +63,9 @@ impl Entry {
     pub(crate) fn id(&self) -> Option<MotorId> {
         match self.content {
             EntryContent::Line(
-                LineEventKind::Sent { frame, .. } | LineEventKind::NotSent { frame },
+                LineEventKind::Sent { frame, .. }
+                | LineEventKind::Commanded { frame, .. }
+                | LineEventKind::NotSent { frame },
             ) => {
                 let [first, second, third, ..] = *frame.bytes();
                 let to_all = match first {
@@ -69,7 +75,9 @@ impl Entry {
                 };
                 MotorId::new(first).ok().filter(|_| !to_all)
             }
-            EntryContent::Line(LineEventKind::Received { frame, .. }) => {
+            EntryContent::Line(
+                LineEventKind::Received { frame, .. } | LineEventKind::Reading { frame, .. },
+            ) => {
                 let [first, ..] = *frame.bytes();
                 MotorId::new(first).ok()
             }
@@ -84,6 +92,8 @@ impl Entry {
             EntryContent::Line(
                 LineEventKind::Sent { frame, .. }
                 | LineEventKind::Received { frame, .. }
+                | LineEventKind::Commanded { frame, .. }
+                | LineEventKind::Reading { frame, .. }
                 | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
             EntryContent::Line(LineEventKind::Junk(junk)) => junk.bytes(),

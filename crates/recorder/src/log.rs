@@ -69,6 +69,9 @@ impl Log {
 
     /// Adds a line event.
     pub fn add_event(&mut self, traffic: &LineEvent) {
+        if traffic.kind.is_for_the_recording() {
+            return;
+        }
         let routine = self.routine.is_next(&traffic.kind);
         self.take(traffic.at, EntryContent::Line(traffic.kind), routine);
     }

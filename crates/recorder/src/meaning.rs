@@ -29,8 +29,10 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
 
 fn translated(passed: &LineEventKind) -> String {
     match passed {
-        LineEventKind::Sent { frame, mode } => terms::explained(explain_sent(frame, *mode)),
-        LineEventKind::Received { frame, asked } => {
+        LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode } => {
+            terms::explained(explain_sent(frame, *mode))
+        }
+        LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked } => {
             terms::explained(explain_received(frame, *asked))
         }
         LineEventKind::Junk(junk) => match explained_junk(junk) {
@@ -68,10 +70,14 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     // Writing to a string does not fail.
     let _ = match &entry.content {
         EntryContent::Message { text, .. } => out.write_str(texts.get(*text)),
-        EntryContent::Line(LineEventKind::Sent { frame, mode }) => {
+        EntryContent::Line(
+            LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode },
+        ) => {
             write!(out, "{}", explain_sent(frame, *mode))
         }
-        EntryContent::Line(LineEventKind::Received { frame, asked }) => {
+        EntryContent::Line(
+            LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked },
+        ) => {
             write!(out, "{}", explain_received(frame, *asked))
         }
         EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),

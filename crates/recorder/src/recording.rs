@@ -39,7 +39,9 @@ impl Sample {
     /// The sample of a line event, if it is a valid reply, without the command before it.
     #[inline(never)]
     pub(crate) fn of(traffic: &LineEvent) -> Option<Self> {
-        let LineEventKind::Received { frame, asked } = traffic.kind else {
+        let (LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked }) =
+            traffic.kind
+        else {
             return None;
         };
         Reply::decode(&frame, asked).ok()?;

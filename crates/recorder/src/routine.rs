@@ -64,7 +64,9 @@ impl Routine {
             }
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }
-            | LineEventKind::NotSent { .. } => false,
+            | LineEventKind::NotSent { .. }
+            | LineEventKind::Commanded { .. }
+            | LineEventKind::Reading { .. } => false,
         }
     }
 

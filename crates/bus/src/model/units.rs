@@ -4,7 +4,8 @@
 //! scale. Only here the units of a model matter.
 
 use motorlink_protocol::{
-    Current, Drive, Rpm, Setpoint,
+    CoarsePosition, Current, Detail, Drive, Frame, Layout, Mode, Position, Reply, Request, Rpm,
+    Setpoint,
     family::{self, Model, Speed},
 };
 
@@ -29,6 +30,39 @@ pub(crate) fn drive(model: Model, setpoint: Setpoint) -> Drive {
         value: value.to_be_bytes(),
         ..Drive::from(setpoint)
     }
+}
+
+/// A drive frame for this model as it would be for a DDSM115; `None` if it is not a drive frame.
+pub(crate) fn in_bus_units(model: Model, frame: &Frame, mode: Option<Mode>) -> Option<Frame> {
+    let Ok(Request::Drive { id, drive }) = Request::parse(frame) else {
+        return None;
+    };
+    let raw = drive.signed();
+    let value = match mode {
+        Some(Mode::Velocity) => speed(model.speed_of_raw(raw)).rpm().to_be_bytes(),
+        Some(Mode::Current) => current(model.current_of_raw(raw)).raw().to_be_bytes(),
+        Some(Mode::Position | Mode::OpenLoop) | None => drive.value,
+    };
+    let drive = Drive { value, ..drive };
+    Some(Request::Drive { id, drive }.frame())
+}
+
+/// A reply in separate frames as a DDSM115 would send it. `angle` is the last one known.
+pub(crate) fn as_combined(reply: Reply, angle: Option<Position>) -> (Frame, Option<Layout>) {
+    let (detail, asked) = match (reply.detail, angle) {
+        (Detail::Odometry { position, .. }, _) => (Detail::Drive { position }, Some(Layout::Drive)),
+        (Detail::Temperature(temperature), Some(angle)) => {
+            let [high, _] = angle.raw().wrapping_mul(2).to_be_bytes();
+            let position = CoarsePosition::from_raw(high);
+            let detail = Detail::Query {
+                temperature,
+                position,
+            };
+            (detail, Some(Layout::Query))
+        }
+        (detail, _) => (detail, None),
+    };
+    (Reply { detail, ..reply }.frame(), asked)
 }
 
 /// A reported current. It is an upper bound if its scale is not certain.

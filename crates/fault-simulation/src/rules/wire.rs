@@ -104,6 +104,7 @@ impl Wire {
             Event::Line(traffic) => match traffic.kind {
                 LineEventKind::Sent { frame, .. } => return self.logged_as(now, frame, false),
                 LineEventKind::NotSent { frame } => return self.logged_as(now, frame, true),
+                LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
                 LineEventKind::Received { frame, .. } => {
                     self.received.push(frame);
                     return self.logged(now, frame);

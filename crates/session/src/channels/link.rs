@@ -61,6 +61,7 @@ impl Meter {
                 self.asked = None;
             }
             LineEventKind::NotSent { .. } => second.not_sent += 1,
+            LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
         }
         ended
     }

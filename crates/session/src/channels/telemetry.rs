@@ -54,13 +54,13 @@ impl Motors {
     /// Takes an event of the bus. Returns the telemetry if it is a valid reply.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         match event.kind {
-            LineEventKind::Sent { frame, mode } => {
+            LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode } => {
                 if let Ok(Request::Drive { id, drive }) = Request::parse(&frame) {
                     self.0.entry(id).or_default().drive = Some((drive, mode));
                 }
                 None
             }
-            LineEventKind::Received { frame, asked } => {
+            LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked } => {
                 let reply = Reply::decode(&frame, asked).ok()?;
                 let motor = self.0.entry(reply.id).or_default();
                 Some(motor.reported(event.at, reply, asked))

@@ -34,6 +34,9 @@ impl Batch {
     }
 
     pub(crate) fn push(&mut self, event: &LineEvent) {
+        if event.kind.is_for_the_recording() {
+            return;
+        }
         let out = &mut self.json;
         if self.events == 0 {
             (self.first, self.last) = (event.at, event.at);
@@ -76,6 +79,8 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
             }
             hex = frame.bytes();
         }
+        // Not on the wire.
+        LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
         LineEventKind::NotSent { frame } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":false");
             push_id(out, frame);

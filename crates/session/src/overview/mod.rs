@@ -118,6 +118,13 @@ impl Overview {
                     self.motor(reply.id).replied(bucket, &reply);
                 }
             }
+            LineEventKind::Commanded { .. } => {}
+            LineEventKind::Reading { frame, asked } => {
+                if let Ok(reply) = Reply::decode(frame, *asked) {
+                    let bucket = self.bucket_of(after);
+                    self.motor(reply.id).replied(bucket, &reply);
+                }
+            }
             LineEventKind::Junk(_) => self.junk += 1,
             LineEventKind::Silence { id, .. } => {
                 self.lost += 1;

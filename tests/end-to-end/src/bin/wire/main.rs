@@ -22,7 +22,7 @@ use end_to_end::{Page, figures::Table};
 /// Duration of each measurement.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 8] = [
+const PARTS: [&str; 9] = [
     "bare", "rates", "crowd", "load", "drawing", "models", "stop", "stall", "heap",
 ];
 

@@ -97,7 +97,7 @@ fn given_an_id(scenario: &Scenario) -> Result<()> {
         Ok(
             match page.find_all("alertdialog", "Change the ID?")?.is_empty() {
                 false => Ok(()),
-                true => Err("no question yet"),
+                true => Err("no question yet".to_owned()),
             },
         )
     })?;
@@ -154,7 +154,7 @@ fn a_ddsm315_is_chosen_driven_in_each_loop_stopped_limited_and_given_an_id() -> 
     scenario.page.choose("Model", "DDSM315 / M0602C")?;
     wait_until("the motor to answer as a DDSM315", WAIT_MAX, || {
         Ok(if scenario.page.find("button", "+50")?.disabled {
-            Err("+50 is disabled")
+            Err("+50 is disabled".to_owned())
         } else {
             Ok(())
         })
