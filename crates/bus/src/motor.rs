@@ -410,7 +410,8 @@ impl Motor {
     /// The next request for telemetry.
     pub(crate) const fn next_query(&self) -> Request {
         let id = self.id;
-        if self.model.has_separate_frames() && self.separate.asks_loop {
+        let switches = matches!(self.control, Control::Switching(_));
+        if self.model.has_separate_frames() && (self.separate.asks_loop || switches) {
             Request::ModeQuery { id }
         } else {
             Request::Query { id }

@@ -14,7 +14,7 @@
 //! It is made to hold the published figures of the motor (see `tests/`), not to predict a design. Of the DDSM315,
 //! DDSM210 and DDSM400 few are published. What is assumed is marked in `figures.rs` and
 //! `firmware/separate.rs`, and what their protocol leaves open in
-//! [`Spec::uncertain`](motorlink_protocol::family::Spec::uncertain).
+//! [`Model::uncertain`](motorlink_protocol::family::Spec::uncertain).
 //!
 //! # Example
 //!

@@ -5,7 +5,7 @@
 //!
 //! | to | see |
 //! |---|---|
-//! | know what differs between models, and what is uncertain | [`Model::spec`], [`Spec::uncertain`] |
+//! | know what differs between models, and what is uncertain | [`Model::spec`], [`Model::uncertain`] |
 //! | ask a motor | [`Request`], [`Request::frame`] |
 //! | say what it is to do | [`Setpoint`], [`Model::speed`], [`Model::current`], [`OpenLoopTarget`] |
 //! | read what it answered | [`Reading::decode`] with the [`Layout`] of [`Request::reply_layout`] |

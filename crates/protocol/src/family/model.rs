@@ -1,7 +1,7 @@
 //! The models: everything that differs between them, as data. A new model is a variant and a
 //! [`Spec`] in this file.
 //!
-//! What sources disagree about, or only one source says, is in [`Spec::uncertain`].
+//! What sources disagree about, or only one source says, is in [`Model::uncertain`].
 //!
 //! Sources: the maker's manual, its tester, the vendor's library, independent clients, and wikis.
 
@@ -65,10 +65,6 @@ const DDSM115: Spec = Spec {
         supply_range_v: Some((12, 24)),
         trips_at_c: Some(80),
     },
-    uncertain: &[
-        "how long a drive frame is obeyed",
-        "how many set-ID frames an M0601 takes",
-    ],
 };
 
 /// The maker's tester and independent clients. Its frames are those of a DDSM115.
@@ -88,12 +84,6 @@ const DDSM315: Spec = Spec {
         supply_range_v: None,
         trips_at_c: None,
     },
-    uncertain: &[
-        "the greatest speed: 315 rpm by the maker's tester, 330 or 475 rpm by clients",
-        "stop frames 300 ms apart: one source",
-        "the nominal figures: none is published",
-        "the acceleration: taken to be that of a DDSM115",
-    ],
     ..DDSM115
 };
 
@@ -121,14 +111,6 @@ const DDSM210: Spec = Spec {
         supply_range_v: Some((9, 28)),
         trips_at_c: Some(80),
     },
-    uncertain: &[
-        "the scale of the current: 8 A or 3.28 A at full scale",
-        "the unit of the acceleration: 1 ms or 0.1 ms per rpm",
-        "bytes 2-3 of a drive reply in the position loop: the position, by one source",
-        "the direction in which the angle grows",
-        "faults other than overcurrent and over-temperature",
-        "the last byte of a set-ID frame: its CRC, or 00",
-    ],
     ..DDSM115
 };
 
@@ -166,14 +148,6 @@ const DDSM400: Spec = Spec {
         supply_range_v: None,
         trips_at_c: None,
     },
-    uncertain: &[
-        "the scale of a commanded current: taken to be that of a reported one",
-        "bytes 2-3 of a drive reply in the position loop",
-        "angle 0 of the position loop: taken to be where it was entered, as of a DDSM210",
-        "the direction in which the angle grows",
-        "what the mode query answers before the motor is enabled",
-        "the last byte of a set-ID frame: its CRC, or 00",
-    ],
     ..DDSM210
 };
 
@@ -189,6 +163,41 @@ impl Model {
             Self::Ddsm315 => &DDSM315,
             Self::Ddsm210 => &DDSM210,
             Self::Ddsm400 => &DDSM400,
+        }
+    }
+
+    /// What is not certain. Show it as such, and rely on none of it for safety.
+    ///
+    /// Not a part of [`Spec`], so that only programs that show it carry the texts.
+    #[must_use]
+    pub const fn uncertain(self) -> &'static [&'static str] {
+        match self {
+            Self::Ddsm115 => &[
+                "how long a drive frame is obeyed",
+                "how many set-ID frames an M0601 takes",
+            ],
+            Self::Ddsm315 => &[
+                "the greatest speed: 315 rpm by the maker's tester, 330 or 475 rpm by clients",
+                "stop frames 300 ms apart: one source",
+                "the nominal figures: none is published",
+                "the acceleration: taken to be that of a DDSM115",
+            ],
+            Self::Ddsm210 => &[
+                "the scale of the current: 8 A or 3.28 A at full scale",
+                "the unit of the acceleration: 1 ms or 0.1 ms per rpm",
+                "bytes 2-3 of a drive reply in the position loop: the position, by one source",
+                "the direction in which the angle grows",
+                "faults other than overcurrent and over-temperature",
+                "the last byte of a set-ID frame: its CRC, or 00",
+            ],
+            Self::Ddsm400 => &[
+                "the scale of a commanded current: taken to be that of a reported one",
+                "bytes 2-3 of a drive reply in the position loop",
+                "angle 0 of the position loop: taken to be where it was entered, as of a DDSM210",
+                "the direction in which the angle grows",
+                "what the mode query answers before the motor is enabled",
+                "the last byte of a set-ID frame: its CRC, or 00",
+            ],
         }
     }
 

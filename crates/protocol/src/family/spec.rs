@@ -72,8 +72,6 @@ pub struct Spec {
     pub stop_period_min: Option<Duration>,
     /// Nominal figures.
     pub nominal: Nominal,
-    /// What is not certain. Show it as such, and rely on none of it for safety.
-    pub uncertain: &'static [&'static str],
 }
 
 /// Nominal figures by the data sheets; `None` if none is published.
