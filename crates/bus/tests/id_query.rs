@@ -78,7 +78,7 @@ fn reply_to_an_id_query_cut_short_is_not_read_as_that_of_a_query() {
         let temperatures = fixture.events.iter().filter_map(|(_, event)| match event {
             Event::Telemetry(sample) => match sample.reply.detail {
                 Detail::Query { temperature, .. } => Some(temperature.degrees()),
-                Detail::Drive { .. } | Detail::Undetermined(_) => None,
+                _ => None,
             },
             _ => None,
         });

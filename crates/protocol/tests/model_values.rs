@@ -62,7 +62,7 @@ fn models_have_the_published_line_frames_and_range() {
         );
         assert_eq!((spec.speed_units_per_rpm, spec.speed_rpm_max), (units, rpm));
         assert_eq!((spec.needs_enable, spec.set_id_frames), (needs_enable, 5));
-        assert!(!spec.uncertain.is_empty(), "{model}");
+        assert!(!model.uncertain().is_empty(), "{model}");
         assert_eq!(model.has_separate_frames(), frames != FrameSet::Combined);
     }
 }
