@@ -158,6 +158,7 @@ fn row(number: usize, kind: Kind) -> Row {
         hex: "01 64 00 64 00 00 01 00 00 A1".to_owned(),
         meaning: format!("frame {number}"),
         collapsed_before: 0,
+        opened: 0,
     }
 }
 

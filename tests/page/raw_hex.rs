@@ -139,6 +139,15 @@ async fn a_query_is_sent_at_once_and_its_answer_is_shown() {
         let answer = || bench.text("status", "Reply");
         bench.until(shown, || answer().contains(shown)).await;
     }
+    // It answered other bytes than those.
+    let appears = |text: &str| text.contains("The reply appears here");
+    let answer = || bench.text("status", "Reply");
+    write(&bench, "02 74 00 00 00 00 00 00 00");
+    bench.until("no answer", || appears(&answer())).await;
+    write(&bench, QUERY);
+    bench
+        .until("the answer", || answer().contains("No reply"))
+        .await;
 }
 
 #[wasm_bindgen_test]

@@ -17,7 +17,7 @@ pub struct LineEvent {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LineEventKind {
-    /// A frame of the bus.
+    /// A frame that the bus decided.
     Sent {
         /// The bytes.
         frame: Frame,
@@ -62,9 +62,39 @@ pub enum LineEventKind {
         /// The bytes.
         frame: Frame,
     },
+    /// The first raw frame of a [`Command::SendRaw`](crate::Command::SendRaw): the operator pressed Send for it.
+    SentByHand {
+        /// The bytes.
+        frame: Frame,
+        /// As in [`LineEventKind::Sent`].
+        mode: Option<Mode>,
+    },
+    /// A repetition of that raw frame.
+    RepeatedByHand {
+        /// The bytes.
+        frame: Frame,
+        /// As in [`LineEventKind::Sent`].
+        mode: Option<Mode>,
+    },
 }
 
 impl LineEventKind {
+    /// The frame that the port took, whoever decided it, and the loop in which its motor reads a value.
+    #[must_use]
+    pub const fn sent(&self) -> Option<(Frame, Option<Mode>)> {
+        match self {
+            Self::Sent { frame, mode }
+            | Self::SentByHand { frame, mode }
+            | Self::RepeatedByHand { frame, mode } => Some((*frame, *mode)),
+            Self::Received { .. }
+            | Self::Commanded { .. }
+            | Self::Reading { .. }
+            | Self::Junk(_)
+            | Self::Silence { .. }
+            | Self::NotSent { .. } => None,
+        }
+    }
+
     /// Whether it repeats a frame in other units, for the recording alone.
     #[must_use]
     pub const fn is_for_the_recording(&self) -> bool {

@@ -155,7 +155,12 @@ impl Bus {
         let PendingTransmit {
             at, frame, mode, ..
         } = handed;
-        self.log(at, LineEventKind::Sent { frame, mode });
+        let kind = match (handed.effect, self.raw.is_some_and(|raw| raw.has_sent())) {
+            (Effect::Raw, false) => LineEventKind::SentByHand { frame, mode },
+            (Effect::Raw, true) => LineEventKind::RepeatedByHand { frame, mode },
+            _ => LineEventKind::Sent { frame, mode },
+        };
+        self.log(at, kind);
         if self.model.has_separate_frames()
             && let Some(frame) = in_bus_units(self.model, &frame, mode)
         {

@@ -4,8 +4,8 @@
 mod fixture;
 
 use fixture::{Fixture, ID, ms, rpm};
-use motorlink_bus::{Command, Event, LineEvent, LineEventKind};
-use motorlink_protocol::{Drive, Frame, Layout, Mode, explain_received, explain_sent};
+use motorlink_bus::{Command, Consent, Event, LineEvent, LineEventKind, RawInterval, Repeat};
+use motorlink_protocol::{Drive, Frame, Layout, Mode, Request, explain_received, explain_sent};
 use motorlink_simulator::{Echo, Sender, Split, WireFaults, WorldConfig};
 
 fn log(fixture: &Fixture) -> Vec<LineEvent> {
@@ -54,7 +54,11 @@ fn every_frame_is_logged_once_and_in_order() {
         let logged: Vec<(bool, Vec<u8>)> = log(&fixture)
             .iter()
             .filter_map(|traffic| match traffic.kind {
-                LineEventKind::Sent { frame, .. } => Some((true, frame.bytes().to_vec())),
+                LineEventKind::Sent { frame, .. }
+                | LineEventKind::SentByHand { frame, .. }
+                | LineEventKind::RepeatedByHand { frame, .. } => {
+                    Some((true, frame.bytes().to_vec()))
+                }
                 LineEventKind::Received { frame, .. } => Some((false, frame.bytes().to_vec())),
                 LineEventKind::Junk(junk) => Some((false, junk.bytes().to_vec())),
                 _ => None,
@@ -161,4 +165,31 @@ fn a_frame_that_the_adapter_did_not_take_is_logged_as_not_sent_and_its_setpoint_
     let drives = fixture.sent.iter().filter_map(|sent| sent.drive_of(ID));
     let of_zero = |drive: &Drive| drive.value == [0, 0];
     assert!(drives.clone().count() > 0 && drives.clone().all(|drive| of_zero(&drive)));
+}
+
+#[test]
+fn a_raw_frame_is_told_from_the_same_bytes_of_the_bus_and_from_its_repetitions() {
+    let mut fixture = Fixture::one_motor();
+    let interval = RawInterval::new(20).unwrap();
+    for _ in 0..2 {
+        fixture
+            .command(Command::SendRaw {
+                frame: Request::Query { id: ID }.frame(),
+                repeat: Repeat::Times { count: 3, interval },
+                consent: Consent::None,
+            })
+            .unwrap();
+        fixture.run(ms(200));
+    }
+    let by_hand: Vec<bool> = log(&fixture)
+        .iter()
+        .filter_map(|traffic| match traffic.kind {
+            LineEventKind::SentByHand { .. } => Some(true),
+            LineEventKind::RepeatedByHand { .. } => Some(false),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(by_hand, [true, false, false, true, false, false]);
+    let polled = |traffic: &LineEvent| matches!(traffic.kind, LineEventKind::Sent { .. });
+    assert!(log(&fixture).iter().any(polled));
 }

@@ -37,6 +37,9 @@ pub enum ToRecorder {
     },
     /// Set the filter. The rows are renumbered.
     Filter(Filter),
+    /// Open the hidden routine entries directly before this row, or hide again those that begin with it. The rows before
+    /// it keep their numbers.
+    Toggle(u64),
     /// Clear the log. The recording stays.
     Clear,
     /// Export a CSV file.
@@ -226,6 +229,8 @@ pub struct Row {
     pub meaning: String,
     /// Number of hidden routine entries directly before it.
     pub collapsed_before: u32,
+    /// Number of opened routine entries that begin with this row: see [`ToRecorder::Toggle`].
+    pub opened: u32,
 }
 
 /// The state of the recording.

@@ -63,9 +63,11 @@ impl Commands {
     /// Takes in a line event. Only drive frames and mode switches count.
     #[inline(never)]
     pub(crate) fn add_event(&mut self, event: &LineEvent) {
-        let (LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode }) =
-            event.kind
-        else {
+        let commanded = match event.kind {
+            LineEventKind::Commanded { frame, mode } => Some((frame, mode)),
+            kind => kind.sent(),
+        };
+        let Some((frame, mode)) = commanded else {
             return;
         };
         let (id, commanded) = match Request::parse(&frame) {

@@ -43,9 +43,12 @@ pub(crate) enum Visibility {
 impl Entry {
     pub(crate) const fn kind(&self) -> Kind {
         match self.content {
-            EntryContent::Line(LineEventKind::Sent { .. } | LineEventKind::Commanded { .. }) => {
-                Kind::Tx
-            }
+            EntryContent::Line(
+                LineEventKind::Sent { .. }
+                | LineEventKind::SentByHand { .. }
+                | LineEventKind::RepeatedByHand { .. }
+                | LineEventKind::Commanded { .. },
+            ) => Kind::Tx,
             EntryContent::Line(LineEventKind::Received { .. } | LineEventKind::Reading { .. }) => {
                 Kind::Rx
             }
@@ -65,6 +68,8 @@ impl Entry {
             EntryContent::Line(
                 LineEventKind::Sent { frame, .. }
                 | LineEventKind::Commanded { frame, .. }
+                | LineEventKind::SentByHand { frame, .. }
+                | LineEventKind::RepeatedByHand { frame, .. }
                 | LineEventKind::NotSent { frame },
             ) => {
                 let [first, second, third, ..] = *frame.bytes();
@@ -91,6 +96,8 @@ impl Entry {
         match &self.content {
             EntryContent::Line(
                 LineEventKind::Sent { frame, .. }
+                | LineEventKind::SentByHand { frame, .. }
+                | LineEventKind::RepeatedByHand { frame, .. }
                 | LineEventKind::Received { frame, .. }
                 | LineEventKind::Commanded { frame, .. }
                 | LineEventKind::Reading { frame, .. }

@@ -185,6 +185,11 @@ impl Log {
         self.view.advance(&mut self.entries, context, entries)
     }
 
+    /// Shows the collapsed entries right before this row, or collapses those that begin with it.
+    pub fn toggle(&mut self, row: u64) {
+        self.view.toggle(&mut self.entries, row);
+    }
+
     /// Whether all entries have been filtered.
     #[must_use]
     pub const fn is_filtered(&self) -> bool {

@@ -29,9 +29,10 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
 
 fn translated(passed: &LineEventKind) -> String {
     match passed {
-        LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode } => {
-            terms::explained(explain_sent(frame, *mode))
-        }
+        LineEventKind::Sent { frame, mode }
+        | LineEventKind::SentByHand { frame, mode }
+        | LineEventKind::RepeatedByHand { frame, mode }
+        | LineEventKind::Commanded { frame, mode } => terms::explained(explain_sent(frame, *mode)),
         LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked } => {
             terms::explained(explain_received(frame, *asked))
         }
@@ -71,7 +72,10 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     let _ = match &entry.content {
         EntryContent::Message { text, .. } => out.write_str(texts.get(*text)),
         EntryContent::Line(
-            LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode },
+            LineEventKind::Sent { frame, mode }
+            | LineEventKind::SentByHand { frame, mode }
+            | LineEventKind::RepeatedByHand { frame, mode }
+            | LineEventKind::Commanded { frame, mode },
         ) => {
             write!(out, "{}", explain_sent(frame, *mode))
         }
@@ -116,21 +120,16 @@ pub(crate) fn push_id(out: &mut String, entry: &Entry) {
 }
 
 /// An entry as a row of the log.
-pub(crate) fn row(
-    entry: &Entry,
-    texts: &Texts,
-    clock: WallClock,
-    number: u64,
-    collapsed_before: u32,
-) -> Row {
+pub(crate) fn row(entry: &Entry, texts: &Texts, clock: WallClock) -> Row {
     let mut row = Row {
-        number,
+        number: 0,
         kind: entry.kind(),
         time: String::new(),
         id: String::new(),
         hex: String::new(),
         meaning: String::new(),
-        collapsed_before,
+        collapsed_before: 0,
+        opened: 0,
     };
     clock.local(entry.at).push_time_of_day(&mut row.time);
     push_id(&mut row.id, entry);

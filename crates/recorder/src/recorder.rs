@@ -252,6 +252,7 @@ impl Recorder {
                 self.log.filter(&filter);
                 self.filter = filter;
             }
+            ToRecorder::Toggle(row) => self.log.toggle(row),
             ToRecorder::Clear => {
                 self.log.clear();
                 if let Some(restoring) = &mut self.restoring {

@@ -1,7 +1,8 @@
 //! Detects routine exchanges: queries and unchanged drive frames with their replies, a hundred a second.
 //!
 //! Each entry is classified once, when it is added, by the entries before it. A change is never routine:
-//! a different drive frame, a reply with another loop or other faults, or an error.
+//! a different drive frame, a reply with another loop or other faults, or an error. Neither is a raw frame, nor
+//! its reply.
 
 use motorlink_bus::LineEventKind;
 use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
@@ -61,6 +62,17 @@ impl Routine {
                 let before = self.before(reply.id);
                 let before = before.and_then(|before| before.replied.replace(now));
                 asked == Some(reply.id) && before == Some(now)
+            }
+            // It may have driven the motor: the next frame of the bus shows a change.
+            LineEventKind::SentByHand { frame, .. }
+            | LineEventKind::RepeatedByHand { frame, .. } => {
+                self.asked = None;
+                if let Ok(Request::Drive { id, .. }) = Request::parse(frame)
+                    && let Some(before) = self.before(id)
+                {
+                    before.driven = None;
+                }
+                false
             }
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }

@@ -1,11 +1,12 @@
 //! Which entries match the filter.
 
+use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::{Filter, Kind};
 use motorlink_protocol::MotorId;
 
 use crate::{
     digits::push_hex,
-    entry::{Entry, Visibility},
+    entry::{Entry, EntryContent, Visibility},
     meaning::{push_id, push_meaning},
     texts::Texts,
     wall_clock::WallClock,
@@ -53,9 +54,16 @@ impl RowFilter {
         texts: &Texts,
         clock: WallClock,
     ) -> Visibility {
-        let asked_for = self.kind.is_none_or(|kind| kind == entry.kind())
-            && self.id.is_none_or(|id| entry.id() == Some(id))
-            && (self.needles.is_empty() || self.finds(entry, texts, clock));
+        // Who presses Send looks for the frame, and may have forgotten the filter. Its repetitions could bury what
+        // the filter is for.
+        let by_hand = matches!(
+            entry.content,
+            EntryContent::Line(LineEventKind::SentByHand { .. })
+        );
+        let asked_for = by_hand
+            || self.kind.is_none_or(|kind| kind == entry.kind())
+                && self.id.is_none_or(|id| entry.id() == Some(id))
+                && (self.needles.is_empty() || self.finds(entry, texts, clock));
         match asked_for {
             false => Visibility::Hidden,
             true if self.collapse && entry.routine => Visibility::Collapsed,
@@ -98,11 +106,10 @@ fn contains(row: &[u8], needle: &[u8]) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_bus::{JunkBytes, LineEventKind};
+    use motorlink_bus::JunkBytes;
     use motorlink_protocol::{Frame, Instant, Layout};
 
     use super::*;
-    use crate::entry::EntryContent;
 
     const CLOCK: WallClock = WallClock::new(1_795_266_936_962.0, 60);
 

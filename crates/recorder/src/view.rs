@@ -7,8 +7,11 @@
 //! A new filter starts at the newest entries and proceeds to the oldest, because the user sees the newest
 //! first. Rows found on the way get smaller and smaller numbers.
 
+mod opened;
+
 use motorlink_messages::recorder::{Filter, LogPage, Row, Window};
 
+use self::opened::Opened;
 use crate::{
     chunks::{CHUNK, Chunks},
     entry::{Entry, Visibility},
@@ -42,6 +45,7 @@ pub(crate) struct View {
     oldest_row: u64,
     end_row: u64,
     collapsed: u64,
+    opened: Opened,
     generation: u32,
 }
 
@@ -74,6 +78,7 @@ impl View {
             oldest_row: 0,
             end_row: 0,
             collapsed: 0,
+            opened: Opened::default(),
             generation: 0,
         }
     }
@@ -99,6 +104,7 @@ impl View {
         self.oldest_row = entries.len();
         self.end_row = self.oldest_row;
         self.collapsed = 0;
+        self.opened.clear();
         self.generation = self.generation.wrapping_add(1);
     }
 
@@ -135,6 +141,7 @@ impl View {
         number: u64,
         context: RowContext<'_>,
     ) {
+        self.opened.entry_added(number);
         // Fewer entries moved than a chunk has, so at most one moved to the next chunk.
         let newest = entries.end().saturating_sub(1);
         let border = newest - newest % CHUNK_LEN;
@@ -156,6 +163,7 @@ impl View {
         }
         self.filtered_from = number + 1;
         self.tally(number, visibility, false);
+        self.opened.oldest_dropped(number, visibility);
         match visibility {
             Visibility::Hidden => {}
             Visibility::Collapsed => self.collapsed -= 1,
@@ -255,14 +263,12 @@ impl View {
                 Visibility::Hidden => {}
                 Visibility::Collapsed => collapsed += 1,
                 Visibility::Shown => {
-                    let before = std::mem::take(&mut collapsed);
-                    rows.push(meaning::row(
-                        &entry,
-                        context.texts,
-                        context.clock,
+                    rows.push(Row {
                         number,
-                        before,
-                    ));
+                        collapsed_before: std::mem::take(&mut collapsed),
+                        opened: self.opened_at(entries, place),
+                        ..meaning::row(&entry, context.texts, context.clock)
+                    });
                     number += 1;
                 }
             }

@@ -5,7 +5,7 @@ mod line;
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, Kind, Row, Window};
-use motorlink_protocol::{Fault, Faults, Frame, Instant, Layout, Mode, family::Model};
+use motorlink_protocol::{Faults, Frame, Instant, Layout, Mode, family::Model};
 use motorlink_recorder::{CsvFile, Log, REPLY, Recording, spelled_out, unmarked};
 use proptest::prelude::*;
 

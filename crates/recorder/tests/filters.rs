@@ -4,11 +4,12 @@
 mod line;
 
 use motorlink_messages::recorder::{Filter, Kind, Window};
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Instant, Request, Setpoint, SpeedTarget};
+use motorlink_recorder::Log;
 
 use line::{
-    at, collapsed, drive, driven, finish, id, junk, log, meanings, newest, of_kind, query, reply,
-    silence, text,
+    at, by_hand, collapsed, drive, driven, finish, id, junk, log, meanings, newest, of_kind, query,
+    reply, silence, text,
 };
 
 fn millis(at: u64) -> Instant {
@@ -165,4 +166,77 @@ fn the_newest_rows_are_there_before_a_filter_is_through() {
         (through.end - through.oldest, through.filtered_per_mille),
         (5_000, 1000)
     );
+}
+
+#[test]
+fn a_frame_sent_by_hand_is_shown_whatever_is_collapsed_or_filtered() {
+    let mut log = log(100);
+    log.filter(&collapsed());
+    let [first, again] = by_hand(Request::Query { id: id(1) });
+    let passed = [
+        query(1),
+        reply(1, 1),
+        first,
+        reply(1, 2),
+        again,
+        reply(1, 3),
+    ];
+    for (n, passed) in (0..).zip(passed) {
+        log.add_event(&at(n, passed));
+    }
+    let shown = |log: &Log| -> Vec<String> {
+        let rows = newest(log).rows;
+        rows.iter().map(|row| row.time[9..].to_owned()).collect()
+    };
+    // The first reply is no routine, and neither are those to the frames sent by hand.
+    assert_eq!(shown(&log), ["963", "964", "965", "966", "967"]);
+    for filter in [of_kind(Kind::Error), text("no such text")] {
+        log.filter(&filter);
+        assert_eq!(shown(&log), ["964"], "its repetitions are filtered");
+    }
+}
+
+#[test]
+fn a_frame_of_the_bus_shows_that_one_by_hand_drove_between() {
+    let mut log = log(100);
+    log.filter(&collapsed());
+    let setpoint = Setpoint::velocity(SpeedTarget::new(50).unwrap());
+    let [by_hand, _] = by_hand(Request::drive(id(1), setpoint));
+    for (n, passed) in (0..).zip([drive(1, 50), drive(1, 50), by_hand, drive(1, 50)]) {
+        log.add_event(&at(n, passed));
+    }
+    let collapsed: Vec<_> = newest(&log)
+        .rows
+        .iter()
+        .map(|row| row.collapsed_before)
+        .collect();
+    assert_eq!(collapsed, [0, 1, 0]);
+}
+
+#[test]
+fn opened_rows_stay_open_while_the_oldest_give_way() {
+    let mut log = log(20);
+    log.filter(&collapsed());
+    log.add_message(millis(0), false, "begin");
+    for n in 1..=10 {
+        log.add_event(&at(n, query(1)));
+    }
+    log.add_message(millis(11), false, "end");
+    log.toggle(1);
+    let page = newest(&log);
+    assert_eq!((page.rows.len(), page.collapsed), (12, 0));
+    assert_eq!((page.rows[1].opened, page.rows[11].opened), (10, 0));
+    for n in 12..25 {
+        log.add_event(&at(n, query(2)));
+    }
+    let page = newest(&log);
+    assert_eq!((page.oldest, page.rows[0].opened), (5, 6));
+    assert_eq!((page.rows.len(), page.collapsed), (7, 13));
+    log.toggle(5);
+    let page = newest(&log);
+    assert_eq!(meanings(&page.rows), ["end"]);
+    assert_eq!((page.collapsed, page.rows[0].collapsed_before), (19, 6));
+    log.toggle(7);
+    log.toggle(99);
+    assert_eq!(newest(&log), page, "there is no such row");
 }

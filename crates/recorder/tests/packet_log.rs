@@ -30,6 +30,7 @@ fn a_row_says_when_who_what_and_what_it_means() {
         hex: hex.into(),
         meaning: meaning.into(),
         collapsed_before: 0,
+        opened: 0,
     };
     let frame = "01 64 FF 9C 00 00 00 00 00 9A";
     assert_eq!(

@@ -21,6 +21,7 @@ enum Step {
     Message { late_ms: u64, text: &'static str },
     Filter(u8),
     Advance(u64),
+    Toggle(u64),
     Clear,
 }
 
@@ -31,6 +32,7 @@ fn step() -> impl Strategy<Value = Step> {
             .prop_map(|(late_ms, text)| Step::Message { late_ms, text }),
         10 => (0..5_u8).prop_map(Step::Filter),
         20 => (1..2_000_u64).prop_map(Step::Advance),
+        20 => any::<u64>().prop_map(Step::Toggle),
         1 => Just(Step::Clear),
     ]
 }
@@ -67,7 +69,36 @@ fn play(log: &mut Log, now: u64, step: &Step) {
         Step::Message { late_ms, text } => log.add_message(millis(now - late_ms), false, text),
         Step::Filter(which) => log.filter(&filter(*which)),
         Step::Advance(budget) => _ = log.advance(*budget),
+        Step::Toggle(any) => toggle(log, *any),
         Step::Clear => log.clear(),
+    }
+}
+
+/// Opens what is collapsed before one of the newest rows, and closes it: the rows are as before.
+fn toggle(log: &mut Log, any: u64) {
+    let before = log.page(ALL);
+    let hides = |row: &&Row| row.collapsed_before > 0;
+    let Some(row) = before.rows.iter().filter(hides).nth((any % 5) as usize) else {
+        return;
+    };
+    let (place, count) = (row.number, row.collapsed_before);
+    log.toggle(place);
+    let page = log.page(ALL);
+    assert_eq!(page.end, before.end + u64::from(count));
+    assert_eq!(page.collapsed, before.collapsed - u64::from(count));
+    let at = |number| Window {
+        first: Some(number),
+        rows: 1,
+    };
+    let first = &log.page(at(place)).rows[0];
+    assert_eq!((first.opened, first.collapsed_before), (count, 0));
+    let behind = &log.page(at(place + u64::from(count))).rows[0];
+    assert_eq!((behind.opened, behind.collapsed_before), (0, 0));
+    assert_eq!(behind.meaning, row.meaning);
+    // One of them stays open while more comes.
+    if any % 3 > 0 {
+        log.toggle(place);
+        assert_eq!(log.page(ALL), before);
     }
 }
 
@@ -92,6 +123,14 @@ fn rows(log: &Log) -> Vec<Row> {
 /// Asserts that the log shows the same rows after its filter is applied again.
 fn assert_agrees_with_anew(log: &mut Log, which: u8) {
     finish(log);
+    let opened: Vec<u64> = rows(log)
+        .iter()
+        .filter(|row| row.opened > 0)
+        .map(|row| row.number)
+        .collect();
+    for row in opened.into_iter().rev() {
+        log.toggle(row);
+    }
     let grown = log.page(ALL);
     let grown_rows = rows(log);
     log.filter(&filter(which));

@@ -66,7 +66,8 @@ const PARTS: [Part; 14] = [
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_000),
     part("shared", When::Behind, &["chunk"], 24_000),
-    part("recorder", When::Behind, &["recorder-"], 79_000),
+    // It opens collapsed frames of the log.
+    part("recorder", When::Behind, &["recorder-"], 80_000),
     part(
         "installing",
         When::Offline,

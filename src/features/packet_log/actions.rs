@@ -52,6 +52,18 @@ impl Log {
         }
     }
 
+    /// Opens or closes collapsed frames by the button of this row.
+    pub(crate) fn toggle(self, row: u64) {
+        let toggle = |feed: &mut LogFeed| {
+            let row = feed.row(row)?.clone();
+            Some(feed.toggle(&row))
+        };
+        if let Some(toggle) = self.feed.try_update_value(toggle).flatten() {
+            self.page.recorder.post(&toggle);
+            self.request_rows();
+        }
+    }
+
     /// Clears the log, after a question if it is long.
     pub(crate) fn ask_to_clear(self) {
         let kept = self.state.with_untracked(|log| log.kept);

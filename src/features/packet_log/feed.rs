@@ -105,6 +105,17 @@ impl LogFeed {
         &self.filter
     }
 
+    /// Opens the collapsed frames before this row, or collapses those that begin with it. The list stays where it is.
+    pub(crate) fn toggle(&mut self, row: &Row) -> ToRecorder {
+        let (opened, closed) = match row.opened {
+            0 => (row.collapsed_before, 0),
+            closed => (0, closed),
+        };
+        self.view.toggled(opened.into(), closed.into());
+        self.wake();
+        ToRecorder::Toggle(row.number)
+    }
+
     /// Clears the log.
     pub(crate) fn clear(&mut self) -> ToRecorder {
         self.begin_anew();
@@ -192,6 +203,7 @@ mod tests {
             hex: String::new(),
             meaning: number.to_string(),
             collapsed_before: 0,
+            opened: 0,
         }
     }
 

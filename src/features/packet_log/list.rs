@@ -5,7 +5,7 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
-use web_sys::{HtmlElement, ResizeObserver};
+use web_sys::{HtmlButtonElement, HtmlElement, ResizeObserver};
 
 use crate::{
     features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
@@ -96,7 +96,17 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             >
                 <div class="packet-extent" node_ref=extent>
                     <div class="packet-window">
-                        <div class="packet-rows" node_ref=rows></div>
+                        <div
+                            class="packet-rows"
+                            node_ref=rows
+                            on:click=handler(move |event| {
+                                if let Some(row) = toggled_row(&event) {
+                                    log.toggle(row);
+                                }
+                            })
+                            // A row that moves under the pointer, or takes the focus along, presses nothing.
+                            on:focusin=handler(move |_| log.follow(false))
+                        ></div>
                     </div>
                 </div>
             </div>
@@ -113,6 +123,12 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             </span>
         </div>
     }
+}
+
+/// The row of the pressed button.
+fn toggled_row(event: &web_sys::MouseEvent) -> Option<u64> {
+    let button = event.target()?.dyn_into::<HtmlButtonElement>().ok()?;
+    button.value().parse().ok()
 }
 
 /// Reports the size of the list to the log, now and after changes.

@@ -10,7 +10,7 @@ use crate::ui::format::grouped;
 const PARTS: &str = "<div class=\"packet\"><span class=\"packet-time\"></span> \
     <span class=\"packet-kind\"></span> <span class=\"packet-id\"></span> \
     <span class=\"packet-hex\"></span> <span class=\"packet-meaning\"></span> \
-    <span class=\"packet-before\"></span></div>";
+    <button type=\"button\" class=\"packet-before\" hidden></button></div>";
 
 /// An element that shows different rows over time.
 pub(crate) struct Slot {
@@ -20,7 +20,7 @@ pub(crate) struct Slot {
     id: Element,
     hex: Element,
     meaning: Element,
-    before: Element,
+    toggle: Element,
     shown: Option<Row>,
 }
 
@@ -34,7 +34,7 @@ impl Slot {
         let id = kind.next_element_sibling()?;
         let hex = id.next_element_sibling()?;
         let meaning = hex.next_element_sibling()?;
-        let before = meaning.next_element_sibling()?;
+        let toggle = meaning.next_element_sibling()?;
         Some(Self {
             element,
             time,
@@ -42,7 +42,7 @@ impl Slot {
             id,
             hex,
             meaning,
-            before,
+            toggle,
             shown: None,
         })
     }
@@ -59,16 +59,10 @@ impl Slot {
         self.shown = row.cloned();
         let Some(row) = row else {
             self.element.set_class_name("packet");
-            for part in [
-                &self.time,
-                &self.kind,
-                &self.id,
-                &self.hex,
-                &self.meaning,
-                &self.before,
-            ] {
+            for part in [&self.time, &self.kind, &self.id, &self.hex, &self.meaning] {
                 part.set_text_content(None);
             }
+            self.show_toggle(None);
             return;
         };
         let (class, kind) = looks(row);
@@ -80,9 +74,27 @@ impl Slot {
         self.meaning.set_text_content(Some(&row.meaning));
         // Setting an attribute does not fail. It has the whole text, for a row that is too narrow.
         let _ = self.meaning.set_attribute("title", &row.meaning);
-        let (before, title) = before(row.collapsed_before);
-        self.before.set_text_content(Some(&before));
-        let _ = self.before.set_attribute("title", &title);
+        self.show_toggle(toggle(row));
+        // A press of the button is handled by the list, for all rows.
+        let _ = self.toggle.set_attribute("value", &row.number.to_string());
+    }
+
+    /// Shows the button of collapsed or opened frames.
+    fn show_toggle(&self, toggle: Option<Toggle>) {
+        let button = &self.toggle;
+        let _ = button.toggle_attribute_with_force("hidden", toggle.is_none());
+        let Some(Toggle { text, name, opened }) = toggle else {
+            return;
+        };
+        button.set_text_content(Some(&text));
+        let expanded = if opened { "true" } else { "false" };
+        for (attribute, value) in [
+            ("aria-label", &*name),
+            ("title", &*name),
+            ("aria-expanded", expanded),
+        ] {
+            let _ = button.set_attribute(attribute, value);
+        }
     }
 }
 
@@ -98,42 +110,36 @@ fn looks(row: &Row) -> (&'static str, &'static str) {
     }
 }
 
-/// `+48` and its explanation; empty for zero.
-fn before(collapsed: u32) -> (String, String) {
-    match collapsed {
-        0 => (String::new(), String::new()),
-        1 => (
-            "+1".to_owned(),
-            tr!("1 collapsed frame before this").to_owned(),
-        ),
-        many => {
-            let many = grouped(many.into());
-            (
-                format!("+{many}"),
-                tr!("{count} collapsed frames before this", count = many),
-            )
-        }
-    }
+/// The button of a row with collapsed frames before it, or with the first of opened ones.
+#[derive(Debug, PartialEq, Eq)]
+struct Toggle {
+    text: String,
+    name: String,
+    opened: bool,
+}
+
+fn toggle(row: &Row) -> Option<Toggle> {
+    let (sign, count, opened) = match (row.opened, row.collapsed_before) {
+        (0, 0) => return None,
+        (0, collapsed) => ('+', collapsed, false),
+        (opened, _) => ('\u{2212}', opened, true),
+    };
+    let text = format!("{sign}{}", grouped(count.into()));
+    let name = match (opened, count) {
+        (false, 1) => tr!("+1 collapsed frame before this").to_owned(),
+        (false, _) => tr!("{text} collapsed frames before this", text = &text),
+        (true, 1) => tr!("\u{2212}1 opened frame: collapse").to_owned(),
+        (true, _) => tr!("{text} opened frames: collapse", text = &text),
+    };
+    Some(Toggle { text, name, opened })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_row_says_how_many_routine_frames_came_before_it() {
-        assert_eq!(before(0), (String::new(), String::new()));
-        assert_eq!(before(1).1, "1 collapsed frame before this");
-        let (chip, title) = before(48);
-        assert_eq!(
-            (chip.as_str(), title.as_str()),
-            ("+48", "48 collapsed frames before this")
-        );
-    }
-
-    #[test]
-    fn kinds_are_told_apart_by_words() {
-        let row = |kind, hex: &str| Row {
+    fn row(kind: Kind, hex: &str) -> Row {
+        Row {
             number: 0,
             kind,
             time: String::new(),
@@ -141,7 +147,30 @@ mod tests {
             hex: hex.to_owned(),
             meaning: String::new(),
             collapsed_before: 0,
+            opened: 0,
+        }
+    }
+
+    #[test]
+    fn a_row_says_how_many_routine_frames_are_before_it_or_opened() {
+        let of = |collapsed_before, opened| {
+            let toggle = toggle(&Row {
+                collapsed_before,
+                opened,
+                ..row(Kind::Tx, "01")
+            });
+            toggle.map(|toggle| (toggle.name, toggle.opened))
         };
+        let name = |name: &str, opened| Some((name.to_owned(), opened));
+        assert_eq!(of(0, 0), None);
+        assert_eq!(of(1, 0), name("+1 collapsed frame before this", false));
+        assert_eq!(of(48, 0), name("+48 collapsed frames before this", false));
+        assert_eq!(of(0, 1), name("\u{2212}1 opened frame: collapse", true));
+        assert_eq!(of(2, 48), name("\u{2212}48 opened frames: collapse", true));
+    }
+
+    #[test]
+    fn kinds_are_told_apart_by_words() {
         let labels =
             [Kind::Tx, Kind::Rx, Kind::System, Kind::Error].map(|kind| looks(&row(kind, "01")).1);
         assert_eq!(labels, ["TX", "RX", "SYS", "ERR"]);

@@ -112,6 +112,14 @@ impl LogView {
         }
     }
 
+    /// Rows were opened or closed below its upper edge: it stays, and they count as no new ones.
+    pub(crate) fn toggled(&mut self, opened: u64, closed: u64) {
+        self.stop_following();
+        if let Place::Reading { newest_then, .. } = &mut self.place {
+            *newest_then = (*newest_then + opened).saturating_sub(closed);
+        }
+    }
+
     /// Handles a position of the scroll bar. Returns whether the user moved it there.
     pub(crate) fn scrolled(&mut self, scroll_px: i32) -> bool {
         let moved = i64::from(scroll_px) - i64::from(self.scroll_px);

@@ -129,6 +129,7 @@ impl Raw {
             Layout::Query => Request::Query { id },
             Layout::Drive => Request::IdQuery,
         };
+        self.refused.set(None);
         self.text.set(request.frame().to_string());
     }
 

@@ -65,7 +65,7 @@ pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
             </div>
             <div class="send-and-answer">
                 <Sending raw entered />
-                <Answer raw />
+                <Answer raw entered />
             </div>
         },
     )
@@ -112,7 +112,11 @@ fn Bytes(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             aria-describedby="frame-words"
             aria-invalid=dynamic(move || if wrong.get() { "true" } else { "false" })
             prop:value=dynamic(move || text.get())
-            on:input=handler(move |event| text.set(event_target_value(&event)))
+            on:input=handler(move |event| {
+                text.set(event_target_value(&event));
+                // It was about other bytes.
+                raw.refused.set(None);
+            })
         ></textarea>
         <output
             class="cells"
@@ -182,14 +186,20 @@ fn Sending(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     }
 }
 
-/// The result of the last frame.
+/// The result of the last frame, while it is the entered one or repeats.
 #[component]
-fn Answer(raw: Raw) -> impl IntoView {
+fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
     let page = raw.page;
     let refused = raw.refused;
     let unconnected = page.of_motor(|session, _| send_blocked_by(session, false));
-    let sent = page.of_motor(|session, _| session.raw.map(|raw| texts::sent(&raw)));
-    let answer = page.of_motor(|session, _| session.raw.map(|raw| texts::answer(&raw)));
+    let last = page.of_motor(|session, _| session.raw);
+    let shown = memo(move || {
+        let frame = entered.with(Entered::frame);
+        last.get()
+            .filter(|last| last.running || frame == Some(last.frame))
+    });
+    let sent = memo(move || shown.get().map(|last| texts::sent(&last)));
+    let answer = memo(move || shown.get().map(|last| texts::answer(&last)));
     let not_sent = move || refused.with(Option::is_some);
     let title = move || {
         if not_sent() {

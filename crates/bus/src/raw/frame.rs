@@ -148,6 +148,11 @@ impl Raw {
         moves && self.addressee.is_none_or(|addressee| addressee == id)
     }
 
+    /// Whether its first frame was sent.
+    pub(crate) const fn has_sent(&self) -> bool {
+        self.sent > 0
+    }
+
     pub(crate) fn sent(&mut self, now: Instant) {
         self.sent = self.sent.saturating_add(1);
         self.last = None;

@@ -102,7 +102,11 @@ impl Wire {
     pub(super) fn on_event(&mut self, now: Instant, event: &Event) -> Outcome {
         match event {
             Event::Line(traffic) => match traffic.kind {
-                LineEventKind::Sent { frame, .. } => return self.logged_as(now, frame, false),
+                LineEventKind::Sent { frame, .. }
+                | LineEventKind::SentByHand { frame, .. }
+                | LineEventKind::RepeatedByHand { frame, .. } => {
+                    return self.logged_as(now, frame, false);
+                }
                 LineEventKind::NotSent { frame } => return self.logged_as(now, frame, true),
                 LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
                 LineEventKind::Received { frame, .. } => {

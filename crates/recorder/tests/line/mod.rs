@@ -37,6 +37,15 @@ pub fn sent(request: Request) -> LineEventKind {
     }
 }
 
+/// The first frame of a Send, and its repetitions.
+pub fn by_hand(request: Request) -> [LineEventKind; 2] {
+    let (frame, mode) = (request.frame(), Some(Mode::Velocity));
+    [
+        LineEventKind::SentByHand { frame, mode },
+        LineEventKind::RepeatedByHand { frame, mode },
+    ]
+}
+
 pub fn query(address: u8) -> LineEventKind {
     sent(Request::Query { id: id(address) })
 }

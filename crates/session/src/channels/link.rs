@@ -39,7 +39,9 @@ impl Meter {
             ..Second::default()
         });
         match event.kind {
-            LineEventKind::Sent { frame, .. } => {
+            LineEventKind::Sent { frame, .. }
+            | LineEventKind::SentByHand { frame, .. }
+            | LineEventKind::RepeatedByHand { frame, .. } => {
                 second.sent += 1;
                 let request = Request::parse(&frame).ok();
                 let answers = request.filter(|request| request.reply_layout().is_some());

@@ -54,7 +54,10 @@ impl Motors {
     /// Takes an event of the bus. Returns the telemetry if it is a valid reply.
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Reported> {
         match event.kind {
-            LineEventKind::Sent { frame, mode } | LineEventKind::Commanded { frame, mode } => {
+            LineEventKind::Sent { frame, mode }
+            | LineEventKind::SentByHand { frame, mode }
+            | LineEventKind::RepeatedByHand { frame, mode }
+            | LineEventKind::Commanded { frame, mode } => {
                 if let Ok(Request::Drive { id, drive }) = Request::parse(&frame) {
                     self.0.entry(id).or_default().drive = Some((drive, mode));
                 }

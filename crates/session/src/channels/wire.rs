@@ -69,7 +69,9 @@ impl Batch {
 fn push_kind(out: &mut String, kind: &LineEventKind) {
     let mut hex: &[u8] = &[];
     match kind {
-        LineEventKind::Sent { frame, mode } => {
+        LineEventKind::Sent { frame, mode }
+        | LineEventKind::SentByHand { frame, mode }
+        | LineEventKind::RepeatedByHand { frame, mode } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":true");
             push_id(out, frame);
             if let Some(mode) = mode {

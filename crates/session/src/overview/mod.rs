@@ -105,7 +105,9 @@ impl Overview {
     fn line(&mut self, after: Duration, kind: &LineEventKind) {
         self.line_events += 1;
         match kind {
-            LineEventKind::Sent { frame, .. } => {
+            LineEventKind::Sent { frame, .. }
+            | LineEventKind::SentByHand { frame, .. }
+            | LineEventKind::RepeatedByHand { frame, .. } => {
                 self.sent += 1;
                 if let Some(id) = Request::parse(frame).ok().and_then(|one| one.addressee()) {
                     self.motor(id).sent += 1;

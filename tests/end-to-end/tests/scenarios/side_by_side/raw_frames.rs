@@ -6,7 +6,7 @@ use crate::fixture::{
     Scenario, assert_ends_braked, assert_quiet_console, exports::hex, wait_for_speed, wait_for_wire,
 };
 use anyhow::Result;
-use end_to_end::{Frame, Line, Page, now_us, retry};
+use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, retry, wait_until};
 
 /// A feedback query for motor 1 without its CRC, which is 04.
 const QUERY: &str = "01 74 00 00 00 00 00 00 00";
@@ -61,6 +61,62 @@ fn nine_bytes_get_their_crc_and_the_answer_stands_beside_them() -> Result<()> {
         replies.any(|reply| answer.contains(&reply)),
         "{answer}\n{wire}"
     );
+    // The answer goes with the bytes that it answered.
+    type_bytes(page, "02 74")?;
+    page.wait_for_text("output", "Reply", |text| text.contains("appears here"))?;
+    assert_quiet_console(page);
+    Ok(())
+}
+
+#[test]
+fn a_frame_sent_by_hand_is_in_the_log_whatever_is_collapsed_or_filtered() -> Result<()> {
+    let scenario = in_the_editor()?;
+    let page = &scenario.page;
+    let entries = page.wait_for_text("output", "Entries", |text| text.contains("collapsed"))?;
+    page.wait_for_text("log", "Packets", |text| !text.contains(QUERY))?;
+    type_bytes(page, QUERY)?;
+    page.click("button", "Send")?;
+    page.wait_for_text("log", "Packets", |text| text.contains(QUERY))?;
+    assert!(entries.contains("collapsed"), "{entries}");
+
+    // What was collapsed before it is opened in its place, and collapsed again, by keyboard.
+    let toggle = |opened: bool| {
+        let sign = if opened { "\u{2212}" } else { "+" };
+        format!(
+            "[...document.querySelectorAll('.packet-before:not([hidden])')].findLast((it) => \
+                it.textContent.startsWith('{sign}') && it.ariaExpanded === '{opened}')"
+        )
+    };
+    let rows = "document.querySelectorAll('.packet-meaning:not(:empty)').length";
+    let name = page.evaluate(&format!("{}.ariaLabel", toggle(false)))?;
+    assert!(name.to_string().contains("collapsed frame"), "{name}");
+    let before = page.evaluate(rows)?;
+    page.evaluate(&format!("{}.focus()", toggle(false)))?;
+    page.press("Enter")?;
+    wait_until("the collapsed frames in their place", WAIT_MAX, || {
+        let opened = page.evaluate("document.activeElement.ariaExpanded")?;
+        Ok(if opened == "true" {
+            Ok(())
+        } else {
+            Err(opened.to_string())
+        })
+    })?;
+    page.press("Enter")?;
+    wait_until("as many rows as before", WAIT_MAX, || {
+        let rows = page.evaluate(rows)?;
+        let closed = page.evaluate("document.activeElement.ariaExpanded")? == "false";
+        Ok(if closed && rows == before {
+            Ok(())
+        } else {
+            Err(rows.to_string())
+        })
+    })?;
+
+    page.find("searchbox", "Filter")?
+        .type_over("no such text")?;
+    page.wait_for_text("log", "Packets", |text| {
+        text.contains(QUERY) && text.matches("TX").count() == 1
+    })?;
     assert_quiet_console(page);
     Ok(())
 }

@@ -1,0 +1,126 @@
+//! Collapsed entries that the user has opened. They are rows until they are closed, or the filter changes.
+
+use std::ops::Range;
+
+use super::View;
+use crate::{
+    chunks::Chunks,
+    entry::{Entry, Visibility},
+};
+
+/// Opened runs that can be closed again. With more of them, the first that was opened stays open.
+const RUNS_MAX: usize = 64;
+
+/// The entries between two rows, of which the routine ones were opened.
+#[derive(Debug)]
+struct Run {
+    entries: Range<u64>,
+    /// How many were opened.
+    count: u32,
+}
+
+/// The opened runs, in the order in which they were opened.
+#[derive(Debug, Default)]
+pub(super) struct Opened(Vec<Run>);
+
+impl Opened {
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// An entry was inserted at this number. The entries after it have moved by one.
+    pub(super) fn entry_added(&mut self, number: u64) {
+        for Run { entries, .. } in &mut self.0 {
+            entries.start += u64::from(number <= entries.start);
+            entries.end += u64::from(number < entries.end);
+        }
+    }
+
+    /// The oldest entry was dropped.
+    pub(super) fn oldest_dropped(&mut self, number: u64, visibility: Visibility) {
+        for run in &mut self.0 {
+            if run.entries.start == number {
+                run.entries.start += 1;
+                run.count -= u32::from(visibility == Visibility::Shown);
+            }
+        }
+    }
+
+    fn add(&mut self, run: Run) {
+        if self.0.len() >= RUNS_MAX {
+            self.0.remove(0);
+        }
+        self.0.push(run);
+    }
+
+    /// The run whose first row is this entry. Hidden ones may be before it.
+    fn beginning_at(&self, entries: &Chunks<Entry>, number: u64) -> Option<usize> {
+        let is_row = |before| {
+            let entry = entries.get(before);
+            entry.is_some_and(|entry| entry.visibility == Visibility::Shown)
+        };
+        self.0.iter().position(|Run { entries, .. }| {
+            entries.contains(&number) && !(entries.start..number).rev().any(is_row)
+        })
+    }
+}
+
+impl View {
+    /// How many opened entries begin with this one; 0 within a run and outside.
+    pub(super) fn opened_at(&self, entries: &Chunks<Entry>, number: u64) -> u32 {
+        let run = self.opened.beginning_at(entries, number);
+        let run = run.and_then(|run| self.opened.0.get(run));
+        run.map_or(0, |run| run.count)
+    }
+
+    /// Closes the opened entries that begin with this row. If there are none, opens the collapsed ones right before it;
+    /// the row moves behind them. Rows before it keep their numbers.
+    pub(crate) fn toggle(&mut self, entries: &mut Chunks<Entry>, row: u64) {
+        let Some(place) = self.entry_of(entries, row) else {
+            return;
+        };
+        if let Some(run) = self.opened.beginning_at(entries, place) {
+            for number in self.opened.0.remove(run).entries {
+                self.turn(entries, number, Visibility::Collapsed);
+            }
+            return;
+        }
+        let mut first = place;
+        for number in (self.filtered_from..place).rev() {
+            match entries.get(number).map(|entry| entry.visibility) {
+                Some(Visibility::Collapsed) => first = number,
+                Some(Visibility::Hidden) => {}
+                Some(Visibility::Shown) | None => break,
+            }
+        }
+        let opened = (first..place).filter(|number| self.turn(entries, *number, Visibility::Shown));
+        // The log has fewer entries than a u32 counts.
+        let count = u32::try_from(opened.count()).unwrap_or(u32::MAX);
+        if count > 0 {
+            let entries = first..place;
+            self.opened.add(Run { entries, count });
+        }
+    }
+
+    /// Shows or collapses an entry, if it is routine and not hidden. Returns whether it did.
+    fn turn(&mut self, entries: &mut Chunks<Entry>, number: u64, to: Visibility) -> bool {
+        let Some(entry) = entries.get_mut(number) else {
+            return false;
+        };
+        let from = entry.visibility;
+        if !entry.routine || from == Visibility::Hidden || from == to {
+            return false;
+        }
+        entry.visibility = to;
+        self.tally(number, from, false);
+        self.tally(number, to, true);
+        if to == Visibility::Shown {
+            self.end_row += 1;
+            self.collapsed -= 1;
+        } else {
+            self.end_row -= 1;
+            self.collapsed += 1;
+        }
+        true
+    }
+}
