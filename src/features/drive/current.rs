@@ -10,7 +10,7 @@ use motorlink_messages::{
 use crate::{
     features::drive::{
         actions::Drive,
-        limit::{LimitLink, Quantity},
+        limit::{LimitLink, Quantity, current_limit},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
     },
     model::{guards::stop_blocked_by, tab::Tab},
@@ -70,8 +70,9 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             tr!("±32\u{202F}767 = ±8 A").to_owned()
         }
     });
+    let limit = Box::leak(Box::new(move || current_limit(page).0));
     let ends = Signal::derive(move || {
-        let amps = page.current_max_ma() / 1_000;
+        let (_, amps) = current_limit(page);
         marks([&format!("−{amps} A"), "0", &format!("+{amps} A")])
     });
     let preset = move |(amps, label, name): (f32, &'static str, &'static str)| {
@@ -104,7 +105,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
             unit=tr!("raw")
             target=current
             entry=entry::CURRENT
-            limit=raw_max
+            limit=limit
             marks=ends
             on_edit=move || drive.adjust(MODE)
         />

@@ -22,6 +22,19 @@ pub(crate) fn speed_limit(page: Page) -> i32 {
     page.speed_max().min(limits.speed_rpm().into())
 }
 
+/// The highest current, that of the model or the limit of Settings: as a raw setpoint, and in amps.
+pub(crate) fn current_limit(page: Page) -> (i32, String) {
+    let of_settings = page.preferences.with(|chosen| chosen.limits).current_ma();
+    let milliamps = page.current_max_ma().min(of_settings.into());
+    let milliamps = u16::try_from(milliamps).unwrap_or(of_settings);
+    (raw(milliamps), format::milliamps(milliamps))
+}
+
+/// Full scale, 32,767, is 8 A. Rounded down, so that the current is not above its limit.
+fn raw(milliamps: u16) -> i32 {
+    i32::from(milliamps) * i32::from(i16::MAX) / i32::from(Limits::CURRENT_MA.1)
+}
+
 /// Why this speed is refused.
 pub(crate) fn speed_refused(page: Page, rpm: i32) -> Option<String> {
     let limit = page.preferences.with(|chosen| chosen.limits).speed_rpm();
@@ -90,6 +103,8 @@ pub(crate) fn LimitLink(page: Page, quantity: Quantity) -> impl IntoView {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_messages::protocol::CurrentTarget;
+
     use super::*;
 
     #[test]
@@ -104,6 +119,14 @@ mod tests {
         assert_eq!(Quantity::Speed.limit(all, Model::Ddsm210), None);
         let fast = Quantity::Speed.limit(all, Model::Ddsm400);
         assert_eq!(fast.as_deref(), Some("Limit: 330 rpm"));
+    }
+
+    #[test]
+    fn a_current_limit_is_a_raw_setpoint_that_is_not_above_it() {
+        for (milliamps, expected) in [(8_000, 32_767), (2_700, 11_059), (100, 409)] {
+            assert_eq!(raw(milliamps), expected);
+            assert!(CurrentTarget::new(expected).is_ok());
+        }
     }
 
     #[test]

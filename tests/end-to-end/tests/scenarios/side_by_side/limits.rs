@@ -103,6 +103,18 @@ fn limits_show_where_one_drives() -> Result<()> {
     // The way to Settings.
     page.click("button", "Limit: 60 rpm")?;
     page.find("spinbutton", "Speed limit")?;
+    // The slider of the current loop ends at its limit too: 1.5 A of 8 A, which are 32,767 raw.
+    page.fill("spinbutton", "Current limit", "1.5")?;
+    page.click("button", "Close the panel")?;
+    page.click("tab", "Current")?;
+    let slider = page.evaluate("document.querySelector('.slider[max=\"6143\"]')?.min")?;
+    assert_eq!(slider, "-6143");
+    let marks = page.evaluate(
+        "document.querySelector('.slider[max=\"6143\"]').nextElementSibling.textContent",
+    )?;
+    assert_eq!(marks, "−1.5 A0+1.5 A");
+    page.click("button", "Limit: 1.5 A")?;
+    page.find("spinbutton", "Current limit")?;
     assert_quiet_console(page);
     scenario.stays_undriven(Duration::from_secs(1))
 }
