@@ -57,7 +57,6 @@ impl Features {
             Some(Dialog::HighRawCurrent { order, .. }) => {
                 self.raw.send_order(order, Consent::HighCurrent);
             }
-            Some(Dialog::ClearLog(_)) => self.log.clear(),
             Some(Dialog::EraseKept) => self.erase_stored_data(),
             Some(Dialog::Help(_)) | None => {}
         }

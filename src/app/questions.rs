@@ -29,7 +29,6 @@ pub(crate) fn question(dialog: Dialog) -> Option<Question> {
         }
         Dialog::ChangeId(change) => change_id(change),
         Dialog::Hazard(order) => hazard(order),
-        Dialog::ClearLog(entries) => clear_log(entries),
         Dialog::EraseKept => erase_stored_data(),
         Dialog::HighRawCurrent { current, .. } => {
             high_current(tr!("Send {amps}", amps = format::amps_of(current)))
@@ -66,20 +65,6 @@ fn change_id(IdChange { from, to, frames }: IdChange) -> Question {
             count = frames.count()
         ),
         yes: tr!("Set ID {to}", to),
-    }
-}
-
-fn clear_log(entries: u64) -> Question {
-    let yes = crate::features::packet_log::texts::of_clearing(entries);
-    Question {
-        name: tr!("Clear the packet log"),
-        title: format!("{yes}?"),
-        words: tr!(
-            "This cannot be undone: later CSV exports will not contain these entries. The \
-             recording is not affected."
-        )
-        .to_owned(),
-        yes,
     }
 }
 

@@ -60,8 +60,6 @@ pub(crate) enum Dialog {
         /// The current.
         target: CurrentTarget,
     },
-    /// The question whether to clear the log, with its number of entries.
-    ClearLog(u64),
     /// The question whether to delete all stored data.
     EraseKept,
     /// The question whether to change the ID of the only motor.
@@ -85,7 +83,7 @@ impl Dialog {
             | Self::ChangeId { .. }
             | Self::Hazard(_)
             | Self::HighRawCurrent { .. } => true,
-            Self::Help(_) | Self::ClearLog(_) | Self::EraseKept => false,
+            Self::Help(_) | Self::EraseKept => false,
         }
     }
 }

@@ -24,6 +24,8 @@ struct State {
     /// Whether it was given its end of the line to the other worker.
     connected: bool,
     rows: Vec<Row>,
+    /// Those before it was cleared.
+    cleared: Vec<Row>,
     /// Rows that gave way.
     gone: usize,
     window: Option<Window>,
@@ -119,8 +121,12 @@ impl State {
             ToRecorder::Filter(_) | ToRecorder::SetLanguage { .. } => self.generation += 1,
             ToRecorder::Clear => {
                 self.generation += 1;
-                self.rows.clear();
+                self.cleared = std::mem::take(&mut self.rows);
                 self.gone = 0;
+            }
+            ToRecorder::EndClear { undo: true } => {
+                self.generation += 1;
+                self.rows = std::mem::take(&mut self.cleared);
             }
             _ => {}
         }

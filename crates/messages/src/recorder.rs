@@ -40,8 +40,14 @@ pub enum ToRecorder {
     /// Open the hidden routine entries directly before this row, or hide again those that begin with it. The rows before
     /// it keep their numbers.
     Toggle(u64),
-    /// Clear the log. The recording stays.
+    /// Clear the log, and keep its entries aside. The recording stays.
     Clear,
+    /// Restore the entries before the last [`ToRecorder::Clear`], or free them. The rows are renumbered if they are
+    /// restored.
+    EndClear {
+        /// Whether to restore them.
+        undo: bool,
+    },
     /// Export a CSV file.
     Export(Export),
     /// Cancel all exports.

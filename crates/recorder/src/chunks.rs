@@ -108,12 +108,16 @@ impl<T: Copy> Chunks<T> {
         Some(oldest)
     }
 
-    /// Removes all values and frees their memory. The numbers continue.
-    pub(crate) fn clear(&mut self) {
-        self.buffers.clear();
-        self.end = self.end.next_multiple_of(CHUNK_U64);
-        self.first = self.end;
-        self.base = self.end;
+    /// An empty queue whose numbers continue those of this one.
+    pub(crate) const fn continued(&self) -> Self {
+        let number = self.end.next_multiple_of(CHUNK_U64);
+        Self {
+            base: number,
+            first: number,
+            end: number,
+            buffers: VecDeque::new(),
+            spare: None,
+        }
     }
 }
 
@@ -159,7 +163,7 @@ mod tests {
         for value in 0..1_500 {
             chunks.push(value);
         }
-        chunks.clear();
+        let mut chunks = chunks.continued();
         assert_eq!((chunks.len(), chunks.get(1_499)), (0, None));
         assert_eq!((chunks.pop(), chunks.oldest()), (None, None));
         let number = chunks.push(5);

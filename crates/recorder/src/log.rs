@@ -32,6 +32,8 @@ pub struct Log {
     gone: u64,
     /// Entries before this one keep their numbers, because they are being exported or copied.
     settled: u64,
+    /// The log before it was cleared, while that can be undone.
+    cleared: Option<Box<Self>>,
 }
 
 impl Default for Log {
@@ -53,6 +55,7 @@ impl Log {
             capacity: entries.max(1),
             gone: 0,
             settled: 0,
+            cleared: None,
         }
     }
 
@@ -130,13 +133,37 @@ impl Log {
         true
     }
 
-    /// Removes every entry and the state of the routine filter, so that the next frame of each kind is shown.
+    /// Removes every entry and the state of the routine filter, so that the next frame of each kind is shown. The
+    /// entries are kept aside until [`Log::forget_cleared`].
     pub fn clear(&mut self) {
-        self.entries.clear();
-        self.texts = Texts::default();
-        self.routine = Routine::default();
+        let mut new = Self::with_capacity(self.capacity);
+        new.clock = self.clock;
+        new.entries = self.entries.continued();
+        std::mem::swap(&mut new.view, &mut self.view);
+        new.view.begin(&new.entries);
         self.view.begin(&self.entries);
-        self.gone = 0;
+        self.cleared = None;
+        let before = std::mem::replace(self, new);
+        self.cleared = Some(Box::new(before));
+    }
+
+    /// Restores the entries before [`Log::clear`], followed by those since, under this filter. Returns whether they were
+    /// there.
+    pub fn undo_clear(&mut self, filter: &Filter) -> bool {
+        let Some(mut before) = self.cleared.take() else {
+            return false;
+        };
+        for number in self.settle() {
+            before.copy(self, number, |at| at);
+        }
+        before.continue_from(self, filter);
+        *self = *before;
+        true
+    }
+
+    /// Frees the entries before [`Log::clear`].
+    pub fn forget_cleared(&mut self) {
+        self.cleared = None;
     }
 
     /// Adds an entry of another log.

@@ -213,10 +213,9 @@ impl Recorder {
         self.restoring = None;
         self.past = None;
         self.postponed_exports.clear();
-        for file in std::mem::take(&mut self.files) {
-            self.no_file(file.what(), true);
-        }
+        self.cancel_exports();
         self.log.clear();
+        self.log.forget_cleared();
         self.recording = Recording::with_capacity(self.recording.capacity());
     }
 
@@ -262,12 +261,19 @@ impl Recorder {
                     writer.clear();
                 }
             }
-            ToRecorder::Export(what) => self.begin_export(what),
-            ToRecorder::CancelExport => {
-                for file in std::mem::take(&mut self.files) {
-                    self.no_file(file.what(), true);
+            // A restored session is followed by the log as it is.
+            ToRecorder::EndClear { undo: true } if self.restoring.is_none() => {
+                // Entries get other numbers.
+                self.cancel_exports();
+                if self.log.undo_clear(&self.filter)
+                    && let Some(writer) = &mut self.writer
+                {
+                    writer.undo_clear();
                 }
             }
+            ToRecorder::EndClear { .. } => self.log.forget_cleared(),
+            ToRecorder::Export(what) => self.begin_export(what),
+            ToRecorder::CancelExport => self.cancel_exports(),
             ToRecorder::Record(on) => {
                 let anew = self.recording.record(on);
                 if let Some(writer) = &mut self.writer {
@@ -311,6 +317,12 @@ impl Recorder {
             self.no_file(what, false);
         } else {
             self.files.push_back(file);
+        }
+    }
+
+    fn cancel_exports(&mut self) {
+        for file in std::mem::take(&mut self.files) {
+            self.no_file(file.what(), true);
         }
     }
 

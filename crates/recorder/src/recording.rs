@@ -192,7 +192,7 @@ impl Recording {
     pub fn record(&mut self, on: bool) -> bool {
         let anew = on && self.is_exported();
         if anew {
-            self.recorded.clear();
+            self.recorded = self.recorded.continued();
             self.recorded_for = Duration::ZERO;
             self.state = State::Off;
         }

@@ -168,6 +168,7 @@ impl Restoring {
         filter: &Filter,
     ) -> (Log, Recording, Timeline, Past) {
         let mut replay = self.replay;
+        replay.log.forget_cleared();
         let until = match self.stage {
             Stage::Copying { past_end, .. } => past_end,
             Stage::NeedsFile | Stage::Waiting | Stage::Playing => 0,

@@ -374,6 +374,40 @@ fn what_was_cleared_stays_cleared_and_samples_stay() {
 }
 
 #[test]
+fn what_was_cleared_by_mistake_is_back_in_its_order_and_in_the_saved_session() {
+    let mut page = Page::opened(EPOCH_MS);
+    page.drive(0..1_000);
+    page.add_message(1_000, "before");
+    let before = page.export(Export::Log);
+    page.handle(ToRecorder::Clear);
+    assert_eq!(
+        page.export(Export::Log).lines().count(),
+        0,
+        "nothing to export"
+    );
+    page.drive(1_000..1_100);
+    page.add_message(1_100, "since");
+    page.handle(ToRecorder::EndClear { undo: true });
+    let log = page.export(Export::Log);
+    assert!(log.starts_with(&before), "{log}");
+    assert_eq!(log.lines().count(), before.lines().count() + 101);
+    assert!(log.contains("since"));
+    // Once.
+    page.handle(ToRecorder::EndClear { undo: true });
+    assert_eq!(page.export(Export::Log), log);
+    let disk = page.crash();
+    assert_eq!(summary(&disk).session().unwrap().packets, 1_100);
+    let mut page = restored(&disk, LATER_MS);
+    assert_eq!(page.export(Export::Log), log);
+    // What was forgotten stays cleared.
+    page.handle(ToRecorder::Clear);
+    page.handle(ToRecorder::EndClear { undo: false });
+    page.handle(ToRecorder::EndClear { undo: true });
+    page.drive(1_100..1_110);
+    assert_eq!(page.export(Export::Log).lines().count(), 11);
+}
+
+#[test]
 fn a_recording_that_begins_anew_takes_its_files_along() {
     let mut page = Page::opened(EPOCH_MS);
     page.handle(ToRecorder::Record(true));
@@ -533,6 +567,7 @@ enum Step {
     Drive(u64),
     Message,
     Clear,
+    EndClear { undo: bool },
     Record(bool),
     Pass(u64),
 }
@@ -542,6 +577,7 @@ fn steps() -> impl Strategy<Value = Vec<Step>> {
         6 => (1..400_u64).prop_map(Step::Drive),
         2 => Just(Step::Message),
         1 => Just(Step::Clear),
+        1 => any::<bool>().prop_map(|undo| Step::EndClear { undo }),
         2 => any::<bool>().prop_map(Step::Record),
         3 => (1..600_u64).prop_map(Step::Pass),
     ];
@@ -558,6 +594,7 @@ fn play(page: &mut Page, steps: &[Step]) {
             }
             Step::Message => page.add_message(n, "said"),
             Step::Clear => page.handle(ToRecorder::Clear),
+            Step::EndClear { undo } => page.handle(ToRecorder::EndClear { undo: *undo }),
             Step::Record(on) => page.handle(ToRecorder::Record(*on)),
             Step::Pass(millis) => page.pass(*millis),
         }

@@ -23,6 +23,7 @@ enum Step {
     Advance(u64),
     Toggle(u64),
     Clear,
+    UndoClear,
 }
 
 fn step() -> impl Strategy<Value = Step> {
@@ -34,6 +35,7 @@ fn step() -> impl Strategy<Value = Step> {
         20 => (1..2_000_u64).prop_map(Step::Advance),
         20 => any::<u64>().prop_map(Step::Toggle),
         1 => Just(Step::Clear),
+        2 => Just(Step::UndoClear),
     ]
 }
 
@@ -51,15 +53,15 @@ fn filter(which: u8) -> Filter {
     }
 }
 
-fn play(log: &mut Log, now: u64, step: &Step) {
+fn play(log: &mut Log, now: u64, which: u8, step: &Step) {
     match step {
-        Step::Pass(which) => {
-            let address = which % 2 + 1;
+        Step::Pass(kind) => {
+            let address = kind % 2 + 1;
             log.add_event(&at(
                 now,
-                match which % 8 {
+                match kind % 8 {
                     0 | 1 => drive(address, 50),
-                    2 => drive(address, (which / 8).into()),
+                    2 => drive(address, (kind / 8).into()),
                     3 => query(address),
                     4..=6 => reply(address, 5),
                     _ => silence(address),
@@ -67,10 +69,11 @@ fn play(log: &mut Log, now: u64, step: &Step) {
             ));
         }
         Step::Message { late_ms, text } => log.add_message(millis(now - late_ms), false, text),
-        Step::Filter(which) => log.filter(&filter(*which)),
+        Step::Filter(next) => log.filter(&filter(*next)),
         Step::Advance(budget) => _ = log.advance(*budget),
         Step::Toggle(any) => toggle(log, *any),
         Step::Clear => log.clear(),
+        Step::UndoClear => _ = log.undo_clear(&filter(which)),
     }
 }
 
@@ -172,11 +175,16 @@ fn late_lines_at_every_place_leave_rows_and_counts_true() {
         let mut log = log(2_500);
         log.filter(&filter(which));
         for now in 100..4_000 {
-            play(&mut log, now, &Step::Pass(u8::try_from(now % 251).unwrap()));
+            play(
+                &mut log,
+                now,
+                which,
+                &Step::Pass(u8::try_from(now % 251).unwrap()),
+            );
             if now % 3 == 0 {
                 let text = "drive on";
                 let late_ms = now % 17;
-                play(&mut log, now, &Step::Message { late_ms, text });
+                play(&mut log, now, which, &Step::Message { late_ms, text });
             }
         }
         assert_agrees_with_anew(&mut log, which);
@@ -192,7 +200,7 @@ proptest! {
         let mut log = log(2_500);
         let mut which = 0;
         for (now, step) in (100..).zip(&steps) {
-            play(&mut log, now, step);
+            play(&mut log, now, which, step);
             if let Step::Filter(filter) = step {
                 which = *filter;
             }

@@ -66,8 +66,8 @@ const PARTS: [Part; 14] = [
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_000),
     part("shared", When::Behind, &["chunk"], 24_000),
-    // It opens collapsed frames of the log.
-    part("recorder", When::Behind, &["recorder-"], 80_000),
+    // It opens collapsed frames of the log, and keeps a cleared log until that cannot be undone any more.
+    part("recorder", When::Behind, &["recorder-"], 80_700),
     part(
         "installing",
         When::Offline,
@@ -104,8 +104,9 @@ pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 /// Bound of what is fetched before the virtual motor turns.
 pub const DRIVING_GZIP_BYTES_MAX: usize = 340_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
-/// share (60,000), and the parts of the page each their own seam.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 613_000;
+/// share (60,000), and the parts of the page each their own seam. 2,000 of it are for a log whose clearing can be undone
+/// and a graph that is resized.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 615_000;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

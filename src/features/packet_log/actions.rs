@@ -1,8 +1,10 @@
 //! Actions of the packet log.
 
+use std::time::Duration;
+
 use leptos::prelude::*;
 use motorlink_i18n::Language;
-use motorlink_messages::recorder::{Filter, LogPage};
+use motorlink_messages::recorder::{Filter, LogPage, ToRecorder};
 use web_sys::HtmlElement;
 
 use crate::{
@@ -10,11 +12,15 @@ use crate::{
         feed::{LogFeed, LogState},
         painter::{height_of, scroll_px, width_of},
     },
-    model::page::{Dialog, Page},
+    model::page::Page,
+    ui::clock::page_now_ms,
 };
 
-/// From this number of entries on, clearing asks first.
-const ASKED_ABOVE: u64 = 1000;
+/// How long clearing can be undone.
+const UNDO_FOR: Duration = Duration::from_secs(10);
+
+/// The slowest double click of Windows is 900 ms, the usual one 500 ms.
+const DOUBLE_CLICK_MS: f64 = 500.0;
 
 /// The packet log.
 #[derive(Clone, Copy)]
@@ -24,6 +30,10 @@ pub(crate) struct Log {
     pub(crate) feed: StoredValue<LogFeed, LocalStorage>,
     /// The counts of the log; updated with the list, at most once per frame of the screen.
     pub(crate) state: RwSignal<LogState>,
+    /// When it was cleared, in milliseconds of the page, while that can be undone.
+    pub(crate) cleared_ms: RwSignal<Option<f64>>,
+    /// How often it was cleared.
+    clearings: StoredValue<u32>,
 }
 
 impl Log {
@@ -32,6 +42,8 @@ impl Log {
             page,
             feed: StoredValue::new_local(LogFeed::default()),
             state: RwSignal::new(LogState::default()),
+            cleared_ms: RwSignal::new(None),
+            clearings: StoredValue::new(0),
         }
     }
 
@@ -64,20 +76,41 @@ impl Log {
         }
     }
 
-    /// Clears the log, after a question if it is long.
-    pub(crate) fn ask_to_clear(self) {
-        let kept = self.state.with_untracked(|log| log.kept);
-        if kept > ASKED_ABOVE {
-            self.page.dialog.set(Some(Dialog::ClearLog(kept)));
-        } else {
-            self.clear();
+    /// Clears the log. It can be undone for a while.
+    pub(crate) fn clear(self) {
+        self.post_anew(LogFeed::clear);
+        let Some(clearing) = self.clearings.try_update_value(|count| {
+            *count = count.wrapping_add(1);
+            *count
+        }) else {
+            return;
+        };
+        self.cleared_ms.set(Some(page_now_ms()));
+        set_timeout(
+            move || {
+                let is_latest = self.clearings.try_get_value() == Some(clearing);
+                if is_latest && self.cleared_ms.get_untracked().is_some() {
+                    self.cleared_ms.set(None);
+                    let undo = false;
+                    self.page.recorder.post(&ToRecorder::EndClear { undo });
+                }
+            },
+            UNDO_FOR,
+        );
+    }
+
+    /// Restores what was cleared. The second click of a double click does not.
+    pub(crate) fn undo_clear(self) {
+        let cleared_ms = self.cleared_ms.get_untracked();
+        if cleared_ms.is_some_and(|cleared_ms| page_now_ms() - cleared_ms > DOUBLE_CLICK_MS) {
+            self.cleared_ms.set(None);
+            self.post_anew(LogFeed::undo_clear);
         }
     }
 
-    pub(crate) fn clear(self) {
-        self.page.dialog.set(None);
-        if let Some(clear) = self.feed.try_update_value(LogFeed::clear) {
-            self.page.recorder.post(&clear);
+    fn post_anew(self, message: fn(&mut LogFeed) -> ToRecorder) {
+        if let Some(message) = self.feed.try_update_value(message) {
+            self.page.recorder.post(&message);
             self.request_rows();
         }
     }
@@ -140,11 +173,13 @@ impl Log {
 
     /// The rows were renumbered: a session was restored, or all data was deleted.
     pub(crate) fn renumbered(self) {
+        self.cleared_ms.set(None);
         self.feed.update_value(LogFeed::renumbered);
     }
 
     /// The recorder has failed.
     pub(crate) fn lost(self) {
+        self.cleared_ms.set(None);
         self.feed.update_value(LogFeed::lose);
     }
 }

@@ -122,6 +122,12 @@ impl LogFeed {
         ToRecorder::Clear
     }
 
+    /// Restores the entries that were cleared.
+    pub(crate) fn undo_clear(&mut self) -> ToRecorder {
+        self.begin_anew();
+        ToRecorder::EndClear { undo: true }
+    }
+
     /// The recorder has renumbered the rows by itself.
     pub(crate) fn renumbered(&mut self) {
         self.begin_anew();

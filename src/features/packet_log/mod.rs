@@ -39,9 +39,18 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
         let writes = recorder.per_mille(Export::Log).is_some();
         disabled_reason.or_else(|| empty_reason().filter(|_| !writes))
     };
+    let undoable = move || log.cleared_ms.get().is_some();
+    let clear = Signal::derive(move || {
+        if undoable() {
+            tr!("Undo")
+        } else {
+            tr!("Clear")
+        }
+        .to_owned()
+    });
     let clear_blocked_by = move || {
         if recorder.alive.get() {
-            empty_reason()
+            empty_reason().filter(|_| !undoable())
         } else {
             Some(no_recorder().to_owned())
         }
@@ -61,11 +70,17 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
                     <span>{dynamic(move || lines.with(|(_, others)| others.clone()))}</span>
                 </output>
                 <PressButton
-                    label=tr!("Clear")
-                    class="button small"
-                    hint=tr!("Deletes all log entries")
+                    label=clear
+                    class="button small packet-clear"
+                    hint=tr!("Deletes all log entries. Undo restores them within 10 s.")
                     disabled_reason=Signal::derive(clear_blocked_by)
-                    on_press=move || log.ask_to_clear()
+                    on_press=move || {
+                        if log.cleared_ms.get_untracked().is_some() {
+                            log.undo_clear();
+                        } else {
+                            log.clear();
+                        }
+                    }
                 />
                 <ExportButton
                     label=tr!("Export CSV")

@@ -48,11 +48,6 @@ pub(crate) fn of_no_rows(log: &LogState, alive: bool) -> &'static str {
     }
 }
 
-/// The label for clearing this number of entries.
-pub(crate) fn of_clearing(entries: u64) -> String {
-    tr!("Clear {entries}", entries = self::entries(entries))
-}
-
 /// `1 entry`, `18 402 entries`
 fn entries(number: u64) -> String {
     match number {
@@ -95,7 +90,6 @@ mod tests {
         };
         assert_eq!(of_entries(&one), ("1 entry".to_owned(), String::new()));
         assert_eq!(of_entries_at_length(&one), "1 entry in the log");
-        assert_eq!(plain(&of_clearing(18_402)), "Clear 18 402 entries");
     }
 
     #[test]

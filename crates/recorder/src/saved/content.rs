@@ -48,6 +48,8 @@ pub(super) enum Note {
     Record(bool),
     /// All recorded samples were exported.
     Exported,
+    /// The log before the last [`Note::Clear`] is back.
+    UndoClear,
 }
 
 impl<'a> Batch<'a> {

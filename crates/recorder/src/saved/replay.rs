@@ -1,6 +1,7 @@
 //! Rebuilds a log and a recording from the files of a session.
 
 use motorlink_bus::LineEvent;
+use motorlink_messages::recorder::Filter;
 
 use super::{
     Stream, Timeline,
@@ -75,6 +76,7 @@ impl Replay {
                             log.add_message(timeline.at(at), error, &text);
                         }
                         Note::Clear => log.clear(),
+                        Note::UndoClear => _ = log.undo_clear(&Filter::default()),
                         Note::Record(on) => {
                             // After a crash, the end of the previous recording is missing.
                             recording.record_on(false);

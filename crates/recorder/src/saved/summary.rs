@@ -21,6 +21,8 @@ pub struct Summary {
     from_us: Option<i64>,
     to_us: i64,
     packets: u64,
+    /// Those before the log was cleared.
+    cleared: u64,
     recorded: u64,
     recorded_for: Duration,
     /// The newest sample since Record was pressed.
@@ -40,7 +42,13 @@ impl Summary {
                 }
                 Some(Content::Traffic(batch)) => self.batch(stream, batch),
                 Some(Content::Note(Note::Message { at, .. })) => self.extend_to(at),
-                Some(Content::Note(Note::Clear)) => self.packets = 0,
+                Some(Content::Note(Note::Clear)) => {
+                    self.cleared = std::mem::take(&mut self.packets)
+                }
+                Some(Content::Note(Note::UndoClear)) => {
+                    let cleared = std::mem::take(&mut self.cleared);
+                    self.packets = (self.packets + cleared).min(ENTRIES_MAX);
+                }
                 Some(Content::Note(Note::Record(true))) => self.newest = None,
                 Some(Content::Note(Note::Record(false) | Note::Exported)) | None => {}
             }

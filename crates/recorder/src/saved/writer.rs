@@ -107,6 +107,11 @@ impl SessionWriter {
         self.packets.note(&Note::Clear);
     }
 
+    /// The last clearing of the log was undone.
+    pub fn undo_clear(&mut self) {
+        self.packets.note(&Note::UndoClear);
+    }
+
     /// The recording began or ended; `anew` if it discarded the samples before.
     pub fn record(&mut self, on: bool, anew: bool) {
         if anew {

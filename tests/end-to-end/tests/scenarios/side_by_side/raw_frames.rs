@@ -117,6 +117,17 @@ fn a_frame_sent_by_hand_is_in_the_log_whatever_is_collapsed_or_filtered() -> Res
     page.wait_for_text("log", "Packets", |text| {
         text.contains(QUERY) && text.matches("TX").count() == 1
     })?;
+
+    // Nor does Clear lose it for good.
+    page.find("searchbox", "Filter")?
+        .type_over("no such text at all")?;
+    page.click("button", "Clear")?;
+    page.wait_for_text("log", "Packets", |text| !text.contains(QUERY))?;
+    // Longer than a double click.
+    thread::sleep(Duration::from_millis(700));
+    page.click("button", "Undo")?;
+    page.wait_for_text("log", "Packets", |text| text.contains(QUERY))?;
+    page.find("button", "Clear")?;
     assert_quiet_console(page);
     Ok(())
 }
