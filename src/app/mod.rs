@@ -36,6 +36,7 @@ use crate::{
         worker_link::{WorkerLink, WorkerState},
     },
     model::{
+        graph_height,
         notice_texts::of_dead_worker,
         preferences::{Preferences, Theme},
     },
@@ -76,6 +77,7 @@ pub fn App() -> impl IntoView {
         features.connect.connect_virtual();
     }
     effect(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
+    graph_height::show_remembered();
 
     // First of all: a stop that is pressed before the worker runs takes effect once it runs.
     keyboard::listen(features);

@@ -6,6 +6,7 @@ pub(crate) mod commands;
 pub(crate) mod connect_texts;
 pub(crate) mod drive_settings;
 pub(crate) mod governor;
+pub(crate) mod graph_height;
 pub(crate) mod guards;
 pub(crate) mod help_topic;
 pub(crate) mod history;

@@ -8,6 +8,7 @@
 //! | `stage` | the canvases and their animation loop |
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
 //! | `legend` | the compared trace, and the colours of the motors |
+//! | `resize` | the height, dragged at the edge |
 //! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
 //! | `description` | the values in words |
@@ -26,6 +27,7 @@ pub(crate) mod picture;
 pub mod plot;
 pub(crate) mod pointer;
 pub(crate) mod reading;
+pub(crate) mod resize;
 pub(crate) mod stage;
 pub(crate) mod state;
 pub(crate) mod text;
@@ -37,7 +39,7 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
-use self::{controls::Controls, state::Chart};
+use self::{controls::Controls, resize::Edge, state::Chart};
 use crate::{
     features::graph::{plot::texts, stage::StageCell},
     ui::reactive::{dynamic, handler, memo},
@@ -72,6 +74,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
             class:expanded=dynamic(move || chart.expanded.get())
             aria-label=tr!("Speed and current")
         >
+            <Edge />
             <Controls chart stage />
             <div class="graph-box" node_ref=place>
                 <div

@@ -41,6 +41,25 @@ impl Control {
         self.mouse("mouseReleased", x, y)
     }
 
+    /// Drags it down by these CSS pixels, or up by a negative number.
+    ///
+    /// # Errors
+    ///
+    /// As for [`Control::click`].
+    pub fn drag_down(&self, pixels: f64) -> Result<()> {
+        let (x, y) = self.reachable_middle()?;
+        self.mouse("mouseMoved", x, y)?;
+        self.mouse("mousePressed", x, y)?;
+        // Held, the button is that of the press.
+        for part in [0.5, 1.0] {
+            let event = json!({
+                "type": "mouseMoved", "x": x, "y": y + pixels * part, "button": "left", "buttons": 1,
+            });
+            self.session.call("Input.dispatchMouseEvent", event)?;
+        }
+        self.mouse("mouseReleased", x, y + pixels)
+    }
+
     /// Turns the mouse wheel over it: down is positive, in CSS pixels.
     ///
     /// # Errors
