@@ -32,7 +32,7 @@ pub(crate) fn preferred() -> Language {
     first_known(tags.iter().map(String::as_str))
 }
 
-/// Sets the language of the page. Existing notices and messages in the log are not translated.
+/// Sets the language of the page. Existing notices are not translated.
 pub(crate) fn use_language(language: Language) {
     set_language(language);
     if let Some(root) = document().document_element() {
@@ -66,7 +66,7 @@ impl Features {
             if fetch(language).await {
                 self.change_language(language);
             } else {
-                self.page.notify(of_missing_language(language));
+                self.page.notify(&|| of_missing_language(language));
                 // Reset the list to the language of the page.
                 self.page.language.notify();
             }

@@ -117,7 +117,7 @@ fn start_worker(features: Features) {
     } else {
         page.worker.state.set(WorkerState::Dead);
         features.start_recorder();
-        page.notify(of_dead_worker(false));
+        page.notify(&|| of_dead_worker(false));
     }
 }
 

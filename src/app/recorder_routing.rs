@@ -55,19 +55,23 @@ impl Features {
                 recorder.exporting.set(None);
                 if let Some(file) = file {
                     save_blob(&file, &name);
-                    self.page.log_now(log_lines::calm(tr!(
-                        "Exported {rows} rows to {name}",
-                        rows = grouped(rows),
-                        name
-                    )));
+                    self.page.log_now(&|| {
+                        log_lines::calm(tr!(
+                            "Exported {rows} rows to {name}",
+                            rows = grouped(rows),
+                            name
+                        ))
+                    });
                 }
             }
             FromRecorder::NotExported { what, cancelled } => {
                 recorder.exporting.set(None);
                 if cancelled {
-                    self.page.log_now(log_lines::calm(tr!("Export cancelled")));
+                    self.page
+                        .log_now(&|| log_lines::calm(tr!("Export cancelled")));
                 } else {
-                    self.page.notify(recorder_texts::of_nothing_to_export(what));
+                    self.page
+                        .notify(&|| recorder_texts::of_nothing_to_export(what));
                 }
             }
             FromRecorder::SavedSessionFound(session) => {
@@ -80,7 +84,7 @@ impl Features {
             }
             FromRecorder::Past { zero_us, samples } => self.saved_session.recall(zero_us, &samples),
             FromRecorder::Erased { all } => self.settings.was_erased(all),
-            FromRecorder::NotSaved(why) => self.page.log_now(texts::of_not_saved(why)),
+            FromRecorder::NotSaved(why) => self.page.log_now(&|| texts::of_not_saved(why)),
             FromRecorder::Died => self.recorder_lost(),
         }
     }
@@ -103,7 +107,7 @@ impl Features {
         self.saved_session.offer.set(Offer::None);
         // If the port worker has failed too, the page reports that instead.
         if self.page.worker.state.get_untracked() != WorkerState::Dead {
-            self.page.notify(recorder_texts::of_dead_recorder());
+            self.page.notify(&recorder_texts::of_dead_recorder);
         }
     }
 }

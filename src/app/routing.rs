@@ -1,6 +1,7 @@
 //! The messages of the worker, passed on to the features.
 
 use leptos::prelude::{Update as _, *};
+use motorlink_i18n::untranslated;
 use motorlink_messages::{
     Adapter, Connection, Notice, ToPage, ToWorker, Update,
     bus::{IdQueryOutcome, StopReason},
@@ -52,7 +53,7 @@ impl Features {
         let lines = self
             .page
             .latest
-            .with_value(|session| log_lines::of_update(session, update));
+            .with_value(|session| untranslated(|| log_lines::of_update(session, update)));
         for line in lines {
             self.page.log(update.now, line);
         }
@@ -110,7 +111,9 @@ impl Features {
                         .prefer(|preferences| preferences.adapter = Some(usb));
                 }
             }
-            Connection::Failed(error) => self.page.notify(connect_texts::of_connect_error(error)),
+            Connection::Failed(error) => {
+                self.page.notify(&|| connect_texts::of_connect_error(error));
+            }
             Connection::Disconnected | Connection::Connecting | Connection::Reconnecting(_) => {}
         }
         if matches!(before, Connection::Connected(_)) {
@@ -155,16 +158,16 @@ impl Features {
             Tab::Loop(_) => false,
         };
         let words = self.page.latest.with_value(|session| {
-            let words = notice_texts::of_notice_in(notice, session)?;
-            Some((words, notice_lifetime::until(notice, session)))
+            let words = || notice_texts::of_notice_in(notice, session);
+            let line = untranslated(|| words().map(|words| log_lines::of_notice(&words)));
+            Some((words()?, line?, notice_lifetime::until(notice, session)))
         });
-        if let Some((words, until)) = words {
-            if said_by_tab {
-                self.page.log(at, log_lines::of_notice(&words));
-            } else {
-                self.page.notify_until(at, words, until);
+        if let Some((words, line, until)) = words {
+            self.page.log(at, line);
+            if !said_by_tab {
+                self.page.show_notice(words, until);
             }
-        } else if let Some(line) = log_lines::of_quiet_notice(notice) {
+        } else if let Some(line) = untranslated(|| log_lines::of_quiet_notice(notice)) {
             self.page.log(at, line);
         }
     }
@@ -229,7 +232,7 @@ impl Features {
             // The end of the stop will not be reported.
             board.withdraw_all(|topic| matches!(topic, Topic::Setpoint(_)));
         });
-        self.page.notify(notice_texts::of_dead_worker(driven));
+        self.page.notify(&|| notice_texts::of_dead_worker(driven));
         self.page.show();
     }
 }

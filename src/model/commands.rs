@@ -69,26 +69,28 @@ impl Page {
     }
 
     /// Shows a notice and adds it to the log.
-    pub(crate) fn notify(self, text: NoticeText) {
-        self.notify_until(self.now(), text, Until::Dismissed);
+    pub(crate) fn notify(self, text: &dyn Fn() -> NoticeText) {
+        self.log_now(&|| log_lines::of_notice(&text()));
+        self.show_notice(text(), Until::Dismissed);
     }
 
-    /// The same for an event at `at`; the notice is withdrawn when `until` occurs.
-    pub(crate) fn notify_until(self, at: Instant, text: NoticeText, until: Until) {
-        self.log(at, log_lines::of_notice(&text));
+    /// Shows a notice, which is withdrawn when `until` occurs.
+    pub(crate) fn show_notice(self, text: NoticeText, until: Until) {
         self.notices.update(|board| board.post_until(text, until));
     }
 
     /// Shows why a command was not sent.
     pub(crate) fn refuse(self, title: String, reason: String) {
-        self.notify(NoticeText {
+        let text = NoticeText {
             topic: Topic::Command,
             tone: Tone::Warning,
             title,
             advice: vec![reason],
             remedy: None,
             help: None,
-        });
+        };
+        self.log(self.now(), log_lines::of_notice(&text));
+        self.show_notice(text, Until::Dismissed);
     }
 
     /// The current time on the worker's clock.

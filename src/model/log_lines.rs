@@ -1,4 +1,5 @@
-//! The messages of the page in the packet log.
+//! The messages of the page in the packet log. Made within [`untranslated`](motorlink_i18n::untranslated), they are
+//! shown in the language that is chosen when they are read.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -39,7 +40,11 @@ pub(crate) fn calm(text: impl Into<String>) -> Line {
 pub(crate) fn of_notice(words: &NoticeText) -> Line {
     let refused = words.topic == Topic::Command && words.tone == Tone::Warning;
     let text = if refused {
-        format!("{}. {}", words.title, words.advice.join(" "))
+        tr!(
+            "{title}. {advice}",
+            title = words.title,
+            advice = words.advice.join(" ")
+        )
     } else {
         words.title.clone()
     };
@@ -142,14 +147,18 @@ fn named(ids: &[MotorId]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_i18n::{Language, set_language, translate, untranslated};
     use motorlink_messages::{
         Adapter, UsbId,
-        bus::StopOutcome,
-        protocol::{Mode, SpeedTarget},
+        bus::{Command, Consent, ExceededLimit, Refusal, StopOutcome, WithdrawReason},
+        protocol::{CurrentTarget, Faults, Mode, Rpm, SpeedTarget},
     };
 
     use super::*;
-    use crate::model::snapshot::tests::{ID, session, status};
+    use crate::model::{
+        notice_texts,
+        snapshot::tests::{ID, session, status},
+    };
 
     fn update(connection: Connection, activity: Activity) -> Update {
         let mut motor = status(1_000, Mode::Velocity, 0);
@@ -256,5 +265,63 @@ mod tests {
         let line = of_notice(&words(Topic::Port, Tone::Error));
         assert_eq!(line.text, "Motor 0x01 not started");
         assert!(line.error);
+    }
+
+    #[test]
+    fn every_line_is_read_in_the_language_of_its_reader() {
+        let reason = WithdrawReason::Limit(ExceededLimit::Speed {
+            reached: Rpm::new(-80),
+            limit: 60,
+        });
+        let faults = WithdrawReason::Fault(Faults::from_byte(0x18));
+        let outcome = |speed| StopOutcome {
+            id: ID,
+            confirmed: false,
+            speed,
+        };
+        let notices = [
+            Notice::StopBegan(StopReason::Operator),
+            Notice::StopEnded(StopReport {
+                reason: StopReason::Operator,
+                motors: vec![outcome(None), outcome(Some(Rpm::new(-12)))],
+            }),
+            Notice::MotorSilent(ID),
+            Notice::ModeSwitched {
+                id: ID,
+                mode: Mode::Current,
+            },
+            Notice::Withdrawn { id: ID, reason },
+            Notice::Withdrawn {
+                id: ID,
+                reason: faults,
+            },
+            Notice::Refused {
+                command: Command::Drive {
+                    id: ID,
+                    setpoint: Setpoint::Brake,
+                    consent: Consent::None,
+                },
+                refusal: Refusal::TooFast(Rpm::new(100)),
+            },
+            Notice::AdapterLost { driven: vec![ID] },
+        ];
+        let lines = || -> Vec<String> {
+            let of = |notice| {
+                let words = notice_texts::of_notice(notice);
+                words.map_or_else(|| of_quiet_notice(notice), |words| Some(of_notice(&words)))
+            };
+            let said = notices.iter().filter_map(of).map(|line| line.text);
+            let amps = Activity::Driven {
+                setpoint: Setpoint::Current(CurrentTarget::from_amps(-0.5)),
+            };
+            let driven = update(Connection::Connected(Adapter::Virtual), amps);
+            said.chain(texts(&Session::default(), &driven)).collect()
+        };
+        let stored = untranslated(lines);
+        for language in Language::ALL {
+            set_language(language);
+            let read: Vec<String> = stored.iter().map(|line| translate(line)).collect();
+            assert_eq!(read, lines());
+        }
     }
 }

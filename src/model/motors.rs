@@ -8,6 +8,7 @@ use motorlink_messages::{
 };
 
 use crate::model::{
+    log_lines,
     names_and_sides::{NameAndSide, NamesAndSides},
     notice_board::{Topic, Until},
     notice_texts::of_choice_while_driven,
@@ -35,7 +36,9 @@ impl Page {
                 motors: vec![other],
                 withdrawn: None,
             };
-            self.notify_until(self.now(), of_choice_while_driven(other, id), until);
+            let text = || of_choice_while_driven(other, id);
+            self.log_now(&|| log_lines::of_notice(&text()));
+            self.show_notice(text(), until);
         }
         self.prefer(|preferences| preferences.motor = id);
         self.select(id);

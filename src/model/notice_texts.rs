@@ -292,7 +292,7 @@ fn of_unconfirmed_motor(motor: StopOutcome) -> String {
         // Without a sign, because a mirrored motor has the opposite one.
         .map_or_else(
             || tr!("speed unknown").to_owned(),
-            |speed| format!("{} rpm", speed.magnitude()),
+            |speed| tr!("{speed} rpm", speed = speed.magnitude()),
         );
     tr!("motor {id} ({speed})", id = motor.id, speed)
 }

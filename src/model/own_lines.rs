@@ -1,6 +1,7 @@
 //! Adds the messages of the page to the packet log.
 
 use leptos::prelude::*;
+use motorlink_i18n::untranslated;
 use motorlink_messages::{protocol::Instant, recorder::ToRecorder};
 
 use crate::{
@@ -28,7 +29,7 @@ impl Page {
         }
     }
 
-    /// Adds a message to the log.
+    /// Adds a message to the log. It follows the language if it is [`untranslated`].
     pub(crate) fn log(self, at: Instant, line: Line) {
         if let Ok(mut early) = self.recorder.early_lines.lock()
             && let Some(early) = early.as_mut()
@@ -43,7 +44,8 @@ impl Page {
             .post(&ToRecorder::AddMessage { at, error, text });
     }
 
-    pub(crate) fn log_now(self, line: Line) {
-        self.log(self.now(), line);
+    /// Adds a message about the present, which follows the language.
+    pub(crate) fn log_now(self, line: &dyn Fn() -> Line) {
+        self.log(self.now(), untranslated(line));
     }
 }

@@ -80,7 +80,7 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
         Refusal::TooFast(speed) => tr!(
             "The wheel turns at {speed}. The position loop needs less than 10 rpm: stop the motor \
              first.",
-            speed = format!("{} rpm", format::speed(speed))
+            speed = format::speed_in_rpm(speed)
         ),
         Refusal::FaultActive { id, faults } => tr!(
             "Motor {id} reports a fault ({faults}) and ignores commands. When the fault clears, \

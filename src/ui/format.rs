@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-pub(crate) use motorlink_i18n::terms::in_language;
+pub(crate) use motorlink_i18n::terms::{in_language, rpm};
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Current, CurrentTarget, PositionTarget, Rpm, Setpoint};
 
@@ -57,6 +57,15 @@ pub(crate) fn speed(speed: Rpm) -> String {
     signed(speed.rpm().into())
 }
 
+/// `+100 rpm`, in the unit of the language.
+pub(crate) fn speed_in_rpm(speed: Rpm) -> String {
+    in_rpm(speed.rpm().into())
+}
+
+fn in_rpm(value: i32) -> String {
+    tr!("{speed} rpm", speed = signed(value))
+}
+
 /// `+0.18`, in amps.
 pub(crate) fn current(current: Current) -> String {
     signed_decimal(current.amps(), 2)
@@ -84,7 +93,7 @@ pub(crate) fn angle_of(target: PositionTarget) -> String {
 /// `+100 rpm`, `brake`, `+0.50 A`, `90.0°`: a setpoint.
 pub(crate) fn goal(setpoint: Setpoint) -> String {
     match setpoint {
-        Setpoint::Velocity { speed, .. } => format!("{} rpm", signed(speed.rpm().into())),
+        Setpoint::Velocity { speed, .. } => in_rpm(speed.rpm().into()),
         Setpoint::Brake => tr!("brake").to_owned(),
         Setpoint::Current(target) => amps_of(target),
         Setpoint::OpenLoop(target) => in_language(target.to_string()),
@@ -145,6 +154,7 @@ pub(crate) fn percent(per_mille: u16) -> String {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_i18n::{Language, set_language};
     use motorlink_messages::protocol::SpeedTarget;
 
     use super::*;
@@ -212,5 +222,15 @@ mod tests {
         assert_eq!(angle_of(PositionTarget::from_degrees(90.0)), "90.00");
         assert_eq!(goal(Setpoint::Current(CurrentTarget::ZERO)), "0.00 A");
         assert_eq!(goal(Setpoint::velocity(SpeedTarget::ZERO)), "0 rpm");
+    }
+
+    #[test]
+    fn a_speed_has_the_unit_of_the_language() {
+        let goal = || goal(Setpoint::velocity(SpeedTarget::clamped(-50)));
+        for (language, unit) in [(Language::Chinese, "rpm"), (Language::German, "U/min")] {
+            set_language(language);
+            assert_eq!(goal(), format!("\u{2212}50 {unit}"));
+            assert_eq!(speed_in_rpm(Rpm::new(100)), format!("+100 {unit}"));
+        }
     }
 }

@@ -17,6 +17,7 @@
 mod language;
 mod table;
 pub mod terms;
+mod untranslated;
 
 use std::fmt::{Display, Write};
 
@@ -26,6 +27,8 @@ pub use table::file;
 #[doc(hidden)]
 pub use table::{check_places, number_of, text, translated};
 pub use table::{has, load_texts, loaded_texts};
+use untranslated::{BEGIN, END, VALUE, is_untranslated};
+pub use untranslated::{translate, untranslated};
 
 /// A text in the [`current_language`].
 ///
@@ -71,23 +74,43 @@ macro_rules! value {
     };
 }
 
-/// The message of a number with its placeholders filled.
+/// The message of a number with its placeholders filled, or with its values apart: see [`untranslated`].
 #[doc(hidden)]
 #[must_use]
 pub fn filled(number: usize, values: &[(&str, &dyn Display)]) -> String {
+    let text = text(number);
+    let is_stored = is_untranslated();
     let mut filled = String::new();
-    let mut rest = text(number);
-    while let Some((before, opened)) = rest.split_once('{') {
-        let (name, after) = opened.split_once('}').unwrap_or((opened, ""));
-        filled.push_str(before);
+    if is_stored {
+        filled.push(BEGIN);
+        filled.push_str(text);
+    }
+    let mut rest = text;
+    while let Some((before, name, after)) = next_placeholder(rest) {
+        if is_stored {
+            filled.push(VALUE);
+        } else {
+            filled.push_str(before);
+        }
         if let Some((_, value)) = values.iter().find(|(known, _)| *known == name) {
             // Writing to a string cannot fail.
             let _ = write!(filled, "{value}");
         }
         rest = after;
     }
-    filled.push_str(rest);
+    if is_stored {
+        filled.push(END);
+    } else {
+        filled.push_str(rest);
+    }
     filled
+}
+
+/// The text before the next placeholder, its name, and the text behind it.
+fn next_placeholder(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, opened) = text.split_once('{')?;
+    let (name, after) = opened.split_once('}').unwrap_or((opened, ""));
+    Some((before, name, after))
 }
 
 #[cfg(test)]

@@ -94,6 +94,16 @@ pub fn text(number: usize) -> &'static str {
     find().unwrap_or_default()
 }
 
+/// The translation of an English message; `None` for another text, and in English.
+#[inline(never)]
+pub(crate) fn in_current_language(english: &str) -> Option<&'static str> {
+    if current_language() == Language::English {
+        return None;
+    }
+    let number = ENGLISH.split('\0').position(|one| one == english)?;
+    Some(text(number))
+}
+
 /// The translation of an English message into the current language, in any context; other texts do not change.
 /// For tests that press a button by its English name.
 #[must_use]

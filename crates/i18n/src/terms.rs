@@ -17,6 +17,20 @@ pub fn in_language(number: String) -> String {
     }
 }
 
+/// The unit of a speed: `rpm`. German drive engineers write `U/min`.
+#[must_use]
+pub fn rpm() -> &'static str {
+    tr!("rpm")
+}
+
+/// `+100 rpm`, in the unit of the language.
+#[must_use]
+pub fn speed(speed: Rpm) -> String {
+    // As the protocol writes it: +0 at a standstill.
+    let sign = if speed.rpm() < 0 { '\u{2212}' } else { '+' };
+    format!("{sign}{} {}", speed.magnitude(), rpm())
+}
+
 /// `velocity loop`
 #[must_use]
 pub fn mode(mode: Mode) -> &'static str {
@@ -49,12 +63,17 @@ pub fn faults(faults: Faults) -> String {
     if faults.is_none() {
         return "OK".to_owned();
     }
-    let mut named: Vec<String> = faults.iter().map(|one| fault(one).to_owned()).collect();
+    let mut named = faults
+        .iter()
+        .map(fault)
+        .map(str::to_owned)
+        .collect::<Vec<_>>();
     if faults.unknown_bits() != 0 {
         let bits = format!("0x{:02X}", faults.unknown_bits());
         named.push(tr!("unknown bits {bits}", bits));
     }
-    named.join(", ")
+    let listed = |some, other| tr!("{some}, {other}", some, other);
+    named.into_iter().reduce(listed).unwrap_or_default()
 }
 
 /// Why a number is not a valid motor ID.
@@ -104,7 +123,7 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
     let driven = match mode {
         None => tr!("drive, value {value}", value = drive.signed()),
         Some(Mode::Velocity) if drive.brakes() => tr!("drive, brake").to_owned(),
-        Some(Mode::Velocity) => tr!("drive {goal}", goal = Rpm::new(drive.signed())),
+        Some(Mode::Velocity) => tr!("drive {goal}", goal = speed(Rpm::new(drive.signed()))),
         Some(Mode::OpenLoop) => tr!(
             "drive {goal}",
             goal = in_language(OpenLoopTarget::nearest(drive.signed()).to_string())
@@ -127,8 +146,8 @@ fn driven(drive: Drive, mode: Option<Mode>) -> String {
 }
 
 fn received(reply: &Reply) -> String {
-    let Reply { speed, current, .. } = reply;
-    let current = in_language(current.to_string());
+    let speed = speed(reply.speed);
+    let current = in_language(reply.current.to_string());
     let mut said = format!("{speed}, {current}");
     match reply.detail {
         Detail::Drive { position } => {

@@ -21,14 +21,14 @@ pub enum ToRecorder {
         at: Instant,
         /// Whether it is an error.
         error: bool,
-        /// The text, one line.
+        /// The text, one line: as it is shown, or made within `motorlink_i18n::untranslated`.
         text: String,
     },
     /// Show these rows of the packet log. Answered by a [`LogPage`], and by another whenever one of these
     /// rows or a count changes; at most 30 times a second.
     Show(Window),
-    /// Use this language for the rows and the search. Files are in English, apart from messages, which do
-    /// not change. The rows are renumbered.
+    /// Use this language for the rows and the search. Files are in English. Messages that are not
+    /// `untranslated` stay as they are. The rows are renumbered.
     SetLanguage {
         /// The language: `en`, `zh` or `de`.
         language: String,

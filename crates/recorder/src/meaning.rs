@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use motorlink_bus::{JunkBytes, LineEventKind};
-use motorlink_i18n::{Language, current_language, terms, tr};
+use motorlink_i18n::{Language, current_language, set_language, terms, tr, translate};
 use motorlink_messages::recorder::Row;
 use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_received, explain_sent};
 
@@ -22,7 +22,7 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
         return push_english(out, entry, texts);
     }
     match &entry.content {
-        EntryContent::Message { text, .. } => out.push_str(texts.get(*text)),
+        EntryContent::Message { text, .. } => out.push_str(&translate(texts.get(*text))),
         EntryContent::Line(passed) => out.push_str(&translated(passed)),
     }
 }
@@ -70,7 +70,7 @@ fn to_tenths(micros: u32) -> (u64, u64) {
 pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     // Writing to a string does not fail.
     let _ = match &entry.content {
-        EntryContent::Message { text, .. } => out.write_str(texts.get(*text)),
+        EntryContent::Message { text, .. } => out.write_str(&in_english(texts.get(*text))),
         EntryContent::Line(
             LineEventKind::Sent { frame, mode }
             | LineEventKind::SentByHand { frame, mode }
@@ -97,6 +97,15 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
             out.write_str("not sent: adapter still busy with the previous frame")
         }
     };
+}
+
+/// A message of the page as in files, whatever language it is shown in.
+fn in_english(stored: &str) -> String {
+    let shown_in = current_language();
+    set_language(Language::English);
+    let text = translate(stored);
+    set_language(shown_in);
+    text
 }
 
 fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
@@ -140,20 +149,24 @@ pub(crate) fn row(entry: &Entry, texts: &Texts, clock: WallClock) -> Row {
 
 #[cfg(test)]
 mod tests {
+    use motorlink_i18n::untranslated;
     use motorlink_protocol::{Instant, Layout, Mode, MotorId};
 
     use super::*;
     use crate::entry::Visibility;
 
-    fn meaning(content: EntryContent, texts: &Texts) -> String {
-        let entry = Entry {
+    const fn entry(content: EntryContent) -> Entry {
+        Entry {
             at: Instant::ZERO,
             content,
             routine: false,
             visibility: Visibility::Hidden,
-        };
+        }
+    }
+
+    fn meaning(content: EntryContent, texts: &Texts) -> String {
         let mut out = String::new();
-        push_meaning(&mut out, &entry, texts);
+        push_meaning(&mut out, &entry(content), texts);
         out
     }
 
@@ -208,12 +221,12 @@ mod tests {
 
     #[test]
     fn every_entry_is_in_the_current_language() {
-        motorlink_i18n::set_language(Language::German);
+        set_language(Language::German);
         let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
         let asked = Some(Layout::Drive);
         assert_eq!(
             passed(LineEventKind::Received { frame, asked }),
-            "+100 rpm, +0,175 A, 66,96°"
+            "+100 U/min, +0,175 A, 66,96°"
         );
         assert!(junk("FF").starts_with("1 ") && !junk("FF").contains("frame is"));
         let id = MotorId::FIRST;
@@ -222,12 +235,21 @@ mod tests {
     }
 
     #[test]
-    fn a_message_is_not_changed() {
+    fn a_message_of_the_page_follows_the_language_and_is_english_in_files() {
         let mut texts = Texts::default();
-        let text = texts.keep("connected");
-        assert_eq!(
-            meaning(EntryContent::Message { error: false, text }, &texts),
-            "connected"
-        );
+        let id = MotorId::FIRST;
+        let text = texts.keep(&untranslated(|| tr!("Motor {id}: brake on", id)));
+        let message = EntryContent::Message { error: false, text };
+        let said = || tr!("Motor {id}: brake on", id);
+        for language in Language::ALL {
+            set_language(language);
+            assert_eq!(meaning(message, &texts), said());
+            let mut file = String::new();
+            push_english(&mut file, &entry(message), &texts);
+            assert_eq!(file, "Motor 0x01: brake on");
+        }
+        let text = texts.keep("Arm v1.2");
+        let message = EntryContent::Message { error: false, text };
+        assert_eq!(meaning(message, &texts), "Arm v1.2");
     }
 }

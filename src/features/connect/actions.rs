@@ -101,6 +101,7 @@ impl Connect {
     }
 
     fn could_not_pick(self, trouble: PickTrouble) {
-        self.page.notify(connect_texts::of_pick_trouble(trouble));
+        self.page
+            .notify(&|| connect_texts::of_pick_trouble(trouble));
     }
 }

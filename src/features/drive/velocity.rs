@@ -94,7 +94,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         <NumberField
             id="target-speed"
             name=tr!("Target speed")
-            unit="rpm"
+            unit=format::rpm()
             hint=direction
             target=targets.speed
             entry=entry::SPEED
@@ -104,7 +104,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
         />
         <Slider
             name=tr!("Target speed")
-            unit="rpm"
+            unit=format::rpm()
             target=targets.speed
             entry=entry::SPEED
             limit=limit

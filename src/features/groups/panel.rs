@@ -22,7 +22,7 @@ use crate::{
     ui::{
         button::PressButton,
         drawer::{Drawer, panel_of_drawer},
-        entry,
+        entry, format,
         list::replace_keeping_focus,
         listener::on_window,
         number_field::NumberField,
@@ -61,7 +61,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                 <NumberField
                     id="group-speed"
                     name=tr!("Group speed")
-                    unit="rpm"
+                    unit=format::rpm()
                     hint=tr!("Right wheels are mirrored. Maximum for the drive pad.")
                     target=groups.speed
                     entry=entry::SPEED
@@ -71,7 +71,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                 <NumberField
                     id="ramp"
                     name=tr!("Ramp")
-                    unit="rpm/s"
+                    unit=tr!("rpm/s")
                     hint=tr!("0 = off. Never applied to stops.")
                     target=page.settings.ramp
                     entry=tool_entry::RAMP

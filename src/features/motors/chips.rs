@@ -101,7 +101,7 @@ pub(crate) fn figures(session: &Session, id: MotorId) -> [Figure; 5] {
         faults.look = "bad";
     }
     [
-        Figure::of(speed, |speed| format!("{} rpm", format::speed(speed))),
+        Figure::of(speed, format::speed_in_rpm),
         Figure::of(session.current(id), |current| {
             let (figure, unit) = format::current_in(current, session.is_current_certain());
             format!("{figure} {unit}")

@@ -39,7 +39,7 @@ impl SavedSession {
             self.offer.set(Offer::None);
             self.page.recorder.post(&ToRecorder::Forget);
             self.page
-                .log_now(log_lines::calm(texts::of_forgotten(&session)));
+                .log_now(&|| log_lines::calm(texts::of_forgotten(&session)));
         }
     }
 
@@ -47,7 +47,7 @@ impl SavedSession {
         self.page.history.update_value(History::begin_past);
         if let Offer::Restoring(session) = self.offer.get_untracked() {
             self.page
-                .log_now(log_lines::calm(texts::of_restored(&session)));
+                .log_now(&|| log_lines::calm(texts::of_restored(&session)));
         }
         self.offer.set(Offer::None);
     }

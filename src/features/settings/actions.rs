@@ -57,10 +57,8 @@ impl Settings {
             Some(read) => self.take_file(read),
             None => texts::of_refusal(tr!("The file cannot be read. Select it again.")),
         };
-        self.page.log(
-            self.page.now(),
-            log_lines::calm(tr!("Setup: {words}", words)),
-        );
+        self.page
+            .log_now(&|| log_lines::calm(tr!("Setup: {words}", words)));
         words
     }
 
@@ -98,9 +96,8 @@ impl Settings {
 
     /// Handles the result of deleting all data.
     pub(crate) fn was_erased(self, all: bool) {
-        let text = of_erased(all);
-        self.erased.set(text);
-        self.page.log_now(log_lines::calm(text));
+        self.erased.set(of_erased(all));
+        self.page.log_now(&|| log_lines::calm(of_erased(all)));
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{
     model::page::Page,
     ui::{
         drawer::{Drawer, panel_of_drawer},
-        entry,
+        entry, format,
         listener::on_window,
         number_field::NumberField,
         reactive::{dynamic, effect, handler},
@@ -95,7 +95,7 @@ pub(crate) fn SettingsPanel(settings: Settings, install: &'static InstallButton)
         (
             tr!("Speed limit"),
             "speed-limit",
-            "rpm",
+            format::rpm(),
             targets.speed_limit,
             entry::SPEED_LIMIT,
             leaked(move || page.speed_max()),

@@ -84,8 +84,9 @@ fn table_row(line: StopLine) -> String {
         .speed_rpm
         .map_or_else(|| UNKNOWN.to_owned(), |rpm| format::signed(rpm.into()));
     let motor = tr!("Motor {id}", id = line.id);
+    let rpm = format::rpm();
     format!(
-        "<tr><th scope=\"row\">{motor}</th><td class=\"stop-speed\">{speed} rpm</td>\
+        "<tr><th scope=\"row\">{motor}</th><td class=\"stop-speed\">{speed} {rpm}</td>\
          <td class=\"stop-state {class}\">{words}</td></tr>"
     )
 }

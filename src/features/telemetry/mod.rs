@@ -86,7 +86,7 @@ pub(crate) fn Telemetry(readings: Readings) -> impl IntoView {
 
 fn speed(session: &Session, id: MotorId) -> Option<Shown> {
     let reading = session.speed(id)?;
-    let shown = Shown::new(&reading, format::speed(reading.value), "rpm");
+    let shown = Shown::new(&reading, format::speed(reading.value), format::rpm());
     Some(shown.with_detail(mirrored(session, id)))
 }
 

@@ -78,7 +78,7 @@ impl Values {
     /// `−60 rpm`; a dash for an unknown value.
     pub(crate) fn text(&self, trace: Trace) -> String {
         let text = match trace {
-            Trace::Speed => self.speed.map(|it| format!("{} rpm", format::speed(it))),
+            Trace::Speed => self.speed.map(format::speed_in_rpm),
             Trace::Current => self.current.map(|it| format!("{} A", format::current(it))),
             Trace::Goal => self.goal.map(format::goal),
             Trace::Temperature => self.temperature.map(|it| format!("{} °C", it.degrees())),

@@ -3,7 +3,10 @@
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Setpoint;
 
-use crate::model::{history::Point, mirror::Mirror};
+use crate::{
+    model::{history::Point, mirror::Mirror},
+    ui::format::rpm,
+};
 
 /// A trace of the graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,9 +91,9 @@ impl Trace {
     }
 
     /// Empty for the goal, which has the unit of its quantity.
-    pub(crate) const fn unit(self) -> &'static str {
+    pub(crate) fn unit(self) -> &'static str {
         match self {
-            Self::Speed => "rpm",
+            Self::Speed => rpm(),
             Self::Current => "A",
             Self::Goal => "",
             Self::Temperature => "°C",

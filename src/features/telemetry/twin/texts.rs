@@ -1,6 +1,9 @@
 //! The texts and figures of the twin.
 
-use motorlink_i18n::{terms::in_language, tr};
+use motorlink_i18n::{
+    terms::{self, in_language},
+    tr,
+};
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
@@ -85,7 +88,7 @@ impl Figures {
     /// `+100 rpm`
     #[must_use]
     pub fn speed_text(self) -> String {
-        self.speed.to_string()
+        terms::speed(self.speed)
     }
 
     /// `66.9°`

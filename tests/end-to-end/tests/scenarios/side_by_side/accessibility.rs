@@ -184,7 +184,9 @@ impl Judge {
             .page
             .evaluate("document.querySelector('.twin-figures').innerText")?;
         assert!(
-            known.as_str().is_some_and(|text| text.contains("rpm")),
+            known
+                .as_str()
+                .is_some_and(|text| text.contains(translated("rpm"))),
             "{known}"
         );
         self.screen("Link, the line dead")?;

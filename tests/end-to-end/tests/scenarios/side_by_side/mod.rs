@@ -12,6 +12,7 @@ mod graph_size;
 mod harness;
 mod harness_measuring;
 mod keys;
+mod language;
 mod limits;
 mod models;
 mod offline;
