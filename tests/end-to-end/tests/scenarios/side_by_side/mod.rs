@@ -21,6 +21,7 @@ mod parts;
 mod phone;
 mod plotting;
 mod raw_frames;
+mod reflow;
 mod scanning;
 mod security;
 mod session;

@@ -1,0 +1,108 @@
+//! Reflow (WCAG 1.4.10): in a window as wide as one of 1280 pixels at 400 % nothing is lost, and nothing has to be
+//! scrolled in two directions. The log, the graph and tables may scroll by themselves.
+
+use anyhow::Result;
+use end_to_end::{Line, Page, View};
+use serde_json::json;
+
+use crate::fixture::{Scenario, open_panel, places::look, spin};
+
+/// A narrow phone, and 1280 x 1024 at 400 %.
+const VIEWS: [View; 2] = [View::window(320, 640), View::window(320, 256)];
+
+/// What is lost: a page, panel or dialog that is wider than its place, a control that cannot be scrolled to or lies
+/// under another element, a text that is cut.
+const LOST: &str = "(() => {
+    const lost = [];
+    const name = (element) => element.getAttribute('aria-label') || element.innerText?.trim() || element.id || element.className;
+    const is_shown = (element) => element.getClientRects().length && element.checkVisibility({ visibilityProperty: true })
+        && !element.closest('[inert], .skip, .brand');
+    const root = document.documentElement;
+    if (root.scrollWidth > innerWidth) lost.push(`the page is ${root.scrollWidth} wide`);
+    for (const element of document.querySelectorAll('body *')) {
+        if (!is_shown(element) || element.closest('.packet-log, .graph-panel, table, .motor-chips, svg')) continue;
+        const style = getComputedStyle(element);
+        const scrolls = ['auto', 'scroll'].includes(style.overflowX);
+        const hides = ['hidden', 'clip'].includes(style.overflowX);
+        if (!scrolls && !hides || element.clientWidth <= 1 || element.scrollWidth <= element.clientWidth + 1) continue;
+        const { right } = element.getBoundingClientRect();
+        const over = [...element.querySelectorAll('*')].filter((child) =>
+            !child.closest('svg') && is_shown(child) && child.getBoundingClientRect().right > right + 1);
+        if (scrolls || over.length || !element.childElementCount)
+            lost.push(`${scrolls ? 'scrolls' : 'cut'}: ${name(element)}: ${over.map(name)}`);
+    }
+    const dialog = document.querySelector('.scrim [role=dialog], .scrim [role=alertdialog], .drawer:not([hidden])');
+    for (const place of [dialog, document.querySelector('.stopped')])
+        if (place && is_shown(place) && place.getBoundingClientRect().top < 0) lost.push(`begins above the window: ${name(place)}`);
+    const controls = 'button, input:not([type=file]), select, textarea, a[href], summary, [tabindex=\"0\"]';
+    for (const control of (dialog ?? document).querySelectorAll(controls)) {
+        if (!is_shown(control) || control.disabled && control.tagName === 'OPTION') continue;
+        const target = control.closest('label, .language, .motor-chip') ?? control;
+        target.scrollIntoView({ block: 'center', inline: 'center' });
+        const { left, top, right, bottom } = target.getBoundingClientRect();
+        const [x, y] = [(left + right) / 2, (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2];
+        const over = document.elementFromPoint(x, y);
+        if (left < -0.5 || right > innerWidth + 0.5) lost.push(`beside the window: ${name(control)}`);
+        else if (!over || !(target.contains(over) || over.contains(target)))
+            lost.push(`${name(control)} is under ${over?.outerHTML.slice(0, 80)}`);
+    }
+    scrollTo(0, 0);
+    return lost;
+})()";
+
+fn nothing_is_lost(page: &Page, view: View, what: &str) -> Result<Vec<String>> {
+    let lost = page.evaluate(LOST)?;
+    Ok(lost
+        .as_array()
+        .into_iter()
+        .flatten()
+        .map(|one| format!("{}x{} {what}: {one}", view.width, view.height))
+        .collect())
+}
+
+#[test]
+fn at_400_percent_nothing_is_lost() -> Result<()> {
+    let scenario = Scenario::connected(Line::with_motors(&[1, 2]))?;
+    let page = &scenario.page;
+    let mut lost = Vec::new();
+    for view in VIEWS {
+        look(page, view)?;
+        lost.extend(nothing_is_lost(page, view, "tour")?);
+    }
+    page.click("button", "Skip the tour")?;
+    for view in VIEWS {
+        look(page, view)?;
+        for tab in ["Velocity", "Current", "Position", "ID Manager", "Raw Hex"] {
+            page.click("tab", tab)?;
+            lost.extend(nothing_is_lost(page, view, tab)?);
+        }
+        page.click("tab", "Velocity")?;
+        for screen in ["Graph", "Log", "Motors", "More", "Drive"] {
+            page.click("button", screen)?;
+            lost.extend(nothing_is_lost(page, view, screen)?);
+            if screen == "Motors" {
+                page.click("button", "Close the panel")?;
+            }
+            if screen == "More" {
+                for panel in ["Link", "Settings"] {
+                    open_panel(page, panel)?;
+                    lost.extend(nothing_is_lost(page, view, panel)?);
+                    page.click("button", "Close the panel")?;
+                }
+                page.click("button", "Help")?;
+                lost.extend(nothing_is_lost(page, view, "Help")?);
+                page.click("button", "Close")?;
+            }
+        }
+    }
+    for view in VIEWS {
+        look(page, view)?;
+        spin(page, "+50", 47..=53)?;
+        page.click("button", "STOP all motors")?;
+        page.wait_for_text("alertdialog", "Stopped", |text| text.contains("0x01"))?;
+        lost.extend(nothing_is_lost(page, view, "Stopped")?);
+        page.click("button", "Release")?;
+    }
+    assert_eq!(json!(lost), json!([]), "\n{}", lost.join("\n"));
+    Ok(())
+}
