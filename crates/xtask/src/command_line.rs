@@ -98,7 +98,8 @@ pub enum Command {
     },
     /// Check the built page with Lighthouse, as a desktop and as a phone
     Lighthouse,
-    /// Make the screenshots: the README's moving picture (`docs`: only this), the installer's, and one of each view
+    /// Make screenshots of every screen, window, theme and language in `target/screenshots`; `docs` and `public`
+    /// renew the README's moving picture and the installer's pictures
     Screenshots {
         /// Arguments of the program that makes them
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -140,6 +140,20 @@ impl Page {
             .map(drop)
     }
 
+    /// Gives it its mouse back.
+    ///
+    /// # Errors
+    ///
+    /// When Chromium does not answer.
+    pub fn untouch(&self) -> Result<()> {
+        self.session
+            .call(
+                "Emulation.setTouchEmulationEnabled",
+                json!({ "enabled": false }),
+            )
+            .map(drop)
+    }
+
     /// Saves the visible part as a PNG file.
     ///
     /// # Errors
@@ -160,16 +174,6 @@ impl Page {
             .quality(80)
             .build();
         self.save(small, file)
-    }
-
-    /// Saves the whole page as a PNG file.
-    ///
-    /// # Errors
-    ///
-    /// When it cannot be taken or written.
-    pub fn screenshot_whole(&self, file: &Path) -> Result<()> {
-        let whole = ScreenshotParams::builder().full_page(true).build();
-        self.save(whole, file)
     }
 
     fn save(&self, params: ScreenshotParams, file: &Path) -> Result<()> {

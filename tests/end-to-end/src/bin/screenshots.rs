@@ -1,8 +1,9 @@
-//! Takes pictures of the page with a virtual motor, in every theme and width, and the README's.
+//! Takes pictures of the page with a virtual motor in every window, theme and language, and the README's.
 //!
-//! `cargo xtask screenshots` builds everything and runs this. The pictures go into `screenshots/`, or the given
-//! directory. The pictures of the manifest go into `public/screenshots/`; with `public` only these are taken. The
-//! animated picture of the README goes into `docs/`; with `docs` only this one is taken.
+//! `cargo xtask screenshots` builds everything and runs this. The pictures go into `target/screenshots/`, or the
+//! given directory; of these, further words choose the pictures with all of them in their names, such as
+//! `target/screenshots phone de`. The pictures of the manifest go into `public/screenshots/`, and the animated
+//! picture of the README goes into `docs/`; with `public` or `docs` only these are taken.
 
 use std::{
     env, fs,
@@ -17,10 +18,9 @@ use end_to_end::{Bench, Line, Page, Scheme, Usb, View, WAIT_MAX, wait_until};
 use motorlink_i18n::{Language, set_language, translated};
 
 fn main() -> ExitCode {
-    let dir = env::args()
-        .nth(1)
-        .map_or_else(|| PathBuf::from("screenshots"), PathBuf::from);
-    match take(&dir) {
+    let mut args = env::args().skip(1);
+    let dir = args.next().unwrap_or_else(|| "target/screenshots".into());
+    match take(Path::new(&dir), args.collect()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("screenshots: {error:#}");
@@ -29,65 +29,39 @@ fn main() -> ExitCode {
     }
 }
 
-fn take(dir: &Path) -> Result<()> {
-    if dir == Path::new("docs") {
-        return spinning(&dir.join("spinning.webp"));
+fn take(dir: &Path, words: Vec<String>) -> Result<()> {
+    match dir.to_str() {
+        Some("docs") => return spinning(&dir.join("spinning.webp")),
+        Some("public") => return for_installer(&dir.join("screenshots")),
+        _ => {}
     }
-    for_installer(Path::new("public/screenshots"))?;
-    if dir == Path::new("public") {
-        return Ok(());
-    }
-    spinning(Path::new("docs/spinning.webp"))?;
     fs::create_dir_all(dir).with_context(|| format!("cannot make {}", dir.display()))?;
-    for (language, schemes) in PICTURES {
-        set_language(*language);
-        for (name, view) in VIEWS {
-            for scheme in *schemes {
-                let prefix = match language {
-                    Language::English => String::new(),
-                    other => format!("{}-", other.key()),
-                };
-                let album = Album {
-                    prefix: dir.join(format!("{prefix}{name}-{}", scheme.name())),
-                    language: *language,
-                };
-                let view = view.with(*scheme);
-                the_desk(&album, view)?;
-                the_panels(&album, view)?;
-                the_tools(&album, view)?;
-            }
+    for language in Language::ALL {
+        set_language(language);
+        let album = Album {
+            dir: dir.to_owned(),
+            language,
+            words: words.clone(),
+        };
+        if album.is_empty() {
+            continue;
         }
+        the_desk(&album)?;
+        the_panels(&album)?;
+        the_tools(&album)?;
     }
     Ok(())
 }
 
 const VIEWS: [(&str, View); 8] = [
-    ("desk", View::DESKTOP),
-    ("laptop", View::window(1366, 657)),
-    ("wide", View::window(1920, 1080)),
-    ("widest", View::window(2560, 1440)),
-    ("tablet", View::TABLET),
-    ("upright", View::window(768, 1024)),
     ("phone", View::PHONE),
     ("sideways", View::window(844, 390)),
-];
-
-/// Shows a screen of a phone; a wide window shows every part at once.
-fn show_screen(page: &Page, view: View, screen: &str) -> Result<()> {
-    if view.is_phone() {
-        page.click("button", translated(screen))?;
-    }
-    Ok(())
-}
-
-/// Every colour scheme in one language, and every language in one scheme: texts and colours are independent.
-const PICTURES: &[(Language, &[Scheme])] = &[
-    (
-        Language::English,
-        &[Scheme::Light, Scheme::Dark, Scheme::Contrast],
-    ),
-    (Language::Chinese, &[Scheme::Light]),
-    (Language::German, &[Scheme::Dark]),
+    ("upright", View::window(768, 1024)),
+    ("tablet", View::TABLET),
+    ("laptop", View::window(1366, 657)),
+    ("desk", View::DESKTOP),
+    ("wide", View::window(1920, 1080)),
+    ("widest", View::window(2560, 1440)),
 ];
 
 /// The two pictures that a browser shows when it offers to install the page.
@@ -96,8 +70,9 @@ fn for_installer(dir: &Path) -> Result<()> {
     for (name, view) in [("wide", View::DESKTOP), ("narrow", View::PHONE)] {
         let bench = Bench::start()?;
         let page = bench.open("/?port=virtual")?;
-        page.look(view)?;
+        look(&page, view)?;
         page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
+        page.click("button", "Skip the tour")?;
         for (button, speed) in [("-50", "50"), ("+100", "100")] {
             page.click("button", button)?;
             page.wait_for_text("output", "Speed", |text| text.contains(speed))?;
@@ -120,6 +95,7 @@ fn spinning(file: &Path) -> Result<()> {
     let page = bench.open("/?port=virtual")?;
     page.look(View::DESKTOP)?;
     page.wait_for_text("output", "Mode", |text| text.contains("elocity"))?;
+    page.click("button", "Skip the tour")?;
     // Something for the graph to show.
     for (button, speed) in [("-50", "50"), ("+100", "100"), ("+50", "50")] {
         page.click("button", button)?;
@@ -132,10 +108,12 @@ fn spinning(file: &Path) -> Result<()> {
     page.record_webp(View::DESKTOP, 960, 24, turn, file)
 }
 
-/// Pictures of one view.
+/// The pictures in one language: `desk-dark-de-spinning.png`.
 struct Album {
-    prefix: PathBuf,
+    dir: PathBuf,
     language: Language,
+    /// What the name of a picture has to contain.
+    words: Vec<String>,
 }
 
 impl Album {
@@ -143,32 +121,88 @@ impl Album {
         format!("/?lang={}", self.language.key())
     }
 
-    fn file(&self, what: &str) -> PathBuf {
-        let file = PathBuf::from(format!("{}-{what}.png", self.prefix.display()));
-        println!("{}", file.display());
-        file
+    /// Whether another language is asked for.
+    fn is_empty(&self) -> bool {
+        let other = |key: &str| key != self.language.key();
+        let is_key = |key: &str| Language::ALL.iter().any(|one| one.key() == key);
+        self.words.iter().any(|word| is_key(word) && other(word))
     }
 
-    fn shot(&self, page: &Page, what: &str) -> Result<()> {
-        page.screenshot(&self.file(what))
+    fn file(&self, view: &str, scheme: Scheme, what: &str) -> Option<PathBuf> {
+        let language = self.language.key();
+        let name = format!("{view}-{}-{language}-{what}", scheme.name());
+        let is_of = |word: &String| name.split('-').any(|part| part == word);
+        let file = self.dir.join(format!("{name}.png"));
+        self.words.iter().all(is_of).then_some(file)
     }
 
-    fn whole(&self, page: &Page, what: &str) -> Result<()> {
-        page.screenshot_whole(&self.file(what))
+    /// What a phone has on one of its screens, and a wide window anyway.
+    fn shot(&self, page: &Page, screen: &str, what: &str) -> Result<()> {
+        self.shot_in(page, screen, what, |_| true)
+    }
+
+    /// The same, in these windows.
+    fn shot_in(
+        &self,
+        page: &Page,
+        screen: &str,
+        what: &str,
+        has_it: impl Fn(View) -> bool,
+    ) -> Result<()> {
+        for (name, view) in VIEWS.into_iter().filter(|(_, view)| has_it(*view)) {
+            for scheme in [Scheme::Light, Scheme::Dark, Scheme::Contrast] {
+                // What high contrast changes does not depend on the language.
+                if scheme == Scheme::Contrast && self.language != Language::English {
+                    continue;
+                }
+                let Some(file) = self.file(name, scheme, what) else {
+                    continue;
+                };
+                look(page, view.with(scheme))?;
+                if view.is_phone() && !screen.is_empty() {
+                    page.click("button", translated(screen))?;
+                }
+                page.evaluate("scrollTo(0, 0)")?;
+                pause(250);
+                println!("{}", file.display());
+                page.screenshot(&file)?;
+            }
+        }
+        look(page, View::DESKTOP)
     }
 }
 
-/// The desk with the built-in virtual motor: empty, driving, stopped, and in its dialogs.
-fn the_desk(album: &Album, view: View) -> Result<()> {
-    let bench = Bench::start()?;
-    let page = bench.open(&album.address())?;
-    page.look(view)?;
-    pause(500);
-    album.shot(&page, "empty")?;
-    page.click("button", translated("Virtual motor"))?;
+/// Shows the page in a window, and on a phone under fingers.
+fn look(page: &Page, view: View) -> Result<()> {
+    if view.is_phone() {
+        page.touch()?;
+    } else {
+        page.untouch()?;
+    }
+    page.look(view)
+}
+
+fn connected(page: &Page) -> Result<()> {
     page.wait_for_text("status", translated("Connection"), |text| {
         text.contains(translated("Connected"))
     })?;
+    page.wait_for_text("output", translated("Mode"), |text| {
+        text.chars().any(char::is_alphabetic)
+    })
+    .map(drop)
+}
+
+/// The desk with the built-in virtual motor: empty, driving, stopped, and in its dialogs.
+fn the_desk(album: &Album) -> Result<()> {
+    let bench = Bench::start()?;
+    let page = bench.open(&album.address())?;
+    page.look(View::DESKTOP)?;
+    pause(500);
+    album.shot(&page, "Drive", "empty")?;
+    page.click("button", translated("Virtual motor"))?;
+    connected(&page)?;
+    album.shot(&page, "Drive", "tour")?;
+    page.click("button", translated("Skip the tour"))?;
     // Something for the graph to show.
     for (button, speed) in [
         ("-50", "50"),
@@ -180,69 +214,57 @@ fn the_desk(album: &Album, view: View) -> Result<()> {
         page.wait_for_text("output", translated("Speed"), |text| text.contains(speed))?;
         pause(2_000);
     }
-    album.shot(&page, "spinning")?;
-    album.whole(&page, "spinning-whole")?;
+    album.shot(&page, "Drive", "spinning")?;
+    for screen in ["Graph", "Log", "More"] {
+        let what = screen.to_lowercase();
+        album.shot_in(&page, screen, &what, View::is_phone)?;
+    }
+    page.click("button", translated("Expand"))?;
+    album.shot_in(&page, "", "expanded", |view| !view.is_phone())?;
+    page.click("button", translated("Shrink"))?;
     page.press("Escape")?;
     pause(800);
-    album.shot(&page, "stopped")?;
+    album.shot(&page, "", "stopped")?;
     page.click("button", translated("Release"))?;
     for tab in ["Current", "Position"] {
         page.click("tab", translated(tab))?;
-        pause(300);
-        album.shot(&page, &tab.to_lowercase())?;
-    }
-    if view.is_phone() {
-        for screen in ["Graph", "Log", "Motors", "More"] {
-            show_screen(&page, view, screen)?;
-            pause(500);
-            album.shot(&page, &screen.to_lowercase())?;
-        }
-    } else {
-        page.click("button", translated("Expand"))?;
-        pause(500);
-        album.shot(&page, "expanded")?;
-        page.click("button", translated("Shrink"))?;
+        album.shot(&page, "Drive", &tab.to_lowercase())?;
     }
     page.click("button", translated("Help"))?;
-    pause(300);
-    album.shot(&page, "help")
+    album.shot(&page, "", "help")
 }
 
 /// The panels of the drawer, with the virtual motor.
-fn the_panels(album: &Album, view: View) -> Result<()> {
+fn the_panels(album: &Album) -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open(&album.address())?;
-    page.look(view)?;
+    page.look(View::DESKTOP)?;
     page.click("button", translated("Virtual motor"))?;
-    page.wait_for_text("status", translated("Connection"), |text| {
-        text.contains(translated("Connected"))
-    })?;
+    connected(&page)?;
+    page.click("button", translated("Skip the tour"))?;
+    page.click("button", "+100")?;
     for panel in ["Drive together", "Link", "Settings"] {
-        show_screen(&page, view, "More")?;
         page.click("button", translated(panel))?;
         pause(500);
-        album.shot(&page, &panel.to_lowercase().replace(' ', "-"))?;
+        album.shot(&page, "", &panel.to_lowercase().replace(' ', "_"))?;
         page.click("button", translated("Close the panel"))?;
     }
     Ok(())
 }
 
-/// The tools with three motors on the bus.
-fn the_tools(album: &Album, view: View) -> Result<()> {
+/// The tools with four motors on the bus.
+fn the_tools(album: &Album) -> Result<()> {
     let bench = Bench::start()?;
-    let _adapter = bench.plug(Line::with_motors(&[1, 2, 7]), Usb::default())?;
+    let _adapter = bench.plug(Line::with_motors(&[1, 2, 3, 7]), Usb::default())?;
     let page = bench.open(&album.address())?;
-    page.look(view)?;
+    page.look(View::DESKTOP)?;
     page.click("button", translated("Connect"))?;
-    page.wait_for_text("status", translated("Connection"), |text| {
-        text.contains(translated("Connected"))
-    })?;
+    connected(&page)?;
     page.click("tab", translated("ID Manager"))?;
     page.click("button", translated("Full scan"))?;
     page.wait_for_text("list", translated("Motors found"), |text| {
         text.contains("0x07")
     })?;
-    album.shot(&page, "scanning")?;
     wait_until("the end of the scan", WAIT_MAX, || {
         let cancel = page.find("button", translated("Cancel"))?;
         Ok(if cancel.disabled {
@@ -251,8 +273,7 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
             Err("it goes on".to_owned())
         })
     })?;
-    pause(300);
-    album.shot(&page, "id-manager")?;
+    album.shot(&page, "Drive", "id_manager")?;
     page.click("tab", translated("Raw Hex"))?;
     page.find("textbox", translated("Frame bytes"))?
         .type_over("01 74 00 00 00 00 00 00 00")?;
@@ -267,7 +288,10 @@ fn the_tools(album: &Album, view: View) -> Result<()> {
             Err(answer)
         })
     })?;
-    album.shot(&page, "raw-hex")
+    album.shot(&page, "Drive", "raw_hex")?;
+    page.click("button", translated("Drive together"))?;
+    pause(500);
+    album.shot(&page, "", "four_motors")
 }
 
 /// Waits until animations have ended.
