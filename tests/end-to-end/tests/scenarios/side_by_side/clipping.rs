@@ -5,7 +5,10 @@ use end_to_end::{Bench, View};
 use motorlink_i18n::{Language, set_language, translated};
 use serde_json::json;
 
-use crate::fixture::places::{LANDSCAPE, LAPTOP, WIDE, look};
+use crate::fixture::{
+    open_panel,
+    places::{LANDSCAPE, LAPTOP, READ_OUTS, WIDE, in_sight, look},
+};
 
 /// Fields and buttons whose text is wider than they are, or that end beyond their row.
 const CUT: &str = "(() => {
@@ -23,7 +26,7 @@ const CUT: &str = "(() => {
             : element.tagName === 'BUTTON' ? element.innerText : '';
         // The arrow of a list.
         const rest = element.tagName === 'SELECT' ? 18 : 0;
-        const row = element.closest('.loop-head');
+        const row = element.closest('.loop-head') ?? element.closest('.control-panel');
         const over = row && element.getBoundingClientRect().right > row.getBoundingClientRect().right + 0.5;
         if (over || width(element, text) + rest > element.clientWidth + 0.5) cut.push(text);
     }
@@ -42,7 +45,7 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
         page.find_like("img", translated("Speed and current"))?;
         for view in [View::PHONE, View::TABLET, LAPTOP, View::DESKTOP] {
             look(&page, view)?;
-            for tab in ["Velocity", "Current", "Position"] {
+            for tab in ["Velocity", "Current", "Position", "ID Manager", "Raw Hex"] {
                 page.click("tab", translated(tab))?;
                 if tab == "Position" {
                     page.fill("spinbutton", translated("Target angle"), "270")?;
@@ -52,6 +55,27 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
             }
         }
     }
+    set_language(Language::English);
+    Ok(())
+}
+
+/// Counts that are wider than their place.
+const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words span, .entries span')]
+    .filter((words) => words.scrollWidth > words.clientWidth + 1).map((words) => words.textContent)";
+
+#[test]
+fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
+    set_language(Language::German);
+    let bench = Bench::start()?;
+    let page = bench.open("/?port=virtual&lang=de")?;
+    page.find("button", translated("Skip the tour"))?;
+    page.find_like("img", translated("Speed and current"))?;
+    look(&page, View::DESKTOP)?;
+    open_panel(&page, translated("Drive together"))?;
+    for (role, name) in READ_OUTS {
+        in_sight(&page, View::DESKTOP, role, translated(name))?;
+    }
+    assert_eq!(page.evaluate(CUT_COUNTS)?, json!([]));
     set_language(Language::English);
     Ok(())
 }
