@@ -10,9 +10,11 @@ use crate::model::{
     tab::Tab,
 };
 
-/// The model that the page shows.
+/// The model that the page shows. While a port is being opened, the worker tries several.
 pub(crate) fn shown(session: &Session, chosen: Model) -> Model {
-    session.line.map_or(chosen, |line| line.model)
+    let is_open = matches!(session.connection, Connection::Connected(_));
+    let line = session.line.filter(|_| is_open);
+    line.map_or(chosen, |line| line.model)
 }
 
 /// The model that becomes the chosen one, because motors have answered as it.
@@ -119,6 +121,9 @@ mod tests {
         let open = line(Model::Ddsm400, false);
         assert_eq!(shown(&open, Model::Ddsm210), Model::Ddsm400);
         assert_eq!(shown(&Session::default(), Model::Ddsm210), Model::Ddsm210);
+        let mut on_trial = open;
+        on_trial.connection = Connection::Connecting;
+        assert_eq!(shown(&on_trial, Model::Ddsm210), Model::Ddsm210);
     }
 
     #[test]

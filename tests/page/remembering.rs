@@ -1,10 +1,10 @@
 //! What the browser remembers.
 
-use motorlink::{Model, Preferences, Theme};
+use motorlink::{Preferences, Theme};
 use motorlink_messages::{
     UsbId,
     bus::{CommandRate, Limits},
-    protocol::MotorId,
+    protocol::{MotorId, family::Model},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
@@ -14,7 +14,8 @@ use crate::bench::{Bench, document};
 async fn what_is_saved_is_there_after_a_reload() {
     let chosen = Preferences {
         motor: MotorId::new(7).unwrap(),
-        model: Model::Ddsm115,
+        model: Model::Ddsm400,
+        detect_model: false,
         adapter: Some(UsbId {
             vendor: 0x1A86,
             product: 0x7523,

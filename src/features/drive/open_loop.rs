@@ -77,7 +77,7 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
             marks=marks(["−100 %", "0", "+100 %"])
             on_edit=move || drive.adjust(MODE)
         />
-        <p class="open-loop-warning">
+        <p class="reason">
             {tr!(
                 "No controller limits the speed: a wheel without load gets fast even at a small share. \
                  Begin with 10 %."
