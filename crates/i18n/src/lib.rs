@@ -14,6 +14,7 @@
 //! assert_eq!(tr!("Help"), "Hilfe");
 //! ```
 
+pub mod family_terms;
 mod language;
 mod table;
 pub mod terms;

@@ -181,7 +181,7 @@ fn received(reply: &Reply) -> String {
     said
 }
 
-fn no_request(error: RequestError) -> String {
+pub(crate) fn no_request(error: RequestError) -> String {
     match error {
         RequestError::BadCrc { expected, found } => bad_crc(expected, found),
         RequestError::BadId(error) => uncapped(no_motor_id(error)),
@@ -197,7 +197,7 @@ fn no_request(error: RequestError) -> String {
     }
 }
 
-fn no_reply(error: ReplyError) -> String {
+pub(crate) fn no_reply(error: ReplyError) -> String {
     match error {
         ReplyError::BadCrc { expected, found } => bad_crc(expected, found),
         ReplyError::BadId(error) => uncapped(no_motor_id(error)),

@@ -3,7 +3,10 @@
 use motorlink_i18n::tr;
 use std::fmt::Write;
 
-use motorlink_messages::protocol::{FRAME_LEN, Frame, Request, RequestError};
+use motorlink_messages::protocol::{
+    FRAME_LEN, Frame, RequestError,
+    family::{self, Model},
+};
 
 use crate::{
     features::raw::editor::{Entered, Outcome, Piece, SET_ID, SWITCH_MODE, Tenth},
@@ -17,7 +20,8 @@ const QUERY: u8 = 0x74;
 const SHOWN_MAX: usize = 4;
 
 /// The meaning of each byte, by the type of the frame.
-fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
+fn labels(bytes: &[Piece], model: Model) -> [&'static str; FRAME_LEN] {
+    let is_separate = model.has_separate_frames();
     let byte = |place: usize| match bytes.get(place) {
         Some(Piece::Byte(byte)) => Some(*byte),
         _ => None,
@@ -33,7 +37,7 @@ fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
             tr!("zero" as "byte"),
             tr!("zero" as "byte"),
             tr!("zero" as "byte"),
-            tr!("no CRC"),
+            if is_separate { "CRC" } else { tr!("no CRC") },
         ];
     }
     match byte(1) {
@@ -46,6 +50,18 @@ fn labels(bytes: &[Piece]) -> [&'static str; FRAME_LEN] {
             tr!("zero" as "byte"),
             tr!("accel" as "byte"),
             tr!("brake" as "byte"),
+            tr!("zero" as "byte"),
+            "CRC",
+        ],
+        Some(SWITCH_MODE) if is_separate => [
+            "ID",
+            tr!("command" as "byte"),
+            tr!("mode" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
+            tr!("zero" as "byte"),
             tr!("zero" as "byte"),
             "CRC",
         ],
@@ -95,12 +111,16 @@ pub(crate) fn cells(entered: &Entered) -> String {
         Outcome::Frame { frame, tenth } => {
             let [.., last] = frame.bytes();
             let added = matches!(tenth, Tenth::CrcAdded | Tenth::ZeroAdded).then_some(*last);
-            (place_of_doubt(frame), Some(*tenth), added)
+            let doubt = place_of_doubt(frame, entered.model());
+            (doubt, Some(*tenth), added)
         }
         _ => (None, None, None),
     };
     let mut html = String::new();
-    for (place, label) in labels(entered.pieces()).into_iter().enumerate() {
+    for (place, label) in labels(entered.pieces(), entered.model())
+        .into_iter()
+        .enumerate()
+    {
         let piece = entered.pieces().get(place);
         let (mut class, mut label) = ("", label);
         let mut text = match piece {
@@ -140,9 +160,13 @@ pub(crate) fn cells(entered: &Entered) -> String {
 }
 
 /// The index, from 0, of the byte with a value that the motor does not know.
-fn place_of_doubt(frame: &Frame) -> Option<usize> {
+fn place_of_doubt(frame: &Frame, model: Model) -> Option<usize> {
+    let error = match family::Request::parse(model, frame).err()? {
+        family::RequestError::Frame(error) => error,
+        family::RequestError::Mode { .. } => return Some(2),
+    };
     let is_set_id = frame.bytes().starts_with(&SET_ID);
-    Some(match Request::parse(frame).err()? {
+    Some(match error {
         RequestError::NotZero { place } => place,
         RequestError::BadId(_) if is_set_id => 3,
         RequestError::BadId(_) => 0,
@@ -242,7 +266,7 @@ mod tests {
             ("AA 55 53 FF 00 00 00 00 00 00", Some(3)),
         ] {
             let frame = Entered::read(text).frame().unwrap();
-            assert_eq!(place_of_doubt(&frame), place, "{text}");
+            assert_eq!(place_of_doubt(&frame, Model::Ddsm115), place, "{text}");
         }
     }
 }

@@ -6,15 +6,16 @@
 //! | digits without separators | `017400000000000000`, `0x017400000000000000` |
 //! | a line of the packet log | `13:15:36.962 TX 0x01 01 64 00 64 00 00 00 00 00 4F drive +100 rpm` |
 //!
-//! Anything but two hex digits is an error at its byte and is never skipped. Bytes are counted from 0, as in every
-//! table of the protocol.
+//! Anything but two hex digits is an error at its byte and is never skipped. Bytes are counted from 0.
 
-use motorlink_messages::protocol::{FRAME_LEN, Frame};
+use motorlink_messages::protocol::{FRAME_LEN, Frame, family::Model};
 
 /// The content of the textbox, byte by byte: at most one more than a frame has.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entered {
     pieces: Vec<Piece>,
+    /// Whose frame it is to be, which decides the last byte.
+    model: Model,
 }
 
 /// The text of one byte.
@@ -121,6 +122,18 @@ impl Entered {
         entered
     }
 
+    /// The same bytes, for motors of this model.
+    #[must_use]
+    pub fn for_model(self, model: Model) -> Self {
+        Self { model, ..self }
+    }
+
+    /// Whose frame it is.
+    #[must_use]
+    pub fn model(&self) -> Model {
+        self.model
+    }
+
     /// The pieces, one per byte.
     #[must_use]
     pub fn pieces(&self) -> &[Piece] {
@@ -146,10 +159,14 @@ impl Entered {
             let frame = Frame::new(bytes);
             return Outcome::Frame {
                 frame,
-                tenth: typed_tenth(&frame),
+                tenth: typed_tenth(&frame, self.model),
             };
         }
         match <[u8; FRAME_LEN - 1]>::try_from(bytes.as_slice()) {
+            Ok(body) if self.model.has_separate_frames() => Outcome::Frame {
+                frame: Frame::with_crc(body),
+                tenth: Tenth::CrcAdded,
+            },
             Ok(body) => without_tenth(body),
             Err(_) => Outcome::TooFew(bytes.len()),
         }
@@ -257,11 +274,13 @@ fn without_tenth(body: [u8; FRAME_LEN - 1]) -> Outcome {
     }
 }
 
-fn typed_tenth(frame: &Frame) -> Tenth {
+fn typed_tenth(frame: &Frame, model: Model) -> Tenth {
     let bytes = frame.bytes();
-    if bytes.starts_with(&SET_ID) {
+    // Every separate frame has a CRC.
+    let has_crc = model.has_separate_frames();
+    if bytes.starts_with(&SET_ID) && !has_crc {
         Tenth::NoCrc
-    } else if bytes.get(1) == Some(&SWITCH_MODE) {
+    } else if bytes.get(1) == Some(&SWITCH_MODE) && !has_crc {
         Tenth::Loop
     } else if frame.crc_holds() {
         Tenth::Crc

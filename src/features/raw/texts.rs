@@ -2,13 +2,15 @@
 
 use crate::{
     features::raw::editor::{Entered, Outcome, Piece, Tenth, Why},
-    model::terms,
     ui::format,
 };
-use motorlink_i18n::tr;
+use motorlink_i18n::{family_terms, tr};
 use motorlink_messages::{
     bus::{RawAnswer, RawStatus, unassignable_id},
-    protocol::{Frame, Mode, MotorId, Request, explain_received, explain_sent},
+    protocol::{
+        Frame, Mode, MotorId,
+        family::{Model, Request},
+    },
 };
 
 /// Characters that are quoted of an invalid byte.
@@ -37,7 +39,7 @@ pub(crate) fn meaning(entered: &Entered, chosen: Option<(MotorId, Mode)>) -> Str
             Some(Piece::Wrong { text, why }) => what_is_wrong(place, text, *why),
             _ => String::new(),
         },
-        Outcome::Frame { frame, tenth } => said(&frame, tenth, chosen),
+        Outcome::Frame { frame, tenth } => said(&frame, tenth, chosen, entered.model()),
     }
 }
 
@@ -59,11 +61,11 @@ fn what_is_wrong(place: usize, text: &str, why: Why) -> String {
     tr!("Byte {place}: “{text}” {why}.", place, text, why)
 }
 
-fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>) -> String {
-    let request = Request::parse(frame);
+fn said(frame: &Frame, tenth: Tenth, chosen: Option<(MotorId, Mode)>, model: Model) -> String {
+    let request = Request::parse(model, frame);
     let to = request.ok().and_then(|request| request.addressee());
     let mode = chosen.filter(|(id, _)| Some(*id) == to);
-    let meaning = terms::explained(explain_sent(frame, mode.map(|(_, mode)| mode)));
+    let meaning = family_terms::sent(model, frame, mode.map(|(_, mode)| mode));
     let mut words = match to {
         Some(id) => tr!("To motor {id}: {meaning}.", id, meaning),
         None => format!("{}.", format::capitalized(&meaning)),
@@ -117,7 +119,7 @@ pub(crate) fn sent(raw: &RawStatus) -> String {
 }
 
 /// The reply to the last frame.
-pub(crate) fn answer(raw: &RawStatus) -> String {
+pub(crate) fn answer(raw: &RawStatus, model: Model) -> String {
     match raw.last {
         None => String::new(),
         Some(RawAnswer::Reply {
@@ -131,7 +133,7 @@ pub(crate) fn answer(raw: &RawStatus) -> String {
                 frame,
                 from = format!("0x{from:02X}"),
                 ms = format::milliseconds(after_us),
-                meaning = terms::explained(explain_received(&frame, asked))
+                meaning = family_terms::received(model, &frame, asked)
             )
         }
         Some(RawAnswer::Garbled) => {
@@ -201,6 +203,32 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_for_another_model_is_said_in_its_units_and_always_has_a_crc() {
+        let words = |text| {
+            let entered = Entered::read(text).for_model(Model::Ddsm400);
+            meaning(&entered, Some((ID, Mode::Velocity)))
+        };
+        for (text, wanted) in [
+            (
+                "01 64 01 F4 00 00 00 00 00",
+                "To motor 0x01: drive +50 rpm.",
+            ),
+            (
+                "01 A0 02 00 00 00 00 00 00",
+                "To motor 0x01: switch to the velocity loop.",
+            ),
+            ("01 A0 08 00 00 00 00 00 00 6F", "To motor 0x01: enable."),
+            ("AA 55 53 05 00 00 00 00 00", "Set ID 0x05 on all motors."),
+            (
+                "01 A0 02 00 00 00 00 00 00 02",
+                "CRC 02, expected E4. The frame is sent unchanged.",
+            ),
+        ] {
+            assert_eq!(words(text), wanted);
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_said_with_its_byte_and_characters() {
         for (text, wanted) in [
             ("01 74 0G", "Byte 2: “0G” is not hex"),
@@ -243,7 +271,7 @@ mod tests {
             asked: Some(Layout::Query),
             after_us: 2_430,
         };
-        let words = answer(&status(query, 1, reply));
+        let words = answer(&status(query, 1, reply), Model::Ddsm115);
         assert!(
             words.starts_with("01 02 00 0A 00 00 20 F6 00 4A\nFrom 0x01 after 2.5 ms: "),
             "{words}"
@@ -252,13 +280,16 @@ mod tests {
 
         let silence = RawAnswer::Silence { waited_us: 8_000 };
         assert_eq!(
-            answer(&status(query, 1, silence)),
+            answer(&status(query, 1, silence), Model::Ddsm115),
             "No reply within 8.0 ms."
         );
         let switch = "01 A0 00 00 00 00 00 00 00 02";
         let unanswered = RawAnswer::NoneExpected;
-        assert!(answer(&status(switch, 1, unanswered)).contains("gets no reply"));
-        assert!(answer(&status(query, 1, RawAnswer::Garbled)).contains("no valid reply"));
+        assert!(answer(&status(switch, 1, unanswered), Model::Ddsm115).contains("gets no reply"));
+        assert!(
+            answer(&status(query, 1, RawAnswer::Garbled), Model::Ddsm115)
+                .contains("no valid reply")
+        );
     }
 
     #[test]

@@ -30,7 +30,10 @@ use crate::{
 
 #[component]
 pub(crate) fn RawHexTab(raw: Raw) -> impl IntoView {
-    let entered = memo(move || raw.text.with(|text| Entered::read(text)));
+    let entered = memo(move || {
+        let entered = raw.text.with(|text| Entered::read(text));
+        entered.for_model(raw.page.model.get())
+    });
     tab_panel(
         Tab::RawHex.key(),
         move || raw.page.loops.tab.get() != Tab::RawHex,
@@ -199,7 +202,7 @@ fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             .filter(|last| last.running || frame == Some(last.frame))
     });
     let sent = memo(move || shown.get().map(|last| texts::sent(&last)));
-    let answer = memo(move || shown.get().map(|last| texts::answer(&last)));
+    let answer = memo(move || shown.get().map(|last| texts::answer(&last, page.model.get())));
     let not_sent = move || refused.with(Option::is_some);
     let title = move || {
         if not_sent() {
