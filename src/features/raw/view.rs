@@ -202,7 +202,11 @@ fn Answer(raw: Raw, entered: Memo<Entered>) -> impl IntoView {
             .filter(|last| last.running || frame == Some(last.frame))
     });
     let sent = memo(move || shown.get().map(|last| texts::sent(&last)));
-    let answer = memo(move || shown.get().map(|last| texts::answer(&last, page.model.get())));
+    let answer = memo(move || {
+        shown
+            .get()
+            .map(|last| texts::answer(&last, page.model.get()))
+    });
     let not_sent = move || refused.with(Option::is_some);
     let title = move || {
         if not_sent() {
