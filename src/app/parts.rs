@@ -27,6 +27,7 @@ use crate::{
         packet_log::PacketLog,
         raw::view::RawHexTab,
         recording::Recording,
+        rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
         settings::panel::{InstallButton, SettingsPanel},
     },
@@ -35,7 +36,7 @@ use crate::{
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// The rest of the main view: notices, motor strip, the other loops' tabs, packet log, graph, recording, the
+    /// The rest of the main view: the rover, notices, motor strip, the other loops' tabs, packet log, graph, recording, the
     /// tab bar of a phone, questions.
     Desk,
     /// ID manager, raw frames and the panels of the drawer.
@@ -99,6 +100,10 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || view! { <CurrentTab drive=features.drive /> }),
     hosts.mount(move || view! { <PositionTab drive=features.drive /> }),
     hosts.mount(move || view! { <OpenLoopTab drive=features.drive /> }),
+    {
+        let rover = Rover::of_page(&hosts.owner, features.page);
+        hosts.mount(move || view! { <RoverPanel rover /> })
+    },
     hosts.mount(move || notices(features)),
     hosts.mount(move || view! { <PacketLog log=features.log /> }),
     hosts.mount(move || view! { <Graph chart=features.chart /> }),
@@ -114,7 +119,13 @@ in_part!(tools: fn mount_tools(hosts, features) [
     hosts.mount(move || {
         view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
     }),
-    hosts.mount(move || view! { <TogetherPanel groups=features.groups /> }),
+    {
+        let rover = Rover::of_page(&hosts.owner, features.page);
+        hosts.mount(move || {
+            let measures = view! { <GeometryFields rover /> };
+            view! { <TogetherPanel groups=features.groups measures /> }
+        })
+    },
     hosts.mount(move || settings_panel(features)),
 ]);
 

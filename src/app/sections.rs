@@ -121,6 +121,8 @@ pub(crate) const SECTIONS: [(Place, Section); 22] = [
             )
         }),
     ),
+    // In the place of the wheel.
+    (Place::Desk, Section::Later(Part::Desk, Frame::Nothing)),
     (
         Place::Desk,
         Section::Later(Part::Desk, Frame::Panel("panel notices")),

@@ -8,6 +8,7 @@ pub(crate) mod drive_settings;
 pub(crate) mod governor;
 pub(crate) mod graph_height;
 pub(crate) mod guards;
+pub(crate) mod heat;
 pub(crate) mod help_topic;
 pub(crate) mod history;
 pub(crate) mod keys;

@@ -62,7 +62,8 @@ const PARTS: [Part; 14] = [
     part("style", When::First, &["style-"], 11_500),
     part("worker", When::Driving, &["worker-"], 86_000),
     part("later style", When::Behind, &["later-style-"], 9_000),
-    part("desk", When::Behind, &["desk"], 105_000),
+    // 15,000 of them are the rover from above.
+    part("desk", When::Behind, &["desk"], 107_500),
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_000),
     part("shared", When::Behind, &["chunk"], 24_000),
@@ -107,8 +108,8 @@ pub const DRIVING_GZIP_BYTES_MAX: usize = 340_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. 4,000 of it are for a log whose clearing can be undone
 /// and a graph that is resized.
-/// The recorder translates the messages of the log.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 617_000;
+/// The recorder translates the messages of the log. The rover from above takes 20,000, the frames of four models 15,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 660_000;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

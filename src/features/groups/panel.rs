@@ -40,7 +40,11 @@ fn rows_markup() -> String {
 
 /// Panel `Drive together`.
 #[component]
-pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
+pub(crate) fn TogetherPanel<M: IntoView + 'static>(
+    groups: Groups,
+    /// The measures of the vehicle, which another feature uses.
+    measures: M,
+) -> impl IntoView {
     let page = groups.page;
     let blocked = memo(move || {
         let members = page.motors.names.with(NamesAndSides::group_members);
@@ -93,6 +97,7 @@ pub(crate) fn TogetherPanel(groups: Groups) -> impl IntoView {
                     />
                 </div>
                 <div inner_html=pad_view::markup()></div>
+                {measures}
             </div>
         },
     )

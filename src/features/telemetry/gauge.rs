@@ -3,37 +3,9 @@
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Celsius;
 
-/// Above this the winding counts as warm.
-const WARM_FROM: u8 = 70;
-/// At this temperature the motor's own protection trips: `Fault::OverTemperature`.
-const HOT_FROM: u8 = 80;
-
-/// How warm the winding is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Band {
-    Normal,
-    Warm,
-    Hot,
-}
+use crate::model::heat::Band;
 
 impl Band {
-    pub(crate) const fn of(temperature: Celsius) -> Self {
-        match temperature.degrees() {
-            0..WARM_FROM => Self::Normal,
-            WARM_FROM..HOT_FROM => Self::Warm,
-            HOT_FROM.. => Self::Hot,
-        }
-    }
-
-    /// Its class.
-    pub(crate) const fn key(self) -> &'static str {
-        match self {
-            Self::Normal => "normal",
-            Self::Warm => "warm",
-            Self::Hot => "hot",
-        }
-    }
-
     /// The advice, in lines, with the limit of Settings.
     pub(crate) fn words(self, limit_c: u16) -> String {
         let limit = tr!("limit {limit_c} °C", limit_c);
@@ -66,6 +38,7 @@ pub(crate) const MARKUP: &str = concat!(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::heat::{HOT_FROM, WARM_FROM};
 
     #[test]
     fn amber_begins_at_70_and_red_at_80() {

@@ -8,14 +8,14 @@ use web_sys::Element;
 use crate::{
     features::telemetry::{
         angle_dial::Sweep,
-        gauge::{self, Band},
+        gauge,
         readings::Readings,
         recent::{Recent, Report},
         scale::Scale,
         sparkline::{self, COLUMN_WIDTH, HALF_HEIGHT},
         twin::{Drawn, TwinFeed},
     },
-    model::mirror::Mirror,
+    model::{heat::Band, mirror::Mirror},
     ui::{attribute::Attribute, clock::page_now_ms, reactive::effect},
 };
 

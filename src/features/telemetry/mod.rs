@@ -21,12 +21,12 @@ use motorlink_messages::protocol::{Faults, MotorId};
 
 use self::{
     fault_record::FaultRecord,
-    gauge::Band,
     read_out::{ReadOut, Shown},
 };
 use crate::{
     features::telemetry::{readings::Readings, twin::TwinFeed},
     model::{
+        heat::Band,
         snapshot::{Angle, Reading, Session},
         terms::loop_name,
     },

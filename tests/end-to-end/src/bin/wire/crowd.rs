@@ -28,8 +28,8 @@ pub fn line(motors: u8) -> Line {
     }
 }
 
-/// Scans for `found` motors and drives the first `driven` of them together.
-pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
+/// Scans until `found` motors are known.
+pub fn scan(page: &Page, found: u8) -> Result<()> {
     page.click("tab", "ID Manager")?;
     // If several motors answered at once, a notice has such a button, too.
     let scan = page.find_all("button", "Full scan")?.pop();
@@ -37,6 +37,12 @@ pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
     page.wait_for_text("status", "Scan result", |text| {
         text.contains(&format!("{found} motors"))
     })?;
+    Ok(())
+}
+
+/// Scans for `found` motors and drives the first `driven` of them together.
+pub fn drive(page: &Page, found: u8, driven: u8) -> Result<()> {
+    scan(page, found)?;
     page.click("button", "Drive together")?;
     for id in 1..=driven {
         page.click("checkbox", &format!("Drive 0x{id:02X}"))?;
@@ -71,7 +77,7 @@ fn six(watched: Duration) -> Result<()> {
 }
 
 /// Prints a row with the result whether each of these motors is driven at 50 Hz.
-fn held(
+pub fn held(
     figure: &str,
     must: &str,
     wire: &WireLog,

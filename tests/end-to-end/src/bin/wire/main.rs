@@ -1,7 +1,8 @@
 //! Measures how much of the bus capacity the page uses, with one motor and with many, and its cost. Prints a table.
 //!
 //! `cargo xtask bench` builds everything and runs this after `instruments`. `--seconds N` sets the duration of each
-//! measurement, and `--only bare`, `rates`, `crowd`, `load`, `drawing`, `models`, `stop`, `stall` or `heap` measures a part.
+//! measurement, and `--only bare`, `rates`, `crowd`, `rover`, `load`, `drawing`, `models`, `stop`, `stall` or `heap`
+//! measures a part.
 //! The heap is measured ten times as long, and the graph of `stop` fills for five times as long.
 
 mod bare;
@@ -11,6 +12,7 @@ mod driving;
 mod load;
 mod models;
 mod rates;
+mod rover;
 mod stall;
 mod stop;
 
@@ -22,8 +24,8 @@ use end_to_end::{Page, figures::Table};
 /// Duration of each measurement.
 const WATCHED_S: u64 = 60;
 
-const PARTS: [&str; 9] = [
-    "bare", "rates", "crowd", "load", "drawing", "models", "stop", "stall", "heap",
+const PARTS: [&str; 10] = [
+    "bare", "rates", "crowd", "rover", "load", "drawing", "models", "stop", "stall", "heap",
 ];
 
 fn main() -> ExitCode {
@@ -55,7 +57,7 @@ fn wanted() -> Result<Wanted> {
             }
             ("--only", Some(part)) if PARTS.contains(&part.as_str()) => wanted.only = Some(part),
             _ => bail!(
-                "usage: wire [--seconds N] [--only bare|rates|crowd|load|drawing|models|stop|stall|heap]"
+                "usage: wire [--seconds N] [--only bare|rates|crowd|rover|load|drawing|models|stop|stall|heap]"
             ),
         }
     }
@@ -72,6 +74,7 @@ fn measure(wanted: &Wanted) -> Result<()> {
             "bare" => bare::measure(wanted.watched),
             "rates" => rates::measure(wanted.watched),
             "crowd" => crowd::measure(wanted.watched),
+            "rover" => rover::measure(wanted.watched),
             "load" => load::measure(wanted.watched),
             "drawing" => drawing::measure(wanted.watched),
             "models" => models::measure(wanted.watched),

@@ -22,6 +22,7 @@ mod phone;
 mod plotting;
 mod raw_frames;
 mod reflow;
+mod rover;
 mod scanning;
 mod security;
 mod session;

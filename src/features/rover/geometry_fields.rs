@@ -1,0 +1,45 @@
+//! The fields of the measures, in the panel `Drive together`.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+
+use crate::{
+    features::rover::{
+        geometry::{RADIUS, TRACK},
+        state::Rover,
+        vehicle::Vehicle,
+    },
+    ui::{
+        number_field::NumberField,
+        reactive::{dynamic, memo},
+    },
+};
+
+/// Fields `Wheel radius` and `Track width`, while the group is a vehicle.
+#[component]
+pub(crate) fn GeometryFields(rover: Rover) -> impl IntoView {
+    let names = rover.page.motors.names;
+    let is_vehicle = memo(move || names.with(|names| Vehicle::of(names).is_some()));
+    view! {
+        <div class="rover-measures" hidden=dynamic(move || !is_vehicle.get())>
+            <NumberField
+                id="wheel-radius"
+                name=tr!("Wheel radius")
+                unit="mm"
+                hint=tr!("For speed and path of the rover.")
+                target=rover.radius
+                entry=RADIUS
+                on_edit=move || rover.measure()
+            />
+            <NumberField
+                id="track-width"
+                name=tr!("Track width")
+                unit="mm"
+                hint=tr!("Between the middles of the tyres.")
+                target=rover.track
+                entry=TRACK
+                on_edit=move || rover.measure()
+            />
+        </div>
+    }
+}

@@ -1,0 +1,99 @@
+//! The motion and the path of the vehicle as text.
+
+use motorlink_i18n::{terms::in_language, tr};
+
+use crate::{features::rover::motion::Motion, ui::format::UNKNOWN};
+
+/// The figures below the drawing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Figures {
+    pub(crate) forward: String,
+    pub(crate) turn: String,
+    pub(crate) driven: String,
+    pub(crate) heading: String,
+    pub(crate) gaps: String,
+}
+
+impl Figures {
+    /// `motion` is `None` while a side is unknown.
+    pub(crate) fn new(motion: Option<Motion>, driven_mm: f64, heading_deg: f64, gaps: u32) -> Self {
+        let speed = |motion: Motion| signed(motion.forward_mm_per_s / 1e3, 2, "m/s");
+        let turn = |motion: Motion| signed(motion.turn_deg_per_s, 0, "°/s");
+        // 359.6 is 0, not 360, and -0.4 is 0, not -0.
+        let heading = (heading_deg.round() + 0.0).rem_euclid(360.0);
+        Self {
+            forward: motion.map_or_else(|| format!("{UNKNOWN} m/s"), speed),
+            turn: motion.map_or_else(|| format!("{UNKNOWN} °/s"), turn),
+            driven: in_language(format!("{:.2} m", driven_mm / 1e3)),
+            heading: format!("{heading:.0}°"),
+            gaps: match gaps {
+                0 => String::new(),
+                1 => tr!("1 gap").to_owned(),
+                gaps => tr!("{gaps} gaps", gaps),
+            },
+        }
+    }
+
+    /// The drawing in words.
+    pub(crate) fn description(&self) -> String {
+        let Self {
+            forward,
+            turn,
+            driven,
+            heading,
+            gaps,
+        } = self;
+        let said = tr!(
+            "Forward {forward}, turn {turn}. Driven {driven}, heading {heading}.",
+            forward,
+            turn,
+            driven,
+            heading
+        );
+        if gaps.is_empty() {
+            said
+        } else {
+            format!("{said} {gaps}.")
+        }
+    }
+}
+
+/// `+0.53 m/s`, `−38 °/s`, `0 °/s`: a value that rounds to zero has no sign.
+fn signed(value: f64, decimals: usize, unit: &str) -> String {
+    let digits = format!("{:.decimals$}", value.abs());
+    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    let sign = match value {
+        _ if is_zero => "",
+        0.0.. => "+",
+        _ => "\u{2212}",
+    };
+    in_language(format!("{sign}{digits} {unit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motion_has_signs_and_what_is_unknown_has_none() {
+        let motion = Motion {
+            forward_mm_per_s: 533.8,
+            turn_deg_per_s: -38.4,
+        };
+        let figures = Figures::new(Some(motion), 3_421.0, 377.6, 0);
+        assert_eq!(
+            figures.description(),
+            "Forward +0.53 m/s, turn \u{2212}38 °/s. Driven 3.42 m, heading 18°."
+        );
+        let still = Figures::new(Some(Motion::default()), 0.0, -0.4, 1);
+        assert_eq!(
+            still.description(),
+            "Forward 0.00 m/s, turn 0 °/s. Driven 0.00 m, heading 0°. 1 gap."
+        );
+        let unknown = Figures::new(None, 0.0, 359.6, 3);
+        assert_eq!(
+            unknown.description(),
+            "Forward – m/s, turn – °/s. Driven 0.00 m, heading 0°. 3 gaps."
+        );
+    }
+}

@@ -1,0 +1,104 @@
+//! Feeds the history of the motors to the odometry, and keeps the path.
+//!
+//! The history has every reply of the last ten minutes. So the path is complete also after the page was hidden and
+//! drew nothing.
+
+use motorlink_messages::protocol::{Detail, Instant};
+
+use crate::{
+    features::rover::{
+        geometry::Geometry,
+        odometry::{Odometer, Pose},
+        path::Path,
+        vehicle::Vehicle,
+        wheel_track::Report,
+    },
+    model::history::{History, Point},
+};
+
+/// The resolution of the angle in a query reply, in degrees. It is cut off, not rounded.
+const COARSE_STEP_DEG: f64 = 360.0 / 255.0;
+
+/// The way of the vehicle since the last reset.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Trip {
+    of: Option<(Vehicle, Geometry)>,
+    odometer: Option<Odometer>,
+    path: Path,
+    /// From when on replies count, on the clock of the history.
+    since: Option<Instant>,
+}
+
+impl Trip {
+    /// Begins anew, from this time on.
+    pub(crate) fn begin(&mut self, vehicle: &Vehicle, geometry: Geometry, now: Instant) {
+        self.odometer = Some(Odometer::new(vehicle, geometry));
+        self.of = Some((vehicle.clone(), geometry));
+        self.path = Path::default();
+        self.since = Some(now);
+    }
+
+    /// Counts the replies that are new. Other wheels or measures begin another path.
+    pub(crate) fn follow(
+        &mut self,
+        vehicle: &Vehicle,
+        geometry: Geometry,
+        history: &History,
+        now: Instant,
+    ) {
+        let same = self
+            .of
+            .as_ref()
+            .is_some_and(|(of, with)| of == vehicle && *with == geometry);
+        if !same {
+            self.begin(vehicle, geometry, now);
+        }
+        let (Some(odometer), Some(since)) = (&mut self.odometer, self.since) else {
+            return;
+        };
+        for (place, wheel) in vehicle.wheels().iter().enumerate() {
+            let Some(track) = history.track(wheel.id) else {
+                continue;
+            };
+            let newest = odometer.newest_us(place).map(Instant::from_micros);
+            let mut before = newest;
+            let (_, new) = track.around(newest.unwrap_or(since));
+            for point in new.filter(|point| Some(point.at) > newest) {
+                let is_gap = before.is_some_and(|before| history.is_gap(before, point.at));
+                odometer.report(place, report(point, is_gap));
+                before = Some(point.at);
+            }
+        }
+        let path = &mut self.path;
+        odometer.advance(|pose, link| path.extend(pose, link));
+    }
+
+    pub(crate) fn pose(&self) -> Pose {
+        self.odometer
+            .as_ref()
+            .map(Odometer::pose)
+            .unwrap_or_default()
+    }
+
+    /// In mm.
+    pub(crate) fn driven_mm(&self) -> f64 {
+        self.odometer.as_ref().map_or(0.0, Odometer::driven_mm)
+    }
+
+    pub(crate) const fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+fn report(point: &Point, is_cut_off: bool) -> Report {
+    let step = match point.detail {
+        Detail::Drive { .. } => 0.0,
+        Detail::Query { .. } | Detail::Undetermined(_) => COARSE_STEP_DEG,
+    };
+    Report {
+        at_us: point.at.as_micros(),
+        angle: point.degrees().map(|degrees| (f64::from(degrees), step)),
+        rpm: f64::from(point.speed.rpm()),
+        is_cut_off,
+    }
+}

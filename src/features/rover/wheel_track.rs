@@ -1,0 +1,143 @@
+//! How far a wheel has rolled, from its replies.
+//!
+//! Between two replies the angle tells the way exactly, as long as the speeds tell the number of turns. Over a gap the
+//! reported speeds bridge it. Over a longer gap nothing is known, and nothing is assumed.
+
+use std::collections::VecDeque;
+
+use crate::ui::mathematics::limited;
+
+/// From so long a time between two replies on, the speeds bridge it: the angle no longer tells the turn where the
+/// speed deviates by 100 rpm for 0.3 s.
+const BRIDGED_OVER_US: u64 = 300_000;
+/// From so long a time on, what the wheel did is unknown. The history draws gaps of the same length.
+pub(crate) const GAP_OVER_US: u64 = 1_000_000;
+
+/// How the way between two moments is known, from worst to best.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Link {
+    /// Not at all.
+    Unknown,
+    /// By the speeds before and after a gap.
+    Bridged,
+    /// By the replies.
+    Known,
+}
+
+/// A reply, as odometry needs it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Report {
+    pub(crate) at_us: u64,
+    /// The angle in degrees, which falls at positive speed, and its resolution.
+    pub(crate) angle: Option<(f64, f64)>,
+    pub(crate) rpm: f64,
+    /// Whether it is the first of a connection.
+    pub(crate) is_cut_off: bool,
+}
+
+/// The way at a moment, in turns at positive speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot {
+    at_us: u64,
+    turns: f64,
+    /// How the way from the knot before is known.
+    link: Link,
+}
+
+/// The way of one wheel.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct WheelTrack {
+    knots: VecDeque<Knot>,
+    last: Option<Report>,
+    turns: f64,
+    /// From the way to the reported angle, in turns.
+    offset: f64,
+}
+
+impl WheelTrack {
+    /// When the last reply was read.
+    pub(crate) fn newest_us(&self) -> Option<u64> {
+        self.last.map(|last| last.at_us)
+    }
+
+    /// Takes a reply. One that is not newer than the last is skipped.
+    pub(crate) fn report(&mut self, report: Report) {
+        let since_us = match self.last {
+            Some(last) if report.at_us <= last.at_us => return,
+            Some(last) => report.at_us - last.at_us,
+            None => u64::MAX,
+        };
+        let link = match since_us {
+            _ if report.is_cut_off => Link::Unknown,
+            ..=BRIDGED_OVER_US => Link::Known,
+            ..=GAP_OVER_US => Link::Bridged,
+            _ => Link::Unknown,
+        };
+        let rpm_before = self.last.map_or(report.rpm, |last| last.rpm);
+        let expected = self.turns + turned(f64::midpoint(rpm_before, report.rpm), since_us);
+        let angle = report
+            .angle
+            .map(|(degrees, step)| (-degrees / 360.0, step / 360.0));
+        match (link, angle) {
+            (Link::Unknown, _) => {}
+            (Link::Known, Some((angle, step))) => {
+                let off = (angle - self.offset - expected + 0.5).rem_euclid(1.0) - 0.5;
+                // A coarse angle only bounds the way.
+                let nearest = expected + off;
+                self.turns = limited(expected, nearest - step, nearest + step);
+            }
+            (Link::Known, None) | (Link::Bridged, _) => self.turns = expected,
+        }
+        if let (Link::Unknown | Link::Bridged, Some((angle, _))) = (link, angle) {
+            self.offset = angle - self.turns;
+        }
+        self.knots.push_back(Knot {
+            at_us: report.at_us,
+            turns: self.turns,
+            link,
+        });
+        self.last = Some(report);
+    }
+
+    /// The turns within a period, and how they are known; `None` if any of it is unknown.
+    pub(crate) fn turns_between(&self, from_us: u64, to_us: u64) -> Option<(f64, Link)> {
+        let mut turns = 0.0;
+        let mut link = Link::Known;
+        let mut covered_us = 0;
+        for (before, after) in self.knots.iter().zip(self.knots.iter().skip(1)) {
+            let (begin, end) = (from_us.max(before.at_us), to_us.min(after.at_us));
+            if begin < end {
+                covered_us += end - begin;
+                link = link.min(after.link);
+                let part = seconds(end - begin) / seconds(after.at_us - before.at_us);
+                turns += part * (after.turns - before.turns);
+            }
+        }
+        (covered_us == to_us.saturating_sub(from_us) && link > Link::Unknown)
+            .then_some((turns, link))
+    }
+
+    /// Forgets what is older than this, so that the replies of a few ticks are kept.
+    pub(crate) fn forget_before(&mut self, us: u64) {
+        while self.knots.get(1).is_some_and(|second| second.at_us <= us) {
+            self.knots.pop_front();
+        }
+    }
+}
+
+/// Turns at a speed within a time.
+fn turned(rpm: f64, us: u64) -> f64 {
+    rpm / 60.0 * seconds(us)
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a double has whole microseconds for 285 years"
+)]
+fn seconds(us: u64) -> f64 {
+    us as f64 / 1e6
+}
+
+#[cfg(test)]
+#[path = "wheel_track_tests.rs"]
+mod tests;

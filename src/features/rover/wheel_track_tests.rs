@@ -1,0 +1,114 @@
+use super::*;
+
+const MS: u64 = 1_000;
+
+/// A reply of a drive frame at this angle.
+fn fine(at_us: u64, degrees: f64, rpm: f64) -> Report {
+    Report {
+        at_us,
+        angle: Some((degrees.rem_euclid(360.0), 0.0)),
+        rpm,
+        is_cut_off: false,
+    }
+}
+
+fn track(reports: impl IntoIterator<Item = Report>) -> WheelTrack {
+    let mut track = WheelTrack::default();
+    for report in reports {
+        track.report(report);
+    }
+    track
+}
+
+#[track_caller]
+fn assert_way(track: &WheelTrack, from_us: u64, to_us: u64, turns: f64, link: Link) {
+    let (way, known) = track.turns_between(from_us, to_us).expect("a way");
+    assert!((way - turns).abs() < 1e-9, "{way} instead of {turns} turns");
+    assert_eq!(known, link);
+}
+
+/// The reported speed is rounded to 1 rpm; the angle is not.
+#[test]
+fn the_angle_tells_the_way_and_the_speed_only_the_turn() {
+    // 100.5 rpm make the angle fall by 12.06 degrees in 20 ms.
+    let reports = (0..=500).map(|n| fine(n * 20 * MS, -12.06 * n as f64, 100.0));
+    assert_way(&track(reports), 0, 10_000 * MS, 16.75, Link::Known);
+}
+
+#[test]
+fn a_wheel_that_turns_back_has_gone_nowhere() {
+    let there = (0..=10).map(|n| fine(n * 20 * MS, -12.0 * n as f64, 100.0));
+    let back = (1..=10).map(|n| fine((10 + n) * 20 * MS, -120.0 + 12.0 * n as f64, -100.0));
+    assert_way(&track(there.chain(back)), 0, 400 * MS, 0.0, Link::Known);
+}
+
+#[test]
+fn a_coarse_angle_does_not_move_a_wheel_that_stands_or_shift_one_that_turns() {
+    let coarse = |at_us, degrees: f64, rpm| {
+        let step = 360.0 / 255.0;
+        Report {
+            angle: Some(((degrees.rem_euclid(360.0) / step).floor() * step, step)),
+            ..fine(at_us, degrees, rpm)
+        }
+    };
+    let standing = (0..20).map(|n| coarse(n * 100 * MS, 77.0, 0.0));
+    assert_way(&track(standing), 0, 1_900 * MS, 0.0, Link::Known);
+    let turning = (0..=50).map(|n| coarse(n * 20 * MS, -12.0 * n as f64, 100.0));
+    let (way, _) = track(turning).turns_between(0, 1_000 * MS).unwrap();
+    assert!((way - 600.0 / 360.0).abs() < 2.0 / 255.0, "{way}");
+}
+
+#[test]
+fn a_gap_is_bridged_by_the_reported_speeds_and_says_so() {
+    // Half a second without a reply, 60 rpm before and 120 rpm after it.
+    let track = track([
+        fine(0, 0.0, 60.0),
+        fine(20 * MS, -7.2, 60.0),
+        fine(520 * MS, 123.0, 120.0),
+        fine(540 * MS, 108.6, 120.0),
+    ]);
+    assert_way(&track, 0, 20 * MS, 0.02, Link::Known);
+    assert_way(&track, 20 * MS, 520 * MS, 0.75, Link::Bridged);
+    assert_way(&track, 520 * MS, 540 * MS, 0.04, Link::Known);
+    // Half of the gap is half of the way.
+    assert_way(&track, 20 * MS, 270 * MS, 0.375, Link::Bridged);
+}
+
+#[test]
+fn over_a_long_gap_nothing_is_invented() {
+    let mut track = track([fine(0, 0.0, 100.0), fine(1_001 * MS, 200.0, 100.0)]);
+    assert_eq!(track.turns_between(0, 1_001 * MS), None);
+    assert_eq!(track.turns_between(500 * MS, 520 * MS), None);
+    // From there on it is known again, by the angle after the gap.
+    track.report(fine(1_021 * MS, 188.0, 100.0));
+    assert_way(&track, 1_001 * MS, 1_021 * MS, 12.0 / 360.0, Link::Known);
+    assert_eq!(track.turns_between(1_000 * MS, 1_021 * MS), None);
+}
+
+#[test]
+fn another_connection_is_a_gap_however_short() {
+    let after = Report {
+        is_cut_off: true,
+        ..fine(20 * MS, 0.0, 100.0)
+    };
+    let track = track([fine(0, 0.0, 100.0), after]);
+    assert_eq!(track.turns_between(0, 20 * MS), None);
+}
+
+#[test]
+fn what_is_not_reported_yet_is_unknown_and_old_replies_are_skipped() {
+    let mut track = track([fine(0, 0.0, 100.0), fine(20 * MS, -12.0, 100.0)]);
+    assert_eq!(track.turns_between(0, 40 * MS), None);
+    let before = track.clone();
+    track.report(fine(20 * MS, 90.0, -100.0));
+    track.report(fine(5 * MS, 90.0, -100.0));
+    assert_eq!(track, before);
+}
+
+#[test]
+fn what_was_counted_is_forgotten_and_the_rest_stays() {
+    let mut track = track((0..=100).map(|n| fine(n * 20 * MS, -12.0 * n as f64, 100.0)));
+    track.forget_before(1_990 * MS);
+    assert_eq!(track.knots.len(), 2);
+    assert_way(&track, 1_990 * MS, 2_000 * MS, 1.0 / 60.0, Link::Known);
+}
