@@ -60,7 +60,7 @@ pub(crate) enum Frame {
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Place, Section); 22] = [
+pub(crate) const SECTIONS: [(Place, Section); 23] = [
     (
         Place::Top,
         Section::Now(|place, features| {

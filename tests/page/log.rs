@@ -17,7 +17,7 @@ use web_sys::{AddEventListenerOptions, Blob, Element, Event, Response};
 use crate::{
     bench::{Bench, document, motor, pause, performance, press},
     fake_recorder::FakeRecorder,
-    log_bench::{page, rows},
+    log_bench::page,
 };
 
 /// It is not lost because the page can be used before its workers are there.

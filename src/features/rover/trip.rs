@@ -93,11 +93,19 @@ impl Trip {
 fn report(point: &Point, is_cut_off: bool) -> Report {
     let step = match point.detail {
         Detail::Drive { .. } => 0.0,
-        Detail::Query { .. } | Detail::Undetermined(_) => COARSE_STEP_DEG,
+        Detail::Query { .. }
+        | Detail::Temperature(_)
+        | Detail::Odometry { .. }
+        | Detail::Undetermined(_) => COARSE_STEP_DEG,
     };
+    // No source says whether the angle of an odometry reply grows at positive speed: its speed counts.
+    let is_odometry = matches!(point.detail, Detail::Odometry { .. });
     Report {
         at_us: point.at.as_micros(),
-        angle: point.degrees().map(|degrees| (f64::from(degrees), step)),
+        angle: point
+            .degrees()
+            .filter(|_| !is_odometry)
+            .map(|degrees| (f64::from(degrees), step)),
         rpm: f64::from(point.speed.rpm()),
         is_cut_off,
     }
