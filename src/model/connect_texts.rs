@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_lost_adapter_is_to_be_plugged_in() {
-        let (state, detail) = of_connection(Connection::Reconnecting(Adapter::Virtual));
+        let (state, detail) = of_connection(Connection::Reconnecting(Adapter::VIRTUAL));
         assert_eq!(
             (state, detail.as_str()),
             ("Reconnecting", "Plug Virtual motor back in")

@@ -35,7 +35,7 @@ pub(crate) fn sample(id: MotorId, at_ms: u64, rpm: i16) -> Sample {
 pub(crate) fn update(now_ms: u64, samples: Vec<Sample>, motors: Vec<MotorStatus>) -> Update {
     Update {
         now: Instant::from_millis(now_ms),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         halted: false,
         motors,
         job: None,

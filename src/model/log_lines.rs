@@ -208,7 +208,7 @@ mod tests {
         let driven = |rpm| Activity::Driven {
             setpoint: Setpoint::velocity(SpeedTarget::clamped(rpm)),
         };
-        let port = Connection::Connected(Adapter::Virtual);
+        let port = Connection::Connected(Adapter::VIRTUAL);
         let mut before = session(1_000, status(1_000, Mode::Velocity, 0));
         let begins = update(port, driven(100));
         assert_eq!(texts(&before, &begins), ["Motor 0x01 is running: +100 rpm"]);
@@ -314,7 +314,7 @@ mod tests {
             let amps = Activity::Driven {
                 setpoint: Setpoint::Current(CurrentTarget::from_amps(-0.5)),
             };
-            let driven = update(Connection::Connected(Adapter::Virtual), amps);
+            let driven = update(Connection::Connected(Adapter::VIRTUAL), amps);
             said.chain(texts(&Session::default(), &driven)).collect()
         };
         let stored = untranslated(lines);

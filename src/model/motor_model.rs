@@ -35,7 +35,7 @@ fn found(session: &Session, chosen: Model) -> Option<Model> {
 pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
     match session.connection {
         Connection::Disconnected | Connection::Failed(_) => None,
-        Connection::Connected(Adapter::Virtual) => {
+        Connection::Connected(Adapter::Virtual(_)) => {
             Some(tr!("Virtual motors have a model of their own."))
         }
         Connection::Connecting => Some(tr!("Opening the port.")),
@@ -144,7 +144,7 @@ mod tests {
             );
             assert_eq!(found(&line(on_line, false), chosen), None, "not known yet");
             let mut virtual_line = line(on_line, true);
-            virtual_line.connection = Connection::Connected(Adapter::Virtual);
+            virtual_line.connection = Connection::Connected(Adapter::VIRTUAL);
             assert_eq!(found(&virtual_line, chosen), None, "virtual");
         }
     }

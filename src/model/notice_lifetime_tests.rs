@@ -33,7 +33,7 @@ impl Scenario {
         });
         let update = Update {
             now: Instant::from_millis(1_000),
-            connection: Connection::Connected(Adapter::Virtual),
+            connection: Connection::Connected(Adapter::VIRTUAL),
             halted: false,
             motors: motors.collect(),
             job: None,

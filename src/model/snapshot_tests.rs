@@ -42,7 +42,7 @@ pub(crate) fn status(at_ms: u64, mode: Mode, rpm: i16) -> MotorStatus {
 pub(crate) fn session(now_ms: u64, motor: MotorStatus) -> Session {
     Session {
         now: Instant::from_millis(now_ms),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         motors: vec![motor],
         ..Session::default()
     }
@@ -51,7 +51,7 @@ pub(crate) fn session(now_ms: u64, motor: MotorStatus) -> Session {
 fn update(halted: bool, notices: Vec<Notice>) -> Update {
     Update {
         now: Instant::from_millis(1),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         halted,
         job: None,
         raw: None,

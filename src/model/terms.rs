@@ -13,7 +13,7 @@ use crate::ui::format;
 /// `CH340 · 1a86:7523`
 pub(crate) fn adapter(adapter: Adapter) -> String {
     match adapter {
-        Adapter::Virtual => tr!("Virtual motor").to_owned(),
+        Adapter::Virtual(_) => tr!("Virtual motor").to_owned(),
         Adapter::Serial(None) => tr!("Serial port").to_owned(),
         // Named by its manufacturer.
         named @ Adapter::Serial(Some(_)) => named.to_string(),

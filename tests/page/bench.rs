@@ -153,7 +153,7 @@ impl Bench {
     pub fn report(&self, motor: MotorStatus, halted: bool) {
         self.post(&ToPage::Update(Update {
             now: now(),
-            connection: Connection::Connected(Adapter::Virtual),
+            connection: Connection::Connected(Adapter::VIRTUAL),
             halted,
             motors: vec![motor],
             job: None,

@@ -2,7 +2,7 @@
 
 use js_sys::Function;
 use motorlink_messages::{
-    ConnectError, Connection, ToWorker,
+    ConnectError, Connection, ToWorker, VirtualLine,
     bus::{Activity, Command, Consent},
     protocol::{Mode, MotorId, Rpm, Setpoint, SpeedTarget},
 };
@@ -155,7 +155,12 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
         .await;
     assert!(bench.find_all("button", "Spin at 20 rpm").is_empty());
     bench.click("Go virtual");
-    assert!(bench.received().await.contains(&ToWorker::ConnectVirtual));
+    assert!(
+        bench
+            .received()
+            .await
+            .contains(&ToWorker::ConnectVirtual(VirtualLine::DEFAULT))
+    );
 
     bench.report(motor(Mode::Velocity, Activity::Idle), false);
     bench

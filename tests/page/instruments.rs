@@ -57,7 +57,7 @@ fn faults(id: MotorId, received: &[(u64, Faults)]) -> Vec<Sample> {
 fn report(bench: &Bench, motor: MotorStatus, samples: Vec<Sample>) {
     bench.post(&ToPage::Update(Update {
         now: Instant::from_millis(now_ms()),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         halted: false,
         motors: vec![motor],
         job: None,

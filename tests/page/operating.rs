@@ -160,7 +160,7 @@ async fn a_question_about_a_motor_does_not_outlive_its_connection_or_its_choice(
         report(&bench, |update| {
             update.motors = vec![motor(Mode::Current, Activity::Idle)];
             match way {
-                "unplugged" => update.connection = Connection::Reconnecting(Adapter::Virtual),
+                "unplugged" => update.connection = Connection::Reconnecting(Adapter::VIRTUAL),
                 "replugged" => {
                     let lost = Notice::AdapterLost { driven: vec![] };
                     update.notices = vec![lost, Notice::AdapterBack];

@@ -560,7 +560,7 @@ async fn a_ramp_set_to_0_while_disconnected_stays_0_on_connect() {
             update.connection = connection;
         });
     };
-    let connected = Connection::Connected(Adapter::Virtual);
+    let connected = Connection::Connected(Adapter::VIRTUAL);
     connection(Connection::Disconnected);
     bench.commands().await;
     bench.enter("Ramp", "0").focus().unwrap();

@@ -48,7 +48,7 @@ fn now() -> Instant {
 pub fn report(bench: &Bench, change: impl FnOnce(&mut Update)) {
     let mut update = Update {
         now: now(),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         halted: false,
         motors: vec![standing(1)],
         job: None,

@@ -4,13 +4,29 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::VirtualLine;
+
 /// What the bus speaks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Adapter {
-    /// The built-in virtual bus.
-    Virtual,
+    /// The built-in virtual line, with these motors.
+    Virtual(VirtualLine),
     /// A serial port; `None` where the browser names no USB device behind it.
     Serial(Option<UsbId>),
+}
+
+impl Adapter {
+    /// The virtual line with one DDSM115.
+    pub const VIRTUAL: Self = Self::Virtual(VirtualLine::DEFAULT);
+
+    /// The virtual line, if it is one.
+    #[must_use]
+    pub const fn virtual_line(self) -> Option<VirtualLine> {
+        match self {
+            Self::Virtual(line) => Some(line),
+            Self::Serial(_) => None,
+        }
+    }
 }
 
 /// The USB vendor and product of an adapter. There is no serial number in Web Serial, so two
@@ -61,7 +77,7 @@ impl fmt::Display for UsbId {
 impl fmt::Display for Adapter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Virtual => f.write_str("Virtual motor"),
+            Self::Virtual(_) => f.write_str("Virtual motor"),
             Self::Serial(None) => f.write_str("Serial port"),
             Self::Serial(Some(usb)) => match usb.chip() {
                 Some(chip) => write!(f, "{chip} · {usb}"),

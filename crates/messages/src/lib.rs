@@ -15,12 +15,14 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 mod adapter;
 mod awake_clock;
 pub mod recorder;
+mod virtual_line;
 mod virtual_wire;
 
 pub use adapter::{Adapter, UsbId};
 pub use awake_clock::AwakeClock;
 pub use motorlink_bus as bus;
 pub use motorlink_protocol as protocol;
+pub use virtual_line::{VirtualLine, VirtualMotors};
 pub use virtual_wire::VirtualWire;
 
 /// From the page to its worker.
@@ -38,8 +40,8 @@ pub enum ToWorker {
         /// The model of the motors.
         model: ModelChoice,
     },
-    /// Open the built-in virtual bus.
-    ConnectVirtual,
+    /// Open the built-in virtual line, with these motors on it.
+    ConnectVirtual(VirtualLine),
     /// Stop what is driven, then close the port.
     Disconnect,
     /// Ask this motor for telemetry, and those no more that have never answered.
@@ -266,7 +268,7 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, postcard::Error> {
 #[cfg(test)]
 mod tests {
     use motorlink_bus::{Consent, StopOutcome};
-    use motorlink_protocol::{CurrentTarget, Rpm, Setpoint};
+    use motorlink_protocol::{CurrentTarget, Rpm, Setpoint, family::Model};
 
     use super::*;
 
@@ -320,6 +322,13 @@ mod tests {
         }));
         for wire in VirtualWire::ALL {
             round_trip(&ToWorker::VirtualWire(wire));
+        }
+        for motors in VirtualMotors::ALL {
+            for model in Model::ALL {
+                let line = VirtualLine { motors, model };
+                round_trip(&ToWorker::ConnectVirtual(line));
+                round_trip(&Connection::Connected(Adapter::Virtual(line)));
+            }
         }
         round_trip(&ToPage::Hello {
             time_origin_ms: 1.5,

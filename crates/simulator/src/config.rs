@@ -2,13 +2,12 @@
 
 use std::time::Duration;
 
-use motorlink_protocol::{MotorId, family::Model};
+use motorlink_protocol::{
+    MotorId,
+    family::{Fault, Model},
+};
 
 use crate::wire::WireFaults;
-
-/// Whether other motors than a DDSM115 are simulated. Not in the page, which does not offer them: what it does
-/// not use must not add to its weight.
-pub(crate) const EVERY_MODEL: bool = cfg!(not(target_arch = "wasm32"));
 
 /// How long a drive frame is obeyed. Of a DDSM315 longer: a client stops it by frames 300 ms apart, so it must obey each
 /// that long.
@@ -17,7 +16,7 @@ const LATCH: Duration = Duration::from_millis(100);
 /// Initial state of a motor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotorConfig {
-    /// Its model. Default DDSM115. In wasm every motor is a DDSM115.
+    /// Its model. Default DDSM115.
     pub model: Model,
     /// The address in its flash. Default 1, as new motors have.
     pub id: MotorId,
@@ -46,6 +45,9 @@ pub struct MotorConfig {
     /// Whether it obeys a drive frame to 0xC8, the address of the ID query, as one report says. Default
     /// no.
     pub obeys_all: bool,
+    /// A fault that it reports at all times, for whatever cause. As with any active fault, drive frames are
+    /// answered but not obeyed. A fault that the model does not have is not reported. Default none.
+    pub fault: Option<Fault>,
 }
 
 impl MotorConfig {
@@ -71,15 +73,6 @@ impl MotorConfig {
             ..Self::new(id)
         }
     }
-
-    /// The model that is simulated.
-    pub(crate) const fn model(&self) -> Model {
-        if EVERY_MODEL {
-            self.model
-        } else {
-            Model::Ddsm115
-        }
-    }
 }
 
 impl Default for MotorConfig {
@@ -95,6 +88,7 @@ impl Default for MotorConfig {
             mode_switch_frames: 1,
             set_id_frames: 5,
             obeys_all: false,
+            fault: None,
         }
     }
 }
@@ -102,7 +96,7 @@ impl Default for MotorConfig {
 /// Motors, wire and random seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorldConfig {
-    /// Baud of the host. A motor of another baud hears nothing. Default 115200; in wasm always.
+    /// Baud of the host. A motor of another baud hears nothing. Default 115200.
     pub baud: u32,
     /// The same seed gives the same bytes at the same times.
     pub seed: u64,

@@ -1,7 +1,6 @@
 //! Virtual hub motors on a virtual half-duplex wire.
 //!
-//! A [`World`] holds motors (DDSM115 and, natively, the other models), the wires that they share with a host,
-//! and the faults that real adapters and cables add. It has no clock, no thread and no port: time is
+//! A [`World`] holds motors of any model of the family, the wires that they share with a host, and the faults that real adapters and cables add. It has no clock, no thread and no port: time is
 //! an argument, and one seed gives one course of events to the byte, however often it is looked at.
 //! The same crate runs in the page as the virtual bus and natively behind a pty.
 //!
@@ -14,7 +13,7 @@
 //! It is made to hold the published figures of the motor (see `tests/`), not to predict a design. Of the DDSM315,
 //! DDSM210 and DDSM400 few are published. What is assumed is marked in `figures.rs` and
 //! `firmware/separate.rs`, and what their protocol leaves open in
-//! [`Model::uncertain`](motorlink_protocol::family::Spec::uncertain).
+//! [`Model::uncertain`](motorlink_protocol::family::Model::uncertain).
 //!
 //! # Example
 //!

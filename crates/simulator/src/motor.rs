@@ -58,7 +58,7 @@ pub struct VirtualMotor {
 impl VirtualMotor {
     pub(crate) fn new(config: MotorConfig, noise: Random, now: Instant) -> Self {
         let angle = f64::from(config.angle_deg) / 360.0;
-        let rises = config.model().has_separate_frames();
+        let rises = config.model.has_separate_frames();
         let wheel = Wheel::at(if rises { angle } else { -angle });
         let firmware = Firmware::power_up(config.id, &config, wheel.turns());
         Self {
@@ -198,9 +198,22 @@ impl VirtualMotor {
     ) -> Option<family::Layout> {
         self.advance(now);
         let model = self.model();
-        if model.has_separate_frames() {
-            return self.handle_separate(model, frame, now);
+        let layout = if model.has_separate_frames() {
+            self.handle_separate(model, frame, now)
+        } else {
+            self.handle_combined(received, now)
+        };
+        if let (Some(_), Power::On(firmware)) = (self.config.fault, &mut self.power) {
+            firmware.forget_command();
         }
+        layout
+    }
+
+    fn handle_combined(
+        &mut self,
+        received: Result<Request, RequestError>,
+        now: Instant,
+    ) -> Option<family::Layout> {
         let speed_rpm = rpm(self.wheel.speed_rad_s());
         match &mut self.power {
             Power::On(firmware) => {
@@ -236,7 +249,7 @@ impl VirtualMotor {
             current: Current::from_amps(narrow(self.measured_a())),
             speed: Rpm::new(nearest_i16(rpm(self.wheel.speed_rad_s()))),
             detail,
-            faults: self.faults(),
+            faults: Faults::from_byte(self.fault_byte()),
         };
         Some(reply.frame())
     }

@@ -8,8 +8,9 @@ use std::time::Duration;
 use line::{Line, ONE, SEPARATE, ms, rpm};
 use motorlink_protocol::{
     AssignableId, Frame, MotorId,
-    family::{Mode, ModeReading, Model, Reading, Request, Setpoint},
+    family::{Fault, Mode, ModeReading, Model, Reading, Request, Setpoint},
 };
+use motorlink_simulator::{MotorConfig, World, WorldConfig};
 
 #[test]
 fn a_ddsm400_ignores_drive_frames_until_it_is_enabled_and_switched() {
@@ -141,4 +142,49 @@ fn a_disabled_ddsm400_coasts_until_it_is_enabled_and_switched_again() {
     line.drive_for(rpm(line.model, 90), ms(100));
     assert_eq!(line.motor().obeyed(), None);
     assert_eq!(line.motor().torque_nm().to_bits(), 0);
+}
+
+fn with_fault(model: Model, fault: Fault) -> Line {
+    let motor = MotorConfig {
+        fault: Some(fault),
+        ..MotorConfig::of(model, ONE)
+    };
+    let mut line = Line::of(model);
+    line.world = World::new(WorldConfig {
+        motors: vec![motor],
+        ..WorldConfig::of(model, [])
+    });
+    line
+}
+
+#[test]
+fn a_motor_with_a_constant_fault_reports_it_and_obeys_no_drive_frame() {
+    for model in Model::ALL {
+        for fault in model.spec().faults.iter().copied() {
+            let mut line = with_fault(model, fault);
+            if model.spec().needs_enable {
+                line.ask(Request::Enable { id: ONE, on: true });
+                line.switch(Mode::Velocity);
+            }
+            line.drive_for(rpm(model, 50), ms(300));
+            let faults = match line.ask(Request::Query { id: ONE }) {
+                Some(Reading::Odometry(odometry)) => odometry.faults,
+                Some(Reading::Combined(reply)) => {
+                    motorlink_protocol::family::Faults::of(model, reply.faults.byte())
+                }
+                other => panic!("{model}: {other:?}"),
+            };
+            assert!(faults.contains(fault), "{model}: {fault:?}");
+            assert_eq!(faults.iter().count(), 1, "{model}: {fault:?}");
+            assert!(line.motor().speed_rpm().abs() < 0.01, "{model}: {fault:?}");
+            line.world.motor_mut(ONE).unwrap().power(false);
+            assert_eq!(line.motor().fault_byte(), 0, "without power");
+        }
+    }
+}
+
+#[test]
+fn a_motor_does_not_report_a_fault_that_its_model_does_not_have() {
+    let line = with_fault(Model::Ddsm210, Fault::Stall);
+    assert_eq!(line.motor().fault_byte(), 0);
 }

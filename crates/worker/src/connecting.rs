@@ -8,7 +8,7 @@ use std::{rc::Rc, time::Duration};
 
 use gloo_timers::future::sleep;
 use motorlink_bus::{Command, Refusal, StopReason};
-use motorlink_messages::{Adapter, ConnectError, Notice, PortRef, ToWorker};
+use motorlink_messages::{Adapter, ConnectError, Notice, PortRef, ToWorker, VirtualLine};
 use motorlink_protocol::{MotorId, family::Model};
 use wasm_bindgen_futures::spawn_local;
 
@@ -68,7 +68,7 @@ fn close(shared: &Shared, then: AfterClosing) {
             release_claim();
         }
         match then.0 {
-            Some(ToWorker::ConnectVirtual) => open_virtual(&shared),
+            Some(ToWorker::ConnectVirtual(line)) => open_virtual(&shared, line),
             Some(ToWorker::ConnectSerial {
                 candidates,
                 wanted,
@@ -108,13 +108,13 @@ pub(crate) fn receive(shared: &Shared, generation: u32, event: ReadEvent<'_>) {
     pump(shared);
 }
 
-/// Opens the built-in virtual bus.
-pub(crate) fn open_virtual(shared: &Shared) {
+/// Opens the built-in virtual line.
+pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
     {
         let mut owner = shared.borrow_mut();
-        let bus = owner.new_bus(Model::Ddsm115);
+        let bus = owner.new_bus(line.model, Some(line));
         let open = OpenSession {
-            line: Line::virtual_bus(),
+            line: Line::of_virtual(line),
             bus,
             stage: Stage::Settled,
             reader: None,
@@ -323,7 +323,7 @@ async fn open_one(
         Err(error) => return Ok(Err(error)),
     };
     let (port, in_flight) = (line.port(), line.in_flight());
-    let bus = shared.borrow().new_bus(model);
+    let bus = shared.borrow().new_bus(model, None);
     let open = OpenSession {
         line: Line::Serial(line),
         bus,

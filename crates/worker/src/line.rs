@@ -1,7 +1,7 @@
 //! The line: a serial port or the virtual bus.
 
-use motorlink_messages::{Adapter, VirtualWire};
-use motorlink_protocol::{Frame, Instant};
+use motorlink_messages::{Adapter, VirtualLine, VirtualWire};
+use motorlink_protocol::{Frame, Instant, MotorId};
 use motorlink_simulator::{LineCondition, World, WorldConfig};
 
 use crate::serial::SerialLine;
@@ -11,19 +11,31 @@ pub(crate) enum Line {
     /// Bytes are delivered by [`crate::serial::read`].
     Serial(SerialLine),
     /// Bytes are fetched at the times that the world gives.
-    Virtual(Box<World>),
+    Virtual(VirtualLine, Box<World>),
 }
 
 impl Line {
-    /// The built-in bus: one motor with ID 1 on a faultless wire, at rest.
-    pub(crate) fn virtual_bus() -> Self {
-        Self::Virtual(Box::new(World::new(WorldConfig::default())))
+    /// The built-in line: these motors on a faultless wire, at rest.
+    pub(crate) fn of_virtual(line: VirtualLine) -> Self {
+        let mut config = WorldConfig::of(line.model, line.ids());
+        for (motor, fault) in config.motors.iter_mut().zip(line.faults()) {
+            motor.fault = Some(*fault);
+        }
+        Self::Virtual(line, Box::new(World::new(config)))
+    }
+
+    /// Whether a motor is known to have this ID at the start. Of a serial line nothing is known.
+    pub(crate) fn is_made_with(&self, id: MotorId) -> bool {
+        match self {
+            Self::Serial(_) => false,
+            Self::Virtual(line, _) => line.ids().any(|other| other == id),
+        }
     }
 
     pub(crate) fn adapter(&self) -> Adapter {
         match self {
             Self::Serial(serial) => Adapter::Serial(serial.usb()),
-            Self::Virtual(_) => Adapter::Virtual,
+            Self::Virtual(line, _) => Adapter::Virtual(*line),
         }
     }
 
@@ -32,7 +44,7 @@ impl Line {
     pub(crate) fn write(&mut self, now: Instant, frame: Frame) -> bool {
         match self {
             Self::Serial(serial) => serial.write(now, frame),
-            Self::Virtual(world) => {
+            Self::Virtual(_, world) => {
                 world.transmit(now, frame.bytes());
                 true
             }
@@ -41,7 +53,7 @@ impl Line {
 
     /// Injects a fault into the virtual line, or removes it. Does nothing to a real one.
     pub(crate) fn set_wire(&mut self, now: Instant, wire: VirtualWire) {
-        if let Self::Virtual(world) = self {
+        if let Self::Virtual(_, world) = self {
             world.set_line_condition(now, line_condition(wire));
         }
     }
@@ -50,7 +62,7 @@ impl Line {
     pub(crate) fn take_received(&mut self, now: Instant) -> Option<Vec<u8>> {
         match self {
             Self::Serial(_) => None,
-            Self::Virtual(world) => world.receive(now).map(|chunk| chunk.bytes.clone()),
+            Self::Virtual(_, world) => world.receive(now).map(|chunk| chunk.bytes.clone()),
         }
     }
 
@@ -58,7 +70,7 @@ impl Line {
     pub(crate) fn next_event(&self) -> Option<Instant> {
         match self {
             Self::Serial(_) => None,
-            Self::Virtual(world) => world.next_event(),
+            Self::Virtual(_, world) => world.next_event(),
         }
     }
 }

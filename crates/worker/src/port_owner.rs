@@ -3,7 +3,7 @@
 use std::{cell::RefCell, rc::Rc};
 
 use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, Output, Refusal};
-use motorlink_messages::{ModelChoice, Notice};
+use motorlink_messages::{ModelChoice, Notice, VirtualLine};
 use motorlink_protocol::{Instant, MotorId, family::Model};
 use web_sys::MessagePort;
 
@@ -68,18 +68,21 @@ impl PortOwner {
         self.clock.now()
     }
 
-    /// A new bus for this model, on which nothing drives. It is halted if "Stop all motors" is in effect.
-    pub(crate) fn new_bus(&self, model: Model) -> Bus {
+    /// A new bus for this model, on which nothing drives; `line` is the virtual one. It is halted if "Stop all
+    /// motors" is in effect.
+    pub(crate) fn new_bus(&self, model: Model, line: Option<VirtualLine>) -> Bus {
         let now = self.now();
         let mut bus = Bus::with_model(now, model);
         if self.halted {
             bus = bus.into_halted();
         }
-        for command in [
-            Command::Configure(self.settings),
-            Command::IdQuery,
-            Command::Watch(self.selected),
-        ] {
+        // The motors of a virtual line are known, and several would reply to the ID query at once.
+        let known = line.filter(|line| line.count() > 1);
+        let id_query = known.is_none().then_some(Command::IdQuery);
+        let watched = known.into_iter().flat_map(VirtualLine::ids);
+        let watched = watched.chain([self.selected]).map(Command::Watch);
+        let first = [Command::Configure(self.settings)];
+        for command in first.into_iter().chain(id_query).chain(watched) {
             // None of them is refused while nothing drives.
             let _: Result<(), Refusal> = bus.command(now, command);
         }

@@ -49,7 +49,7 @@ pub(crate) fn start() {
 /// Handles a message of the page. A stop is on the wire, or next, when this returns.
 fn handle(shared: &Shared, message: ToWorker) {
     match message {
-        ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual => {
+        ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual(_) => {
             stop_and_close(shared, AfterClosing(Some(message)));
         }
         ToWorker::Disconnect => stop_and_close(shared, AfterClosing(None)),

@@ -60,7 +60,8 @@ const PARTS: [Part; 14] = [
         246_000,
     ),
     part("style", When::First, &["style-"], 11_500),
-    part("worker", When::Driving, &["worker-"], 86_000),
+    // Its bus drives every model (4,000), and its virtual motors have the firmware of each (4,000).
+    part("worker", When::Driving, &["worker-"], 95_000),
     part("later style", When::Behind, &["later-style-"], 9_000),
     // 15,000 of them are the rover from above.
     part("desk", When::Behind, &["desk"], 107_500),

@@ -1,7 +1,7 @@
 //! From a press of Connect to the message to the worker.
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_messages::{PortRef, ToWorker};
+use motorlink_messages::{PortRef, ToWorker, VirtualLine};
 
 use crate::{
     link::serial_ports::{self, PickTrouble},
@@ -50,7 +50,7 @@ impl Connect {
     }
 
     pub(crate) fn connect_virtual(self) {
-        self.ask_to_connect(ToWorker::ConnectVirtual);
+        self.ask_to_connect(ToWorker::ConnectVirtual(VirtualLine::DEFAULT));
     }
 
     pub(crate) fn disconnect(self) {

@@ -117,7 +117,7 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let virtual_blocked_by = Signal::derive(move || {
         let connection = page.shown.with(|session| session.connection);
         match connection {
-            Connection::Connected(Adapter::Virtual) => {
+            Connection::Connected(Adapter::Virtual(_)) => {
                 Some(tr!("The virtual motor is already connected.").to_owned())
             }
             _ => port_blocked_by(page.worker.state.get()),

@@ -328,7 +328,7 @@ impl RecordedBus {
     fn session(&self) -> Session {
         Session {
             now: self.now,
-            connection: Connection::Connected(Adapter::Virtual),
+            connection: Connection::Connected(Adapter::VIRTUAL),
             motors: self.bus.motors(self.now).collect(),
             line: Some(self.bus.line_status(self.now)),
             ..Session::default()

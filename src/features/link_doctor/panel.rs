@@ -106,7 +106,10 @@ impl Elements {
                     element.write(html);
                 }
             }
-            let is_virtual = session.connection == Connection::Connected(Adapter::Virtual);
+            let is_virtual = matches!(
+                session.connection,
+                Connection::Connected(Adapter::Virtual(_))
+            );
             if !is_virtual {
                 // A virtual line begins good.
                 virtual_wire.set_value(0);

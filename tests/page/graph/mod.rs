@@ -97,7 +97,7 @@ fn sample(at_ms: u64, rpm: i16) -> Sample {
 fn report(bench: &Bench, samples: Vec<Sample>) {
     bench.post(&ToPage::Update(Update {
         now: Instant::from_millis(now_ms()),
-        connection: Connection::Connected(Adapter::Virtual),
+        connection: Connection::Connected(Adapter::VIRTUAL),
         halted: false,
         motors: vec![motor(Mode::Velocity, Activity::Idle)],
         job: None,

@@ -76,7 +76,7 @@ impl Firmware {
             frame_rate: FrameRate::default(),
             protections: Protections::default(),
             latch: config.latch,
-            separate: Separate::power_up(config.model(), turns),
+            separate: Separate::power_up(config.model, turns),
         }
     }
 

@@ -150,7 +150,7 @@ impl Firmware {
     }
 
     /// The old value means something else in the new loop: nothing is driven until the next frame.
-    fn forget_command(&mut self) {
+    pub(crate) fn forget_command(&mut self) {
         self.command = None;
         self.loops = Loops::Idle;
     }

@@ -17,7 +17,7 @@ impl VirtualMotor {
     /// Its model.
     #[must_use]
     pub const fn model(&self) -> Model {
-        self.config.model()
+        self.config.model
     }
 
     /// The loop whose drive frames it obeys; `None` without power, and before a model that needs it has
@@ -30,7 +30,12 @@ impl VirtualMotor {
     /// The fault byte that it reports; nothing is reported without power.
     #[must_use]
     pub fn fault_byte(&self) -> u8 {
-        fault_byte(self.model(), self.faults())
+        let model = self.model();
+        let constant = self
+            .config
+            .fault
+            .filter(|fault| self.is_powered() && model.spec().faults.contains(fault));
+        fault_byte(model, self.faults()) | constant.map_or(0, family::Fault::mask)
     }
 
     pub(super) fn handle_separate(

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use motorlink_protocol::{FRAME_LEN, Instant, family::Model};
+use motorlink_protocol::{FRAME_LEN, Instant};
 
-use crate::{config::EVERY_MODEL, random::Random};
+use crate::random::Random;
 
 use super::{
     faults::Echo,
@@ -78,11 +78,7 @@ impl SharedWire {
 
     /// Bits a second.
     pub(crate) const fn baud(&self) -> u32 {
-        if EVERY_MODEL {
-            self.baud
-        } else {
-            Model::Ddsm115.spec().baud
-        }
+        self.baud
     }
 
     /// Changes the baud; bytes on their way are not affected.

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{Activity, Command, Refusal, StopReason, StopReport};
-use motorlink_messages::{Adapter, Notice, VirtualWire};
+use motorlink_messages::{Notice, VirtualWire};
 use motorlink_protocol::{Instant, MotorId};
 
 use super::PortOwner;
@@ -18,7 +18,7 @@ impl PortOwner {
             let never_replied: Vec<_> = open
                 .bus
                 .motors(now)
-                .filter(|motor| motor.last.is_none())
+                .filter(|motor| motor.last.is_none() && !open.line.is_made_with(motor.id))
                 .map(|m| m.id)
                 .collect();
             let forget = never_replied.into_iter().map(Command::Forget);
@@ -78,7 +78,7 @@ impl PortOwner {
         let Session::Open(open) = &mut self.session else {
             return;
         };
-        if open.line.adapter() != Adapter::Virtual {
+        if open.line.adapter().virtual_line().is_none() {
             return;
         }
         if wire == VirtualWire::SharedId {

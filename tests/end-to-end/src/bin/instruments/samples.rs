@@ -31,7 +31,7 @@ pub fn updates(from_us: u64, until_us: u64) -> Result<Vec<Message>> {
             .collect();
         let update = Update {
             now: Instant::from_micros(now_us),
-            connection: Connection::Connected(Adapter::Virtual),
+            connection: Connection::Connected(Adapter::VIRTUAL),
             halted: false,
             motors: vec![status(samples.last().copied())],
             job: None,
