@@ -66,6 +66,7 @@ fn title(drawer: Drawer) -> &'static str {
         Drawer::Link => tr!("Link"),
         Drawer::Together => tr!("Drive together"),
         Drawer::Settings => tr!("Settings"),
+        Drawer::VirtualMotors => tr!("Virtual motors"),
     }
 }
 

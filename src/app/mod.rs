@@ -31,10 +31,7 @@ use crate::{
         mounting::{assembled, in_the_next_turn},
     },
     features::install,
-    link::{
-        address::parameter,
-        worker_link::{WorkerLink, WorkerState},
-    },
+    link::worker_link::{WorkerLink, WorkerState},
     model::{
         graph_height,
         notice_texts::of_dead_worker,
@@ -73,9 +70,7 @@ pub fn App() -> impl IntoView {
     let features = Features::new(Preferences::load());
     let page = features.page;
     provide_context(page);
-    if wants_virtual_motor() {
-        features.connect.connect_virtual();
-    }
+    features.connect.connect_as_addressed();
     effect(move || show_theme(page.preferences.with(|chosen| chosen.theme)));
     graph_height::show_remembered();
 
@@ -119,11 +114,6 @@ fn start_worker(features: Features) {
         features.start_recorder();
         page.notify(&|| of_dead_worker(false));
     }
-}
-
-/// `?port=virtual` in the address.
-fn wants_virtual_motor() -> bool {
-    parameter("port").as_deref() == Some("virtual")
 }
 
 fn show_theme(theme: Theme) {

@@ -15,6 +15,7 @@ use crate::{
         tab_bar::TabBar,
     },
     features::{
+        connect::panel::VirtualMotorsPanel,
         drive::{current::CurrentTab, open_loop::OpenLoopTab, position::PositionTab},
         graph::Graph,
         groups::panel::TogetherPanel,
@@ -116,6 +117,7 @@ in_part!(desk: fn mount_desk(hosts, features) [
 in_part!(tools: fn mount_tools(hosts, features) [
     hosts.mount(move || view! { <IdManagerTab ids=features.ids /> }),
     hosts.mount(move || view! { <RawHexTab raw=features.raw /> }),
+    hosts.mount(move || view! { <VirtualMotorsPanel connect=features.connect /> }),
     hosts.mount(move || {
         view! { <LinkPanel page=features.page virtual_wire=features.virtual_wire /> }
     }),

@@ -95,6 +95,8 @@ impl Features {
 
     fn connection_changed(self, before: Connection, after: Connection) {
         self.page.withdraw_question();
+        self.page
+            .change_line(before.virtual_line(), after.virtual_line());
         match after {
             Connection::Connected(adapter) => {
                 self.page.notices.update(|board| {

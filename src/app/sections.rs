@@ -144,6 +144,11 @@ pub(crate) const SECTIONS: [(Place, Section); 23] = [
         Section::Now(|place, _| mount(&place, StoppedDialog)),
     ),
     (Place::AboveDesk, Section::Later(Part::Desk, Frame::Nothing)),
+    // Right behind the header with the button that opens it.
+    (
+        Place::AboveDesk,
+        Section::Later(Part::Tools, Frame::Drawer(Drawer::VirtualMotors)),
+    ),
     (
         Place::Dock,
         Section::Later(Part::Tools, Frame::Drawer(Drawer::Link)),

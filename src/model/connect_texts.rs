@@ -4,7 +4,7 @@ use motorlink_i18n::tr;
 use motorlink_messages::{ConnectError, Connection};
 
 use crate::{
-    link::serial_ports::PickTrouble,
+    link::{address::BadParameter, serial_ports::PickTrouble},
     model::{
         help_topic::HelpTopic,
         notice_board::{NoticeText, Remedy, Tone, Topic},
@@ -91,6 +91,24 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
                 "Press Disconnect in that tab or close it, then press Connect here."
             )],
         ),
+    }
+}
+
+/// The notice of an address that asks for virtual motors that do not exist.
+pub(crate) fn of_bad_parameter(bad: BadParameter) -> NoticeText {
+    NoticeText {
+        topic: Topic::Port,
+        tone: Tone::Error,
+        title: tr!(
+            "The address has an unknown value: {parameter}",
+            parameter = bad.text
+        ),
+        advice: vec![tr!(
+            "Nothing is connected. Use one of: {values}.",
+            values = bad.possible
+        )],
+        remedy: None,
+        help: None,
     }
 }
 

@@ -17,6 +17,7 @@ pub(crate) mod mirror;
 pub(crate) mod motor_model;
 pub(crate) mod motors;
 pub(crate) mod names_and_sides;
+pub(crate) mod names_of_line;
 pub(crate) mod notice_board;
 pub(crate) mod notice_lifetime;
 pub(crate) mod notice_texts;

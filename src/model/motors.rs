@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_messages::{
-    ToWorker,
+    ToWorker, VirtualLine,
     bus::{Activity, Command},
     protocol::MotorId,
 };
@@ -10,6 +10,7 @@ use motorlink_messages::{
 use crate::model::{
     log_lines,
     names_and_sides::{NameAndSide, NamesAndSides},
+    names_of_line,
     notice_board::{Topic, Until},
     notice_texts::of_choice_while_driven,
     page::{Change, Page},
@@ -58,12 +59,35 @@ impl Page {
 
     pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut NameAndSide)) {
         self.motors.names.update(|names| names.change(id, change));
-        self.motors.names.with_untracked(NamesAndSides::save);
+        self.save_names();
     }
 
-    /// Replaces all names and sides.
+    /// Replaces all names and sides of the present line.
     pub(crate) fn replace_names_and_sides(self, names: NamesAndSides) {
-        names.save();
+        self.show_names_and_sides(names);
+        self.save_names();
+    }
+
+    /// Shows the names and sides of another line. Nothing drives then: its port has just been opened or closed.
+    pub(crate) fn change_line(self, before: Option<VirtualLine>, after: Option<VirtualLine>) {
+        let own = names_of_line::own(after);
+        if own != names_of_line::own(before) {
+            self.show_names_and_sides(names_of_line::load(own));
+        }
+        // One motor is found by the ID query, as on a real line.
+        let selected = self.selected.get_untracked();
+        if own.is_some_and(|line| usize::from(selected.get()) > line.count()) {
+            self.select(MotorId::FIRST);
+        }
+    }
+
+    fn save_names(self) {
+        let connection = self.latest.with_value(|session| session.connection);
+        let names = self.motors.names;
+        names.with_untracked(|names| names_of_line::save(names, connection.virtual_line()));
+    }
+
+    fn show_names_and_sides(self, names: NamesAndSides) {
         self.motors.names.set(names);
         self.motors.replaced.update(|times| *times += 1);
         // Its values may have another sign from now on.

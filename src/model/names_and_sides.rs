@@ -12,9 +12,6 @@ use crate::model::{
 /// The characters that fit into a chip of the motor strip.
 pub(crate) const NAME_MAX: usize = 16;
 
-/// The storage key, from the first versions.
-const STORED_AS: &str = "fleet";
-
 /// On which side of a vehicle a motor sits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -137,7 +134,7 @@ impl NamesAndSides {
     }
 
     /// Malformed lines are skipped.
-    fn from_text(text: &str) -> Self {
+    pub(crate) fn from_text(text: &str) -> Self {
         let mut names = Self::default();
         for line in text.lines() {
             let mut parts = line.splitn(4, '\t');
@@ -156,14 +153,14 @@ impl NamesAndSides {
         names
     }
 
-    /// Loads what this browser has stored.
-    pub(crate) fn load() -> Self {
-        remembered(STORED_AS).map_or_else(Self::default, |text| Self::from_text(&text))
+    /// Loads what this browser has stored under this key.
+    pub(crate) fn load(key: &str) -> Option<Self> {
+        remembered(key).map(|text| Self::from_text(&text))
     }
 
     /// Stores it in this browser.
-    pub(crate) fn save(&self) {
-        remember(STORED_AS, &self.to_text());
+    pub(crate) fn save(&self, key: &str) {
+        remember(key, &self.to_text());
     }
 }
 

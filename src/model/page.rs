@@ -26,7 +26,7 @@ use crate::{
     },
     model::{
         drive_settings::DriveSettings, governor::Governor, help_topic::HelpTopic, history::History,
-        motor_model, names_and_sides::NamesAndSides, notice_board::NoticeBoard,
+        motor_model, names_and_sides::NamesAndSides, names_of_line, notice_board::NoticeBoard,
         preferences::Preferences, recorder::Recorder, snapshot::Session, tab::Tab,
     },
     ui::{drawer::Drawer, reactive::memo},
@@ -214,7 +214,7 @@ impl Page {
             selected,
             model,
             motors: Motors {
-                names: RwSignal::new(NamesAndSides::load()),
+                names: RwSignal::new(names_of_line::load(None)),
                 replaced: RwSignal::new(0),
                 driven_together: StoredValue::new(Vec::new()),
                 steered: RwSignal::new(false),

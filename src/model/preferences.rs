@@ -1,7 +1,7 @@
 //! The stored preferences. Missing or invalid values have their defaults.
 
 use motorlink_messages::{
-    ModelChoice, UsbId,
+    ModelChoice, UsbId, VirtualLine,
     bus::{CommandRate, Limits},
     protocol::{MotorId, family::Model},
 };
@@ -61,6 +61,8 @@ pub struct Preferences {
     pub detect_model: bool,
     /// The adapter used last.
     pub adapter: Option<UsbId>,
+    /// What the button `Virtual motor` connects.
+    pub virtual_line: VirtualLine,
     /// Drive frames a second.
     pub rate: CommandRate,
     /// What a driven motor may reach before it is stopped.
@@ -80,6 +82,7 @@ impl Default for Preferences {
             model: Model::default(),
             detect_model: true,
             adapter: None,
+            virtual_line: VirtualLine::DEFAULT,
             rate: CommandRate::default(),
             limits: Limits::default(),
             theme: Theme::default(),
@@ -105,6 +108,9 @@ impl Preferences {
                 .unwrap_or(default.model),
             detect_model: yes("detect-model"),
             adapter: lookup("adapter").and_then(|text| usb_from(&text)),
+            virtual_line: number("virtual")
+                .and_then(|number| u8::try_from(number).ok())
+                .map_or(default.virtual_line, VirtualLine::from),
             rate: number("rate")
                 .and_then(|hertz| CommandRate::new(hertz).ok())
                 .unwrap_or(default.rate),
@@ -121,7 +127,7 @@ impl Preferences {
 
     /// The keys and values that [`Preferences::from_store`] reads.
     #[must_use]
-    pub fn to_store(&self) -> [(&'static str, String); 9] {
+    pub fn to_store(&self) -> [(&'static str, String); 10] {
         let adapter = self.adapter.map(|usb| usb.to_string());
         let yes = |is| if is { "yes" } else { "no" }.to_owned();
         [
@@ -129,6 +135,7 @@ impl Preferences {
             ("model", self.model.spec().key.to_owned()),
             ("detect-model", yes(self.detect_model)),
             ("adapter", adapter.unwrap_or_default()),
+            ("virtual", u8::from(self.virtual_line).to_string()),
             ("rate", self.rate.hertz().to_string()),
             ("limits", limits_to(self.limits)),
             ("theme", self.theme.key().to_owned()),
@@ -238,6 +245,10 @@ mod tests {
                 vendor: 0x0403,
                 product: 0x6001,
             }),
+            virtual_line: VirtualLine {
+                motors: motorlink_messages::VirtualMotors::Four,
+                model: Model::Ddsm400,
+            },
             rate: CommandRate::new(200).unwrap(),
             limits: Limits::new(120, 1_500, 60).unwrap(),
             theme: Theme::Dark,
@@ -260,6 +271,7 @@ mod tests {
             ("motor", "255".into()),
             ("rate", "501".into()),
             ("limits", "999 2700 75".into()),
+            ("virtual", "99".into()),
         ]);
         assert_eq!(read(&out_of_range), Preferences::default());
     }

@@ -13,7 +13,12 @@ use crate::ui::format;
 /// `CH340 · 1a86:7523`
 pub(crate) fn adapter(adapter: Adapter) -> String {
     match adapter {
-        Adapter::Virtual(_) => tr!("Virtual motor").to_owned(),
+        Adapter::VIRTUAL => tr!("Virtual motor").to_owned(),
+        Adapter::Virtual(line) => tr!(
+            "{count} virtual {model}",
+            count = line.count(),
+            model = line.model.spec().name
+        ),
         Adapter::Serial(None) => tr!("Serial port").to_owned(),
         // Named by its manufacturer.
         named @ Adapter::Serial(Some(_)) => named.to_string(),

@@ -14,6 +14,13 @@ pub(crate) enum Drawer {
     Together,
     /// Limits, the setup as a file, and stored data.
     Settings,
+    /// The choice of the virtual motors.
+    VirtualMotors,
+}
+
+/// Opens a panel of the drawer, or closes it.
+pub(crate) fn toggle(open: RwSignal<Option<Drawer>>, which: Drawer) {
+    open.update(|open| *open = (*open != Some(which)).then_some(which));
 }
 
 /// A panel of the drawer, mounted once and shown while it is `open`.

@@ -329,7 +329,7 @@ pub fn performance() -> web_sys::Performance {
     clippy::cast_sign_loss,
     reason = "milliseconds of a test"
 )]
-fn now() -> Instant {
+pub fn now() -> Instant {
     Instant::from_millis(performance().now() as u64)
 }
 
@@ -347,6 +347,7 @@ fn role_of(element: &HtmlElement) -> String {
         ("SECTION", _) => "region",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",
+        ("INPUT", "radio") => "radio",
         ("INPUT", "search") => "searchbox",
         ("PROGRESS", _) => "progressbar",
         _ => "",

@@ -6,10 +6,11 @@ use wasm_bindgen_test::wasm_bindgen_test;
 use crate::bench::Bench;
 
 /// What is there whichever tab is open.
-const ALWAYS: [(&str, &str); 41] = [
+const ALWAYS: [(&str, &str); 42] = [
     ("button", "Connect"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
+    ("button", "Choose virtual motors"),
     ("status", "Connection"),
     ("combobox", "Motor"),
     ("combobox", "Model"),

@@ -24,5 +24,6 @@ mod setup;
 mod together;
 mod tools;
 mod truth;
+mod virtual_motors;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

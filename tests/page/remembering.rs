@@ -2,7 +2,7 @@
 
 use motorlink::{Preferences, Theme};
 use motorlink_messages::{
-    UsbId,
+    UsbId, VirtualLine, VirtualMotors,
     bus::{CommandRate, Limits},
     protocol::{MotorId, family::Model},
 };
@@ -20,6 +20,10 @@ async fn what_is_saved_is_there_after_a_reload() {
             vendor: 0x1A86,
             product: 0x7523,
         }),
+        virtual_line: VirtualLine {
+            motors: VirtualMotors::Faults,
+            model: Model::Ddsm210,
+        },
         rate: CommandRate::new(200).unwrap(),
         limits: Limits::new(120, 1_500, 60).unwrap(),
         theme: Theme::Dark,

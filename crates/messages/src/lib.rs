@@ -153,6 +153,17 @@ pub enum Connection {
     Failed(ConnectError),
 }
 
+impl Connection {
+    /// The virtual line that is open.
+    #[must_use]
+    pub const fn virtual_line(self) -> Option<VirtualLine> {
+        match self {
+            Self::Connected(adapter) => adapter.virtual_line(),
+            _ => None,
+        }
+    }
+}
+
 /// Why a port could not be opened or kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ConnectError {

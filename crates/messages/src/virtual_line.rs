@@ -7,7 +7,10 @@ use motorlink_protocol::{
 use serde::{Deserialize, Serialize};
 
 /// The built-in virtual line. All its motors have one model, as on a real line.
+///
+/// It crosses, and is stored, as one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "u8", from = "u8")]
 pub struct VirtualLine {
     /// How many motors, and of what kind.
     pub motors: VirtualMotors,
@@ -16,7 +19,7 @@ pub struct VirtualLine {
 }
 
 /// The motors of a virtual line. Their IDs are 1, 2 and so on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VirtualMotors {
     /// One motor.
     #[default]
@@ -88,6 +91,28 @@ impl VirtualLine {
     }
 }
 
+/// The place of the motors in [`VirtualMotors::ALL`], times ten, plus the place of the model in [`Model::ALL`].
+impl From<VirtualLine> for u8 {
+    fn from(line: VirtualLine) -> Self {
+        line.motors as Self * 10 + line.model as Self
+    }
+}
+
+/// An unknown number is the default line.
+impl From<u8> for VirtualLine {
+    fn from(number: u8) -> Self {
+        let motors = VirtualMotors::ALL.get(usize::from(number / 10));
+        let model = Model::ALL.get(usize::from(number % 10));
+        match (motors, model) {
+            (Some(motors), Some(model)) => Self {
+                motors: *motors,
+                model: *model,
+            },
+            _ => Self::DEFAULT,
+        }
+    }
+}
+
 impl Default for VirtualLine {
     fn default() -> Self {
         Self::DEFAULT
@@ -115,6 +140,24 @@ mod tests {
             assert_eq!(ids, expected, "{line:?}");
             let has_faults = motors == VirtualMotors::Faults;
             assert_eq!(line.faults().len(), if has_faults { ids.len() } else { 0 });
+        }
+    }
+
+    #[test]
+    fn a_line_is_one_number() {
+        for motors in VirtualMotors::ALL {
+            for model in Model::ALL {
+                let line = VirtualLine { motors, model };
+                assert_eq!(VirtualLine::from(u8::from(line)), line);
+            }
+        }
+        let rover = VirtualLine {
+            motors: VirtualMotors::Four,
+            model: Model::Ddsm400,
+        };
+        assert_eq!(u8::from(rover), 23);
+        for unknown in [4, 9, 50, 255] {
+            assert_eq!(VirtualLine::from(unknown), VirtualLine::DEFAULT);
         }
     }
 

@@ -4,7 +4,10 @@ use leptos::{prelude::*, task::spawn_local};
 use motorlink_messages::{PortRef, ToWorker, VirtualLine};
 
 use crate::{
-    link::serial_ports::{self, PickTrouble},
+    link::{
+        address::{parameter, virtual_line},
+        serial_ports::{self, PickTrouble},
+    },
     model::{connect_texts, notice_board::Topic, page::Page, preferences::Preferences},
 };
 
@@ -49,8 +52,25 @@ impl Connect {
         spawn_local(self.pick_and_open(filtered));
     }
 
+    /// Connects the virtual motors that were chosen last.
     pub(crate) fn connect_virtual(self) {
-        self.ask_to_connect(ToWorker::ConnectVirtual(VirtualLine::DEFAULT));
+        let chosen = self.page.preferences;
+        self.connect_line(chosen.with_untracked(|chosen| chosen.virtual_line));
+    }
+
+    /// Connects the virtual motors that the address asks for, if it does. They do not become the last choice.
+    pub(crate) fn connect_as_addressed(self) {
+        match virtual_line(parameter) {
+            Some(Ok(line)) => self.connect_line(line),
+            Some(Err(bad)) => self.page.notify(connect_texts::of_bad_parameter(bad)),
+            None => {}
+        }
+    }
+
+    fn connect_line(self, line: VirtualLine) {
+        let board = self.page.notices;
+        board.update(|board| board.withdraw(Topic::Port));
+        self.ask_to_connect(ToWorker::ConnectVirtual(line));
     }
 
     pub(crate) fn disconnect(self) {

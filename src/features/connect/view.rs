@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{Adapter, Connection, protocol::MotorId};
+use motorlink_messages::{Connection, VirtualLine, protocol::MotorId};
 
 use crate::{
     features::connect::actions::Connect,
@@ -10,11 +10,12 @@ use crate::{
     model::{
         connect_texts,
         guards::{is_in_use, port_blocked_by, serial_blocked_by},
-        page::use_page,
+        page::{Page, use_page},
         snapshot::{Reading, Session},
     },
     ui::{
         button::PressButton,
+        drawer::{Drawer, toggle},
         reactive::{dynamic, memo},
     },
 };
@@ -100,7 +101,7 @@ const fn key(connection: Connection) -> &'static str {
     }
 }
 
-/// Buttons `Connect` or `Disconnect`, `Other port` and `Virtual motor`.
+/// Buttons `Connect` or `Disconnect`, `Other port`, `Virtual motor` and `Choose virtual motors`.
 #[component]
 pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let page = connect.page;
@@ -114,15 +115,7 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
             serial_blocked_by(page.worker.state.get())
         }
     });
-    let virtual_blocked_by = Signal::derive(move || {
-        let connection = page.shown.with(|session| session.connection);
-        match connection {
-            Connection::Connected(Adapter::Virtual(_)) => {
-                Some(tr!("The virtual motor is already connected.").to_owned())
-            }
-            _ => port_blocked_by(page.worker.state.get()),
-        }
-    });
+    let virtual_blocked_by = Signal::derive(move || virtual_blocked_by(page, None));
     let label = Signal::derive(move || {
         let word = if open.get() {
             tr!("Disconnect")
@@ -154,8 +147,25 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
                 disabled_reason=virtual_blocked_by
                 on_press=move || connect.connect_virtual()
             />
+            <PressButton
+                label="▾"
+                name=tr!("Choose virtual motors")
+                class="button virtual-choice"
+                hint=tr!("Choose virtual motors")
+                on_press=move || toggle(page.drawer, Drawer::VirtualMotors)
+            />
         </div>
     }
+}
+
+/// Why this virtual line cannot be connected, or any if none is given: a stray press must not replace the motors
+/// that are being driven.
+pub(crate) fn virtual_blocked_by(page: Page, wanted: Option<VirtualLine>) -> Option<String> {
+    let open = page.shown.with(|session| session.connection.virtual_line());
+    if open.is_some() && wanted.is_none_or(|wanted| open == Some(wanted)) {
+        return Some(tr!("The virtual motor is already connected.").to_owned());
+    }
+    port_blocked_by(page.worker.state.get())
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::{
     features::motors::chips::{FIGURES, Figure, chips_html, figures},
     model::{page::use_page, snapshot::Session},
     ui::{
-        drawer::Drawer,
+        drawer::{Drawer, toggle},
         list::{clicked_value, replace_keeping_focus},
         reactive::{dynamic, handler, memo},
     },
@@ -129,10 +129,7 @@ fn DrawerButton(which: Drawer, label: &'static str) -> impl IntoView {
             type="button"
             class="button small"
             aria-expanded=dynamic(move || if is_open() { "true" } else { "false" })
-            on:click=handler(move |_| {
-                let open = page.drawer.get_untracked() == Some(which);
-                page.drawer.set(if open { None } else { Some(which) });
-            })
+            on:click=handler(move |_| toggle(page.drawer, which))
         >
             {label}
         </button>

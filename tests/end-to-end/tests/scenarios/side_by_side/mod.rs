@@ -31,5 +31,6 @@ mod starting;
 mod stopping;
 mod together;
 mod unplugging;
+mod virtual_motors;
 mod wall_clock;
 mod watching;
