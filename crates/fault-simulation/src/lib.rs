@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `action` | what can happen |
 //! | `scenario` | generates a list of actions from a seed |
+//! | `of_model` | the same actions for another model |
 //! | `player` | plays a scenario over virtual time and checks the rules |
 //! | `sequence_run` | runs random sequences over the bus, as a worker does |
 //! | `rule`, `rules` | the rules by name, and their checks |
@@ -13,6 +14,7 @@
 //! For tests and for `cargo xtask soak`: one seed gives the same run on every machine.
 
 mod action;
+mod of_model;
 mod player;
 mod rule;
 mod rules;

@@ -3,7 +3,8 @@
 //! `cargo xtask soak` runs it and prints a table of the results. `--seconds N` is the duration, 60
 //! by default; `--seeds N` is a number of scenarios instead; `--from N` is the first seed; `--seed
 //! N` plays that one alone and prints its actions, and a trace if a rule is broken. Of the seeds
-//! that break the same rule only the first is shrunk.
+//! that break the same rule only the first is shrunk. `--model M` is the model of the motors; without it every
+//! model has its turn, each with the time or number of scenarios.
 
 use std::{
     collections::BTreeMap,
@@ -18,6 +19,7 @@ use std::{
 
 use anyhow::{Context, Result, bail};
 use motorlink_fault_simulation::{Coverage, Failure, Rule, Scenario, play, shrink, trace_lines};
+use motorlink_protocol::family::Model;
 
 /// Lines of the trace before a broken rule.
 const TRACE_SHOWN: usize = 40;
@@ -33,31 +35,51 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether every rule held.
+/// Whether every rule held for every model.
 fn soak() -> Result<bool> {
     let (mut seconds, mut seeds, mut from, mut only) = (60, u64::MAX, 1, None);
+    let mut models = Model::ALL.to_vec();
     let mut arguments = env::args().skip(1);
     while let Some(flag) = arguments.next() {
-        let number = arguments
+        let value = arguments
             .next()
-            .context("a number belongs behind each flag")?;
-        let number: u64 = number.parse().with_context(|| format!("{flag} {number}"))?;
+            .context("a value belongs behind each flag")?;
+        if flag == "--model" {
+            models = vec![value.parse()?];
+            continue;
+        }
+        let number: u64 = value.parse().with_context(|| format!("{flag} {value}"))?;
         match flag.as_str() {
             "--seconds" => seconds = number,
             "--seeds" => (seeds, seconds) = (number, u64::from(u32::MAX)),
             "--from" => from = number,
             "--seed" => only = Some(number),
-            _ => bail!("usage: soak [--seconds N | --seeds N] [--from N] [--seed N]"),
+            _ => bail!("usage: soak [--model M] [--seconds N | --seeds N] [--from N] [--seed N]"),
         }
     }
-    if let Some(seed) = only {
-        let scenario = Scenario::from_seed(seed);
-        println!("seed {seed}, with {:?}", scenario.motors);
-        for (step, action) in scenario.actions.iter().enumerate() {
-            println!("{step:4}  {action:?}");
-        }
-        return Ok(holds(&scenario, &mut Coverage::default()));
+    let mut all_held = true;
+    for model in models {
+        // A model with a broken rule does not prevent the others.
+        all_held &= match only {
+            Some(seed) => soak_one(model, seed),
+            None => soak_many(model, seconds, seeds, from),
+        };
     }
+    Ok(all_held)
+}
+
+/// Plays one seed and prints its actions.
+fn soak_one(model: Model, seed: u64) -> bool {
+    let scenario = Scenario::of(model, seed);
+    println!("seed {seed}, {model}, with {:?}", scenario.motors);
+    for (step, action) in scenario.actions.iter().enumerate() {
+        println!("{step:4}  {action:?}");
+    }
+    holds(&scenario, &mut Coverage::default())
+}
+
+/// Plays many seeds and prints the tables.
+fn soak_many(model: Model, seconds: u64, seeds: u64, from: u64) -> bool {
     let began = Instant::now();
     let until = began + Duration::from_secs(seconds);
     let next = AtomicU64::new(from);
@@ -65,7 +87,7 @@ fn soak() -> Result<bool> {
     let mut played = Played::default();
     thread::scope(|scope| {
         let cores = thread::available_parallelism().map_or(1, Into::into);
-        let start = |_| scope.spawn(|| play_some(&next, end, until));
+        let start = |_| scope.spawn(|| play_some(model, &next, end, until));
         // All threads start before the first join.
         let threads: Vec<_> = (0..cores).map(start).collect();
         for thread in threads {
@@ -77,13 +99,13 @@ fn soak() -> Result<bool> {
     for (seed, failure) in &played.failures {
         let times = broken.entry(failure.violation.rule).or_insert(0_u64);
         if *times == 0 {
-            explain(&Scenario::from_seed(*seed), failure);
+            explain(&Scenario::of(model, *seed), failure);
         }
         *times += 1;
     }
-    print_table(from..from + played.seeds, &broken, &played.coverage);
+    print_table(model, from..from + played.seeds, &broken, &played.coverage);
     println!("in {:.0} s", began.elapsed().as_secs_f32());
-    Ok(broken.is_empty())
+    broken.is_empty()
 }
 
 /// Results of some seeds.
@@ -103,7 +125,7 @@ impl Played {
 }
 
 /// Plays seeds that no other thread has taken, until the last seed or the end of the time.
-fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
+fn play_some(model: Model, next: &AtomicU64, end: u64, until: Instant) -> Played {
     let mut played = Played::default();
     while Instant::now() < until {
         let seed = next.fetch_add(1, Ordering::Relaxed);
@@ -111,8 +133,11 @@ fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
             break;
         }
         played.seeds += 1;
-        if let Err(failure) = play(&Scenario::from_seed(seed), &mut played.coverage) {
-            println!("seed {seed}, step {}: {}", failure.step, failure.violation);
+        if let Err(failure) = play(&Scenario::of(model, seed), &mut played.coverage) {
+            println!(
+                "{model}, seed {seed}, step {}: {}",
+                failure.step, failure.violation
+            );
             played.failures.push((seed, failure));
         }
     }
@@ -120,13 +145,18 @@ fn play_some(next: &AtomicU64, end: u64, until: Instant) -> Played {
 }
 
 /// Prints the tables in the form of the documents.
-fn print_table(seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Coverage) {
+fn print_table(model: Model, seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Coverage) {
     let yes = |is| if is { "yes" } else { "NO" };
+    // The first model has the rows that were there before the others.
+    let of = match model {
+        Model::Ddsm115 => String::new(),
+        other => format!(", {other}"),
+    };
     println!("| figure | must | measured | reached |");
     println!("|---|---|---|---|");
     let with_broken: u64 = broken.values().sum();
     println!(
-        "| worlds that fail | none of {} rules broken after any step | {with_broken} of {} seeds from {} with a broken rule | {} |",
+        "| worlds that fail{of} | none of {} rules broken after any step | {with_broken} of {} seeds from {} with a broken rule | {} |",
         Rule::ALL.len(),
         grouped(seeds.end - seeds.start),
         seeds.start,
@@ -140,13 +170,13 @@ fn print_table(seeds: Range<u64>, broken: &BTreeMap<Rule, u64>, coverage: &Cover
             seeds => format!(", broken by {seeds} seeds"),
         };
         println!(
-            "| rule `{rule:?}` | had something to judge 100 times or more | {times} times{by} | {} |",
+            "| rule `{rule:?}`{of} | had something to judge 100 times or more | {times} times{by} | {} |",
             yes(times >= 100 && seeds == 0)
         );
     }
     for (fault, times) in &coverage.faults {
         println!(
-            "| fault `{fault:?}` | 100 times or more | {times} times | {} |",
+            "| fault `{fault:?}`{of} | 100 times or more | {times} times | {} |",
             yes(*times >= 100)
         );
     }
@@ -177,7 +207,8 @@ fn holds(scenario: &Scenario, coverage: &mut Coverage) -> bool {
 fn explain(scenario: &Scenario, failure: &Failure) {
     let (short, last) = shrink(scenario, failure);
     println!(
-        "seed {} shrunk, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
+        "{}, seed {} shrunk, with {:?}, {:?} of which need five switches, and {}C8 obeyed: {}",
+        short.model,
         short.seed,
         short.motors,
         short.need_five_switches,

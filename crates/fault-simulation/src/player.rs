@@ -7,7 +7,10 @@ use std::{
 };
 
 use motorlink_bus::{Activity, Bus, BusSettings, Command, Event, MotorStatus, Output, StopReason};
-use motorlink_protocol::{Frame, Instant, MotorId, Request};
+use motorlink_protocol::{
+    Frame, Instant, Mode, MotorId,
+    family::{Model, Request},
+};
 use motorlink_simulator::{MotorConfig, Sender, World, WorldConfig};
 
 use crate::{
@@ -120,6 +123,7 @@ struct Player {
     world: World,
     /// `None` while the adapter is unplugged.
     bus: Option<Bus>,
+    model: Model,
     /// Whether Stop all motors is in force. It outlives the port.
     halted: bool,
     page_answers: bool,
@@ -156,18 +160,19 @@ impl Player {
                 .iter()
                 .map(|id| motor(scenario, *id))
                 .collect(),
-            ..WorldConfig::default()
+            ..WorldConfig::of(scenario.model, [])
         });
         world.advance(now);
         let mut player = Self {
             now,
             world,
             bus: None,
+            model: scenario.model,
             halted: false,
             page_answers: true,
             clicked: Vec::new(),
             settings: BusSettings::default(),
-            rules: Rules::default(),
+            rules: Rules::of(scenario.model),
             motors: scenario.motors.clone(),
             acted: 0,
             wakes: (now, 0),
@@ -185,11 +190,8 @@ impl Player {
 
     /// A new bus, as the worker creates one for an open port.
     fn plug(&mut self) {
-        let mut bus = if self.halted {
-            Bus::halted(self.now)
-        } else {
-            Bus::new(self.now)
-        };
+        let bus = Bus::with_model(self.now, self.model);
+        let mut bus = if self.halted { bus.into_halted() } else { bus };
         let configure = Command::Configure(self.settings);
         let watched = self.motors.iter().copied().map(Command::Watch);
         self.rules.limits(self.settings.limits);
@@ -561,10 +563,18 @@ impl Player {
             return Ok(());
         }
         self.rules.sent(self.now, frame, bus, &self.world)?;
-        let asks = matches!(
-            Request::parse(&frame),
-            Ok(Request::Query { .. } | Request::IdQuery)
-        );
+        let asks = match Request::parse(self.model, &frame) {
+            Ok(Request::Query { .. } | Request::ModeQuery { .. } | Request::IdQuery) => true,
+            // A motor that has lost its supply is made ready again, which moves nothing.
+            Ok(
+                Request::Enable { on: true, .. }
+                | Request::SwitchMode {
+                    mode: Mode::Velocity,
+                    ..
+                },
+            ) => self.model.spec().needs_enable,
+            _ => false,
+        };
         self.acted += u64::from(!asks);
         self.world.transmit(self.now, frame.bytes());
         Ok(())
@@ -573,7 +583,7 @@ impl Player {
 
 /// A motor of a scenario.
 fn motor(scenario: &Scenario, id: MotorId) -> MotorConfig {
-    let default = MotorConfig::new(id);
+    let default = MotorConfig::of(scenario.model, id);
     let mode_switch_frames = if scenario.need_five_switches.contains(&id) {
         MANY_SWITCHES
     } else {

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `operator` | which commands are in force, and what may be sent by them |
 //! | `wire` | frames on the wire, and their entries in the log |
+//! | `said` | what a frame of a motor says |
 //! | `truth` | whether the reported telemetry is true |
 //! | `motion` | whether a wheel moves on after a stop or a hold |
 //! | `bounds` | limits of every frame on the wire |
@@ -11,6 +12,7 @@
 mod bounds;
 mod motion;
 mod operator;
+mod said;
 mod truth;
 mod wire;
 
@@ -20,7 +22,10 @@ use motorlink_bus::{
     Bus, Command, Event, Limits, LineEventKind, Refusal, StopReason, StopReport, WithdrawReason,
     is_hazardous,
 };
-use motorlink_protocol::{Frame, Instant, MotorId, Request};
+use motorlink_protocol::{
+    Frame, Instant, MotorId,
+    family::{Model, Request},
+};
 use motorlink_simulator::World;
 
 use self::{bounds::Bounds, motion::Motion, operator::Operator, truth::Truth, wire::Wire};
@@ -45,6 +50,7 @@ fn may_obey(frame: &Frame, id: MotorId) -> bool {
 /// State of the rules.
 #[derive(Debug, Default)]
 pub(crate) struct Rules {
+    model: Model,
     operator: Operator,
     wire: Wire,
     truth: Truth,
@@ -62,6 +68,18 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
+    /// The rules for motors of this model.
+    pub(crate) fn of(model: Model) -> Self {
+        Self {
+            model,
+            operator: Operator::of(model),
+            wire: Wire::of(model),
+            truth: Truth::of(model),
+            bounds: Bounds::of(model),
+            ..Self::default()
+        }
+    }
+
     pub(crate) fn judge(&mut self, rule: Rule) {
         *self.judged.entry(rule).or_default() += 1;
     }
@@ -225,7 +243,7 @@ impl Rules {
         for rule in self.bounds.sent(now, frame, raw, limits, world)? {
             self.judge(rule);
         }
-        if let (None, Ok(Request::Drive { id, drive })) = (raw, Request::parse(&frame))
+        if let (None, Ok(Request::Drive { id, drive })) = (raw, Request::parse(self.model, &frame))
             && drive.brakes()
         {
             self.moves_no_more(now, world, |other| *other == id);
@@ -233,14 +251,14 @@ impl Rules {
         let may_stop = self.operator.sent(now, frame, bus, world)?;
         if may_stop
             && let Ok(Request::Drive { id, .. } | Request::SwitchMode { id, .. }) =
-                Request::parse(&frame)
+                Request::parse(self.model, &frame)
         {
             self.rested.insert(id, now);
             if self.stops.remove(&id).is_some() {
                 self.judge(Rule::StopIsNext);
             }
         } else {
-            match Request::parse(&frame) {
+            match Request::parse(self.model, &frame) {
                 Ok(Request::Drive { .. }) => {
                     self.judge(Rule::DrivenByCommandOnly);
                     self.judge(Rule::NoMoreThanCommanded);

@@ -9,10 +9,13 @@ use motorlink_bus::{
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
-    SpeedTarget,
+    SpeedTarget, family::Model,
 };
 
-use crate::action::{Absence, Action, LineFault, PendingInput};
+use crate::{
+    action::{Absence, Action, LineFault, PendingInput},
+    of_model::in_terms_of,
+};
 
 /// Random draws per scenario: single actions, and sometimes a sequence of several.
 const DRAWS: usize = 30;
@@ -32,6 +35,8 @@ const PAUSES_MS: [u64; 8] = [0, 1, 3, 10, 30, 150, 700, 2_500];
 pub struct Scenario {
     /// The seed that generates it.
     pub seed: u64,
+    /// The model of the motors.
+    pub model: Model,
     /// The addresses on the line.
     pub motors: Vec<MotorId>,
     /// Motors that switch only after five mode switch frames.
@@ -43,7 +48,26 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// The scenario of this seed.
+    /// The scenario of this seed for motors of this model.
+    #[must_use]
+    pub fn of(model: Model, seed: u64) -> Self {
+        Self::from_seed(seed).for_model(model)
+    }
+
+    /// The same for another model.
+    #[must_use]
+    pub fn for_model(self, model: Model) -> Self {
+        let actions = self.actions.into_iter().enumerate();
+        Self {
+            actions: actions
+                .map(|(place, action)| in_terms_of(model, place, action))
+                .collect(),
+            model,
+            ..self
+        }
+    }
+
+    /// The scenario of this seed for DDSM115 motors.
     #[must_use]
     pub fn from_seed(seed: u64) -> Self {
         let mut generator = Generator {
@@ -77,6 +101,7 @@ impl Scenario {
         }
         Self {
             seed,
+            model: Model::Ddsm115,
             motors: generator.motors,
             need_five_switches,
             obey_all,

@@ -13,7 +13,7 @@ use motorlink_fault_simulation::{
 };
 use motorlink_protocol::{
     AssignableId, CurrentTarget, Frame, Mode, MotorId, PositionTarget, Request, Setpoint,
-    SpeedTarget,
+    SpeedTarget, family::Model,
 };
 
 fn id(address: u8) -> MotorId {
@@ -81,6 +81,7 @@ fn switch(id: MotorId, mode: Mode) -> Action {
 fn holds(seed: u64, motors: u8, actions: Vec<Action>) {
     let scenario = Scenario {
         seed,
+        model: Model::Ddsm115,
         motors: (1..=motors).map(id).collect(),
         need_five_switches: Vec::new(),
         obey_all: false,

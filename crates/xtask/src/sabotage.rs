@@ -324,7 +324,7 @@ fn worlds(sources: &Path, build: &Path) -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(sources).env("CARGO_TARGET_DIR", build);
     bench::add_simulation(&mut cargo);
-    cargo.args(["--seeds", SEEDS]);
+    cargo.args(["--model", "ddsm115", "--seeds", SEEDS]);
     cargo
 }
 

@@ -6,13 +6,15 @@ use std::{
 };
 
 use motorlink_bus::{Consent, HIGH_CURRENT_RAW, Limits};
-use motorlink_protocol::{Drive, FRAME_LEN, Frame, Instant, Mode, MotorId, Request};
+use motorlink_protocol::{
+    Drive, FRAME_LEN, Frame, Instant, Mode, MotorId,
+    family::{Model, Request},
+};
 use motorlink_simulator::{VirtualMotor, World};
 
+use super::said::loop_of;
 use crate::rule::{Rule, Violation, broken};
 
-/// A frame of ten bytes at 115200 baud.
-const AIRTIME: Duration = Duration::from_micros(868);
 /// Older telemetry is unknown.
 const FRESH_FOR: Duration = Duration::from_millis(500);
 /// The address of all motors.
@@ -25,6 +27,7 @@ const BYTES_KEPT: usize = 4 * FRAME_LEN;
 /// What the host can know about each motor, and what each motor was sent.
 #[derive(Debug, Default)]
 pub(super) struct Bounds {
+    model: Model,
     motors: BTreeMap<MotorId, Known>,
     replies: VecDeque<Reply>,
     arrived: VecDeque<u8>,
@@ -61,6 +64,13 @@ enum Torque {
 }
 
 impl Bounds {
+    pub(super) fn of(model: Model) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
     /// The port is closed: a new bus knows nothing. The motors stay as they are.
     pub(super) fn port_lost(&mut self) {
         for known in self.motors.values_mut() {
@@ -120,18 +130,31 @@ impl Bounds {
     pub(super) fn delivered(&mut self, now: Instant, bytes: &[u8]) {
         self.arrived.extend(bytes);
         let arrived: &[u8] = self.arrived.make_contiguous();
-        let motors = &mut self.motors;
+        let (model, motors) = (self.model, &mut self.motors);
         self.replies.retain(|reply| {
             let frame = reply.frame.bytes();
             let is_there = arrived.windows(FRAME_LEN).any(|window| window == frame);
-            let [id, mode, ..] = *frame;
-            if let (true, Ok(id), Ok(mode)) = (is_there, MotorId::new(id), Mode::from_byte(mode)) {
-                motors.entry(id).or_default().received(now, reply, mode);
+            if let (true, Some((id, mode))) = (is_there, loop_of(model, &reply.frame)) {
+                motors
+                    .entry(id)
+                    .or_default()
+                    .received(now, reply, mode, model);
             }
             !is_there
         });
         let old = self.arrived.len().saturating_sub(BYTES_KEPT);
         self.arrived.drain(..old);
+    }
+
+    /// The loop that a mode switch asks for, to one motor or all.
+    fn switched_by(&self, frame: &Frame) -> Option<Mode> {
+        let [_, command, mode, .., last] = *frame.bytes();
+        let byte = if self.model.has_separate_frames() {
+            mode
+        } else {
+            last
+        };
+        self.model.mode_of(byte).filter(|_| command == 0xA0)
     }
 
     /// A whole frame goes out; `raw` is the consent to a raw frame. Returns the rules that were
@@ -145,13 +168,13 @@ impl Bounds {
         world: &World,
     ) -> Result<Vec<Rule>, Violation> {
         let mut judged = Vec::new();
-        let [first, command, high, low, .., brake, _, last] = *frame.bytes();
+        let [first, command, high, low, .., brake, _, _] = *frame.bytes();
         let ids: Vec<MotorId> = world
             .motors()
             .map(VirtualMotor::id)
             .filter(|id| first == ALL || first == id.get())
             .collect();
-        if let (0xA0, Ok(mode)) = (command, Mode::from_byte(last)) {
+        if let Some(mode) = self.switched_by(&frame) {
             for id in ids {
                 self.motors
                     .entry(id)
@@ -161,14 +184,19 @@ impl Bounds {
             }
             return Ok(judged);
         }
-        if command != 0x64 || Request::parse(&frame) == Ok(Request::IdQuery) {
+        if command != 0x64 || Request::parse(self.model, &frame) == Ok(Request::IdQuery) {
             return Ok(judged);
         }
         let value = i16::from_be_bytes([high, low]);
+        let units = u16::from(self.model.spec().speed_units_per_rpm);
+        let full_scale_ma = |model: Model| u32::from(model.spec().current.milliamps());
+        let scale = (full_scale_ma(self.model), full_scale_ma(Model::Ddsm115));
         for id in ids {
             let known = self.motors.entry(id).or_default();
-            let above_speed = value.unsigned_abs() > limits.speed_rpm() && brake != Drive::BRAKE;
-            let high_current = value.unsigned_abs() > HIGH_CURRENT_RAW;
+            let limit_raw = limits.speed_rpm() * units;
+            let above_speed = value.unsigned_abs() > limit_raw && brake != Drive::BRAKE;
+            let high_current =
+                u32::from(value.unsigned_abs()) * scale.0 > u32::from(HIGH_CURRENT_RAW) * scale.1;
             if above_speed || high_current {
                 judged.push(Rule::NothingAboveALimit);
             }
@@ -210,10 +238,13 @@ impl Bounds {
 }
 
 impl Known {
-    fn received(&mut self, now: Instant, reply: &Reply, mode: Mode) {
-        self.reported = Some((now, mode));
-        self.switches
-            .retain(|(sent, _)| *sent + AIRTIME >= reply.at);
+    /// A reply reaches the host. One of a model with separate frames may say nothing of the loop.
+    fn received(&mut self, now: Instant, reply: &Reply, mode: Option<Mode>, model: Model) {
+        if let Some(mode) = mode {
+            self.reported = Some((now, mode));
+            self.switches
+                .retain(|(sent, _)| *sent + model.frame_airtime() >= reply.at);
+        }
         if let Torque::Commanded { is_zero: true, .. } = self.torque
             && reply.answers_zero
         {

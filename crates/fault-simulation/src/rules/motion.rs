@@ -8,7 +8,8 @@ use motorlink_simulator::{VirtualMotor, World};
 
 use crate::rule::{Outcome, Rule, Violation, broken};
 
-/// A frame from before the stop arrives at most this long after it: its airtime, rounded up.
+/// A frame from before the stop arrives at most this long after it: its airtime, rounded up. At less than 115200 baud
+/// it is the airtime itself.
 const ON_ITS_WAY: Duration = Duration::from_millis(1);
 /// Most motion of a stopped wheel beyond its momentum: 4 mm at the tyre of 102 mm, and more than a
 /// controller that holds zero needs.
@@ -147,7 +148,7 @@ impl Rundown {
     fn moved(&mut self, now: Instant, motor: &VirtualMotor) -> Outcome {
         self.travelled_deg += (motor.turns() - self.turns).abs() * 360.0;
         self.turns = motor.turns();
-        let latest = self.began + ON_ITS_WAY;
+        let latest = self.began + ON_ITS_WAY.max(motor.model().frame_airtime());
         // Until then the motor may still receive one.
         let is_asked = now <= latest
             || motor

@@ -9,7 +9,10 @@ use motorlink_bus::{
     Activity, Bus, Command, Consent, Event, Limits, LineEventKind, OVERCURRENT_FOR, Refusal,
     Sample, is_hazardous,
 };
-use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_protocol::{
+    Detail, Frame, Instant, Mode, MotorId, Setpoint,
+    family::{Model, Request},
+};
 use motorlink_simulator::World;
 
 use crate::rule::{Outcome, Rule, Violation, broken};
@@ -24,6 +27,8 @@ const PROOF_LASTS: Duration = Duration::from_secs(60);
 /// requests; the next may be on its way.
 const SILENCE_MAX: Duration = Duration::from_millis(200);
 const UNANSWERED_MAX: u32 = 4;
+/// Rounding of a current from one scale to another.
+const ROUNDED_RAW: i32 = 1;
 /// Overshoot of a wheel above its speed limit.
 const OVERSHOOT_RPM: u16 = 10;
 
@@ -48,6 +53,7 @@ struct Reported {
 /// Inputs of the operator and the page.
 #[derive(Debug, Default)]
 pub(super) struct Operator {
+    model: Model,
     standing: BTreeMap<MotorId, Standing>,
     reported: BTreeMap<MotorId, Reported>,
     pub(super) limits: Limits,
@@ -64,6 +70,13 @@ pub(super) struct Operator {
 }
 
 impl Operator {
+    pub(super) fn of(model: Model) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
     /// The bus answered a command.
     pub(super) fn on_command(
         &mut self,
@@ -210,7 +223,7 @@ impl Operator {
     /// The port is closed: no command is in force. The page keeps the limits.
     pub(super) fn port_lost(&mut self) {
         let (silent, limits) = (self.page_silent_since, self.limits);
-        *self = Self::default();
+        *self = Self::of(self.model);
         self.page_silent_since = silent;
         self.limits = limits;
     }
@@ -223,7 +236,7 @@ impl Operator {
         bus: &Bus,
         world: &World,
     ) -> Result<bool, Violation> {
-        let request = Request::parse(&frame);
+        let request = Request::parse(self.model, &frame);
         if let Ok(request) = request
             && let Some(id) = addressee(&request)
         {
@@ -255,7 +268,12 @@ impl Operator {
                     );
                 }
             }
-            Ok(Request::Query { .. } | Request::IdQuery) => {}
+            Ok(
+                Request::Query { .. }
+                | Request::ModeQuery { .. }
+                | Request::Enable { on: true, .. }
+                | Request::IdQuery,
+            ) => {}
             // The bus sends no other frame on its own.
             other => {
                 let what = format!("{frame}: {other:?}");
@@ -299,9 +317,14 @@ impl Operator {
         };
         let fits = match setpoint {
             // A ramp may not have reached it yet.
-            Setpoint::Velocity { speed, .. } => within(speed.rpm()),
+            Setpoint::Velocity { speed, .. } => {
+                within(speed.rpm() * i16::from(self.model.spec().speed_units_per_rpm))
+            }
             Setpoint::OpenLoop(target) => signed == target.raw() || signed == 0,
-            Setpoint::Current(current) => signed == current.raw() || signed == 0,
+            Setpoint::Current(current) => {
+                let off = i32::from(signed) - scaled(current.raw(), self.model);
+                signed == 0 || off.abs() <= ROUNDED_RAW
+            }
             Setpoint::Position(target) => raw == target.raw() || holds(id, raw, bus, now),
             Setpoint::Brake => false,
         };
@@ -353,7 +376,7 @@ impl Operator {
                 reported.exceeded = reported.exceeded.or(Some((*at, "current")));
             }
         }
-        if let Detail::Query { temperature, .. } = reply.detail
+        if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail
             && u16::from(temperature.degrees()) > self.limits.temperature_c()
         {
             reported.exceeded = reported.exceeded.or(Some((*at, "temperature")));
@@ -368,6 +391,14 @@ fn addressee(request: &Request) -> Option<MotorId> {
         }
         _ => None,
     }
+}
+
+/// A current in the unit of a DDSM115, in that of this model. Both have full scale at 32,767.
+fn scaled(raw: i16, model: Model) -> i32 {
+    let full_scale_ma = |model: Model| i32::from(model.spec().current.milliamps());
+    let scaled = i32::from(raw) * full_scale_ma(Model::Ddsm115) / full_scale_ma(model);
+    // More than full scale cannot be asked for.
+    scaled.clamp(-i32::from(i16::MAX), i16::MAX.into())
 }
 
 /// Hold: the angle of the wheel at that time.

@@ -6,9 +6,10 @@ use std::{
 };
 
 use motorlink_bus::{Event, Sample, StopReport};
-use motorlink_protocol::{Detail, Frame, Instant, MotorId};
+use motorlink_protocol::{Detail, Frame, Instant, MotorId, family::Model};
 use motorlink_simulator::{VirtualMotor, World};
 
+use super::said::tells;
 use crate::rule::{Outcome, Rule, broken};
 
 /// A sensor's step, noise, and the time that a reply was held.
@@ -28,6 +29,7 @@ const SAID_MAX: usize = 256;
 /// True state of the motors.
 #[derive(Debug, Default)]
 pub(super) struct Truth {
+    model: Model,
     /// When a motor's temperature was last set.
     heated: Option<Instant>,
     /// Since when a wheel stands, and at which angle.
@@ -37,6 +39,13 @@ pub(super) struct Truth {
 }
 
 impl Truth {
+    pub(super) fn of(model: Model) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
     /// The temperature of a motor was set.
     pub(super) fn heated(&mut self, now: Instant) {
         self.heated = Some(now);
@@ -82,12 +91,12 @@ impl Truth {
         let Some(motor) = world.motor(reply.id) else {
             return Ok(());
         };
-        let frame = reply.frame();
-        if !self.said.iter().rev().any(|said| *said == frame) {
-            let what = format!("{frame}, which no motor has said");
+        let is_said = |said: &Frame| tells(self.model, said, &reply);
+        if !self.said.iter().rev().any(is_said) {
+            let what = format!("{reply:?}, which no motor has said");
             return broken(Rule::TelemetryIsTrue, now, what);
         }
-        if let Detail::Query { temperature, .. } = reply.detail
+        if let Detail::Query { temperature, .. } | Detail::Temperature(temperature) = reply.detail
             && self.heated.is_none_or(|at| now.since(at) >= REPLY_HELD_MAX)
         {
             let (read, truth) = (f32::from(temperature.degrees()), motor.temperature_c());

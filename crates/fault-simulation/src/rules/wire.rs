@@ -3,12 +3,11 @@
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::{Event, LineEventKind};
-use motorlink_protocol::{Frame, Instant};
+use motorlink_protocol::{Frame, Instant, Reply, family::Model};
 
+use super::said::tells;
 use crate::rule::{Outcome, Rule, broken};
 
-/// A frame of ten bytes at 115200 baud.
-const AIRTIME: Duration = Duration::from_micros(868);
 /// On a good line a reply is in the log within this: the longest window, and the frames before it.
 const LOGGED_WITHIN: Duration = Duration::from_millis(250);
 /// After a faulty line becomes healthy, held bytes have arrived within this time.
@@ -26,19 +25,28 @@ struct Sent {
 /// The wire and its log.
 #[derive(Debug, Default)]
 pub(super) struct Wire {
+    model: Model,
     /// When the last sent byte has passed.
     busy_until: Option<Instant>,
     last_was_for_all: bool,
+    last_sent: Option<Frame>,
     /// Frames that must appear in the log, and whether the bus knows that they were not sent.
     unlogged: VecDeque<(Frame, bool)>,
     replies: VecDeque<Sent>,
     line_is_good_since: Option<Instant>,
     /// Readings of this moment, which must be in the log too.
-    read: Vec<Frame>,
+    read: Vec<Reply>,
     received: Vec<Frame>,
 }
 
 impl Wire {
+    pub(super) fn of(model: Model) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
     /// The line was set healthy or faulty.
     pub(super) fn line(&mut self, now: Instant, is_good: bool) {
         self.line_is_good_since = is_good.then(|| self.line_is_good_since.unwrap_or(now));
@@ -55,9 +63,10 @@ impl Wire {
         if self.busy_until.is_some_and(|until| now < until) {
             return broken(Rule::OneFrameAtATime, now, format!("{frame}"));
         }
-        self.busy_until = Some(now + AIRTIME);
+        self.busy_until = Some(now + self.model.frame_airtime());
         let [first, command, ..] = *frame.bytes();
         self.last_was_for_all = first == 0xC8 && command == 0x64;
+        self.last_sent = Some(frame);
         self.unlogged.push_back((frame, false));
         Ok(())
     }
@@ -65,7 +74,9 @@ impl Wire {
     /// Only this many bytes of a frame go out.
     pub(super) fn refused(&mut self, now: Instant, frame: Frame, bytes: usize, reported: bool) {
         let tenths = u32::try_from(bytes).unwrap_or(u32::MAX);
-        self.busy_until = self.busy_until.max(Some(now + AIRTIME / 10 * tenths));
+        self.busy_until = self
+            .busy_until
+            .max(Some(now + self.model.frame_airtime() / 10 * tenths));
         self.unlogged.push_back((frame, reported));
     }
 
@@ -86,15 +97,15 @@ impl Wire {
         self.replies.push_back(Sent {
             at,
             frame,
-            // All motors answer the ID query at once.
-            undisturbed: good && !self.last_was_for_all,
+            // All motors answer the ID query at once, and a reply that is its request may be an echo.
+            undisturbed: good && !self.last_was_for_all && self.last_sent != Some(frame),
         });
     }
 
     /// The port is closed: bytes on their way are lost.
     pub(super) fn port_lost(&mut self) {
         let good = self.line_is_good_since;
-        *self = Self::default();
+        *self = Self::of(self.model);
         self.line_is_good_since = good;
     }
 
@@ -115,7 +126,7 @@ impl Wire {
                 }
                 LineEventKind::Junk(_) | LineEventKind::Silence { .. } => {}
             },
-            Event::Telemetry(sample) => self.read.push(sample.reply.frame()),
+            Event::Telemetry(sample) => self.read.push(sample.reply),
             _ => {}
         }
         Ok(())
@@ -156,12 +167,12 @@ impl Wire {
         let received = std::mem::take(&mut self.received);
         let unlogged = std::mem::take(&mut self.read)
             .into_iter()
-            .find(|frame| !received.contains(frame));
+            .find(|reply| !received.iter().any(|frame| tells(self.model, frame, reply)));
         match unlogged {
-            Some(frame) => broken(
+            Some(reply) => broken(
                 Rule::LogIsComplete,
                 now,
-                format!("{frame} was read, not logged"),
+                format!("{reply:?} was read, not logged"),
             ),
             None => Ok(()),
         }

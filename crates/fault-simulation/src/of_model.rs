@@ -1,0 +1,149 @@
+//! A scenario for motors of another model.
+//!
+//! The actions of a seed are those of a DDSM115, in the terms of the model: its loops, its greatest speed and its
+//! frames. So one seed does the same to every model.
+
+use motorlink_bus::{Command, GroupSetpoints};
+use motorlink_protocol::{
+    Frame, Mode, OpenLoopTarget, Request as Combined, Setpoint, SpeedTarget,
+    family::{Model, Request},
+};
+
+use crate::action::{Action, PendingInput};
+
+/// The first byte of a frame for all motors.
+const ALL: u8 = 0xC8;
+
+/// The same action for motors of this model. `place` is its place in the scenario.
+pub(crate) fn in_terms_of(model: Model, place: usize, action: Action) -> Action {
+    match action {
+        Action::Command(given) => Action::Command(command(model, place, given)),
+        Action::WorkerAbsent {
+            cause,
+            duration,
+            pending,
+        } => {
+            let of_model = |input| match input {
+                PendingInput::Command {
+                    command: given,
+                    age,
+                } => PendingInput::Command {
+                    command: command(model, place, given),
+                    age,
+                },
+                other => other,
+            };
+            Action::WorkerAbsent {
+                cause,
+                duration,
+                pending: pending.into_iter().map(of_model).collect(),
+            }
+        }
+        other => other,
+    }
+}
+
+fn command(model: Model, place: usize, given: Command) -> Command {
+    match given {
+        Command::Drive {
+            id,
+            setpoint: asked,
+            consent,
+        } => Command::Drive {
+            id,
+            setpoint: setpoint(model, place, asked),
+            consent,
+        },
+        Command::Adjust {
+            id,
+            setpoint: asked,
+            consent,
+        } => Command::Adjust {
+            id,
+            setpoint: setpoint(model, place, asked),
+            consent,
+        },
+        Command::DriveGroup { setpoints, consent } => Command::DriveGroup {
+            setpoints: group(model, place, setpoints),
+            consent,
+        },
+        Command::AdjustGroup { setpoints, consent } => Command::AdjustGroup {
+            setpoints: group(model, place, setpoints),
+            consent,
+        },
+        Command::SwitchMode { id, mode: asked } => Command::SwitchMode {
+            id,
+            mode: mode(model, place, asked),
+        },
+        Command::SendRaw {
+            frame: drawn,
+            repeat,
+            consent,
+        } => Command::SendRaw {
+            frame: frame(model, place, drawn),
+            repeat,
+            consent,
+        },
+        other => other,
+    }
+}
+
+fn group(model: Model, place: usize, setpoints: GroupSetpoints) -> GroupSetpoints {
+    let entries = setpoints.entries();
+    let entries: Vec<_> = entries
+        .map(|(id, asked)| (id, setpoint(model, place, asked)))
+        .collect();
+    GroupSetpoints::new(&entries).unwrap_or(setpoints)
+}
+
+/// The open loop takes the place of a current loop that the model does not have; of one that it has, every other
+/// time.
+fn mode(model: Model, place: usize, asked: Mode) -> Mode {
+    let is_open =
+        model.has(Mode::OpenLoop) && (!model.has(Mode::Current) || !place.is_multiple_of(2));
+    match asked {
+        Mode::Current if is_open => Mode::OpenLoop,
+        other => other,
+    }
+}
+
+fn setpoint(model: Model, place: usize, asked: Setpoint) -> Setpoint {
+    let rpm_max = i32::from(model.spec().speed_rpm_max);
+    match asked {
+        Setpoint::Velocity {
+            speed,
+            acceleration,
+        } => Setpoint::Velocity {
+            speed: SpeedTarget::clamped(i32::from(speed.rpm()).clamp(-rpm_max, rpm_max)),
+            acceleration,
+        },
+        Setpoint::Current(current) if mode(model, place, Mode::Current) == Mode::OpenLoop => {
+            Setpoint::OpenLoop(OpenLoopTarget::nearest(current.raw()))
+        }
+        other => other,
+    }
+}
+
+/// A well-formed frame as the model has it; any other as it was drawn.
+fn frame(model: Model, place: usize, drawn: Frame) -> Frame {
+    if !model.has_separate_frames() {
+        return drawn;
+    }
+    let &[to, command, high, low, _, _, acceleration, brake, _, last] = drawn.bytes();
+    match Combined::parse(&drawn) {
+        Ok(Combined::SwitchMode { id, mode: asked }) => {
+            let asked = mode(model, place, asked);
+            let switch = Request::SwitchMode { id, mode: asked };
+            switch.frame(model).unwrap_or(drawn)
+        }
+        Ok(Combined::Drive { .. }) => {
+            let units = i16::from(model.spec().speed_units_per_rpm);
+            let value = i16::from_be_bytes([high, low]).saturating_mul(units);
+            let [high, low] = value.to_be_bytes();
+            Frame::with_crc([to, command, high, low, 0, 0, acceleration, brake, 0])
+        }
+        // A mode switch to all.
+        _ if to == ALL && command == 0xA0 => Frame::with_crc([to, command, last, 0, 0, 0, 0, 0, 0]),
+        _ => drawn,
+    }
+}
