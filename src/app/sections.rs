@@ -60,7 +60,7 @@ pub(crate) enum Frame {
 }
 
 /// All sections.
-pub(crate) const SECTIONS: [(Place, Section); 23] = [
+pub(crate) const SECTIONS: [(Place, Section); 24] = [
     (
         Place::Top,
         Section::Now(|place, features| {

@@ -95,13 +95,13 @@ pub(crate) fn of_connect_error(error: ConnectError) -> NoticeText {
 }
 
 /// The notice of an address that asks for virtual motors that do not exist.
-pub(crate) fn of_bad_parameter(bad: BadParameter) -> NoticeText {
+pub(crate) fn of_bad_parameter(bad: &BadParameter) -> NoticeText {
     NoticeText {
         topic: Topic::Port,
         tone: Tone::Error,
         title: tr!(
             "The address has an unknown value: {parameter}",
-            parameter = bad.text
+            parameter = &bad.text
         ),
         advice: vec![tr!(
             "Nothing is connected. Use one of: {values}.",

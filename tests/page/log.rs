@@ -3,6 +3,7 @@
 use std::{cell::RefCell, rc::Rc};
 
 use js_sys::Array;
+use motorlink_i18n::translate;
 use motorlink_messages::{
     ToPage,
     bus::{Activity, Command},
@@ -86,7 +87,7 @@ async fn what_happens_on_the_page_is_logged() {
     let bench = Bench::with_motor("lines", Mode::Velocity).await;
     let said = |received: Vec<ToRecorder>| -> Vec<(bool, String)> {
         let said = received.into_iter().filter_map(|message| match message {
-            ToRecorder::AddMessage { error, text, .. } => Some((error, text)),
+            ToRecorder::AddMessage { error, text, .. } => Some((error, translate(&text))),
             _ => None,
         });
         said.collect()
@@ -234,7 +235,7 @@ async fn an_export_shows_how_far_it_is_and_saves_a_file() {
     );
     let received = recorder.received().await;
     assert!(
-        matches!(&received[..], [ToRecorder::AddMessage { text, .. }] if text.contains("10 rows")),
+        matches!(&received[..], [ToRecorder::AddMessage { text, .. }] if translate(text).contains("10 rows")),
         "{received:?}"
     );
 

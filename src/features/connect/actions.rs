@@ -62,7 +62,10 @@ impl Connect {
     pub(crate) fn connect_as_addressed(self) {
         match virtual_line(parameter) {
             Some(Ok(line)) => self.connect_line(line),
-            Some(Err(bad)) => self.page.notify(connect_texts::of_bad_parameter(bad)),
+            Some(Err(bad)) => {
+                let page = self.page;
+                page.notify(&move || connect_texts::of_bad_parameter(&bad));
+            }
             None => {}
         }
     }

@@ -13,6 +13,10 @@ fn odometer(wheels: u8) -> Odometer {
     Odometer::new(&vehicle, Geometry::new(50, 300).unwrap())
 }
 
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "a few seconds in microseconds are exact"
+)]
 /// The replies of a wheel at a constant speed, in the wheel's own direction.
 fn reports(rpm: f64, from_us: u64, to_us: u64, every_us: u64) -> impl Iterator<Item = Report> {
     (from_us..=to_us)

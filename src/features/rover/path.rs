@@ -110,7 +110,13 @@ impl Path {
             y: self.end.y,
             link: self.since,
         };
-        let is_ahead = |last: &Point| last.x != end.x || last.y != end.y;
+        let is_ahead = |last: &Point| {
+            *last
+                != Point {
+                    link: last.link,
+                    ..end
+                }
+        };
         let end = Some(&end).filter(|_| self.points.last().is_none_or(is_ahead));
         let mut before: Option<Point> = None;
         let mut drawn = Link::Unknown;

@@ -31,14 +31,20 @@ fn assert_way(track: &WheelTrack, from_us: u64, to_us: u64, turns: f64, link: Li
 #[test]
 fn the_angle_tells_the_way_and_the_speed_only_the_turn() {
     // 100.5 rpm make the angle fall by 12.06 degrees in 20 ms.
-    let reports = (0..=500).map(|n| fine(n * 20 * MS, -12.06 * n as f64, 100.0));
+    let reports = (0..=500_u32).map(|n| fine(u64::from(n) * 20 * MS, -12.06 * f64::from(n), 100.0));
     assert_way(&track(reports), 0, 10_000 * MS, 16.75, Link::Known);
 }
 
 #[test]
 fn a_wheel_that_turns_back_has_gone_nowhere() {
-    let there = (0..=10).map(|n| fine(n * 20 * MS, -12.0 * n as f64, 100.0));
-    let back = (1..=10).map(|n| fine((10 + n) * 20 * MS, -120.0 + 12.0 * n as f64, -100.0));
+    let there = (0..=10_u32).map(|n| fine(u64::from(n) * 20 * MS, -12.0 * f64::from(n), 100.0));
+    let back = (1..=10_u32).map(|n| {
+        fine(
+            u64::from(10 + n) * 20 * MS,
+            -120.0 + 12.0 * f64::from(n),
+            -100.0,
+        )
+    });
     assert_way(&track(there.chain(back)), 0, 400 * MS, 0.0, Link::Known);
 }
 
@@ -53,7 +59,7 @@ fn a_coarse_angle_does_not_move_a_wheel_that_stands_or_shift_one_that_turns() {
     };
     let standing = (0..20).map(|n| coarse(n * 100 * MS, 77.0, 0.0));
     assert_way(&track(standing), 0, 1_900 * MS, 0.0, Link::Known);
-    let turning = (0..=50).map(|n| coarse(n * 20 * MS, -12.0 * n as f64, 100.0));
+    let turning = (0..=50_u32).map(|n| coarse(u64::from(n) * 20 * MS, -12.0 * f64::from(n), 100.0));
     let (way, _) = track(turning).turns_between(0, 1_000 * MS).unwrap();
     assert!((way - 600.0 / 360.0).abs() < 2.0 / 255.0, "{way}");
 }
@@ -107,7 +113,8 @@ fn what_is_not_reported_yet_is_unknown_and_old_replies_are_skipped() {
 
 #[test]
 fn what_was_counted_is_forgotten_and_the_rest_stays() {
-    let mut track = track((0..=100).map(|n| fine(n * 20 * MS, -12.0 * n as f64, 100.0)));
+    let mut track =
+        track((0..=100_u32).map(|n| fine(u64::from(n) * 20 * MS, -12.0 * f64::from(n), 100.0)));
     track.forget_before(1_990 * MS);
     assert_eq!(track.knots.len(), 2);
     assert_way(&track, 1_990 * MS, 2_000 * MS, 1.0 / 60.0, Link::Known);
