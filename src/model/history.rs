@@ -6,8 +6,10 @@ use std::{collections::VecDeque, rc::Rc, time::Duration};
 use motorlink_messages::{
     Connection, Update,
     bus::{Activity, Sample},
-    protocol::{Celsius, Current, Detail, Instant, MotorId, Reply, Rpm, Setpoint},
+    protocol::{Instant, MotorId, Reply, Setpoint},
 };
+
+pub(crate) use crate::model::point::Point;
 
 /// How long points are kept.
 const KEPT_FOR: Duration = Duration::from_secs(600);
@@ -29,38 +31,6 @@ pub(crate) const ZERO_US: u64 = 1_000_000_000_000_000;
 
 /// A longer time without a reply is a gap: what the motor did is unknown. It is queried ten times a second.
 const GAP_US: u64 = 1_000_000;
-
-/// The drawn values of one reply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Point {
-    /// When its last byte was read, on the history's clock.
-    pub(crate) at: Instant,
-    pub(crate) speed: Rpm,
-    pub(crate) current: Current,
-    /// The angle, and the temperature if the reply has one.
-    pub(crate) detail: Detail,
-}
-
-impl Point {
-    /// 0 to 360, in the resolution of the reply.
-    pub(crate) fn degrees(&self) -> Option<f32> {
-        match self.detail {
-            Detail::Drive { position } => Some(position.degrees()),
-            Detail::Query { position, .. } => Some(position.degrees()),
-            Detail::Odometry { position, .. } => Some(position.degrees()),
-            Detail::Temperature(_) | Detail::Undetermined(_) => None,
-        }
-    }
-
-    pub(crate) fn temperature(&self) -> Option<Celsius> {
-        match self.detail {
-            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
-                Some(temperature)
-            }
-            Detail::Drive { .. } | Detail::Odometry { .. } | Detail::Undetermined(_) => None,
-        }
-    }
-}
 
 /// A goal, from this time on; `None` if the motor is not driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -336,7 +306,7 @@ fn point(at: Instant, reply: &Reply) -> Point {
         at,
         speed: reply.speed,
         current: reply.current,
-        detail: reply.detail,
+        detail: reply.detail.into(),
     }
 }
 

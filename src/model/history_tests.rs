@@ -3,7 +3,9 @@
 use motorlink_messages::{
     Adapter,
     bus::MotorStatus,
-    protocol::{CoarsePosition, CurrentTarget, Faults, Mode, Position, Reply},
+    protocol::{
+        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Faults, Mode, Position, Rpm,
+    },
 };
 
 use super::*;
@@ -133,7 +135,7 @@ fn ten_minutes_at_full_rate_are_kept_and_the_oldest_give_way() {
     let mut track = Track::default();
     for count in 0..400_000_u64 {
         let Sample { at, reply } = sample(ID, count * 1_000 / 510, 0);
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail);
+        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
         track.take(Point {
             at,
             speed,
@@ -153,7 +155,7 @@ fn a_stretch_of_time_may_lie_in_two_pieces() {
     let mut track = Track::default();
     for step in 0..800_000_u64 {
         let Sample { at, reply } = sample(ID, step, i16::try_from(step % 1_000).unwrap());
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail);
+        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
         track.take(Point {
             at,
             speed,
@@ -179,7 +181,7 @@ fn the_number_of_points_is_bounded_whatever_the_clock_says() {
     let mut track = Track::default();
     for _ in 0..POINTS_MAX + 10 {
         let Sample { at, reply } = sample(ID, 5, 0);
-        let (speed, current, detail) = (reply.speed, reply.current, reply.detail);
+        let (speed, current, detail) = (reply.speed, reply.current, reply.detail.into());
         track.take(Point {
             at,
             speed,
@@ -267,11 +269,11 @@ fn replies_wake_whoever_draws_them() {
 fn a_point_knows_what_its_reply_held() {
     let Sample { at, reply } = sample(ID, 5, 0);
     let (speed, current) = (reply.speed, reply.current);
-    let of = |detail| Point {
+    let of = |detail: Detail| Point {
         at,
         speed,
         current,
-        detail,
+        detail: detail.into(),
     };
     let fine = of(reply.detail);
     assert!((fine.degrees().unwrap() - 66.96).abs() < 0.01);

@@ -202,7 +202,8 @@ mod tests {
             detail: Detail::Query {
                 temperature: Celsius::new(33),
                 position: CoarsePosition::from_raw(51),
-            },
+            }
+            .into(),
         };
         let values = Trace::ALL.map(|trace| trace.value(&point, Mirror::Straight));
         let rounded = values.map(|value| value.map(|value| (value * 10.0).round()));
@@ -213,7 +214,7 @@ mod tests {
         assert_eq!(mirrored[..2], turned, "speed and current");
         assert_eq!(mirrored[2..], values[2..], "and nothing else");
         let undetermined = Point {
-            detail: Detail::Undetermined([1, 2]),
+            detail: Detail::Undetermined([1, 2]).into(),
             ..point
         };
         assert_eq!(

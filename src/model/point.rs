@@ -1,0 +1,57 @@
+//! One reply in the history.
+
+use motorlink_messages::protocol::{
+    Celsius, CoarsePosition, Current, Detail, Instant, Position, Rpm,
+};
+
+/// The drawn values of one reply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Point {
+    /// When its last byte was read, on the history's clock.
+    pub(crate) at: Instant,
+    pub(crate) speed: Rpm,
+    pub(crate) current: Current,
+    /// The angle, and the temperature if the reply has one.
+    pub(crate) detail: Kept,
+}
+
+/// What is drawn of a [`Detail`]. Without the turns, which would make each point half as large again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    Fine(Position),
+    Coarse(Celsius, CoarsePosition),
+    Temperature(Celsius),
+    Nothing,
+}
+
+impl From<Detail> for Kept {
+    fn from(detail: Detail) -> Self {
+        match detail {
+            Detail::Drive { position } | Detail::Odometry { position, .. } => Self::Fine(position),
+            Detail::Query {
+                temperature,
+                position,
+            } => Self::Coarse(temperature, position),
+            Detail::Temperature(temperature) => Self::Temperature(temperature),
+            Detail::Undetermined(_) => Self::Nothing,
+        }
+    }
+}
+
+impl Point {
+    /// 0 to 360, in the resolution of the reply.
+    pub(crate) fn degrees(&self) -> Option<f32> {
+        match self.detail {
+            Kept::Fine(position) => Some(position.degrees()),
+            Kept::Coarse(_, position) => Some(position.degrees()),
+            Kept::Temperature(_) | Kept::Nothing => None,
+        }
+    }
+
+    pub(crate) fn temperature(&self) -> Option<Celsius> {
+        match self.detail {
+            Kept::Coarse(temperature, _) | Kept::Temperature(temperature) => Some(temperature),
+            Kept::Fine(_) | Kept::Nothing => None,
+        }
+    }
+}
