@@ -1,14 +1,9 @@
 //! The model of the motors: that of the open line, else the chosen one.
 
-use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection, protocol::family::Model};
 
-use crate::model::{
-    page::{Change, Page},
-    snapshot::Session,
-    tab::Tab,
-};
+use crate::model::snapshot::Session;
 
 /// The model that the page shows. While a port is being opened, the worker tries several.
 pub(crate) fn shown(session: &Session, chosen: Model) -> Model {
@@ -20,7 +15,7 @@ pub(crate) fn shown(session: &Session, chosen: Model) -> Model {
 /// The model that becomes the chosen one, because motors have answered as it.
 ///
 /// Only the person tells a DDSM115 from a DDSM315. A virtual line says nothing about the motors on the port.
-fn found(session: &Session, chosen: Model) -> Option<Model> {
+pub(crate) fn found(session: &Session, chosen: Model) -> Option<Model> {
     let line = session.line.filter(|line| line.model_known)?;
     let on_port = matches!(
         session.connection,
@@ -43,53 +38,6 @@ pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
         Connection::Connected(Adapter::Serial(_)) => (session.is_anything_driven()
             || session.job.is_some())
         .then(|| tr!("Another model opens the port again. Stop all motors first.")),
-    }
-}
-
-impl Page {
-    /// The greatest speed of the model in rpm.
-    pub(crate) fn speed_max(self) -> i32 {
-        self.model.get().spec().speed_rpm_max.into()
-    }
-
-    /// Full scale of the model's current in mA; an upper bound if that is not certain.
-    pub(crate) fn current_max_ma(self) -> i32 {
-        self.model.get().spec().current.milliamps().into()
-    }
-
-    /// Takes the model that the motors of the line have.
-    pub(crate) fn follow_model(self) {
-        let chosen = self.preferences.with_untracked(|chosen| chosen.model);
-        if let Some(model) = self.latest.with_value(|session| found(session, chosen)) {
-            self.prefer(|preferences| preferences.model = model);
-        }
-        self.leave_missing_tab();
-    }
-
-    /// Takes the model that the person has chosen, and opens the serial port again with it. Returns whether it was
-    /// taken.
-    pub(crate) fn choose_model(self, model: Model) -> bool {
-        // Driving may have begun since the list was opened.
-        let blocked = self.latest.with_value(choice_blocked_by).is_some();
-        if blocked || self.is_anything_driven() {
-            return false;
-        }
-        self.prefer(|preferences| preferences.model = model);
-        if self.latest.with_value(|session| session.line.is_some()) {
-            self.announce(Change::Model);
-        }
-        self.leave_missing_tab();
-        true
-    }
-
-    /// Opens the velocity loop in place of a loop that the model does not have.
-    pub(crate) fn leave_missing_tab(self) {
-        let chosen = self.preferences.with_untracked(|chosen| chosen.model);
-        let model = self.latest.with_value(|session| shown(session, chosen));
-        let tab = self.loops.tab.get_untracked();
-        if !tab.is_of(model) {
-            self.open_tab(Tab::FIRST);
-        }
     }
 }
 

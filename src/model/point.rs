@@ -19,6 +19,8 @@ pub(crate) struct Point {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kept {
     Fine(Position),
+    /// Of an odometry reply. No source says whether this angle grows at positive speed.
+    Odometry(Position),
     Coarse(Celsius, CoarsePosition),
     Temperature(Celsius),
     Nothing,
@@ -27,7 +29,8 @@ pub(crate) enum Kept {
 impl From<Detail> for Kept {
     fn from(detail: Detail) -> Self {
         match detail {
-            Detail::Drive { position } | Detail::Odometry { position, .. } => Self::Fine(position),
+            Detail::Drive { position } => Self::Fine(position),
+            Detail::Odometry { position, .. } => Self::Odometry(position),
             Detail::Query {
                 temperature,
                 position,
@@ -42,7 +45,7 @@ impl Point {
     /// 0 to 360, in the resolution of the reply.
     pub(crate) fn degrees(&self) -> Option<f32> {
         match self.detail {
-            Kept::Fine(position) => Some(position.degrees()),
+            Kept::Fine(position) | Kept::Odometry(position) => Some(position.degrees()),
             Kept::Coarse(_, position) => Some(position.degrees()),
             Kept::Temperature(_) | Kept::Nothing => None,
         }
@@ -51,7 +54,7 @@ impl Point {
     pub(crate) fn temperature(&self) -> Option<Celsius> {
         match self.detail {
             Kept::Coarse(temperature, _) | Kept::Temperature(temperature) => Some(temperature),
-            Kept::Fine(_) | Kept::Nothing => None,
+            Kept::Fine(_) | Kept::Odometry(_) | Kept::Nothing => None,
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The history has every reply of the last ten minutes. So the path is complete also after the page was hidden and
 //! drew nothing.
 
-use motorlink_messages::protocol::{Detail, Instant};
+use motorlink_messages::protocol::Instant;
 
 use crate::{
     features::rover::{
@@ -13,7 +13,10 @@ use crate::{
         vehicle::Vehicle,
         wheel_track::Report,
     },
-    model::history::{History, Point},
+    model::{
+        history::{History, Point},
+        point::Kept,
+    },
 };
 
 /// The resolution of the angle in a query reply, in degrees. It is cut off, not rounded.
@@ -92,14 +95,13 @@ impl Trip {
 
 fn report(point: &Point, is_cut_off: bool) -> Report {
     let step = match point.detail {
-        Detail::Drive { .. } => 0.0,
-        Detail::Query { .. }
-        | Detail::Temperature(_)
-        | Detail::Odometry { .. }
-        | Detail::Undetermined(_) => COARSE_STEP_DEG,
+        Kept::Fine(_) => 0.0,
+        Kept::Coarse(..) | Kept::Odometry(_) | Kept::Temperature(_) | Kept::Nothing => {
+            COARSE_STEP_DEG
+        }
     };
     // No source says whether the angle of an odometry reply grows at positive speed: its speed counts.
-    let is_odometry = matches!(point.detail, Detail::Odometry { .. });
+    let is_odometry = matches!(point.detail, Kept::Odometry(_));
     Report {
         at_us: point.at.as_micros(),
         angle: point
