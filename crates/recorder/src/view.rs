@@ -8,6 +8,7 @@
 //! first. Rows found on the way get smaller and smaller numbers.
 
 mod opened;
+mod toggle;
 
 use motorlink_messages::recorder::{Filter, LogPage, Row, Window};
 

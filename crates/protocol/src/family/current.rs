@@ -4,10 +4,9 @@ use core::fmt;
 
 use crate::{
     measured::{Scaled, nearest_i16, sign},
+    model::{CurrentScale, Model},
     target::{OutOfRange, checked},
 };
-
-use super::{current_scale::CurrentScale, model::Model};
 
 /// Raw full scale.
 const FULL_SCALE: f32 = 32767.0;

@@ -12,24 +12,20 @@
 //! | play a motor | [`Request::parse`], [`Reading::frame`] |
 
 mod current;
-mod current_scale;
-mod model;
 mod reading;
 mod request;
 mod setpoint;
-mod spec;
 mod speed;
 
 pub use crate::{
-    faults::{Fault, Faults},
+    fault::Fault,
+    faults::Faults,
     mode::Mode,
+    model::{CurrentScale, FrameSet, Model, Nominal, Spec, UnknownModel, Wiring},
     open_loop::OpenLoopTarget,
 };
 pub use current::{Current, CurrentTarget};
-pub use current_scale::CurrentScale;
-pub use model::{Model, UnknownModel};
 pub use reading::{DriveReading, Layout, ModeReading, Odometry, Reading, ReadingError};
 pub use request::{Request, RequestError};
 pub use setpoint::{NotOfModel, Setpoint};
-pub use spec::{FrameSet, Nominal, Spec, Wiring};
 pub use speed::{Speed, SpeedTarget};

@@ -7,11 +7,12 @@ use crate::{
     frame::Frame,
     measured::{Celsius, Position},
     mode::Mode,
+    model::{FrameSet, Model},
     motor_id::MotorId,
     reply::{Reply, ReplyError},
 };
 
-use super::{current::Current, model::Model, spec::FrameSet, speed::Speed};
+use super::{current::Current, speed::Speed};
 
 /// Byte 1 of the replies of a DDSM210; those of a DDSM400 are one higher.
 const DRIVE: u8 = 0x64;

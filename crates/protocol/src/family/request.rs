@@ -5,13 +5,13 @@ use core::fmt;
 use crate::{
     frame::Frame,
     mode::Mode,
+    model::Model,
     motor_id::{AssignableId, MotorId},
     request as combined,
     setpoint::Drive,
 };
 
 use super::{
-    model::Model,
     reading::{Layout, ModeReading},
     setpoint::{NotOfModel, Setpoint},
 };

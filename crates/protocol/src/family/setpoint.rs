@@ -4,6 +4,7 @@ use core::fmt;
 
 use crate::{
     mode::Mode,
+    model::Model,
     open_loop::OpenLoopTarget,
     setpoint::Drive,
     target::{Acceleration, PositionTarget},
@@ -11,7 +12,6 @@ use crate::{
 
 use super::{
     current::CurrentTarget,
-    model::Model,
     speed::{Speed, SpeedTarget},
 };
 

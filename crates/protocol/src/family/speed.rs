@@ -4,10 +4,9 @@ use core::fmt;
 
 use crate::{
     measured::sign,
+    model::Model,
     target::{OutOfRange, checked},
 };
-
-use super::model::Model;
 
 /// A reported speed. At positive speed the angle of a DDSM115 falls; of the models with separate frames
 /// no source says what it does.

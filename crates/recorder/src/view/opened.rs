@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::View;
 use crate::{
     chunks::Chunks,
     entry::{Entry, Visibility},
@@ -13,15 +12,15 @@ const RUNS_MAX: usize = 64;
 
 /// The entries between two rows, of which the routine ones were opened.
 #[derive(Debug)]
-struct Run {
-    entries: Range<u64>,
+pub(super) struct Run {
+    pub(super) entries: Range<u64>,
     /// How many were opened.
-    count: u32,
+    pub(super) count: u32,
 }
 
 /// The opened runs, in the order in which they were opened.
 #[derive(Debug, Default)]
-pub(super) struct Opened(Vec<Run>);
+pub(super) struct Opened(pub(super) Vec<Run>);
 
 impl Opened {
     pub(super) fn clear(&mut self) {
@@ -46,7 +45,7 @@ impl Opened {
         }
     }
 
-    fn add(&mut self, run: Run) {
+    pub(super) fn add(&mut self, run: Run) {
         if self.0.len() >= RUNS_MAX {
             self.0.remove(0);
         }
@@ -54,7 +53,7 @@ impl Opened {
     }
 
     /// The run whose first row is this entry. Hidden ones may be before it.
-    fn beginning_at(&self, entries: &Chunks<Entry>, number: u64) -> Option<usize> {
+    pub(super) fn beginning_at(&self, entries: &Chunks<Entry>, number: u64) -> Option<usize> {
         let is_row = |before| {
             let entry = entries.get(before);
             entry.is_some_and(|entry| entry.visibility == Visibility::Shown)
@@ -62,65 +61,5 @@ impl Opened {
         self.0.iter().position(|Run { entries, .. }| {
             entries.contains(&number) && !(entries.start..number).rev().any(is_row)
         })
-    }
-}
-
-impl View {
-    /// How many opened entries begin with this one; 0 within a run and outside.
-    pub(super) fn opened_at(&self, entries: &Chunks<Entry>, number: u64) -> u32 {
-        let run = self.opened.beginning_at(entries, number);
-        let run = run.and_then(|run| self.opened.0.get(run));
-        run.map_or(0, |run| run.count)
-    }
-
-    /// Closes the opened entries that begin with this row. If there are none, opens the collapsed ones right before it;
-    /// the row moves behind them. Rows before it keep their numbers.
-    pub(crate) fn toggle(&mut self, entries: &mut Chunks<Entry>, row: u64) {
-        let Some(place) = self.entry_of(entries, row) else {
-            return;
-        };
-        if let Some(run) = self.opened.beginning_at(entries, place) {
-            for number in self.opened.0.remove(run).entries {
-                self.turn(entries, number, Visibility::Collapsed);
-            }
-            return;
-        }
-        let mut first = place;
-        for number in (self.filtered_from..place).rev() {
-            match entries.get(number).map(|entry| entry.visibility) {
-                Some(Visibility::Collapsed) => first = number,
-                Some(Visibility::Hidden) => {}
-                Some(Visibility::Shown) | None => break,
-            }
-        }
-        let opened = (first..place).filter(|number| self.turn(entries, *number, Visibility::Shown));
-        // The log has fewer entries than a u32 counts.
-        let count = u32::try_from(opened.count()).unwrap_or(u32::MAX);
-        if count > 0 {
-            let entries = first..place;
-            self.opened.add(Run { entries, count });
-        }
-    }
-
-    /// Shows or collapses an entry, if it is routine and not hidden. Returns whether it did.
-    fn turn(&mut self, entries: &mut Chunks<Entry>, number: u64, to: Visibility) -> bool {
-        let Some(entry) = entries.get_mut(number) else {
-            return false;
-        };
-        let from = entry.visibility;
-        if !entry.routine || from == Visibility::Hidden || from == to {
-            return false;
-        }
-        entry.visibility = to;
-        self.tally(number, from, false);
-        self.tally(number, to, true);
-        if to == Visibility::Shown {
-            self.end_row += 1;
-            self.collapsed -= 1;
-        } else {
-            self.end_row -= 1;
-            self.collapsed += 1;
-        }
-        true
     }
 }

@@ -39,7 +39,7 @@ impl CurrentScale {
         self.certain
     }
 
-    pub(super) fn amps(self) -> f32 {
+    pub(crate) fn amps(self) -> f32 {
         f32::from(self.milliamps) / 1_000.0
     }
 }

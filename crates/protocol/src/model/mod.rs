@@ -7,12 +7,13 @@
 
 use core::{fmt, str::FromStr, time::Duration};
 
-use crate::{faults::Fault, frame::FRAME_LEN, mode::Mode};
+use crate::{fault::Fault, frame::FRAME_LEN, mode::Mode};
 
-use super::{
-    current_scale::CurrentScale,
-    spec::{FrameSet, Nominal, Spec, Wiring},
-};
+mod current_scale;
+mod spec;
+
+pub use current_scale::CurrentScale;
+pub use spec::{FrameSet, Nominal, Spec, Wiring};
 
 /// A hub motor of the family. All motors of a line have the same one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use crate::{faults::Fault, mode::Mode};
+use crate::{fault::Fault, mode::Mode};
 
 use super::current_scale::CurrentScale;
 
@@ -24,7 +24,7 @@ pub enum FrameSet {
     /// ([`Reply`](crate::Reply)). A mode switch has its mode in byte 9, no CRC and no reply.
     Combined,
     /// Speed, angle and mode come in replies of their own, which byte 1 tells apart
-    /// ([`Reading`](super::Reading)). Every frame has a CRC, and a mode switch has its mode in byte 2 and
+    /// ([`Reading`](crate::family::Reading)). Every frame has a CRC, and a mode switch has its mode in byte 2 and
     /// a reply.
     Separate {
         /// Byte 1 of a reply is this much above byte 1 of its request. At 0 a reply may be identical
@@ -51,7 +51,7 @@ pub struct Spec {
     /// Its loops, in the order of their bytes.
     pub modes: &'static [Mode],
     /// Whether it ignores drive frames after power-up until it is enabled
-    /// ([`Request::Enable`](super::Request::Enable)) and switched to a loop. If not, it powers up in the
+    /// ([`Request::Enable`](crate::family::Request::Enable)) and switched to a loop. If not, it powers up in the
     /// velocity loop.
     pub needs_enable: bool,
     /// Units of speed per rpm on the wire: 1 or 10.
