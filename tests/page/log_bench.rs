@@ -35,7 +35,7 @@ impl Style {
         let style = document().create_element("style").unwrap();
         let sheet = include_str!("../../style/later/65-log.css");
         let sheet = format!(
-            "{sheet} .packet-list {{ flex: none; box-sizing: border-box; width: 600px; height: 220px; }}"
+            "{sheet} .packet-list {{ flex: none; box-sizing: border-box; width: 600px; height: 240px; }}"
         );
         style.set_text_content(Some(&sheet));
         document().head().unwrap().append_child(&style).unwrap();

@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn a_new_filter_goes_to_the_newest_and_asks_anew() {
         let mut feed = LogFeed::default();
-        feed.view.resize(600, 220);
+        feed.view.resize(600, 240);
         feed.take(page(0, 0..100));
         assert!(feed.request().is_some());
         assert_eq!(feed.request(), None);

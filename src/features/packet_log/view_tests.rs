@@ -3,7 +3,7 @@
 use super::*;
 
 /// Ten rows high, wide enough for rows of one line.
-const HEIGHT_PX: u32 = 220;
+const HEIGHT_PX: u32 = 240;
 
 fn list(oldest: u64, end: u64) -> LogView {
     let mut view = LogView::default();
@@ -42,7 +42,7 @@ fn the_newest_rows_are_seen_and_stay_seen() {
     settle(&mut view);
     assert!(view.is_following());
     assert_eq!(seen(&view), (93, 0, 103));
-    assert_eq!(view.scroll_px, 103 * 22 - 220);
+    assert_eq!(view.scroll_px, 103 * 24 - 240);
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_scroll_bar_in_hand_is_left_alone_and_its_end_is_the_newest_row_all_the_same
     view.set_rows(0, 200);
     scroll_by(&mut view, 300);
     assert_eq!(seen(&view), (80, 20, 91));
-    view.scrolled(100 * 22 - 220);
+    view.scrolled(100 * 24 - 240);
     assert!(view.is_following());
     settle(&mut view);
     assert_eq!(seen(&view), (190, 0, 200));
@@ -167,7 +167,7 @@ fn on_a_full_log_the_scroll_bar_goes_up_with_what_is_read() {
 #[test]
 fn a_narrow_list_has_rows_of_two_lines_and_keeps_its_first_row() {
     let mut view = list(0, 100);
-    scroll_by(&mut view, -50 * 22);
+    scroll_by(&mut view, -50 * 24);
     assert_eq!(view.first_row(), 40);
     view.resize(350, HEIGHT_PX);
     assert!(view.has_two_lines());

@@ -43,7 +43,7 @@ impl Summary {
                 Some(Content::Traffic(batch)) => self.batch(stream, batch),
                 Some(Content::Note(Note::Message { at, .. })) => self.extend_to(at),
                 Some(Content::Note(Note::Clear)) => {
-                    self.cleared = std::mem::take(&mut self.packets)
+                    self.cleared = std::mem::take(&mut self.packets);
                 }
                 Some(Content::Note(Note::UndoClear)) => {
                     let cleared = std::mem::take(&mut self.cleared);

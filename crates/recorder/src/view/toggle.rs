@@ -1,4 +1,4 @@
-//! Opens and closes collapsed entries.
+//! Opens and closes collapsed entries of a view.
 
 use super::{View, opened::Run};
 use crate::{
