@@ -62,7 +62,7 @@ pub(crate) enum Expects {
 
 impl Expects {
     /// The answer to a request.
-    pub(crate) fn of(model: Model, request: &Request) -> Self {
+    pub(crate) fn of(model: Model, request: Request) -> Self {
         match (request.addressee(), request.reply_layout(model)) {
             (Some(id), Some(layout)) => Self::Reply { id, layout },
             (None, Some(layout)) => Self::Everyone {
@@ -79,7 +79,7 @@ impl Expects {
             Ok(Request::Drive { .. }) if addressee(frame).is_none() => {
                 Self::Everyone { layout: None }
             }
-            Ok(request) => Self::of(model, &request),
+            Ok(request) => Self::of(model, request),
             Err(_) => Self::Everyone { layout: None },
         }
     }

@@ -60,13 +60,7 @@ pub(crate) fn next_request(
                     STOP_PERIOD
                 };
             let request = stop.next_request(now, model, id);
-            stop.sent(
-                now,
-                model,
-                &request,
-                stop_period,
-                !motor.is_without_answer(),
-            );
+            stop.sent(now, model, request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
         (Control::Switching(mut switch), DueFrame::Switch(_)) => {

@@ -282,16 +282,8 @@ impl Bus {
                 motor.torque.answered(&exchange.frame);
             }
         }
-        let loop_unconfirmed = motor.loop_is_unconfirmed();
-        let reply = match &reading {
-            Reading::Combined(reply) => Some(reply.in_layout(asked)),
-            separate => {
-                let is_driven = matches!(motor.control, Control::Driven(_) | Control::Stopping(_));
-                let last = motor.last_reply();
-                motor.separate.record(now, model, separate, last, is_driven)
-            }
-        };
-        let Some(reply) = reply else {
+        let unconfirmed = motor.loop_is_unconfirmed();
+        let Some(reply) = as_reply(motor, now, &reading, asked) else {
             self.loop_named(id, names_loop.filter(|_| confirms_loop));
             if measures_round_trip {
                 self.round_trip.replied(took);
@@ -304,29 +296,8 @@ impl Bus {
             self.events
                 .push_back(Event::Line(LineEvent { at: now, kind }));
         }
-        motor.angle_estimate.replied(now, &reply);
-        let seen = motor.angle_estimate.confirmed_now(now);
-        match (&mut motor.control, reply.detail) {
-            (Control::Switching(switch), _) if confirms_loop && names_loop.is_some() => {
-                switch.record_mode(reply.mode);
-            }
-            // A late reply may report the time before a switch.
-            (Control::Stopping(stop), _) if exchange.sent >= stop.began() && !loop_unconfirmed => {
-                stop.record_reply(&reply);
-            }
-            (Control::Stopping(stop), _) => stop.record_uncertain_reply(reply.mode),
-            (Control::Driven(driven), _) => {
-                // A reply soon after Hold may tell where the wheel was then.
-                if let Some(hold) = driven.hold
-                    && let Some(held) = hold.refined(now, seen, reply.speed)
-                {
-                    driven.goal = Setpoint::Position(held);
-                    driven.next_frame = now;
-                    driven.hold = None;
-                }
-            }
-            _ => {}
-        }
+        let names_loop = confirms_loop && names_loop.is_some();
+        act_on_reply(motor, now, exchange.sent, &reply, names_loop, unconfirmed);
         self.record_reply(now, reply);
         if measures_round_trip {
             self.round_trip.replied(took);
@@ -437,6 +408,55 @@ impl Bus {
                 Segment::Junk(junk) => self.log(now, LineEventKind::Junk(*junk)),
             }
         }
+    }
+}
+
+/// The reply that this reading makes, unless it only names the loop.
+fn as_reply(
+    motor: &mut Motor,
+    now: Instant,
+    reading: &Reading,
+    asked: Option<motorlink_protocol::Layout>,
+) -> Option<Reply> {
+    let Reading::Combined(reply) = reading else {
+        let is_driven = matches!(motor.control, Control::Driven(_) | Control::Stopping(_));
+        let (model, last) = (motor.model, motor.last_reply());
+        return motor.separate.record(now, model, reading, last, is_driven);
+    };
+    Some(reply.in_layout(asked))
+}
+
+/// What a reply to a request of this moment changes for a motor that is switched, stopped or driven.
+fn act_on_reply(
+    motor: &mut Motor,
+    now: Instant,
+    sent: Instant,
+    reply: &Reply,
+    names_loop: bool,
+    unconfirmed: bool,
+) {
+    motor.angle_estimate.replied(now, reply);
+    let seen = motor.angle_estimate.confirmed_now(now);
+    // With separate frames a reply may come before the motor has named its loop.
+    let unnamed = motor.model.has_separate_frames() && motor.last_mode().is_none();
+    match &mut motor.control {
+        Control::Switching(switch) if names_loop => switch.record_mode(reply.mode),
+        // A late reply may report the time before a switch.
+        Control::Stopping(stop) if sent >= stop.began() && !unconfirmed && !unnamed => {
+            stop.record_reply(reply);
+        }
+        Control::Stopping(stop) => stop.record_uncertain_reply(reply.mode),
+        Control::Driven(driven) => {
+            // A reply soon after Hold may tell where the wheel was then.
+            if let Some(hold) = driven.hold
+                && let Some(held) = hold.refined(now, seen, reply.speed)
+            {
+                driven.goal = Setpoint::Position(held);
+                driven.next_frame = now;
+                driven.hold = None;
+            }
+        }
+        Control::Idle | Control::Switching(_) => {}
     }
 }
 

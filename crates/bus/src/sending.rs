@@ -52,14 +52,14 @@ impl Bus {
                 // A raw frame exists whenever one is due. The ID query is a harmless fallback.
                 let frame = self
                     .raw
-                    .map_or(self.frame_of(&Request::IdQuery), |raw| raw.frame);
+                    .map_or(self.frame_of(Request::IdQuery), |raw| raw.frame);
                 let expects = Expects::of_raw(model, &frame);
                 (frame, expects, Purpose::Raw, Effect::Raw)
             }
             DueFrame::IdQuery => {
                 let request = Request::IdQuery;
-                let expects = Expects::of(model, &request);
-                let frame = self.frame_of(&request);
+                let expects = Expects::of(model, request);
+                let frame = self.frame_of(request);
                 (frame, expects, Purpose::Control, Effect::IdQuery)
             }
             DueFrame::Probe(_) | DueFrame::SetId(_) => {
@@ -69,8 +69,8 @@ impl Bus {
                     _ => Request::IdQuery,
                 };
                 let effect = Effect::Job(due_frame);
-                let expects = Expects::of(model, &request);
-                (self.frame_of(&request), expects, Purpose::Job, effect)
+                let expects = Expects::of(model, request);
+                (self.frame_of(request), expects, Purpose::Job, effect)
             }
             DueFrame::Stop(id)
             | DueFrame::Switch(id)
@@ -80,8 +80,8 @@ impl Bus {
                 let motor = self.watch(now, id);
                 let (request, control, sent) = next_request(motor, now, due_frame, context);
                 let effect = Effect::Motor { id, control, sent };
-                let expects = Expects::of(model, &request);
-                (self.frame_of(&request), expects, Purpose::Control, effect)
+                let expects = Expects::of(model, request);
+                (self.frame_of(request), expects, Purpose::Control, effect)
             }
         };
         let [addressee, ..] = *frame.bytes();
@@ -100,7 +100,7 @@ impl Bus {
 
     /// The bytes of a request. No request is made that the model does not have; the ID query is a harmless
     /// fallback.
-    fn frame_of(&self, request: &Request) -> Frame {
+    fn frame_of(&self, request: Request) -> Frame {
         let id_query = motorlink_protocol::Request::IdQuery;
         request
             .frame(self.model)

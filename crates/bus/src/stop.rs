@@ -98,7 +98,7 @@ impl Stopping {
         &mut self,
         now: Instant,
         model: Model,
-        request: &Request,
+        request: Request,
         period: Duration,
         answers: bool,
     ) {

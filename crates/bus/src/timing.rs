@@ -107,10 +107,14 @@ pub(crate) const STANDSTILL_REPLIES: u8 = 3;
 /// round trip of a common adapter.
 pub(crate) const STOP_PATIENCE: Duration = Duration::from_millis(10);
 
+/// Error of a browser's clocks between a request and its reply.
+const CLOCK_ERROR: Duration = Duration::from_micros(236);
+
 /// No reply is complete sooner after its request: the airtime of both (868 us each of a DDSM115), less the
 /// error of clocks with steps of 0.1 ms. An earlier reply answers an earlier request.
 pub(crate) const fn earliest_reply(model: Model) -> Duration {
-    Duration::from_micros(2 * model.frame_airtime().as_micros() as u64 - 236)
+    let airtime = model.frame_airtime();
+    airtime.saturating_add(airtime).saturating_sub(CLOCK_ERROR)
 }
 
 /// First reply window: an FTDI adapter holds received bytes for up to 16 ms.

@@ -150,7 +150,7 @@ fn received(reply: &Reply) -> String {
     let current = in_language(reply.current.to_string());
     let mut said = format!("{speed}, {current}");
     match reply.detail {
-        Detail::Drive { position } => {
+        Detail::Drive { position } | Detail::Odometry { position, .. } => {
             said = format!("{said}, {}", in_language(position.to_string()));
         }
         Detail::Query {
@@ -164,9 +164,6 @@ fn received(reply: &Reply) -> String {
         }
         Detail::Undetermined(_) => {}
         Detail::Temperature(temperature) => said = format!("{said}, {temperature}"),
-        Detail::Odometry { position, .. } => {
-            said = format!("{said}, {}", in_language(position.to_string()));
-        }
     }
     if reply.mode != Mode::Velocity {
         said = format!("{said}, {}", mode(reply.mode));

@@ -162,14 +162,15 @@ impl Detail {
 
     const fn bytes(self) -> [u8; 2] {
         match self {
-            Self::Drive { position } => position.raw().to_be_bytes(),
+            Self::Drive { position } | Self::Odometry { position, .. } => {
+                position.raw().to_be_bytes()
+            }
             Self::Query {
                 temperature,
                 position,
             } => [temperature.degrees(), position.raw()],
             Self::Undetermined(bytes) => bytes,
             Self::Temperature(temperature) => [temperature.degrees(), 0],
-            Self::Odometry { position, .. } => position.raw().to_be_bytes(),
         }
     }
 }

@@ -84,7 +84,7 @@ fn act(id: MotorId, action: Action, motor: &mut VirtualMotor) -> String {
 fn state(id: u8, motor: &VirtualMotor) -> String {
     let mode = match motor.active_mode() {
         None if motor.is_powered() => "disabled",
-        active => match active.unwrap_or(motor.mode().into()) {
+        active => match active.unwrap_or(motor.mode()) {
             Mode::OpenLoop => "open-loop",
             Mode::Current => "current",
             Mode::Velocity => "velocity",

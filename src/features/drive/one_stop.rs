@@ -24,14 +24,13 @@ pub(crate) fn stop_of(id: MotorId, activity: Option<Activity>, tab: Tab) -> Opti
         },
     };
     Some(match mode {
-        Mode::Velocity => Command::Stop(id),
+        Mode::Velocity | Mode::OpenLoop => Command::Stop(id),
         Mode::Current => Command::Drive {
             id,
             setpoint: Setpoint::Current(CurrentTarget::ZERO),
             consent: Consent::None,
         },
         Mode::Position => Command::Hold(id),
-        Mode::OpenLoop => Command::Stop(id),
     })
 }
 

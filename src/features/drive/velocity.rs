@@ -45,6 +45,15 @@ fn acceleration_hint(model: Model) -> &'static str {
     }
 }
 
+/// What a positive speed does.
+fn positive_direction(mirrored: bool) -> &'static str {
+    if mirrored {
+        tr!("Mirrored: + is clockwise, facing the wheel")
+    } else {
+        tr!("+ is counter-clockwise, facing the wheel")
+    }
+}
+
 #[component]
 pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
@@ -58,14 +67,7 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
     let speed_max = Box::leak(Box::new(move || page.speed_max()));
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
-    let direction = Signal::derive(move || {
-        let words = if mirrored.get() {
-            tr!("Mirrored: + is clockwise, facing the wheel")
-        } else {
-            tr!("+ is counter-clockwise, facing the wheel")
-        };
-        words.to_owned()
-    });
+    let direction = Signal::derive(move || positive_direction(mirrored.get()).to_owned());
     let ends = Signal::derive(move || {
         let (back, forward) = if mirrored.get() {
             (tr!("CCW"), tr!("CW"))

@@ -107,7 +107,7 @@ pub(crate) fn RoverPanel(rover: Rover) -> impl IntoView {
 /// Sets the drawing of each vehicle, and draws while the panel is shown.
 fn draw(rover: Rover, vehicle: Memo<Option<Vehicle>>, panel: NodeRef<html::Section>) {
     let painter = Rc::new(RefCell::new(None::<Painter>));
-    let painted = Rc::clone(&painter);
+    let to_paint = Rc::clone(&painter);
     let frames = Frames::new(move |now_ms| {
         let Some(vehicle) = vehicle.try_get_untracked().flatten() else {
             return Next::Woken;
@@ -117,7 +117,7 @@ fn draw(rover: Rover, vehicle: Memo<Option<Vehicle>>, panel: NodeRef<html::Secti
             return Next::After(UNSEEN_PERIOD_MS);
         }
         let session = rover.page.present();
-        let mut painter = painted.borrow_mut();
+        let mut painter = to_paint.borrow_mut();
         let moves = painter
             .as_mut()
             .is_some_and(|painter| rover.trip.with_value(|trip| painter.paint(&session, trip)));

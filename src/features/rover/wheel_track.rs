@@ -69,8 +69,8 @@ impl WheelTrack {
         };
         let link = match since_us {
             _ if report.is_cut_off => Link::Unknown,
-            ..=BRIDGED_OVER_US => Link::Known,
-            ..=GAP_OVER_US => Link::Bridged,
+            us if us <= BRIDGED_OVER_US => Link::Known,
+            us if us <= GAP_OVER_US => Link::Bridged,
             _ => Link::Unknown,
         };
         let rpm_before = self.last.map_or(report.rpm, |last| last.rpm);

@@ -5,7 +5,7 @@ use std::time::Duration;
 use motorlink_protocol::{Instant, Position, Rpm};
 
 /// Between two replies further apart than this the speed may have changed.
-const APART_MAX: Duration = Duration::from_millis(1_000);
+const APART_MAX: Duration = Duration::from_secs(1);
 
 /// The last odometry reply of a motor.
 #[derive(Clone, Copy, Debug, Default)]

@@ -41,10 +41,12 @@ impl Telemetry {
     #[must_use]
     pub fn of(at: Instant, reply: &Reply) -> Self {
         let (degrees, celsius) = match reply.detail {
-            Detail::Drive { position } => (Some(position.degrees()), None),
-            Detail::Query { temperature, .. } => (None, Some(temperature.degrees())),
-            Detail::Odometry { position, .. } => (Some(position.degrees()), None),
-            Detail::Temperature(temperature) => (None, Some(temperature.degrees())),
+            Detail::Drive { position } | Detail::Odometry { position, .. } => {
+                (Some(position.degrees()), None)
+            }
+            Detail::Query { temperature, .. } | Detail::Temperature(temperature) => {
+                (None, Some(temperature.degrees()))
+            }
             Detail::Undetermined(_) => (None, None),
         };
         Self {

@@ -238,7 +238,7 @@ impl Operator {
     ) -> Result<bool, Violation> {
         let request = Request::parse(self.model, &frame);
         if let Ok(request) = request
-            && let Some(id) = addressee(&request)
+            && let Some(id) = addressee(request)
         {
             self.reported.entry(id).or_default().asked += 1;
         }
@@ -384,10 +384,10 @@ impl Operator {
     }
 }
 
-fn addressee(request: &Request) -> Option<MotorId> {
+fn addressee(request: Request) -> Option<MotorId> {
     match request {
         Request::Drive { id, .. } | Request::Query { id } | Request::SwitchMode { id, .. } => {
-            Some(*id)
+            Some(id)
         }
         _ => None,
     }

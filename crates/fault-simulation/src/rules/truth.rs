@@ -111,9 +111,8 @@ impl Truth {
             return Ok(());
         };
         let read = match reply.detail {
-            Detail::Drive { position } => position.degrees(),
+            Detail::Drive { position } | Detail::Odometry { position, .. } => position.degrees(),
             Detail::Query { position, .. } => position.degrees(),
-            Detail::Odometry { position, .. } => position.degrees(),
             Detail::Temperature(_) | Detail::Undetermined(_) => return Ok(()),
         };
         if apart(read, *truth) > ANGLE_OFF_MAX_DEG {

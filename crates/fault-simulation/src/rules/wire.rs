@@ -119,12 +119,14 @@ impl Wire {
                     return self.logged_as(now, frame, false);
                 }
                 LineEventKind::NotSent { frame } => return self.logged_as(now, frame, true),
-                LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
                 LineEventKind::Received { frame, .. } => {
                     self.received.push(frame);
                     return self.logged(now, frame);
                 }
-                LineEventKind::Junk(_) | LineEventKind::Silence { .. } => {}
+                LineEventKind::Junk(_)
+                | LineEventKind::Silence { .. }
+                | LineEventKind::Commanded { .. }
+                | LineEventKind::Reading { .. } => {}
             },
             Event::Telemetry(sample) => self.read.push(sample.reply),
             _ => {}

@@ -120,9 +120,10 @@ impl Motor {
 
 fn degrees_of(reply: &Reply) -> Option<f64> {
     match reply.detail {
-        Detail::Drive { position } => Some(position.degrees().into()),
+        Detail::Drive { position } | Detail::Odometry { position, .. } => {
+            Some(position.degrees().into())
+        }
         Detail::Query { position, .. } => Some(position.degrees().into()),
-        Detail::Odometry { position, .. } => Some(position.degrees().into()),
         Detail::Temperature(_) | Detail::Undetermined(_) => None,
     }
 }

@@ -20,7 +20,8 @@ use motorlink_i18n::{Language, set_language, translated};
 fn main() -> ExitCode {
     let mut args = env::args().skip(1);
     let dir = args.next().unwrap_or_else(|| "target/screenshots".into());
-    match take(Path::new(&dir), args.collect()) {
+    let words: Vec<String> = args.collect();
+    match take(Path::new(&dir), &words) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("screenshots: {error:#}");
@@ -29,7 +30,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn take(dir: &Path, words: Vec<String>) -> Result<()> {
+fn take(dir: &Path, words: &[String]) -> Result<()> {
     match dir.to_str() {
         Some("docs") => return spinning(&dir.join("spinning.webp")),
         Some("public") => return for_installer(&dir.join("screenshots")),
@@ -41,7 +42,7 @@ fn take(dir: &Path, words: Vec<String>) -> Result<()> {
         let album = Album {
             dir: dir.to_owned(),
             language,
-            words: words.clone(),
+            words: words.to_vec(),
         };
         if album.is_empty() {
             continue;

@@ -7,7 +7,7 @@ use crate::fixture::{
     Scenario, assert_quiet_console, open_panel, wait_for_speed, wait_for_wire, wait_until_enabled,
 };
 use anyhow::Result;
-use end_to_end::{Line, Page, WAIT_MAX, now_us, wait_until};
+use end_to_end::{Frame, Line, Page, WAIT_MAX, WireLog, now_us, wait_until};
 
 const SCAN_MAX: Duration = Duration::from_secs(60);
 
@@ -41,7 +41,7 @@ fn turned_and_stopped(scenario: &mut Scenario) -> Result<()> {
         "Start"
     };
     page.click("button", start)?;
-    let drives = |wire: &end_to_end::WireLog| wire.drives().len() >= 5;
+    let drives = |wire: &WireLog| wire.drives().len() >= 5;
     wait_for_wire(scenario, started, "drive frames", drives)?;
     let stopped = now_us();
     // Space stops from each loop.
@@ -50,7 +50,7 @@ fn turned_and_stopped(scenario: &mut Scenario) -> Result<()> {
         text.to_lowercase().contains("confirmed")
     })?;
     let braked = scenario.since(stopped)?.drives();
-    assert!(braked.frames.iter().any(|frame| frame.brakes()), "{braked}");
+    assert!(braked.frames.iter().any(Frame::brakes), "{braked}");
     page.click("button", "Release")?;
     wait_for_speed(page, 0..=0)
 }
@@ -64,12 +64,7 @@ fn velocity(scenario: &mut Scenario, raw: i16) -> Result<()> {
     page.click("button", "+50")?;
     wait_for_speed(page, 48..=52)?;
     let drives = scenario.since(pressed)?.drives();
-    let setpoints = || {
-        drives
-            .frames
-            .iter()
-            .filter_map(|frame| frame.drive_setpoint())
-    };
+    let setpoints = || drives.frames.iter().filter_map(Frame::drive_setpoint);
     assert!(setpoints().any(|setpoint| setpoint == raw), "{drives}");
     assert!(setpoints().all(|setpoint| setpoint <= raw), "{drives}");
     page.wait_for_text("output", "Temperature", |text| {
@@ -104,12 +99,10 @@ fn given_an_id(scenario: &Scenario) -> Result<()> {
     page.fill("spinbutton", "New ID", "5")?;
     page.click("button", "Set ID")?;
     wait_until("the question for the ID", SCAN_MAX, || {
-        Ok(
-            match page.find_all("alertdialog", "Change the ID?")?.is_empty() {
-                false => Ok(()),
-                true => Err("no question yet".to_owned()),
-            },
-        )
+        let question = page.find_all("alertdialog", "Change the ID?")?.pop();
+        Ok(question
+            .map(drop)
+            .ok_or_else(|| "no question yet".to_owned()))
     })?;
     page.click("button", "Set ID 0x05")?;
     page.wait_for_text("status", "Scan result", |text| {
