@@ -269,7 +269,9 @@ fn a_motor_of_another_model_ends_all_driving() {
         let mut config = WorldConfig::of(expected, [ID]);
         let mut other = WorldConfig::of(found, [id(2)]).motors;
         // At angle 0 the odometry reply of a DDSM210 is like an echo.
-        other.iter_mut().for_each(|motor| motor.angle_deg = 30.0);
+        for motor in &mut other {
+            motor.angle_deg = 30.0;
+        }
         config.motors.extend(other);
         let mut fixture = Fixture::watching(config, &[ID]);
         fixture.run(ms(700));
@@ -347,11 +349,11 @@ fn commands_and_readings_are_given_to_the_recording_in_the_units_of_the_bus() {
             Event::Line(line) => Some(line.kind),
             _ => None,
         });
-        let commanded = lines.clone().filter_map(|kind| match kind {
+        let mut commanded = lines.clone().filter_map(|kind| match kind {
             LineEventKind::Commanded { frame, mode } => Some((frame, mode)),
             _ => None,
         });
-        let (frame, mode) = commanded.last().unwrap();
+        let (frame, mode) = commanded.next_back().unwrap();
         assert_eq!(mode, Some(Mode::Velocity));
         assert_eq!(frame, fixture::drive_frame(ID, rpm(60)), "{model}");
         let mut layouts = Vec::new();
