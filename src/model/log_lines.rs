@@ -150,7 +150,7 @@ mod tests {
     use motorlink_i18n::{Language, set_language, translate, untranslated};
     use motorlink_messages::{
         Adapter, UsbId,
-        bus::{Command, Consent, ExceededLimit, Refusal, StopOutcome, WithdrawReason},
+        bus::{CommandKind, ExceededLimit, Refusal, StopOutcome, WithdrawReason},
         protocol::{CurrentTarget, Faults, Mode, Rpm, SpeedTarget},
     };
 
@@ -296,11 +296,7 @@ mod tests {
                 reason: faults,
             },
             Notice::Refused {
-                command: Command::Drive {
-                    id: ID,
-                    setpoint: Setpoint::Brake,
-                    consent: Consent::None,
-                },
+                command: CommandKind::Drive(ID),
                 refusal: Refusal::TooFast(Rpm::new(100)),
             },
             Notice::AdapterLost { driven: vec![ID] },

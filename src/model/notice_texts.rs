@@ -3,7 +3,9 @@
 use motorlink_i18n::{Language, tr};
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason},
+    bus::{
+        CommandKind, IdQueryOutcome, Refusal, StopOutcome, StopReason, StopReport, WithdrawReason,
+    },
     protocol::{Mode, MotorId},
 };
 
@@ -109,25 +111,25 @@ pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
     }
 }
 
-fn of_refusal(command: Command, refusal: Refusal) -> Option<NoticeText> {
+fn of_refusal(command: CommandKind, refusal: Refusal) -> Option<NoticeText> {
     // A drag that outlasts a drive is no error, and for a high current the page asks.
     if matches!(
         command,
-        Command::Adjust { .. } | Command::AdjustGroup { .. } | Command::Forget(_)
+        CommandKind::Adjust | CommandKind::AdjustGroup | CommandKind::Forget
     ) || matches!(refusal, Refusal::NeedsConsent(_))
     {
         return None;
     }
     let title = match command {
-        Command::Drive { id, .. } => tr!("Motor {id} not started", id),
-        Command::DriveGroup { .. } => tr!("Motors not started").to_owned(),
-        Command::SwitchMode { mode, .. } => {
+        CommandKind::Drive(id) => tr!("Motor {id} not started", id),
+        CommandKind::DriveGroup => tr!("Motors not started").to_owned(),
+        CommandKind::SwitchMode(mode) => {
             tr!("Not switched to the {mode}", mode = terms::mode(mode))
         }
-        Command::IdQuery => tr!("The ID query was not sent").to_owned(),
-        Command::FullScan => tr!("The bus was not scanned").to_owned(),
-        Command::SetId { .. } => tr!("The ID was not changed").to_owned(),
-        Command::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
+        CommandKind::IdQuery => tr!("The ID query was not sent").to_owned(),
+        CommandKind::FullScan => tr!("The bus was not scanned").to_owned(),
+        CommandKind::SetId => tr!("The ID was not changed").to_owned(),
+        CommandKind::SendRaw { .. } => tr!("The frame was not sent").to_owned(),
         _ => tr!("Not done").to_owned(),
     };
     Some(NoticeText {

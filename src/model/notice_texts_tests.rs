@@ -1,7 +1,7 @@
 //! What a person reads, and when.
 
 use motorlink_messages::{
-    bus::Consent,
+    bus::{Command, Consent},
     protocol::{Faults, Rpm, Setpoint, SpeedTarget},
 };
 
@@ -15,7 +15,7 @@ fn said(notice: &Notice) -> Option<String> {
 
 fn refused(command: Command) -> Notice {
     Notice::Refused {
-        command,
+        command: command.into(),
         refusal: Refusal::NotDriven(ID),
     }
 }

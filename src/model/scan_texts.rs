@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{Command, IdChangeOutcome, IdQueryOutcome, JobStatus, ScanReport},
+    bus::{CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, ScanReport},
     protocol::{AssignableId, MotorId},
 };
 
@@ -49,10 +49,10 @@ pub(crate) fn belongs_to_id_manager(notice: &Notice) -> bool {
 }
 
 /// Whether this command is a scan, an ID query or an ID change.
-pub(crate) const fn is_survey(command: Command) -> bool {
+pub(crate) const fn is_survey(command: CommandKind) -> bool {
     matches!(
         command,
-        Command::IdQuery | Command::FullScan | Command::SetId { .. }
+        CommandKind::IdQuery | CommandKind::FullScan | CommandKind::SetId
     )
 }
 

@@ -232,7 +232,7 @@ async fn a_high_current_is_asked_about_each_time() {
     for _ in 0..2 {
         let refusal = Refusal::NeedsConsent(CurrentTarget::new(30_000).unwrap());
         report(&bench, |update| {
-            let command = once(high);
+            let command = once(high).into();
             update.notices = vec![Notice::Refused { command, refusal }];
         });
         until_asked(&bench, ("alertdialog", "High current")).await;
@@ -254,7 +254,7 @@ async fn a_refusal_that_comes_after_a_stop_asks_nothing() {
     press("Escape");
     let refusal = Refusal::NeedsConsent(CurrentTarget::new(30_000).unwrap());
     report(&bench, |update| {
-        let command = once(DRIVE);
+        let command = once(DRIVE).into();
         update.notices = vec![Notice::Refused { command, refusal }];
     });
     let answer = || bench.text("status", "Reply");

@@ -460,7 +460,7 @@ async fn a_refusal_ends_the_hold() {
         report(&bench, |update| {
             update.motors = vec![standing(1), standing(2)];
             update.notices = vec![Notice::Refused {
-                command,
+                command: command.into(),
                 refusal: Refusal::NotDriven(id(2)),
             }];
         });

@@ -22,6 +22,7 @@ mod angle_filter;
 mod broadcast;
 mod bus;
 mod command;
+mod command_kind;
 mod counters;
 mod dispatch;
 mod driving;
@@ -66,6 +67,7 @@ mod watchdog;
 
 pub use bus::{Bus, Output};
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};
+pub use command_kind::CommandKind;
 pub use counters::{Counters, LinkQuality};
 pub use event::{Event, IdQueryOutcome, StopOutcome, StopReason, StopReport, WithdrawReason};
 pub use group::setpoints::{GroupError, GroupSetpoints};

@@ -6,8 +6,8 @@
 //! vocabulary of motors and commands is that of `motorlink-protocol` and `motorlink-bus`.
 
 use motorlink_bus::{
-    Command, IdChangeOutcome, IdQueryOutcome, JobStatus, LineStatus, MotorStatus, RawStatus,
-    Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
+    Command, CommandKind, IdChangeOutcome, IdQueryOutcome, JobStatus, LineStatus, MotorStatus,
+    RawStatus, Refusal, Sample, ScanReport, StopReason, StopReport, WithdrawReason,
 };
 use motorlink_protocol::{AssignableId, Instant, Mode, MotorId, family::Model};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -188,12 +188,12 @@ pub enum Notice {
     /// A command was not carried out.
     Refused {
         /// The command.
-        command: Command,
+        command: CommandKind,
         /// Why.
         refusal: Refusal,
     },
     /// A command that could move a wheel came too long after it was given.
-    TooLate(Command),
+    TooLate(CommandKind),
     /// A command needs an open port.
     NotConnected,
     /// Who answered the ID query.

@@ -57,20 +57,21 @@ const PARTS: [Part; 14] = [
             "icon.svg",
             "manifest",
         ],
-        246_000,
+        // The four models: 4,000 are their ranges, tabs and words.
+        250_500,
     ),
     part("style", When::First, &["style-"], 11_500),
     // Its bus drives every model (4,000), and its virtual motors have the firmware of each (4,000).
     part("worker", When::Driving, &["worker-"], 95_000),
-    part("later style", When::Behind, &["later-style-"], 9_000),
-    // 15,000 of them are the rover from above.
-    part("desk", When::Behind, &["desk"], 107_500),
+    part("later style", When::Behind, &["later-style-"], 10_000),
+    // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models.
+    part("desk", When::Behind, &["desk"], 113_000),
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_000),
     part("shared", When::Behind, &["chunk"], 24_000),
-    // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, and puts the page's
-    // messages into the language of their reader.
-    part("recorder", When::Behind, &["recorder-"], 84_000),
+    // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
+    // messages into the language of their reader, and records every model.
+    part("recorder", When::Behind, &["recorder-"], 87_000),
     part(
         "installing",
         When::Offline,
@@ -83,8 +84,8 @@ const PARTS: [Part; 14] = [
         &["help/en", "help/wiring"],
         7_300,
     ),
-    part("German", When::Asked, &["texts-de", "help/de"], 18_000),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 18_000),
+    part("German", When::Asked, &["texts-de", "help/de"], 20_000),
+    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 20_000),
     part("server", When::Asked, &["."], 1_000),
 ];
 
@@ -104,13 +105,13 @@ const fn part(
 
 /// Bound of what is fetched before the page can be used.
 pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
-/// Bound of what is fetched before the virtual motor turns.
-pub const DRIVING_GZIP_BYTES_MAX: usize = 340_000;
+/// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
+/// the firmware of each in the virtual motors, take 15,000.
+pub const DRIVING_GZIP_BYTES_MAX: usize = 355_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
-/// share (60,000), and the parts of the page each their own seam. 4,000 of it are for a log whose clearing can be undone
-/// and a graph that is resized.
-/// The recorder translates the messages of the log. The rover from above takes 20,000, the frames of four models 15,000.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 660_000;
+/// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
+/// 27,000, a log that can be undone, opened and translated 10,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 669_000;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

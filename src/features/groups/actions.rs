@@ -4,7 +4,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice,
-    bus::{Activity, Command, Consent},
+    bus::{Activity, Command, CommandKind, Consent},
     protocol::MotorId,
 };
 use web_sys::VisibilityState;
@@ -289,8 +289,8 @@ impl Groups {
         let (Notice::Refused { command, .. } | Notice::TooLate(command)) = notice else {
             return;
         };
-        let starts = matches!(command, Command::DriveGroup { .. });
-        if starts || matches!(command, Command::AdjustGroup { .. }) {
+        let starts = matches!(command, CommandKind::DriveGroup);
+        if starts || matches!(command, CommandKind::AdjustGroup) {
             self.with_pad(DrivePad::end);
         }
         if starts {

@@ -49,6 +49,7 @@ fn setting() -> IdManager {
 }
 
 fn refused(command: Command, refusal: Refusal) -> Notice {
+    let command = command.into();
     Notice::Refused { command, refusal }
 }
 
@@ -202,7 +203,7 @@ fn a_refused_command_ends_the_wish_and_says_why() {
     let command = set_id(SetIdFrames::Five);
     for notice in [
         refused(command, Refusal::NotProvedAlone),
-        Notice::TooLate(command),
+        Notice::TooLate(command.into()),
     ] {
         let mut ids = setting();
         ids.on_notice(&notice);

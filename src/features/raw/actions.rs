@@ -12,7 +12,7 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Notice,
-    bus::{Command, Consent, Refusal, Repeat, is_hazardous},
+    bus::{Command, CommandKind, Consent, Refusal, Repeat, is_hazardous},
     protocol::{Frame, Layout, Mode, MotorId, Request},
 };
 
@@ -137,10 +137,10 @@ impl Raw {
     pub(crate) fn notice(self, notice: &Notice) {
         let (frame, repeat, refusal) = match notice {
             Notice::Refused {
-                command: Command::SendRaw { frame, repeat, .. },
+                command: CommandKind::SendRaw { frame, repeat },
                 refusal,
             } => (*frame, *repeat, *refusal),
-            Notice::TooLate(Command::SendRaw { .. }) => {
+            Notice::TooLate(CommandKind::SendRaw { .. }) => {
                 let words = tr!("Too late: the page was busy. Press Send again.");
                 return self.refused.set(Some(words.to_owned()));
             }
@@ -174,7 +174,7 @@ impl Raw {
 pub(crate) fn belongs_to_raw_editor(notice: &Notice) -> bool {
     match notice {
         Notice::Refused { command, .. } | Notice::TooLate(command) => {
-            matches!(command, Command::SendRaw { .. } | Command::StopRaw)
+            matches!(command, CommandKind::SendRaw { .. } | CommandKind::StopRaw)
         }
         _ => false,
     }

@@ -35,7 +35,7 @@ impl PortOwner {
         let age_ms = now_ms(now) - self.ahead_of_page_ms - given_ms;
         let age = Duration::try_from_secs_f64(age_ms.max(0.0) / 1000.0).unwrap_or(Duration::MAX);
         if command.is_too_old(age) {
-            self.outbox.notice(Notice::TooLate(command));
+            self.outbox.notice(Notice::TooLate(command.into()));
             return;
         }
         match command {
@@ -53,6 +53,7 @@ impl PortOwner {
                 if command.may_move() && !matches!(open.stage, Stage::Settled) {
                     self.outbox.notice(Notice::NotConnected);
                 } else if let Err(refusal) = open.bus.command(now, command) {
+                    let command = command.into();
                     self.outbox.notice(Notice::Refused { command, refusal });
                 }
             }
