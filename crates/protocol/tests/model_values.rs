@@ -125,7 +125,7 @@ fn faults_have_the_names_of_the_model() {
     ] {
         let faults = Faults::of(model, byte);
         assert_eq!(faults.to_string(), text);
-        assert_eq!(format!("{faults:?}"), format!("{model} {text} (0x6B)"));
+        assert_eq!(format!("{faults:?}"), format!("{text} (0x6B)"));
         assert_eq!(Faults::of(model, 0).to_string(), "OK");
         assert!(faults.any_named() && !Faults::of(model, 0x80).any_named());
         assert!(!faults.is_none() && Faults::of(model, 0).is_none());

@@ -128,7 +128,7 @@ impl Log {
         if let EntryContent::Message { text, .. } = oldest.content {
             self.texts.forget(text);
         }
-        self.view.oldest_dropped(number, oldest.visibility);
+        self.view.oldest_dropped(number, &oldest);
         self.gone += 1;
         true
     }

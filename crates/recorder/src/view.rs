@@ -158,13 +158,16 @@ impl View {
     }
 
     /// The oldest entry was dropped.
-    pub(crate) fn oldest_dropped(&mut self, number: u64, visibility: Visibility) {
+    pub(crate) fn oldest_dropped(&mut self, number: u64, entry: &Entry) {
         if number < self.filtered_from {
             return;
         }
         self.filtered_from = number + 1;
+        let visibility = entry.visibility;
         self.tally(number, visibility, false);
-        self.opened.oldest_dropped(number, visibility);
+        // What was never collapsed was never opened.
+        let was_opened = entry.routine && visibility == Visibility::Shown;
+        self.opened.oldest_dropped(number, was_opened);
         match visibility {
             Visibility::Hidden => {}
             Visibility::Collapsed => self.collapsed -= 1,

@@ -113,8 +113,8 @@ const SABOTAGES: [Sabotage; 20] = [
         rule: "OneFrameAtATime",
         what: "a mode switch keeps the line for half its time",
         file: "crates/bus/src/exchange.rs",
-        from: "            FRAME_AIRTIME + SETTLE\n",
-        to: "            FRAME_AIRTIME / 2\n",
+        from: "            airtime + SETTLE\n",
+        to: "            airtime / 2\n",
     },
     Sabotage {
         rule: "GoodRepliesAreHeard",

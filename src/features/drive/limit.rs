@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_current_limit_is_a_raw_setpoint_that_is_not_above_it() {
-        for (milliamps, expected) in [(8_000, 32_767), (2_700, 11_059), (100, 409)] {
+        for (milliamps, expected) in [(8_000, 32_767), (2_700, 11_058), (100, 409)] {
             assert_eq!(raw(milliamps), expected);
             assert!(CurrentTarget::new(expected).is_ok());
         }

@@ -102,10 +102,12 @@ fn each_model_has_its_own_words_in_every_language() {
         for model in Model::ALL {
             let spec = model.spec();
             assert!(html.contains(spec.maker_name), "{language}: {model}");
-            let reach = format!("{} rpm; ", spec.speed_rpm_max);
-            let reach_zh = format!("{} rpm；", spec.speed_rpm_max);
+            let ends = ["rpm; ", "rpm；", "U/min; "];
+            let mut reaches = ends
+                .map(|end| format!("{} {end}", spec.speed_rpm_max))
+                .into_iter();
             assert!(
-                html.contains(&reach) || html.contains(&reach_zh),
+                reaches.any(|reach| html.contains(&reach)),
                 "{language}: {model}"
             );
         }

@@ -49,7 +49,7 @@ fn the_newest_rows_are_seen_and_stay_seen() {
 fn a_short_log_begins_at_the_top() {
     let view = list(5, 8);
     assert_eq!(seen(&view), (5, 0, 8));
-    assert_eq!(view.extent_px, 66);
+    assert_eq!(view.extent_px, 72);
     assert_eq!(view.scroll_to(), None);
 }
 
@@ -58,17 +58,17 @@ fn scrolling_up_lets_go_and_what_is_read_stays() {
     let mut view = list(0, 100);
     scroll_by(&mut view, -50);
     assert!(!view.is_following());
-    assert_eq!(seen(&view), (87, 16, 98));
+    assert_eq!(seen(&view), (87, 22, 98));
     view.set_rows(0, 140);
     settle(&mut view);
-    assert_eq!(seen(&view), (87, 16, 98));
+    assert_eq!(seen(&view), (87, 22, 98));
     assert_eq!(view.new_rows(), 40);
 }
 
 #[test]
 fn what_is_read_stays_while_old_rows_give_way_above_it() {
     let mut view = list(0, 1_000);
-    scroll_by(&mut view, -11_000);
+    scroll_by(&mut view, -12_000);
     let before = seen(&view);
     assert_eq!(before, (490, 0, 500));
     for gone in [1, 50, 490] {
@@ -126,7 +126,7 @@ fn a_scroll_bar_in_hand_is_left_alone_and_its_end_is_the_newest_row_all_the_same
     // Ten screens come while a key has the list scroll to what was its end.
     view.set_rows(0, 200);
     scroll_by(&mut view, 300);
-    assert_eq!(seen(&view), (80, 20, 91));
+    assert_eq!(seen(&view), (81, 16, 92));
     view.scrolled(100 * 24 - 240);
     assert!(view.is_following());
     settle(&mut view);
@@ -140,25 +140,25 @@ fn a_million_rows_have_a_scroll_bar_that_a_browser_can_hold() {
     assert_eq!(seen(&view), (999_990, 0, 1_000_000));
     // A turn of the mouse wheel moves by as many pixels as ever.
     scroll_by(&mut view, -100);
-    assert_eq!(seen(&view), (999_985, 10, 999_996));
+    assert_eq!(seen(&view), (999_985, 20, 999_996));
     // Dragged to the middle.
-    view.scrolled(3_999_890);
+    view.scrolled(3_999_880);
     assert_eq!(seen(&view), (499_995, 0, 500_005));
     view.scrolled(0);
     assert_eq!(seen(&view), (0, 0, 10));
     scroll_by(&mut view, 100);
-    assert_eq!(seen(&view), (4, 12, 15));
-    view.scrolled(7_999_780);
+    assert_eq!(seen(&view), (4, 4, 15));
+    view.scrolled(7_999_760);
     assert!(view.is_following());
 }
 
 #[test]
 fn on_a_full_log_the_scroll_bar_goes_up_with_what_is_read() {
     let mut view = list(0, 1_000_000);
-    view.scrolled(3_999_890);
+    view.scrolled(3_999_880);
     let before = seen(&view);
     view.set_rows(250_000, 1_250_000);
-    assert_eq!(view.scroll_to(), Some(1_999_925));
+    assert_eq!(view.scroll_to(), Some(1_999_920));
     settle(&mut view);
     assert_eq!(seen(&view), before);
     assert_eq!(view.new_rows(), 250_000);
@@ -190,7 +190,7 @@ fn what_is_asked_for_is_more_than_what_is_seen_and_not_asked_for_twice() {
     settle(&mut view);
     assert_eq!(view.window_to_request(Some(newest)), None);
 
-    scroll_by(&mut view, -2_200);
+    scroll_by(&mut view, -2_400);
     let there = view.window_to_request(Some(newest)).unwrap();
     assert_eq!((there.first, there.rows), (Some(978), 36));
     scroll_by(&mut view, -100);

@@ -36,11 +36,11 @@ impl Opened {
     }
 
     /// The oldest entry was dropped.
-    pub(super) fn oldest_dropped(&mut self, number: u64, visibility: Visibility) {
+    pub(super) fn oldest_dropped(&mut self, number: u64, was_opened: bool) {
         for run in &mut self.0 {
             if run.entries.start == number {
                 run.entries.start += 1;
-                run.count -= u32::from(visibility == Visibility::Shown);
+                run.count = run.count.saturating_sub(u32::from(was_opened));
             }
         }
     }
