@@ -83,7 +83,7 @@ async fn auto_scroll_lets_go_of_a_person_who_scrolls_up_and_offers_the_way_back(
     assert!(auto_scrolls(&bench));
     assert!(bench.find_all("button", "Jump to newest").is_empty());
 
-    scroll_by(&bench, -66.0).await;
+    scroll_by(&bench, -72.0).await;
     assert!(!auto_scrolls(&bench));
     assert_eq!(numbers(&bench), (487..497).collect::<Vec<_>>());
     let top = rows(&bench)[0].top();

@@ -105,8 +105,10 @@ async fn a_tab_that_the_model_does_not_have_gives_way_to_velocity() {
     bench
         .until("Current", || is_chosen(&bench, "Current"))
         .await;
+    let reach = limit_of(&bench, "spinbutton", "Target current", "aria-valuemax");
+    assert_eq!(reach, "16383", "4 A");
     let end = limit_of(&bench, "slider", "Target current", "max");
-    assert_eq!(end, "16383", "4 A");
+    assert_eq!(end, "11058", "the limit of Settings, 2.7 A");
     report(&bench, line(Model::Ddsm210));
     bench
         .until("Velocity", || is_chosen(&bench, "Velocity"))

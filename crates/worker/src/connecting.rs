@@ -118,6 +118,7 @@ pub(crate) fn open_virtual(shared: &Shared, line: VirtualLine) {
             bus,
             stage: Stage::Settled,
             reader: None,
+            id_query: None,
         };
         owner.begin_session(Session::Open(Box::new(open)));
     }
@@ -329,6 +330,7 @@ async fn open_one(
         bus,
         stage: Stage::OnTrial { lost },
         reader: None,
+        id_query: None,
     };
     let generation = begin(shared, Session::Open(Box::new(open)));
     spawn_local(read(Rc::clone(shared), generation, port, in_flight));
@@ -408,6 +410,9 @@ fn settle(shared: &Shared, lost: Option<Adapter>) {
             && let Stage::OnTrial { .. } = open.stage
         {
             open.stage = Stage::Settled;
+            if let Some(outcome) = open.id_query.take() {
+                owner.outbox.notice(Notice::IdQueryEnded(outcome));
+            }
         }
         if lost.is_some() {
             owner.outbox.notice(Notice::AdapterBack);

@@ -9,10 +9,13 @@ use crate::{
 };
 
 /// Forwards an event to the page. While a port is on trial, only stops are forwarded: the port may
-/// belong to an adapter that the user did not choose.
-pub(crate) fn forward(outbox: &mut Outbox, open: &OpenSession, event: Event) {
+/// belong to an adapter that the user did not choose. The outcome of the ID query waits for the end of the trial.
+pub(crate) fn forward(outbox: &mut Outbox, open: &mut OpenSession, event: Event) {
     let is_stop = matches!(event, Event::StopBegan(_) | Event::StopEnded(_));
     if matches!(open.stage, Stage::OnTrial { .. }) && !is_stop {
+        if let Event::IdQueryEnded(outcome) = event {
+            open.id_query = Some(outcome);
+        }
         return;
     }
     let notice = match event {

@@ -1,6 +1,6 @@
 //! The state of the port.
 
-use motorlink_bus::Bus;
+use motorlink_bus::{Bus, IdQueryOutcome};
 use motorlink_messages::{Adapter, ConnectError, Connection, ToWorker};
 use motorlink_protocol::{Instant, MotorId};
 use web_sys::ReadableStreamDefaultReader;
@@ -51,6 +51,8 @@ pub(crate) struct OpenSession {
     pub(crate) stage: Stage,
     /// The reader of the port; closing the port cancels it.
     pub(crate) reader: Option<ReadableStreamDefaultReader>,
+    /// The outcome of the ID query during the trial, for the page once the port is settled.
+    pub(crate) id_query: Option<IdQueryOutcome>,
 }
 
 /// What to do after a port is closed: open another one, or nothing.

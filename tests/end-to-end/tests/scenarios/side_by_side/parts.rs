@@ -42,7 +42,7 @@ fn a_part_that_is_missing_says_so_in_its_place_and_comes_when_it_is_tried_again(
 
     fs::rename(&away, &part)?;
     page.evaluate("document.querySelector('.packet-log .part-missing button').click()")?;
-    page.wait_for_text("log", "Packets", |text| text.contains("ID query"))?;
+    page.wait_for_text("log", "Packets", |text| text.contains("drive, brake"))?;
     assert_eq!(page.evaluate(IN_PLACE)?, Value::from(""));
     Ok(())
 }
