@@ -23,7 +23,8 @@ use crate::{
     stop::Stopping,
     temperature_filter::TemperatureFilter,
     timing::{
-        DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER, SILENT_QUERY_PERIOD,
+        DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER,
+        SILENT_QUERY_PERIOD,
     },
     torque::Torque,
 };
@@ -289,10 +290,13 @@ impl Motor {
         }
     }
 
-    pub(crate) fn lost(&mut self, layout: Layout, sent: Instant) {
+    pub(crate) fn lost(&mut self, now: Instant, layout: Layout, sent: Instant) {
         self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
         self.late.unanswered(layout, sent, self.unanswered_in_a_row);
-        self.separate.unanswered(self.is_without_answer());
+        let silent_for = now.since(self.silent_since());
+        // Three lost replies alone are chance: with 15 % lost, one frame in 300.
+        let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
+        self.separate.unanswered(may_be_off);
     }
 
     /// Records an ID query without an answer of this motor. Its answer has the layout of a drive

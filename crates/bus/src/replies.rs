@@ -162,6 +162,7 @@ impl Bus {
             Some(motor) => {
                 let layout = layout.combined();
                 motor.lost(
+                    now,
                     layout.unwrap_or(motorlink_protocol::Layout::Query),
                     exchange.sent,
                 );

@@ -7,7 +7,7 @@ use crate::timing::FRESH_FOR;
 /// What is known of the loop of a motor with separate frames.
 ///
 /// A motor that loses power leaves its loop, and its drive replies do not say so. So the loop is asked for several
-/// times a second, and is unknown after three requests in a row without an answer.
+/// times a second, and is unknown when the motor has been silent for as long as ends its setpoint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LoopKnown {
     /// The last reported loop, and when.
@@ -32,7 +32,7 @@ impl LoopKnown {
         }
     }
 
-    /// A request was unanswered, the last of so many in a row.
+    /// A request was unanswered. `may_be_off` if the motor has been silent for so long that it may have lost power.
     pub(crate) fn unanswered(&mut self, may_be_off: bool) {
         self.is_doubted = true;
         if may_be_off {
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn one_lost_reply_makes_the_loop_doubted_and_three_unknown() {
+    fn one_lost_reply_makes_the_loop_doubted_and_a_long_silence_unknown() {
         let mut known = LoopKnown::default();
         known.reported(at(0), Mode::Position);
         known.unanswered(false);

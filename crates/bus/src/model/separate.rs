@@ -84,7 +84,7 @@ impl Separate {
         }
     }
 
-    /// A request was unanswered, the last of several if `may_be_off`.
+    /// A request was unanswered. `may_be_off` if the motor has been silent for so long that it may have lost power.
     pub(crate) fn unanswered(&mut self, may_be_off: bool) {
         self.loop_known.unanswered(may_be_off);
         if may_be_off {
