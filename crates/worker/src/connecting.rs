@@ -293,9 +293,12 @@ async fn shown(shared: &Shared, generation: u32) -> Result<Shown, Superseded> {
             return Ok(Shown::Own);
         }
         left = left.saturating_sub(1);
+        let other = open.bus.likely_model();
+        // One frame of another model is enough to try that one next: if it was noise, its own trial shows it.
+        let is_over = left == 0 || other.is_some();
         // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
-        if left == 0 && !open.bus.is_active(owner.now()) {
-            return Ok(open.bus.likely_model().map_or(Shown::Nothing, Shown::Other));
+        if is_over && !open.bus.is_active(owner.now()) {
+            return Ok(other.map_or(Shown::Nothing, Shown::Other));
         }
     }
 }
