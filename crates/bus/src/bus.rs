@@ -18,7 +18,7 @@ use crate::{
     raw::frame::Raw,
     receiver::Receiver,
     round_trip::RoundTrip,
-    schedule::{DueFrame, Pacing, Turn, next_turn},
+    schedule::{DueFrame, LastFrame, Pacing, Turn, next_turn},
     settings::BusSettings,
     stop::ActiveStop,
     timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, SLEPT_AT_LEAST},
@@ -67,8 +67,7 @@ pub struct Bus {
     pub(crate) line_use: LineUse,
     /// Calls and replies that came late.
     pub(crate) late: RateMeter,
-    /// Whether the last frame, mode switches aside, was a query.
-    pub(crate) query_was_last: bool,
+    pub(crate) last_frame: LastFrame,
     pub(crate) last_drive: LastDrive,
     /// When the last good frame arrived outside its window.
     pub(crate) last_late_reply: Option<Instant>,
@@ -129,7 +128,7 @@ impl Bus {
             last_group: 0,
             line_use: LineUse::default(),
             late: RateMeter::default(),
-            query_was_last: false,
+            last_frame: LastFrame::Other,
             last_drive: LastDrive::Carried,
             last_late_reply: None,
             queries_from: now,
@@ -316,7 +315,7 @@ impl Bus {
         let pacing = Pacing {
             usual: self.round_trip.usual(),
             period: self.settings.rate.period(),
-            query_was_last: self.query_was_last,
+            last_frame: self.last_frame,
             just_freed: now.since(self.freed_at) < JUST_FREED,
             queries_from: self.queries_from,
             silent_stop_round: self.silent_stop_round,

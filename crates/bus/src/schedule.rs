@@ -45,6 +45,16 @@ pub(crate) enum DueFrame {
     Raw,
 }
 
+/// What the last frame was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LastFrame {
+    /// A query, maybe followed by mode switches. A second one must not delay a drive frame.
+    Query,
+    /// A frame of a stop.
+    Stop,
+    Other,
+}
+
 /// Pacing of the line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pacing {
@@ -52,8 +62,7 @@ pub(crate) struct Pacing {
     pub(crate) usual: Duration,
     /// Time between two drive frames to one motor.
     pub(crate) period: Duration,
-    /// Whether the last frame, mode switches aside, was a query. A second one must not delay a drive frame.
-    pub(crate) query_was_last: bool,
+    pub(crate) last_frame: LastFrame,
     /// Whether the last exchange has just ended.
     pub(crate) just_freed: bool,
     /// Earliest time of the next query.
@@ -79,7 +88,7 @@ pub(crate) fn next_turn(
     let Pacing {
         usual,
         period,
-        query_was_last,
+        last_frame,
         just_freed,
         queries_from,
         silent_stop_round,
@@ -106,7 +115,10 @@ pub(crate) fn next_turn(
     .map(|(at, id)| (at, DueFrame::Drive(id)));
     let query = next_query(motors);
 
-    if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at)) {
+    // The reply windows of a silent motor may be as long as the time between its frames. So between two frames of
+    // stops goes at most one switch or query.
+    let stop_is_next = last_frame != LastFrame::Stop && stop.is_some_and(|(at, _)| due(at));
+    if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at) && !stop_is_next) {
         return Turn::Now(due_frame);
     }
     // A running stop does not take the line from driven motors.
@@ -121,7 +133,9 @@ pub(crate) fn next_turn(
     // Right after a reply a query delays the next frame least.
     let squeezes = next_appointment.is_some_and(|at| at < now + usual);
     let waits = |frame: Option<(Instant, DueFrame)>| frame.is_some_and(|(at, _)| due(at));
-    let its_turn = (just_freed || !squeezes) && !(query_was_last && (waits(drive) || waits(stop)));
+    let its_turn = (just_freed || !squeezes)
+        && !stop_is_next
+        && !(last_frame == LastFrame::Query && (waits(drive) || waits(stop)));
     let has_waited = |at: Instant| now >= (at + QUERY_PATIENCE).max(queries_from);
     if let Some((_, id)) = query.filter(|(at, _)| its_turn && has_waited(*at)) {
         return Turn::Now(DueFrame::Query(id));

@@ -17,7 +17,7 @@ use crate::{
     next_request::{SendContext, Sent, next_request},
     pending_transmit::{Effect, PendingTransmit},
     raw::status::RawAnswer,
-    schedule::DueFrame,
+    schedule::{DueFrame, LastFrame},
     timing::{
         FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE,
         SILENT_FIRSTS_MAX,
@@ -139,7 +139,7 @@ impl Bus {
             Some(Control::Driven(driven)) if is_rest(driven.goal) => false,
             // Hold ends a motion: its first frame goes at once, each later one behind a query.
             Some(Control::Driven(driven)) => match driven.hold.filter(|hold| hold.is_open(now)) {
-                Some(hold) => !self.query_was_last && hold.began() <= since,
+                Some(hold) => self.last_frame != LastFrame::Query && hold.began() <= since,
                 None => true,
             },
             _ => false,
@@ -216,14 +216,18 @@ impl Bus {
 
     fn apply_effect(&mut self, handed: &PendingTransmit) {
         let now = handed.at;
-        // A mode switch has no reply: a frame that waits for a query keeps waiting.
-        self.query_was_last &= matches!(
-            handed.effect,
-            Effect::Motor {
-                sent: Sent::Switch { .. },
-                ..
+        let sent = match handed.effect {
+            Effect::Motor { sent, .. } => Some(sent),
+            _ => None,
+        };
+        self.last_frame = match (sent, self.last_frame) {
+            (Some(Sent::Stop), _) => LastFrame::Stop,
+            // A frame that waits for a query keeps waiting during a mode switch.
+            (Some(Sent::Query(_)), _) | (Some(Sent::Switch { .. }), LastFrame::Query) => {
+                LastFrame::Query
             }
-        );
+            _ => LastFrame::Other,
+        };
         match handed.effect {
             Effect::IdQuery => self.id_query_wanted = false,
             Effect::Job(_) => {}
@@ -274,7 +278,6 @@ impl Bus {
                     }
                 }
                 if is_query {
-                    self.query_was_last = true;
                     self.queries_from = now + self.query_distance();
                 }
             }
