@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_protocol::{
     Celsius, Detail, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
-    family::{Model, Request},
+    family::{Model, Reading, Request},
 };
 
 use crate::{
@@ -24,7 +24,7 @@ use crate::{
     temperature_filter::TemperatureFilter,
     timing::{
         DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER,
-        SILENT_QUERY_PERIOD,
+        SILENT_QUERY_PERIOD, TEMPERATURE_JUMP,
     },
     torque::Torque,
 };
@@ -297,6 +297,18 @@ impl Motor {
         // Three lost replies alone are chance: with 15 % lost, one frame in 300.
         let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
         self.separate.unanswered(may_be_off);
+    }
+
+    /// Whether this cannot be a reply after what the motor has reported: its temperature has jumped, or its angle is
+    /// back at zero.
+    pub(crate) fn contradicts(&self, reading: &Reading) -> bool {
+        match reading {
+            Reading::Drive(reading) => self.temperature.is_some_and(|(_, before)| {
+                before.degrees().abs_diff(reading.temperature.degrees()) > TEMPERATURE_JUMP
+            }),
+            Reading::Odometry(_) => self.separate.is_far_from_zero(),
+            Reading::Combined(_) | Reading::Mode(_) => false,
+        }
     }
 
     /// Records an ID query without an answer of this motor. Its answer has the layout of a drive

@@ -172,6 +172,11 @@ impl Receiver {
         Some((received, other_bytes))
     }
 
+    /// A frame identical to its request came too early for a reply: the line echoes, maybe only since now.
+    pub(crate) fn echo_came(&mut self) {
+        self.without_echo = self.without_echo.map(|_| 0);
+    }
+
     /// Empties the buffer at the end of an exchange.
     pub(crate) fn clear(&mut self, sent: &Frame) -> OtherBytes {
         let other_bytes = self.sort(self.buffer.len(), sent);

@@ -68,10 +68,21 @@ impl Bus {
                     self.process_other_bytes(now, &exchange, &before);
                     if now.since(exchange.sent) < earliest_reply(self.model) {
                         // It arrives too early to answer this request.
+                        if received.frame == exchange.frame {
+                            self.receiver.echo_came();
+                        }
                         self.receive_late_reply(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
                             exchange.held_until = None;
                         }
+                        continue;
+                    }
+                    let motor = self.motors.iter().find(|motor| motor.id == id);
+                    if received.frame == exchange.frame
+                        && motor.is_some_and(|motor| motor.contradicts(&received.reading))
+                    {
+                        // An echo that the adapter has held: the reply is still to come.
+                        self.receiver.echo_came();
                         continue;
                     }
                     self.line = Line::Free {

@@ -61,6 +61,9 @@ pub(crate) const QUERY_MARGIN_MAX: Duration = Duration::from_millis(10);
 /// is known at any load: one drive period at the 50 Hz that a motor needs.
 pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 
+/// A winding does not change by this many degrees Celsius between two readings.
+pub(crate) const TEMPERATURE_JUMP: u8 = 20;
+
 /// A line that is free for less than this has just carried a reply: two steps of a browser's clock.
 pub(crate) const JUST_FREED: Duration = Duration::from_micros(200);
 

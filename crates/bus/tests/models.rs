@@ -216,30 +216,6 @@ fn each_model_is_found_by_a_scan_and_takes_an_id() {
     }
 }
 
-#[test]
-fn each_model_is_driven_on_while_one_reply_in_seven_is_lost() {
-    for model in Model::ALL {
-        let mut fixture = on(model);
-        fixture.drive(rpm(60)).unwrap();
-        fixture.run(ms(500));
-        fixture.forget_the_past();
-        fixture.world.set_faults(WireFaults {
-            lose_reply: 0.15,
-            ..WireFaults::default()
-        });
-        fixture.run(ms(20_000));
-        assert!(
-            matches!(fixture.activity(), Activity::Driven { .. }),
-            "{model}: {:?}",
-            fixture.events
-        );
-        let is_drive = |bytes: &[u8; 10]| bytes.starts_with(&[ID.get(), 0x64]);
-        let drives = fixture.sent.iter().map(|sent| sent.frame.bytes());
-        let drives = drives.filter(|bytes| is_drive(bytes)).count();
-        assert!(drives >= 900, "{model}: {drives} of 1000 drive frames");
-    }
-}
-
 /// After power-up a DDSM400 ignores drive frames until it is enabled, which the bus does by itself. It starts no
 /// motion.
 #[test]

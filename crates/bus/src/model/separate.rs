@@ -71,6 +71,11 @@ impl Separate {
         }
     }
 
+    /// Whether the last reported angle is not near zero.
+    pub(crate) fn is_far_from_zero(&self) -> bool {
+        self.odometry.is_far_from_zero()
+    }
+
     fn record_loop(&mut self, now: Instant, model: Model, reading: ModeReading) {
         match (reading.mode(model), reading.byte) {
             (Some(mode), _) => self.loop_known.reported(now, mode),
