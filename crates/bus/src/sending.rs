@@ -20,7 +20,7 @@ use crate::{
     schedule::{DueFrame, LastFrame},
     timing::{
         FIRST_WINDOW, ID_QUERY_WINDOW, LATE_FORGOTTEN, MAX_WINDOW, REFUSED_MAX, REFUSED_PAUSE,
-        SILENT_FIRSTS_MAX,
+        SILENT_FIRSTS_MAX, STOP_PATIENCE,
     },
 };
 
@@ -344,6 +344,16 @@ impl Bus {
         } else {
             self.round_trip.doublings()
         };
-        (window * (1 << doublings)).min(MAX_WINDOW)
+        let window = (window * (1 << doublings)).min(MAX_WINDOW);
+        // Nor does the first stop frame of a motor wait for the reply of another.
+        let first_stop_frame_waits = self.motors.iter().any(|motor| match motor.control {
+            Control::Stopping(stop) => motor.id != id && !stop.first_frame_sent,
+            _ => false,
+        });
+        if first_stop_frame_waits {
+            window.min(STOP_PATIENCE)
+        } else {
+            window
+        }
     }
 }

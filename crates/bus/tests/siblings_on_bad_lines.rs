@@ -3,7 +3,7 @@
 
 mod fixture;
 
-use motorlink_bus::{Activity, Command, Event};
+use motorlink_bus::{Activity, Command, Event, StopReason};
 use motorlink_protocol::{Detail, Mode, MotorId, family::Model};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -99,4 +99,32 @@ fn an_echo_that_begins_later_is_no_reply() {
         }
     }
     assert!(matches!(fixture.activity(), Activity::Driven { .. }));
+}
+
+/// Slow replies make the reply windows long.
+#[test]
+fn the_first_stop_frames_of_silent_motors_wait_for_no_reply() {
+    let ids = [ID, id(2), id(3), id(4)];
+    let mut fixture = on(Model::Ddsm210, &ids);
+    fixture.world.set_faults(WireFaults {
+        hold: ms(30),
+        ..WireFaults::default()
+    });
+    fixture.run(ms(1_500));
+    for motor in ids {
+        fixture.world.motor_mut(motor).unwrap().power(false);
+    }
+    fixture.run(ms(500));
+    fixture.forget_the_past();
+    let began = fixture.now;
+    fixture.command(Command::StopAll(StopReason::Operator)).unwrap();
+    fixture.run(ms(400));
+    for motor in ids {
+        let first = fixture.sent.iter().find(|sent| {
+            let bytes = sent.frame.bytes();
+            bytes[0] == motor.get() && matches!(bytes[1], 0x64 | 0xA0)
+        });
+        let waited = first.unwrap().at.since(began);
+        assert!(waited <= ms(40), "{motor}: {waited:?}");
+    }
 }

@@ -40,14 +40,15 @@ impl LastOdometry {
         Some(Rpm::new(whole))
     }
 
-    /// Whether the last angle is more than half a turn from where the motor counts from.
-    pub(crate) fn is_far_from_zero(&self) -> bool {
+    /// Whether the last angle, if it is not old, is more than half a turn from where the motor counts from.
+    pub(crate) fn is_far_from_zero(&self, now: Instant) -> bool {
         #[allow(
             clippy::cast_precision_loss,
             reason = "only a small number of turns is near zero"
         )]
         let turns = |(_, part, turns): (Instant, f32, i32)| turns as f32 + part;
-        self.0.map(turns).is_some_and(|turns| turns.abs() > 0.5)
+        let last = self.0.filter(|(at, ..)| now.since(*at) <= APART_MAX);
+        last.map(turns).is_some_and(|turns| turns.abs() > 0.5)
     }
 
     pub(crate) fn forget(&mut self) {

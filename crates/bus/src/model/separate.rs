@@ -72,8 +72,8 @@ impl Separate {
     }
 
     /// Whether the last reported angle is not near zero.
-    pub(crate) fn is_far_from_zero(&self) -> bool {
-        self.odometry.is_far_from_zero()
+    pub(crate) fn is_far_from_zero(&self, now: Instant) -> bool {
+        self.odometry.is_far_from_zero(now)
     }
 
     fn record_loop(&mut self, now: Instant, model: Model, reading: ModeReading) {
