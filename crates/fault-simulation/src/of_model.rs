@@ -9,13 +9,39 @@ use motorlink_protocol::{
     family::{Model, Request},
 };
 
-use crate::action::{Action, PendingInput};
+use crate::action::{Action, LineFault, PendingInput};
 
 /// The first byte of a frame for all motors.
 const ALL: u8 = 0xC8;
 
+/// The same actions for motors of this model.
+pub(crate) fn in_terms_of(model: Model, actions: Vec<Action>) -> Vec<Action> {
+    let actions = actions.into_iter().enumerate();
+    let actions = actions.map(|(place, action)| action_for(model, place, action));
+    let actions: Vec<_> = actions.collect();
+    if model.replies_look_like_requests() {
+        with_an_echo_from_the_start(actions)
+    } else {
+        actions
+    }
+}
+
+/// An adapter echoes or it does not: its wiring decides that. An echo that looks like a reply, and begins while the
+/// port is open, cannot always be told from one.
+fn with_an_echo_from_the_start(actions: Vec<Action>) -> Vec<Action> {
+    let echoes = |action: &Action| {
+        matches!(
+            action,
+            Action::Line(LineFault::Echoes | LineFault::CutsEchoes(_))
+        )
+    };
+    let first = actions.iter().find(|action| echoes(action)).cloned();
+    let others = actions.into_iter().filter(|action| !echoes(action));
+    first.into_iter().chain(others).collect()
+}
+
 /// The same action for motors of this model. `place` is its place in the scenario.
-pub(crate) fn in_terms_of(model: Model, place: usize, action: Action) -> Action {
+fn action_for(model: Model, place: usize, action: Action) -> Action {
     match action {
         Action::Command(given) => Action::Command(command(model, place, given)),
         Action::WorkerAbsent {

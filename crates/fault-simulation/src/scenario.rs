@@ -57,11 +57,8 @@ impl Scenario {
     /// The same for another model.
     #[must_use]
     pub fn for_model(self, model: Model) -> Self {
-        let actions = self.actions.into_iter().enumerate();
         Self {
-            actions: actions
-                .map(|(place, action)| in_terms_of(model, place, action))
-                .collect(),
+            actions: in_terms_of(model, self.actions),
             model,
             ..self
         }
