@@ -42,7 +42,7 @@ impl VirtualMotors {
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
-            Self::One => "one",
+            Self::One => "1",
             Self::Two => "2",
             Self::Four => "4",
             Self::Eight => "8",
