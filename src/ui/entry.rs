@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{
     bus::{CommandRate, Limits},
-    protocol::{CurrentTarget, PositionTarget, SpeedTarget},
+    protocol::{CurrentTarget, OpenLoopTarget, PositionTarget, SpeedTarget},
 };
 
 use crate::ui::format;
@@ -116,19 +116,15 @@ pub(crate) const CURRENT: Entry = Entry {
     page: 1000.0,
 };
 
-/// Share of the supply in percent.
-pub(crate) const SHARE: Entry = Entry {
-    min: -100,
-    max: 100,
-    read: |text, min, max| {
-        whole(text.trim_end_matches(['%', ' ']), |percent| {
-            within(percent, min, max, tr!("Share in percent"))
-        })
-    },
+/// Raw output without a controller.
+pub(crate) const OUTPUT: Entry = Entry {
+    min: OpenLoopTarget::MIN,
+    max: OpenLoopTarget::MAX,
+    read: |text, min, max| whole(text, |raw| within(raw, min, max, tr!("Raw output"))),
     show: format::signed,
     scale: 1.0,
-    step: 1.0,
-    page: 10.0,
+    step: 100.0,
+    page: 1000.0,
 };
 
 /// Raw angle.
@@ -334,8 +330,7 @@ mod tests {
             (SPEED, "\u{2212}50", -50),
             (ACCELERATION, "255", 255),
             (CURRENT, "32767", 32_767),
-            (SHARE, "-100", -100),
-            (SHARE, "+12 %", 12),
+            (OUTPUT, "-32767", -32_767),
             (POSITION, "0", 0),
             (ANGLE, "360", 32_767),
             (ANGLE, "90,0", 8_192),
@@ -361,7 +356,7 @@ mod tests {
             (SPEED.limited(210), "211", "-210 to 210"),
             (ACCELERATION, "-1", "0 to 255"),
             (CURRENT, "-32768", "-32767 to 32767"),
-            (SHARE, "101", "-100 to 100"),
+            (OUTPUT, "32768", "-32767 to 32767"),
             (POSITION, "32768", "0 to 32767"),
             (ANGLE, "361", "0 to 360"),
             (ANGLE, "360.001", "0 to 360"),

@@ -10,7 +10,7 @@ const ALWAYS: [(&str, &str); 42] = [
     ("button", "Connect"),
     ("button", "Other port"),
     ("button", "Virtual motor"),
-    ("button", "Choose virtual motors"),
+    ("button", "Virtual motors"),
     ("status", "Connection"),
     ("combobox", "Motor"),
     ("combobox", "Model"),

@@ -42,7 +42,7 @@ fn connected(connection: Connection) -> ToPage {
 #[wasm_bindgen_test]
 async fn the_chosen_virtual_motors_are_connected_then_and_later() {
     let bench = Bench::new("virtual-choice").await;
-    bench.click("Choose virtual motors");
+    bench.click("Virtual motors");
     let is_open = || !bench.find_all("region", "Virtual motors").is_empty();
     bench.until("the panel", is_open).await;
     let one: HtmlInputElement = bench.find("radio", "One motor").unchecked_into();
@@ -75,7 +75,7 @@ async fn the_chosen_virtual_motors_are_connected_then_and_later() {
                 .contains("4 virtual DDSM400")
         })
         .await;
-    bench.click("Choose virtual motors");
+    bench.click("Virtual motors");
     bench.until("the panel", is_open).await;
     assert!(blocked("Virtual motor") && blocked("Connect virtual motors"));
     one.set_checked(true);

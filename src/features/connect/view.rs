@@ -101,7 +101,7 @@ const fn key(connection: Connection) -> &'static str {
     }
 }
 
-/// Buttons `Connect` or `Disconnect`, `Other port`, `Virtual motor` and `Choose virtual motors`.
+/// Buttons `Connect` or `Disconnect`, `Other port`, `Virtual motor` and `Virtual motors`.
 #[component]
 pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
     let page = connect.page;
@@ -149,9 +149,9 @@ pub(crate) fn ConnectButtons(connect: Connect) -> impl IntoView {
             />
             <PressButton
                 label="▾"
-                name=tr!("Choose virtual motors")
+                name=tr!("Virtual motors")
                 class="button virtual-choice"
-                hint=tr!("Choose virtual motors")
+                hint=tr!("Virtual motors")
                 on_press=move || toggle(page.drawer, Drawer::VirtualMotors)
             />
         </div>

@@ -45,7 +45,7 @@ pub(crate) struct Targets {
     pub(crate) current: Target,
     /// Raw position.
     pub(crate) position: Target,
-    /// In percent of the supply. Not remembered: nothing limits the speed, so it begins at 0.
+    /// Raw. Not remembered: nothing limits the speed, so it begins at 0.
     pub(crate) open_loop: Target,
 }
 
@@ -90,7 +90,7 @@ impl Targets {
                 PositionTarget::new(self.position.get_untracked()).unwrap_or_default(),
             ),
             Mode::OpenLoop => {
-                let raw = self.open_loop.get_untracked() * OpenLoopTarget::MAX / 100;
+                let raw = self.open_loop.get_untracked();
                 Setpoint::OpenLoop(OpenLoopTarget::new(raw).unwrap_or_default())
             }
         }
@@ -207,9 +207,8 @@ impl Drive {
             self.page.command(Command::StopRaw);
         }
         if let Some(command) = stop_of(id, activity, tab) {
-            if matches!(command, Command::Stop(_)) {
-                self.page.loops.asked.set(None);
-            }
+            // The bus may leave the loop.
+            self.page.loops.asked.set(None);
             self.page.command(command);
         }
     }

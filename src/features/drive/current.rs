@@ -134,5 +134,5 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
         </div>
     };
     let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");
-    loop_panel(drive, MODE, start_blocked_by, hint.to_owned(), body)
+    loop_panel(drive, MODE, start_blocked_by, hint.to_owned().into(), body)
 }

@@ -15,7 +15,7 @@ pub(crate) fn loop_panel(
     drive: Drive,
     mode: Mode,
     disabled_reason: Signal<Option<String>>,
-    hint: String,
+    hint: Signal<String>,
     body: impl IntoView,
 ) -> impl IntoView {
     tab_panel(
@@ -55,7 +55,7 @@ pub(crate) fn loop_start_blocked_by(
 fn Foot(
     disabled_reason: Signal<Option<String>>,
     /// The hint, as HTML.
-    hint: String,
+    hint: Signal<String>,
 ) -> impl IntoView {
     let blocked = move || disabled_reason.with(Option::is_some);
     view! {
@@ -63,7 +63,7 @@ fn Foot(
             <p class="reason" class:absent=dynamic(move || !blocked())>
                 {dynamic(move || disabled_reason.get().unwrap_or_default())}
             </p>
-            <p class="quiet" class:absent=dynamic(blocked) inner_html=hint></p>
+            <p class="quiet" class:absent=dynamic(blocked) inner_html=dynamic(move || hint.get())></p>
         </div>
     }
 }

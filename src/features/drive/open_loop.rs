@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::Mode;
+use motorlink_messages::protocol::{Mode, OpenLoopTarget};
 
 use crate::{
     features::drive::{
@@ -20,7 +20,7 @@ use crate::{
 
 const MODE: Mode = Mode::OpenLoop;
 
-/// The values of the preset buttons in percent, and their names.
+/// Percent of the supply of the preset buttons, and their names.
 const PRESETS: [(i32, &str); 5] = [
     (-20, "-20 %"),
     (-10, "-10 %"),
@@ -32,16 +32,16 @@ const PRESETS: [(i32, &str); 5] = [
 #[component]
 pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
     let page = drive.page;
-    let share = drive.targets.open_loop;
+    let output = drive.targets.open_loop;
     let disabled_reason = loop_blocked_by(page, MODE);
-    let start_blocked_by = loop_start_blocked_by(page, MODE, [share]);
+    let start_blocked_by = loop_start_blocked_by(page, MODE, [output]);
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         let words = if mirrored.get() {
-            tr!("100 % is the whole supply; mirrored")
+            tr!("±32\u{202F}767 = the whole supply; mirrored")
         } else {
-            tr!("100 % is the whole supply")
+            tr!("±32\u{202F}767 = the whole supply")
         };
         words.to_owned()
     });
@@ -53,7 +53,7 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
                 class="button preset"
                 disabled_reason=disabled_reason
                 on_press=move || {
-                    share.set(percent);
+                    output.set(percent * OpenLoopTarget::MAX / 100);
                     drive.start(MODE);
                 }
             />
@@ -61,29 +61,28 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
     };
     let body = view! {
         <NumberField
-            id="target-share"
-            name=tr!("Share of the supply")
-            unit="%"
+            id="target-output"
+            name=tr!("Target output")
+            unit=tr!("raw")
             hint=hint
-            target=share
-            entry=entry::SHARE
+            target=output
+            entry=entry::OUTPUT
             on_edit=move || drive.adjust(MODE)
         />
         <Slider
-            name=tr!("Share of the supply")
-            unit="%"
-            target=share
-            entry=entry::SHARE
+            name=tr!("Target output")
+            unit=tr!("raw")
+            target=output
+            entry=entry::OUTPUT
             marks=marks(["−100 %", "0", "+100 %"])
             on_edit=move || drive.adjust(MODE)
         />
         <p class="reason">
             {tr!(
-                "No controller limits the speed: a wheel without load gets fast even at a small share. \
-                 Begin with 10 %."
+                "No controller limits the speed. Begin with 10 %."
             )}
         </p>
-        <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
+        <div class="button-row five">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
             <PressButton
                 label=tr!("Stop")
@@ -101,5 +100,5 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
         </div>
     };
     let hint = tr!("Stop brakes the wheel to a standstill, then lets it coast.");
-    loop_panel(drive, MODE, start_blocked_by, hint.to_owned(), body)
+    loop_panel(drive, MODE, start_blocked_by, hint.to_owned().into(), body)
 }

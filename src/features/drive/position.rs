@@ -15,6 +15,7 @@ use crate::{
         dial::Dial,
         entry,
         number_field::NumberField,
+        reactive::memo,
         slider::{Slider, marks},
     },
 };
@@ -30,6 +31,8 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
     let disabled_reason = loop_blocked_by(page, MODE);
     let go_blocked_by = loop_start_blocked_by(page, MODE, [position]);
     let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
+    // Others report the angle from another zero than the target's.
+    let holds = memo(move || !page.model.get().has_separate_frames());
     let hint_of_angle = Signal::derive(move || {
         let words = match page.model.get() {
             Model::Ddsm115 | Model::Ddsm315 => tr!("Decreases at speed > 0"),
@@ -88,7 +91,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
             <PressButton
                 label=tr!("Stop")
                 class="button halt"
-                hint=tr!("Holds the present angle")
+                hint=tr!("Ends the motion")
                 disabled_reason=halt_blocked_by
                 on_press=move || drive.stop_motor(Tab::Loop(MODE))
             />
@@ -100,6 +103,15 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
             />
         </div>
     };
-    let hint = tr!("Stop holds the present angle. STOP brakes, then lets the wheel coast.");
-    loop_panel(drive, MODE, go_blocked_by, hint.to_owned(), body)
+    let hint = Signal::derive(move || {
+        let words = if holds.get() {
+            tr!("Stop holds the present angle. STOP brakes, then lets the wheel coast.")
+        } else {
+            tr!(
+                "Stop and STOP brake the wheel, then let it coast: this model cannot hold an angle."
+            )
+        };
+        words.to_owned()
+    });
+    loop_panel(drive, MODE, go_blocked_by, hint, body)
 }

@@ -23,7 +23,7 @@ pub(crate) fn Settings() -> impl IntoView {
                 id="command-rate"
                 name=tr!("Command rate")
                 unit="Hz"
-                hint=tr!("Motor needs 50 Hz or more")
+                hint=tr!("50 Hz or more, if the line allows it")
                 target=rate
                 entry=entry::RATE
                 on_edit=move || page.set_rate(rate.get_untracked())

@@ -149,5 +149,5 @@ pub(crate) fn VelocityTab(drive: Drive) -> impl IntoView {
             {preset(100, "+100")}
         </div>
     };
-    loop_panel(drive, MODE, start_blocked_by, hint(), body)
+    loop_panel(drive, MODE, start_blocked_by, hint().into(), body)
 }

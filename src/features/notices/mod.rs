@@ -10,6 +10,7 @@ use motorlink_messages::{
 
 use crate::{
     model::{
+        guards::drive_blocked_by,
         help_topic::HelpTopic,
         notice_board::{NoticeBoard, Posted, Remedy, Tone},
         page::use_page,
@@ -179,6 +180,13 @@ fn next_with_motor(session: &Session, id: MotorId) -> String {
             )
         }
         (Some(Activity::Stopping { .. }), _) => tr!("Braking motor {id}.", id),
+        (_, mode)
+            if session
+                .faults(id)
+                .is_some_and(|faults| !faults.value.is_none()) =>
+        {
+            drive_blocked_by(session, id, mode).unwrap_or_default()
+        }
         (_, Mode::Velocity) => {
             tr!("Keep fingers clear of the wheel and press +50, or set a speed and press Start.")
                 .to_owned()

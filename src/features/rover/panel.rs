@@ -37,7 +37,7 @@ fn frame() -> String {
     };
     [
         "<svg class=\"rover-picture\" role=\"img\" aria-label=\"",
-        tr!("Rover from above"),
+        tr!("Rover"),
         "\"></svg><div class=\"rover-wheels\"></div><div class=\"rover-foot\">\
          <svg class=\"rover-map\" aria-hidden=\"true\"><use href=\"#rover-path\"/>\
          <path class=\"rover-here\" d=\"M0 -.6L.4 .5L0 .25L-.4 .5Z\"/></svg><p class=\"rover-figures\">",

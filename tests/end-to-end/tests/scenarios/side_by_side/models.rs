@@ -117,9 +117,7 @@ fn a_ddsm210_is_found_driven_in_each_loop_stopped_limited_and_given_an_id() -> R
     assert!(scenario.page.find_all("tab", "Current")?.is_empty());
     velocity(&mut scenario, 500)?;
     switched(&scenario.page, "Open loop", "Switch to open loop")?;
-    scenario
-        .page
-        .fill("spinbutton", "Share of the supply", "20")?;
+    scenario.page.fill("spinbutton", "Target output", "20")?;
     turned_and_stopped(&mut scenario)?;
     switched(&scenario.page, "Position", "Switch to position loop")?;
     turned_and_stopped(&mut scenario)?;
@@ -134,9 +132,7 @@ fn a_ddsm400_is_found_enabled_driven_in_each_loop_stopped_limited_and_given_an_i
     let mut scenario = found("ddsm400", "DDSM400")?;
     velocity(&mut scenario, 500)?;
     switched(&scenario.page, "Open loop", "Switch to open loop")?;
-    scenario
-        .page
-        .fill("spinbutton", "Share of the supply", "20")?;
+    scenario.page.fill("spinbutton", "Target output", "20")?;
     turned_and_stopped(&mut scenario)?;
     switched(&scenario.page, "Current", "Switch to current loop")?;
     turned_and_stopped(&mut scenario)?;

@@ -114,7 +114,7 @@ fn an_address_that_names_no_virtual_motors_says_which_there_are() -> Result<()> 
 fn the_virtual_motors_are_chosen_in_a_menu_and_remembered() -> Result<()> {
     let bench = Bench::start()?;
     let page = bench.open("/")?;
-    page.find("button", "Choose virtual motors")?.focus()?;
+    page.find("button", "Virtual motors")?.focus()?;
     page.press("Enter")?;
     page.find("region", "Virtual motors")?;
     page.find("radio", "One of each fault")?.focus()?;
@@ -137,7 +137,7 @@ fn the_virtual_motors_are_chosen_in_a_menu_and_remembered() -> Result<()> {
     page.click("button", "Skip the tour")?;
     look(&page, View::PHONE)?;
     page.click("button", "More")?;
-    page.click("button", "Choose virtual motors")?;
+    page.click("button", "Virtual motors")?;
     in_sight(&page, View::PHONE, "button", "Connect virtual motors")?;
     in_sight(&page, View::PHONE, STOP.0, STOP.1)?;
     page.click("radio", "Two wheels: left, right")?;
