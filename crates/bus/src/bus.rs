@@ -21,7 +21,9 @@ use crate::{
     schedule::{DueFrame, Pacing, Turn, next_turn},
     settings::BusSettings,
     stop::ActiveStop,
-    timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, SLEPT_AT_LEAST},
+    timing::{
+        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTENS_FIRST, SLEPT_AT_LEAST,
+    },
     watchdog::{Watchdog, WatchdogAction},
 };
 
@@ -56,6 +58,8 @@ pub struct Bus {
     pub(crate) model: Model,
     /// What replies have told about the model.
     pub(crate) evidence: ModelEvidence,
+    /// From when on a motor may be enabled without a command; `None` while the port is on trial.
+    pub(crate) enables_from: Option<Instant>,
     pub(crate) motors: Vec<Motor>,
     pub(crate) line: Line,
     pub(crate) receiver: Receiver,
@@ -119,6 +123,7 @@ impl Bus {
         Self {
             model,
             evidence: ModelEvidence::default(),
+            enables_from: Some(now + LISTENS_FIRST),
             motors: Vec::new(),
             line: Line::Free {
                 last: Request::IdQuery.frame(),
@@ -166,6 +171,22 @@ impl Bus {
             halted: true,
             ..self
         }
+    }
+
+    /// This bus on a port that is on trial, until [`end_trial`](Self::end_trial). The motors may be others than the
+    /// wanted ones, and another host may drive them, so none is enabled: a switch to the velocity loop would make a
+    /// motor read the other host's angle as a speed.
+    #[must_use]
+    pub fn on_trial(self) -> Self {
+        Self {
+            enables_from: None,
+            ..self
+        }
+    }
+
+    /// The port is the wanted one.
+    pub fn end_trial(&mut self, now: Instant) {
+        self.enables_from.get_or_insert(now + LISTENS_FIRST);
     }
 
     /// The model of all motors on the line.

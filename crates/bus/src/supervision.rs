@@ -18,7 +18,10 @@ impl Bus {
     /// motors.
     pub(crate) fn supervise_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
-        let may_enable = self.stop.is_none()
+        // No sooner than the trial of the port is over and another host has ceased to drive: the switch to the velocity
+        // loop changes what its drive frames mean. Start enables a motor at any time.
+        let may_enable = self.enables_from.is_some_and(|from| now >= from)
+            && self.stop.is_none()
             && self.check_not_halted().is_ok()
             && self.check_no_job().is_ok()
             && self.check_no_raw_hazard().is_ok();

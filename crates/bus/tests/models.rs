@@ -216,27 +216,6 @@ fn each_model_is_found_by_a_scan_and_takes_an_id() {
     }
 }
 
-/// After power-up a DDSM400 ignores drive frames until it is enabled, which the bus does by itself. It starts no
-/// motion.
-#[test]
-fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
-    let mut fixture = on(Model::Ddsm400);
-    fixture.drive(rpm(60)).unwrap();
-    fixture.run(ms(1_000));
-    fixture.world.motor_mut(ID).unwrap().power(false);
-    fixture.run(ms(400));
-    assert!(fixture.happened(|event| matches!(event, Event::Withdrawn { .. })));
-    fixture.world.motor_mut(ID).unwrap().power(true);
-    fixture.forget_the_past();
-    fixture.run(ms(6_000));
-    assert_eq!(fixture.activity(), Activity::Idle);
-    assert!(fixture.happened(|event| matches!(event, Event::ModeSwitched { .. })));
-    assert!(fixture.true_rpm().abs() < 1.0);
-    fixture.drive(rpm(60)).unwrap();
-    fixture.run(ms(1_500));
-    assert!((fixture.true_rpm().abs() - 60.0).abs() < 3.0);
-}
-
 /// A power cut shorter than the bus needs to call a motor silent. A motor back in the velocity loop would read the
 /// angle of 180 degrees as 1,638 rpm.
 #[test]

@@ -324,7 +324,7 @@ async fn open_one(
         Err(error) => return Ok(Err(error)),
     };
     let (port, in_flight) = (line.port(), line.in_flight());
-    let bus = shared.borrow().new_bus(model, None);
+    let bus = shared.borrow().new_bus(model, None).on_trial();
     let open = OpenSession {
         line: Line::Serial(line),
         bus,
@@ -406,10 +406,12 @@ async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
 fn settle(shared: &Shared, lost: Option<Adapter>) {
     {
         let mut owner = shared.borrow_mut();
+        let now = owner.now();
         if let Session::Open(open) = &mut owner.session
             && let Stage::OnTrial { .. } = open.stage
         {
             open.stage = Stage::Settled;
+            open.bus.end_trial(now);
             if let Some(outcome) = open.id_query.take() {
                 owner.outbox.notice(Notice::IdQueryEnded(outcome));
             }
