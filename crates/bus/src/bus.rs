@@ -9,6 +9,7 @@ use crate::{
     event::{Event, StopReason},
     exchange::Line,
     job::state::{Job, Proof},
+    line_event::{LineEvent, LineEventKind},
     line_use::LineUse,
     model::evidence::ModelEvidence,
     motor::{Activity, Control, Motor, MotorStatus},
@@ -120,6 +121,7 @@ impl Bus {
     /// A bus that drives nothing, for motors of this model on a line of its baud rate.
     #[must_use]
     pub fn with_model(now: Instant, model: Model) -> Self {
+        let kind = LineEventKind::Begins(model);
         Self {
             model,
             evidence: ModelEvidence::default(),
@@ -154,7 +156,7 @@ impl Bus {
             call_due: now,
             silent_stop_round: 0,
             silent_firsts: 0,
-            events: VecDeque::new(),
+            events: VecDeque::from([Event::Line(LineEvent { at: now, kind })]),
         }
     }
 
