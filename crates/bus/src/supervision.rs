@@ -33,7 +33,7 @@ impl Bus {
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
                 // Starts no motion: it ignores drive frames until it is in a loop, and gets none.
                 motor.separate.enable_tried = true;
-                motor.control = Control::Switching(Switch::begin(now, Mode::Velocity, None));
+                motor.control = Control::Switching(Switch::by_itself(now, Mode::Velocity));
             }
             if let Control::Switching(switch) = motor.control {
                 match switch.progress(now) {
@@ -43,10 +43,13 @@ impl Bus {
                         let faulty = reported.is_some_and(Faults::any_named);
                         motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
                         motor.may_turn |= matches!(motor.control, Control::Driven(_));
-                        self.events.push_back(Event::ModeSwitched {
-                            id: motor.id,
-                            mode: switch.to,
-                        });
+                        // The page goes to the loop that the operator asked for, not away from what is being set.
+                        if switch.asked_for {
+                            self.events.push_back(Event::ModeSwitched {
+                                id: motor.id,
+                                mode: switch.to,
+                            });
+                        }
                     }
                     Progress::Failed => {
                         self.events.push_back(Event::ModeSwitchFailed {

@@ -128,7 +128,8 @@ fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
     fixture.forget_the_past();
     fixture.run(ms(6_000));
     assert_eq!(fixture.activity(), Activity::Idle);
-    assert!(fixture.happened(|event| matches!(event, Event::ModeSwitched { .. })));
+    assert!(is_enabled(&fixture));
+    assert!(!fixture.happened(|event| matches!(event, Event::ModeSwitched { .. })));
     assert!(fixture.true_rpm().abs() < 1.0);
     fixture.drive(rpm(60)).unwrap();
     fixture.run(ms(1_500));
