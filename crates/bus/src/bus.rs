@@ -189,6 +189,8 @@ impl Bus {
     /// The port is the wanted one.
     pub fn end_trial(&mut self, now: Instant) {
         self.enables_from.get_or_insert(now + LISTENS_FIRST);
+        // What the person was not told yet.
+        self.evidence.forget_json();
     }
 
     /// The model of all motors on the line.

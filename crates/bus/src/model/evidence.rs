@@ -52,6 +52,11 @@ impl ModelEvidence {
         }
     }
 
+    /// Text in JSON must be said again.
+    pub(crate) fn forget_json(&mut self) {
+        self.json_said = false;
+    }
+
     /// Records text in JSON. Returns whether it must be said: at the second time within a second, once.
     pub(crate) fn json(&mut self, now: Instant) -> bool {
         let before = self.json.replace(now);
