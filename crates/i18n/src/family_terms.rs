@@ -41,9 +41,12 @@ pub fn sent(model: Model, frame: &Frame, mode: Option<Mode>) -> String {
 fn driven(model: Model, drive: Drive, mode: Option<Mode>) -> String {
     let value = drive.signed();
     let units = drive.acceleration.byte();
-    let accelerated = |driven: String| match units {
-        0 => driven,
-        1.. => tr!("{driven}, accel {units}", driven, units),
+    let accelerated = |driven: String| {
+        if units == 0 {
+            driven
+        } else {
+            tr!("{driven}, accel {units}", driven, units)
+        }
     };
     let goal = match mode {
         None => return accelerated(tr!("drive, value {value}", value)),

@@ -81,9 +81,9 @@ const PARTS: [Part; 14] = [
     part(
         "help in English",
         When::Asked,
-        // Wiring, figures and frames of four models.
+        // Wiring, figures and frames of four models, with an example of each frame.
         &["help/en", "help/wiring"],
-        8_800,
+        9_000,
     ),
     part("German", When::Asked, &["texts-de", "help/de"], 20_000),
     part("Chinese", When::Asked, &["texts-zh", "help/zh"], 20_000),
