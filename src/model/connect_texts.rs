@@ -225,6 +225,20 @@ mod tests {
     }
 
     #[test]
+    fn a_model_that_does_not_exist_is_named_with_the_possible_ones() {
+        let possible = "ddsm115, ddsm315, ddsm210, ddsm400";
+        let bad = BadParameter {
+            text: "model=ddsm500".to_owned(),
+            possible: possible.to_owned(),
+        };
+        let words = of_bad_parameter(&bad);
+        assert!(words.title.contains("model=ddsm500"), "{}", words.title);
+        let advice = words.advice.join(" ");
+        assert!(advice.contains("Nothing is connected"), "{advice}");
+        assert!(advice.contains(possible), "{advice}");
+    }
+
+    #[test]
     fn a_lost_adapter_is_to_be_plugged_in() {
         let (state, detail) = of_connection(Connection::Reconnecting(Adapter::VIRTUAL));
         assert_eq!(

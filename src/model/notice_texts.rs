@@ -176,7 +176,7 @@ fn of_failed_switch(id: MotorId, asked: Mode, reported: Option<Mode>) -> NoticeT
             tr!("The position loop needs less than 10 rpm: stop the motor, then switch.")
         }
         Mode::OpenLoop | Mode::Current | Mode::Velocity => {
-            tr!("Press Switch again. If that fails, power-cycle the motor.")
+            tr!("Press Switch or Start again. If that fails, power-cycle the motor.")
         }
     };
     NoticeText::new(Topic::Loop(id), Tone::Error, title, &[advice])

@@ -2,7 +2,7 @@
 
 use motorlink_messages::{
     bus::{Command, Consent},
-    protocol::{Faults, Rpm, Setpoint, SpeedTarget},
+    protocol::{Faults, Rpm, Setpoint, SpeedTarget, family::Model},
 };
 
 use super::*;
@@ -121,5 +121,44 @@ fn our_stop_is_never_called_an_emergency_stop() {
         StopReason::LoopDelayed,
     ] {
         assert!(!of_stop_reason(reason).to_lowercase().contains("emergency"));
+    }
+}
+
+/// Bad input on a line of the family: what it is, and what to do.
+#[test]
+fn what_is_on_the_line_instead_of_the_motor_is_said_with_what_to_do() {
+    let other = Notice::OtherModel {
+        expected: Model::Ddsm115,
+        found: Model::Ddsm210,
+    };
+    let not_enabled = Notice::ModeSwitchFailed {
+        id: ID,
+        asked: Mode::Velocity,
+        reported: None,
+    };
+    let lost_power = Notice::Withdrawn {
+        id: ID,
+        reason: WithdrawReason::NotEnabled,
+    };
+    for (notice, what, then) in [
+        (
+            other,
+            "A DDSM210 answers on this line, not a DDSM115.",
+            "remove it from the line",
+        ),
+        (
+            Notice::AnswersInJson,
+            "answers in JSON",
+            "Set the switch of the DDSM Driver HAT away from ESP32",
+        ),
+        (
+            not_enabled,
+            "did not confirm",
+            "Press Switch or Start again",
+        ),
+        (lost_power, "not enabled any more", "then press Start"),
+    ] {
+        let said = said(&notice).unwrap();
+        assert!(said.contains(what) && said.contains(then), "{said}");
     }
 }

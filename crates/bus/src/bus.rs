@@ -9,9 +9,10 @@ use crate::{
     event::{Event, StopReason},
     exchange::Line,
     job::state::{Job, Proof},
+    line_event::{LineEvent, LineEventKind},
     line_use::LineUse,
     model::evidence::ModelEvidence,
-    motor::{Activity, Control, Motor, MotorStatus},
+    motor::Motor,
     pending_transmit::PendingTransmit,
     probe::Probe,
     rate::RateMeter,
@@ -21,7 +22,9 @@ use crate::{
     schedule::{DueFrame, LastFrame, Pacing, Turn, next_turn},
     settings::BusSettings,
     stop::ActiveStop,
-    timing::{EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, SLEPT_AT_LEAST},
+    timing::{
+        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTENS_FIRST, SLEPT_AT_LEAST,
+    },
     watchdog::{Watchdog, WatchdogAction},
 };
 
@@ -56,6 +59,8 @@ pub struct Bus {
     pub(crate) model: Model,
     /// What replies have told about the model.
     pub(crate) evidence: ModelEvidence,
+    /// From when on a motor may be enabled without a command; `None` while the port is on trial.
+    pub(crate) enables_from: Option<Instant>,
     pub(crate) motors: Vec<Motor>,
     pub(crate) line: Line,
     pub(crate) receiver: Receiver,
@@ -115,9 +120,11 @@ impl Bus {
     /// A bus that drives nothing, for motors of this model on a line of its baud rate.
     #[must_use]
     pub fn with_model(now: Instant, model: Model) -> Self {
+        let kind = LineEventKind::Begins(model);
         Self {
             model,
             evidence: ModelEvidence::default(),
+            enables_from: Some(now + LISTENS_FIRST),
             motors: Vec::new(),
             line: Line::Free {
                 last: Request::IdQuery.frame(),
@@ -148,7 +155,7 @@ impl Bus {
             call_due: now,
             silent_stop_round: 0,
             silent_firsts: 0,
-            events: VecDeque::new(),
+            events: VecDeque::from([Event::Line(LineEvent { at: now, kind })]),
         }
     }
 
@@ -167,58 +174,22 @@ impl Bus {
         }
     }
 
-    /// The model of all motors on the line.
+    /// This bus on a port that is on trial, until [`end_trial`](Self::end_trial). The motors may be others than the
+    /// wanted ones, and another host may drive them, so none is enabled: a switch to the velocity loop would make a
+    /// motor read the other host's angle as a speed.
     #[must_use]
-    pub const fn model(&self) -> Model {
-        self.model
+    pub fn on_trial(self) -> Self {
+        Self {
+            enables_from: None,
+            ..self
+        }
     }
 
-    /// Whether a motor has answered as this model.
-    #[must_use]
-    pub const fn model_known(&self) -> bool {
-        self.evidence.own
-    }
-
-    /// The other model that a frame has shown. A single frame may be noise.
-    #[must_use]
-    pub const fn likely_model(&self) -> Option<Model> {
-        self.evidence.likely()
-    }
-
-    /// Whether Stop all motors is in force.
-    #[must_use]
-    pub const fn is_halted(&self) -> bool {
-        self.halted
-    }
-
-    /// Whether a motor is driven, switched or being stopped, or still turns because of the bus. The
-    /// caller must keep the port open.
-    #[must_use]
-    pub fn is_active(&self, now: Instant) -> bool {
-        let turns = |motor: &Motor| {
-            let speed = motor.fresh_speed(now);
-            motor.may_turn && speed.is_some_and(|speed| speed.magnitude() > 0)
-        };
-        let active = |motor: &Motor| !matches!(motor.control, Control::Idle) || turns(motor);
-        self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
-    }
-
-    /// Whether a motor is being stopped.
-    #[must_use]
-    pub fn is_stopping(&self) -> bool {
-        let stops = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
-        self.motors.iter().any(stops)
-    }
-
-    /// Status of every watched motor.
-    pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
-        self.motors.iter().map(move |motor| {
-            let mut status = motor.status(now);
-            if self.is_driven_raw(motor.id) && status.activity == Activity::Idle {
-                status.activity = Activity::DrivenRaw;
-            }
-            status
-        })
+    /// The port is the wanted one.
+    pub fn end_trial(&mut self, now: Instant) {
+        self.enables_from.get_or_insert(now + LISTENS_FIRST);
+        // What the person was not told yet.
+        self.evidence.forget_json();
     }
 
     /// The page has answered its ping.

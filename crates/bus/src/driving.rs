@@ -58,6 +58,7 @@ impl Bus {
         let motor = self.watch(now, id);
         let known = motor.known(now);
         let speed = motor.fresh_speed(now);
+        let obeys = motor.obeys();
         match &mut motor.control {
             Control::Stopping(_) => return Err(Refusal::Stopping(id)),
             Control::Switching(switch) => {
@@ -82,6 +83,15 @@ impl Bus {
                 if is_rest(setpoint) {
                     self.cut_exchange_short(now);
                 }
+            }
+            // It ignores drive frames until it is enabled and switched.
+            Control::Idle if !obeys && speed.is_some() && setpoint.mode() == Mode::Velocity => {
+                let reported = Some(Mode::Velocity);
+                let known = Known { reported, ..known };
+                check_drive(model, id, setpoint, consent, limits, known)?;
+                let mut switch = Switch::begin(now, Mode::Velocity, None);
+                switch.queued_setpoint = Some(setpoint);
+                motor.control = Control::Switching(switch);
             }
             Control::Idle => {
                 check_drive(model, id, setpoint, consent, limits, known)?;

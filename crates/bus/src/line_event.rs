@@ -1,6 +1,6 @@
 //! Events of the line, for the packet log.
 
-use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, Mode, MotorId};
+use motorlink_protocol::{FRAME_LEN, Frame, Instant, Layout, Mode, MotorId, family::Model};
 
 /// One event of the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,10 +76,12 @@ pub enum LineEventKind {
         /// As in [`LineEventKind::Sent`].
         mode: Option<Mode>,
     },
+    /// A bus has begun: the frames from here on are those of this model.
+    Begins(Model),
 }
 
 impl LineEventKind {
-    /// The frame that the port took, whoever decided it, and the loop in which its motor reads a value.
+    /// The frame that the port took, of the bus or sent by hand, and the loop in which its motor reads a value.
     #[must_use]
     pub const fn sent(&self) -> Option<(Frame, Option<Mode>)> {
         match self {
@@ -91,14 +93,19 @@ impl LineEventKind {
             | Self::Reading { .. }
             | Self::Junk(_)
             | Self::Silence { .. }
-            | Self::NotSent { .. } => None,
+            | Self::NotSent { .. }
+            | Self::Begins(_) => None,
         }
     }
 
-    /// Whether it repeats a frame in other units, for the recording alone.
+    /// Whether it stands for no bytes on the line: it repeats a frame in other units for the recording, or names the
+    /// model.
     #[must_use]
-    pub const fn is_for_the_recording(&self) -> bool {
-        matches!(self, Self::Commanded { .. } | Self::Reading { .. })
+    pub const fn is_no_traffic(&self) -> bool {
+        matches!(
+            self,
+            Self::Commanded { .. } | Self::Reading { .. } | Self::Begins(_)
+        )
     }
 }
 

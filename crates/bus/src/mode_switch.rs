@@ -22,6 +22,8 @@ pub(crate) struct Switch {
     pub(crate) was_driven: bool,
     /// Setpoint of a drive command that came during the switch.
     pub(crate) queued_setpoint: Option<Setpoint>,
+    /// Whether the operator asked for it. Else the bus enables a motor.
+    pub(crate) asked_for: bool,
 }
 
 /// Neutral drive frames that continue during a switch.
@@ -55,6 +57,15 @@ impl Switch {
             }),
             was_driven: driven_in.is_some(),
             queued_setpoint: None,
+            asked_for: true,
+        }
+    }
+
+    /// Starts the switch of a motor that is not driven, without a command.
+    pub(crate) fn by_itself(now: Instant, to: Mode) -> Self {
+        Self {
+            asked_for: false,
+            ..Self::begin(now, to, None)
         }
     }
 

@@ -15,6 +15,7 @@ use crate::{
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
     model::separate::Separate,
+    motor_status::{Activity, MotorStatus},
     ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
@@ -28,6 +29,8 @@ use crate::{
     },
     torque::Torque,
 };
+
+mod loops;
 
 /// What the bus does with a motor.
 #[derive(Clone, Copy, Debug)]
@@ -69,53 +72,6 @@ impl Driven {
             ramped: Ramped::from(now, speed),
         }
     }
-}
-
-/// What the bus does with a motor, as the page shows it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Activity {
-    /// Not driven; the wheel is free.
-    Idle,
-    /// The motor switches its loop.
-    Switching {
-        /// The new loop.
-        to: Mode,
-    },
-    /// The motor is driven.
-    Driven {
-        /// The setpoint.
-        setpoint: Setpoint,
-    },
-    /// A raw frame drives the motor.
-    DrivenRaw,
-    /// The motor is being braked to a standstill.
-    Stopping {
-        /// Whether replies have reported standstill.
-        confirmed: bool,
-    },
-}
-
-/// Status of one motor, for the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MotorStatus {
-    /// Which motor.
-    pub id: MotorId,
-    /// What the bus does with it.
-    pub activity: Activity,
-    /// Its last reply.
-    pub last: Option<Sample>,
-    /// Its last fine position, from a drive reply.
-    pub position: Option<(Instant, Position)>,
-    /// Its last temperature, from a feedback query.
-    pub temperature: Option<(Instant, Celsius)>,
-    /// Whether it has not answered for two seconds.
-    pub silent: bool,
-    /// Quality of the link to it.
-    pub link: LinkQuality,
-    /// Counters of the exchanges with it.
-    pub counters: Counters,
 }
 
 /// A mode switch that no reply has confirmed yet.
@@ -324,84 +280,10 @@ impl Motor {
         self.late.unanswered(Layout::Query, sent, 1);
     }
 
-    /// Records a mode switch. Of several unconfirmed switches the position loop counts, in which
-    /// zero moves the wheel.
-    pub(crate) fn switch_sent(&mut self, now: Instant, to: Mode) {
-        let outstanding = self.late.outstanding(now);
-        match &mut self.switched_to {
-            // The same again: a reply after the first of them tells as much.
-            Some(before) if before.to == to && to != Mode::Position => {}
-            Some(before) if before.to == Mode::Position && to != Mode::Position => {
-                before.among_others = true;
-            }
-            before => {
-                let others = before.is_some_and(|before| before.among_others || before.to != to);
-                *before = Some(Switched {
-                    to,
-                    outstanding,
-                    among_others: others,
-                });
-            }
-        }
-    }
-
-    /// Whether a reply in its window reports a time after the last mode switch.
-    pub(crate) fn confirms_loop(&self) -> bool {
-        !self
-            .switched_to
-            .is_some_and(|switched| switched.among_others && switched.outstanding > 0)
-    }
-
-    /// A reply to a request after the last mode switch has reported the loop, unless it may be an earlier one.
-    pub(crate) fn loop_reported(&mut self) {
-        if self
-            .switched_to
-            .is_some_and(|switched| switched.outstanding == 0)
-        {
-            self.switched_to = None;
-        }
-    }
-
-    /// Whether a mode switch was sent that no reply has confirmed yet.
-    pub(crate) const fn loop_is_unconfirmed(&self) -> bool {
-        self.switched_to.is_some()
-    }
-
-    /// The loop by a reply of the last 500 ms, and the last known loop.
-    pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
-        let last = self.last_mode();
-        match self.switched_to.map(|switched| switched.to) {
-            Some(Mode::Position) => (None, Some(Mode::Position)),
-            Some(_) => (None, last),
-            None => (self.fresh_mode(now), last),
-        }
-    }
-
-    /// The loop in which the motor reads a drive frame now, for the packet log.
-    pub(crate) fn reads_drive_frames_in(&self, now: Instant) -> Option<Mode> {
-        match self.control {
-            Control::Driven(driven) => Some(driven.goal.mode()),
-            // A stop brakes, which only the velocity loop can.
-            Control::Stopping(_) => Some(Mode::Velocity),
-            Control::Idle | Control::Switching(_) => self.fresh_mode(now),
-        }
-    }
-
     fn fresh(&self, now: Instant) -> Option<Reply> {
         self.last
             .filter(|sample| now.since(sample.at) <= FRESH_FOR)
             .map(|sample| sample.reply)
-    }
-
-    pub(crate) fn fresh_mode(&self, now: Instant) -> Option<Mode> {
-        let fresh = self
-            .fresh(now)
-            .filter(|_| self.switched_to.is_none() && self.other_loop.is_none())?;
-        if self.model.has_separate_frames() {
-            self.separate.loop_known.fresh(now, self.model)
-        } else {
-            Some(fresh.mode)
-        }
     }
 
     /// The last reply, to fill up one that has less.
@@ -477,15 +359,6 @@ impl Motor {
         }
         let temperature = self.fresh_temperature(now);
         limits.exceeded(self.last?, temperature, self.overcurrent, driven_since)
-    }
-
-    /// The loop in the last reply, of any age.
-    pub(crate) fn last_mode(&self) -> Option<Mode> {
-        if self.model.has_separate_frames() {
-            return self.separate.loop_known.last();
-        }
-        let last = self.last.map(|sample| sample.reply.mode);
-        self.other_loop.or(last)
     }
 
     pub(crate) const fn has_answered(&self) -> bool {

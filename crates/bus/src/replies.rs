@@ -10,7 +10,7 @@ use motorlink_protocol::{
 use crate::{
     bus::{Bus, LastDrive},
     counters::Counters,
-    event::{Event, StopReason},
+    event::Event,
     exchange::{Exchange, Expects, Line, Purpose},
     job::state::Job,
     line_event::{LineEvent, LineEventKind},
@@ -330,22 +330,6 @@ impl Bus {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
             (Control::Stopping(stop), Some(mode)) => stop.record_loop(mode),
             _ => {}
-        }
-    }
-
-    /// Takes note of frames of another model and of text in JSON.
-    pub(crate) fn judge_model(&mut self, now: Instant, rest: &OtherBytes) {
-        if rest.is_json && self.evidence.json(now) {
-            self.events.push_back(Event::AnswersInJson);
-        }
-        let expected = self.model;
-        if let Some(found) = rest.other_model
-            && self.evidence.other_reply(now, found)
-        {
-            self.events.push_back(Event::OtherModel { expected, found });
-            if self.is_active(now) {
-                self.stop_all(now, StopReason::OtherModel);
-            }
         }
     }
 

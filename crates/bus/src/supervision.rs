@@ -18,7 +18,10 @@ impl Bus {
     /// motors.
     pub(crate) fn supervise_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
-        let may_enable = self.stop.is_none()
+        // No sooner than the trial of the port is over and another host has ceased to drive: the switch to the velocity
+        // loop changes what its drive frames mean. Start enables a motor at any time.
+        let may_enable = self.enables_from.is_some_and(|from| now >= from)
+            && self.stop.is_none()
             && self.check_not_halted().is_ok()
             && self.check_no_job().is_ok()
             && self.check_no_raw_hazard().is_ok();
@@ -30,7 +33,7 @@ impl Bus {
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
                 // Starts no motion: it ignores drive frames until it is in a loop, and gets none.
                 motor.separate.enable_tried = true;
-                motor.control = Control::Switching(Switch::begin(now, Mode::Velocity, None));
+                motor.control = Control::Switching(Switch::by_itself(now, Mode::Velocity));
             }
             if let Control::Switching(switch) = motor.control {
                 match switch.progress(now) {
@@ -40,10 +43,13 @@ impl Bus {
                         let faulty = reported.is_some_and(Faults::any_named);
                         motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
                         motor.may_turn |= matches!(motor.control, Control::Driven(_));
-                        self.events.push_back(Event::ModeSwitched {
-                            id: motor.id,
-                            mode: switch.to,
-                        });
+                        // The page goes to the loop that the operator asked for, not away from what is being set.
+                        if switch.asked_for {
+                            self.events.push_back(Event::ModeSwitched {
+                                id: motor.id,
+                                mode: switch.to,
+                            });
+                        }
                     }
                     Progress::Failed => {
                         self.events.push_back(Event::ModeSwitchFailed {

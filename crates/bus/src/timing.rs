@@ -74,6 +74,13 @@ pub(crate) const SWITCH_PERIOD: Duration = Duration::from_millis(20);
 /// A reply must report the new loop within this time after the fifth frame: three queries.
 pub(crate) const SWITCH_CONFIRM: Duration = Duration::from_millis(300);
 
+/// No motor is enabled without a command before the line was heard for this long: five drive frames of another host
+/// at the 50 Hz that its motor needs.
+pub(crate) const LISTENS_FIRST: Duration = Duration::from_millis(100);
+/// Nor for this long after a drive frame of another host: 50 of its frames, of which some are heard in a collision
+/// with ours.
+pub(crate) const OTHER_HOST_QUIET: Duration = Duration::from_secs(1);
+
 /// The motor refuses the position loop at this speed and above.
 pub const POSITION_SWITCH_RPM: u16 = 10;
 

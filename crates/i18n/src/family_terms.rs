@@ -40,10 +40,23 @@ pub fn sent(model: Model, frame: &Frame, mode: Option<Mode>) -> String {
 
 fn driven(model: Model, drive: Drive, mode: Option<Mode>) -> String {
     let value = drive.signed();
+    let units = drive.acceleration.byte();
+    let accelerated = |driven: String| {
+        if units == 0 {
+            driven
+        } else {
+            tr!("{driven}, accel {units}", driven, units)
+        }
+    };
     let goal = match mode {
-        None => return tr!("drive, value {value}", value),
-        Some(Mode::Velocity) if drive.brakes() => return tr!("drive, brake").to_owned(),
-        Some(Mode::Velocity) => model.speed_of_raw(value).to_string(),
+        None => return accelerated(tr!("drive, value {value}", value)),
+        Some(Mode::Velocity) => {
+            return accelerated(if drive.brakes() {
+                tr!("drive, brake").to_owned()
+            } else {
+                tr!("drive {goal}", goal = speed(model, value))
+            });
+        }
         Some(Mode::OpenLoop) => OpenLoopTarget::nearest(value).to_string(),
         Some(Mode::Current) => model.current_of_raw(value).to_string(),
         Some(Mode::Position) => {
@@ -52,6 +65,12 @@ fn driven(model: Model, drive: Drive, mode: Option<Mode>) -> String {
         }
     };
     tr!("drive {goal}", goal = in_language(goal))
+}
+
+/// `+50.1 rpm`, in the unit of the language.
+fn speed(model: Model, value: i16) -> String {
+    let speed = model.speed_of_raw(value).to_string();
+    in_language(speed.replace("rpm", terms::rpm()))
 }
 
 /// What a motor of this model has answered. `asked` is the layout of a combined reply, if it is certain.
@@ -85,8 +104,9 @@ pub fn received(model: Model, frame: &Frame, asked: Option<Layout>) -> String {
 }
 
 fn drive_reply(model: Model, reading: DriveReading) -> String {
-    let (speed, current) = (model.speed_of_raw(reading.value), reading.current);
-    in_language(format!("{speed}, {current}, {}", reading.temperature))
+    let speed = speed(model, reading.value);
+    let rest = in_language(format!("{}, {}", reading.current, reading.temperature));
+    format!("{speed}, {rest}")
 }
 
 fn odometry_reply(odometry: Odometry) -> String {
@@ -124,6 +144,11 @@ mod tests {
                 "drive +50 rpm",
             ),
             ("01 64 01 F4 00 00 00 00 00 C3", None, "drive, value 500"),
+            (
+                "01 64 FE 0B 00 00 0A 00 00 F9",
+                Some(Mode::Velocity),
+                "drive \u{2212}50.1 rpm, accel 10",
+            ),
             (
                 "01 64 00 00 00 00 00 FF 00 D1",
                 Some(Mode::Velocity),

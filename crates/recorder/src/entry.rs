@@ -2,7 +2,7 @@
 
 use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::Kind;
-use motorlink_protocol::{Instant, MotorId, Request};
+use motorlink_protocol::{Instant, MotorId, Request, family::Model};
 
 use crate::texts::TextRef;
 
@@ -11,6 +11,8 @@ use crate::texts::TextRef;
 pub(crate) struct Entry {
     pub(crate) at: Instant,
     pub(crate) content: EntryContent,
+    /// The model of the line at that time.
+    pub(crate) model: Model,
     /// Whether it is part of a routine exchange, given the entries before it.
     pub(crate) routine: bool,
     /// How the view shows it.
@@ -58,7 +60,8 @@ impl Entry {
                 | LineEventKind::NotSent { .. },
             )
             | EntryContent::Message { error: true, .. } => Kind::Error,
-            EntryContent::Message { error: false, .. } => Kind::System,
+            EntryContent::Line(LineEventKind::Begins(_))
+            | EntryContent::Message { error: false, .. } => Kind::System,
         }
     }
 
@@ -87,7 +90,8 @@ impl Entry {
                 MotorId::new(first).ok()
             }
             EntryContent::Line(LineEventKind::Silence { id, .. }) => Some(id),
-            EntryContent::Line(LineEventKind::Junk(_)) | EntryContent::Message { .. } => None,
+            EntryContent::Line(LineEventKind::Junk(_) | LineEventKind::Begins(_))
+            | EntryContent::Message { .. } => None,
         }
     }
 
@@ -104,7 +108,8 @@ impl Entry {
                 | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
             EntryContent::Line(LineEventKind::Junk(junk)) => junk.bytes(),
-            EntryContent::Line(LineEventKind::Silence { .. }) | EntryContent::Message { .. } => &[],
+            EntryContent::Line(LineEventKind::Silence { .. } | LineEventKind::Begins(_))
+            | EntryContent::Message { .. } => &[],
         }
     }
 }
@@ -125,6 +130,7 @@ mod tests {
         Entry {
             at: Instant::ZERO,
             content: EntryContent::Line(passed),
+            model: Model::Ddsm115,
             routine: false,
             visibility: Visibility::Hidden,
         }

@@ -1,8 +1,8 @@
 //! The packet log: the newest entries in order of time, and a view of them.
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::{Filter, LogPage, Window};
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Instant, family::Model};
 
 use crate::{
     chunks::Chunks,
@@ -28,6 +28,8 @@ pub struct Log {
     routine: Routine,
     view: View,
     clock: WallClock,
+    /// The model of the line.
+    model: Model,
     capacity: u64,
     gone: u64,
     /// Entries before this one keep their numbers, because they are being exported or copied.
@@ -52,6 +54,7 @@ impl Log {
             routine: Routine::default(),
             view: View::new(entries),
             clock: WallClock::default(),
+            model: Model::default(),
             capacity: entries.max(1),
             gone: 0,
             settled: 0,
@@ -72,22 +75,27 @@ impl Log {
 
     /// Adds a line event.
     pub fn add_event(&mut self, traffic: &LineEvent) {
-        if traffic.kind.is_for_the_recording() {
+        if let LineEventKind::Begins(model) = traffic.kind {
+            self.model = model;
+        }
+        if traffic.kind.is_no_traffic() {
             return;
         }
-        let routine = self.routine.is_next(&traffic.kind);
-        self.take(traffic.at, EntryContent::Line(traffic.kind), routine);
+        let routine = self.routine.is_next(self.model, &traffic.kind);
+        let content = EntryContent::Line(traffic.kind);
+        self.take(traffic.at, content, self.model, routine);
     }
 
     /// Adds a message of the page.
     pub fn add_message(&mut self, at: Instant, error: bool, text: &str) {
         let text = self.texts.keep(text);
-        self.take(at, EntryContent::Message { error, text }, false);
+        let content = EntryContent::Message { error, text };
+        self.take(at, content, self.model, false);
     }
 
     /// Inserts an entry in order of time. Messages arrive at once, line events in batches, so either may be
     /// late.
-    fn take(&mut self, at: Instant, content: EntryContent, routine: bool) {
+    fn take(&mut self, at: Instant, content: EntryContent, model: Model, routine: bool) {
         while self.entries.len() >= self.capacity || self.texts.bytes() > TEXT_BYTES_MAX {
             if !self.drop_oldest() {
                 break;
@@ -96,6 +104,7 @@ impl Log {
         let entry = Entry {
             at,
             content,
+            model,
             routine,
             visibility: Visibility::Hidden,
         };
@@ -138,6 +147,7 @@ impl Log {
     pub fn clear(&mut self) {
         let mut new = Self::with_capacity(self.capacity);
         new.clock = self.clock;
+        new.model = self.model;
         new.entries = self.entries.continued();
         std::mem::swap(&mut new.view, &mut self.view);
         new.view.begin(&new.entries);
@@ -178,12 +188,13 @@ impl Log {
             },
             passed @ EntryContent::Line(_) => passed,
         };
-        self.take(at(entry.at), content, entry.routine);
+        self.take(at(entry.at), content, entry.model, entry.routine);
     }
 
-    /// Takes over the state of another log whose entries have been appended to this one: what is routine, and
-    /// the generation of the rows. Then applies this filter.
+    /// Takes over the state of another log whose entries have been appended to this one: the model, what is
+    /// routine, and the generation of the rows. Then applies this filter.
     pub(crate) fn continue_from(&mut self, other: &mut Self, filter: &Filter) {
+        self.model = other.model;
         std::mem::swap(&mut self.routine, &mut other.routine);
         self.view.continue_from(&other.view);
         self.filter(filter);

@@ -3,9 +3,11 @@
 use std::fmt::Write;
 
 use motorlink_bus::{JunkBytes, LineEventKind};
-use motorlink_i18n::{Language, current_language, set_language, terms, tr, translate};
+use motorlink_i18n::{
+    Language, current_language, family_terms, set_language, terms, tr, translate,
+};
 use motorlink_messages::recorder::Row;
-use motorlink_protocol::{Explained, FRAME_LEN, Frame, explain_received, explain_sent};
+use motorlink_protocol::{FRAME_LEN, Frame, explain_received, explain_sent, family::Model};
 
 use crate::{
     digits::{push_0x, push_decimal, push_hex},
@@ -23,21 +25,25 @@ pub(crate) fn push_meaning(out: &mut String, entry: &Entry, texts: &Texts) {
     }
     match &entry.content {
         EntryContent::Message { text, .. } => out.push_str(&translate(texts.get(*text))),
-        EntryContent::Line(passed) => out.push_str(&translated(passed)),
+        EntryContent::Line(passed) => out.push_str(&translated(entry.model, passed)),
     }
 }
 
-fn translated(passed: &LineEventKind) -> String {
+fn translated(model: Model, passed: &LineEventKind) -> String {
     match passed {
         LineEventKind::Sent { frame, mode }
         | LineEventKind::SentByHand { frame, mode }
-        | LineEventKind::RepeatedByHand { frame, mode }
-        | LineEventKind::Commanded { frame, mode } => terms::explained(explain_sent(frame, *mode)),
-        LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked } => {
-            terms::explained(explain_received(frame, *asked))
-        }
-        LineEventKind::Junk(junk) => match explained_junk(junk) {
-            Some(explained) => tr!("{what}: dropped", what = terms::explained(explained)),
+        | LineEventKind::RepeatedByHand { frame, mode } => family_terms::sent(model, frame, *mode),
+        LineEventKind::Received { frame, asked } => family_terms::received(model, frame, *asked),
+        // No entries.
+        LineEventKind::Commanded { .. }
+        | LineEventKind::Reading { .. }
+        | LineEventKind::Begins(_) => String::new(),
+        LineEventKind::Junk(junk) => match frame_of(junk) {
+            Some(frame) => {
+                let what = family_terms::received(model, &frame, None);
+                tr!("{what}: dropped", what)
+            }
             None => match junk.bytes().len() {
                 1 => tr!("1 byte, no valid frame").to_owned(),
                 count => tr!("{count} bytes, no valid frame", count),
@@ -54,10 +60,10 @@ fn translated(passed: &LineEventKind) -> String {
     }
 }
 
-/// The explanation of junk that is as long as a frame.
-fn explained_junk(junk: &JunkBytes) -> Option<Explained> {
+/// Junk that is as long as a frame.
+fn frame_of(junk: &JunkBytes) -> Option<Frame> {
     let frame = <[u8; FRAME_LEN]>::try_from(junk.bytes()).ok()?;
-    Some(explain_received(&Frame::new(frame), None))
+    Some(Frame::new(frame))
 }
 
 /// Milliseconds and tenths, rounded: the resolution of a browser's clock.
@@ -70,20 +76,29 @@ fn to_tenths(micros: u32) -> (u64, u64) {
 pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     // Writing to a string does not fail.
     let _ = match &entry.content {
-        EntryContent::Message { text, .. } => out.write_str(&in_english(texts.get(*text))),
+        EntryContent::Message { text, .. } => {
+            out.write_str(&in_english(|| translate(texts.get(*text))))
+        }
+        // Their explanations are texts; combined frames have one that allocates nothing.
+        EntryContent::Line(line) if entry.model.has_separate_frames() => {
+            out.write_str(&in_english(|| translated(entry.model, line)))
+        }
         EntryContent::Line(
             LineEventKind::Sent { frame, mode }
             | LineEventKind::SentByHand { frame, mode }
-            | LineEventKind::RepeatedByHand { frame, mode }
-            | LineEventKind::Commanded { frame, mode },
+            | LineEventKind::RepeatedByHand { frame, mode },
         ) => {
             write!(out, "{}", explain_sent(frame, *mode))
         }
-        EntryContent::Line(
-            LineEventKind::Received { frame, asked } | LineEventKind::Reading { frame, asked },
-        ) => {
+        EntryContent::Line(LineEventKind::Received { frame, asked }) => {
             write!(out, "{}", explain_received(frame, *asked))
         }
+        // No entries.
+        EntryContent::Line(
+            LineEventKind::Commanded { .. }
+            | LineEventKind::Reading { .. }
+            | LineEventKind::Begins(_),
+        ) => Ok(()),
         EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),
         EntryContent::Line(LineEventKind::Silence { waited_us, .. }) => {
             out.push_str("no reply within ");
@@ -99,18 +114,19 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
     };
 }
 
-/// A message of the page as in files, whatever language it is shown in.
-fn in_english(stored: &str) -> String {
+/// A text as in files, whatever language the page is shown in.
+fn in_english(text: impl FnOnce() -> String) -> String {
     let shown_in = current_language();
     set_language(Language::English);
-    let text = translate(stored);
+    let text = text();
     set_language(shown_in);
     text
 }
 
 fn push_junk(out: &mut String, junk: &JunkBytes) -> std::fmt::Result {
     let bytes = junk.bytes();
-    if let Some(explained) = explained_junk(junk) {
+    if let Some(frame) = frame_of(junk) {
+        let explained = explain_received(&frame, None);
         return write!(out, "{explained}: dropped");
     }
     push_decimal(out, u64::try_from(bytes.len()).unwrap_or_default());
@@ -159,6 +175,7 @@ mod tests {
         Entry {
             at: Instant::ZERO,
             content,
+            model: Model::Ddsm115,
             routine: false,
             visibility: Visibility::Hidden,
         }
@@ -217,6 +234,45 @@ mod tests {
         assert_eq!(silence(8_000), "no reply within 8.0 ms");
         assert_eq!(silence(25_050), "no reply within 25.1 ms");
         assert_eq!(silence(999), "no reply within 1.0 ms");
+    }
+
+    #[test]
+    fn frames_of_each_model_are_explained_in_its_units() {
+        let said = |model, kind| {
+            let entry = Entry {
+                model,
+                ..entry(EntryContent::Line(kind))
+            };
+            let mut out = String::new();
+            push_meaning(&mut out, &entry, &Texts::default());
+            out
+        };
+        let frame = "01 64 01 F4 00 00 00 00 00 C3".parse().unwrap();
+        let sent = LineEventKind::Sent {
+            frame,
+            mode: Some(Mode::Velocity),
+        };
+        assert_eq!(said(Model::Ddsm115, sent), "drive +500 rpm");
+        assert_eq!(said(Model::Ddsm210, sent), "drive +50 rpm");
+        let received = |body| LineEventKind::Received {
+            frame: Frame::with_crc(body),
+            asked: None,
+        };
+        let drive = received([1, 0x65, 0x01, 0xF5, 0x20, 0, 0, 30, 0]);
+        assert_eq!(said(Model::Ddsm400, drive), "+50.1 rpm, +1.000 A, 30 °C");
+        let odometry = received([1, 0x74, 0, 0, 0, 3, 0x20, 0, 0]);
+        assert_eq!(said(Model::Ddsm210, odometry), "3 turns, 90.00°");
+        let noise = LineEventKind::Junk(JunkBytes::new(&[1, 0x64, 0, 0, 0, 0, 0, 0, 0, 0]));
+        assert!(said(Model::Ddsm210, noise).ends_with(": dropped"));
+        set_language(Language::German);
+        assert_eq!(said(Model::Ddsm400, drive), "+50,1 U/min, +1,000 A, 30 °C");
+        let mut file = String::new();
+        let entry = Entry {
+            model: Model::Ddsm400,
+            ..entry(EntryContent::Line(drive))
+        };
+        push_english(&mut file, &entry, &Texts::default());
+        assert_eq!(file, "+50.1 rpm, +1.000 A, 30 °C");
     }
 
     #[test]

@@ -5,7 +5,10 @@
 //! its reply.
 
 use motorlink_bus::LineEventKind;
-use motorlink_protocol::{Faults, Frame, Mode, MotorId, Reply, Request};
+use motorlink_protocol::{
+    Faults, Frame, Mode, MotorId,
+    family::{Model, Reading, Request},
+};
 
 /// Addresses, and one to spare for an index by the address itself.
 const MOTORS: usize = 255;
@@ -24,7 +27,25 @@ struct Before {
     /// The last drive frame and the loop of the motor: in another loop, the same bytes have another
     /// meaning.
     driven: Option<(Frame, Option<Mode>)>,
-    replied: Option<(Mode, Faults)>,
+    replied: Option<(Option<Mode>, Faults)>,
+    /// The mode byte of its last reply to a mode query.
+    named: Option<u8>,
+}
+
+impl Before {
+    /// Records a reply. Returns whether it tells the same as the last one of its kind. The loop is in combined frames,
+    /// or in replies of its own.
+    fn is_repeated_by(&mut self, reading: &Reading) -> bool {
+        let now = match reading {
+            Reading::Mode(reading) => {
+                return self.named.replace(reading.byte) == Some(reading.byte);
+            }
+            Reading::Combined(reply) => (Some(reply.mode), reply.faults),
+            Reading::Drive(reading) => (None, reading.faults),
+            Reading::Odometry(odometry) => (None, odometry.faults),
+        };
+        self.replied.replace(now) == Some(now)
+    }
 }
 
 impl Default for Routine {
@@ -38,11 +59,11 @@ impl Default for Routine {
 
 impl Routine {
     /// Whether this event is routine, given all events before it.
-    pub(crate) fn is_next(&mut self, passed: &LineEventKind) -> bool {
+    pub(crate) fn is_next(&mut self, model: Model, passed: &LineEventKind) -> bool {
         match passed {
             LineEventKind::Sent { frame, mode } => {
-                let routine = match Request::parse(frame) {
-                    Ok(Request::Query { id }) => Some(id),
+                let routine = match Request::parse(model, frame) {
+                    Ok(Request::Query { id } | Request::ModeQuery { id }) => Some(id),
                     Ok(Request::Drive { id, .. }) => self
                         .before(id)
                         .and_then(|before| before.driven.replace((*frame, *mode)))
@@ -55,19 +76,19 @@ impl Routine {
             }
             LineEventKind::Received { frame, .. } => {
                 let asked = self.asked.take();
-                let Ok(reply) = Reply::decode(frame, None) else {
+                let Ok(reading) = Reading::decode(model, frame, None) else {
                     return false;
                 };
-                let now = (reply.mode, reply.faults);
-                let before = self.before(reply.id);
-                let before = before.and_then(|before| before.replied.replace(now));
-                asked == Some(reply.id) && before == Some(now)
+                let id = reading.id();
+                let before = self.before(id);
+                let repeated = before.is_some_and(|before| before.is_repeated_by(&reading));
+                asked == Some(id) && repeated
             }
             // It may have driven the motor: the next frame of the bus shows a change.
             LineEventKind::SentByHand { frame, .. }
             | LineEventKind::RepeatedByHand { frame, .. } => {
                 self.asked = None;
-                if let Ok(Request::Drive { id, .. }) = Request::parse(frame)
+                if let Ok(Request::Drive { id, .. }) = Request::parse(model, frame)
                     && let Some(before) = self.before(id)
                 {
                     before.driven = None;
@@ -78,7 +99,8 @@ impl Routine {
             | LineEventKind::Silence { .. }
             | LineEventKind::NotSent { .. }
             | LineEventKind::Commanded { .. }
-            | LineEventKind::Reading { .. } => false,
+            | LineEventKind::Reading { .. }
+            | LineEventKind::Begins(_) => false,
         }
     }
 
@@ -91,7 +113,7 @@ impl Routine {
 mod tests {
     use motorlink_bus::JunkBytes;
     use motorlink_protocol::{
-        Current, Detail, Fault, Layout, Position, Rpm, Setpoint, SpeedTarget,
+        Current, Detail, Fault, Layout, Position, Reply, Request, Rpm, Setpoint, SpeedTarget,
     };
 
     use super::*;
@@ -136,8 +158,46 @@ mod tests {
     }
 
     fn verdicts(passed: &[LineEventKind]) -> Vec<bool> {
+        verdicts_of(Model::Ddsm115, passed)
+    }
+
+    fn verdicts_of(model: Model, passed: &[LineEventKind]) -> Vec<bool> {
         let mut routine = Routine::default();
-        passed.iter().map(|one| routine.is_next(one)).collect()
+        let verdicts = passed.iter().map(|one| routine.is_next(model, one));
+        verdicts.collect()
+    }
+
+    #[test]
+    fn separate_frames_are_routine_until_the_loop_or_the_faults_change() {
+        let frame = |text: &str| text.parse().unwrap();
+        let ask = |text| LineEventKind::Sent {
+            frame: frame(text),
+            mode: None,
+        };
+        let odometry = ask("01 74 00 00 00 00 00 00 00 04");
+        let mode = ask("01 75 00 00 00 00 00 00 00 47");
+        let received = |body| LineEventKind::Received {
+            frame: Frame::with_crc(body),
+            asked: None,
+        };
+        let turned = |angle, faults| received([1, 0x75, 0, 0, 0, 3, angle, 0, faults]);
+        let named = |byte| received([1, 0x76, byte, 0, 0, 0, 0, 0, 0]);
+        let passed = [
+            (odometry, true),
+            (turned(1, 0), false),
+            (mode, true),
+            (named(2), false),
+            (odometry, true),
+            (turned(2, 0), true),
+            (mode, true),
+            (named(2), true),
+            (odometry, true),
+            (turned(3, 2), false),
+            (mode, true),
+            (named(9), false),
+        ];
+        let (passed, expected): (Vec<_>, Vec<_>) = passed.into_iter().unzip();
+        assert_eq!(verdicts_of(Model::Ddsm400, &passed), expected);
     }
 
     #[test]

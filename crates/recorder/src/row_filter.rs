@@ -107,7 +107,7 @@ fn contains(row: &[u8], needle: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use motorlink_bus::JunkBytes;
-    use motorlink_protocol::{Frame, Instant, Layout};
+    use motorlink_protocol::{Frame, Instant, Layout, family::Model};
 
     use super::*;
 
@@ -120,6 +120,7 @@ mod tests {
                 frame: Frame::with_crc([1, 2, 0xFF, 0, 0xFF, 0x9C, 0x17, 0xCF, 0]),
                 asked: Some(Layout::Drive),
             }),
+            model: Model::Ddsm115,
             routine,
             visibility: Visibility::Hidden,
         }

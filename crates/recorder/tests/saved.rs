@@ -5,8 +5,9 @@ mod line;
 
 use std::{collections::BTreeMap, time::Duration};
 
+use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToRecorder};
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Instant, family::Model};
 use motorlink_recorder::{
     LocalTime, Log, Output, Recorder, Recording, WallClock,
     saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, StoreAction, Stream, Summary},
@@ -489,6 +490,26 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
     let mut page = restored(&disk, LATER_MS);
     let lines = page.export(Export::Log).lines().count();
     assert!((1_000_001..1_100_000).contains(&lines), "{lines}");
+}
+
+/// The file that names the model may be gone.
+#[test]
+fn frames_are_explained_by_their_model_in_every_file_of_a_saved_session() {
+    let mut page = Page::opened(EPOCH_MS);
+    let begins = LineEventKind::Begins(Model::Ddsm400);
+    page.recorder.add_event(&at(0, begins));
+    for second in 0..200 {
+        page.drive(second * 1_000..(second + 1) * 1_000);
+        page.pass(260);
+    }
+    let mut disk = page.crash();
+    assert!(disk.len() >= 2, "{} files", disk.len());
+    disk.pop_first();
+    let mut page = restored(&disk, LATER_MS);
+    let log = page.export(Export::Log);
+    // Its drive frames are in tenths of a rpm.
+    assert!(log.contains(",drive +5 rpm"));
+    assert!(!log.contains(",drive +50 rpm"));
 }
 
 #[test]

@@ -77,6 +77,10 @@ struct Flags {
     #[arg(long, default_value_t = 0, value_name = "MS",
         value_parser = clap::value_parser!(u64).range(..=DELAY_MAX / 1000))]
     latency_ms: u64,
+    /// Answer as a DDSM Driver HAT whose switch is at ESP32: a line of JSON to all that is written, and no frame
+    /// reaches a motor
+    #[arg(long)]
+    json: bool,
     /// The same seed gives the same noise and the same faults
     #[arg(long, default_value_t = 1, value_name = "N")]
     seed: u64,
@@ -96,6 +100,7 @@ pub(crate) enum Asked {
 /// A command line that makes sense.
 pub(crate) struct Arguments {
     pub(crate) world: WorldConfig,
+    pub(crate) json: bool,
     pub(crate) link: Option<PathBuf>,
     pub(crate) log: Option<PathBuf>,
 }
@@ -163,6 +168,7 @@ impl Flags {
                     ..WireFaults::default()
                 },
             },
+            json: self.json,
             link: self.link,
             log: self.log,
         })

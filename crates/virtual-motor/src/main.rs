@@ -48,5 +48,5 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
     };
     writeln!(std::io::stdout(), "ready {}", pty.slave_path().display())
         .map_err(Failure::system("cannot write to standard output"))?;
-    serve::Server::new(arguments.world, pty, log, signals).run()
+    serve::Server::new(arguments.world, arguments.json, pty, log, signals).run()
 }

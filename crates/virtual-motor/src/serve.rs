@@ -32,6 +32,9 @@ const NICE: i32 = -15;
 /// Reads from the terminal and standard input: more than a host writes in a tenth of a second.
 const BUFFER: usize = 4096;
 
+/// Feedback of a motor, as the driver board of the vendor's `json_cmd.h` prints it.
+const JSON_LINE: &[u8] = b"{\"T\":20010,\"id\":1,\"typ\":210,\"spd\":0,\"crt\":0}\r\n";
+
 /// Becomes readable when the program is told to end.
 #[derive(Debug)]
 pub(crate) struct Signals(UnixStream);
@@ -65,6 +68,8 @@ struct Woken {
 #[derive(Debug)]
 pub(crate) struct Server {
     world: World,
+    /// Whether a driver board answers in place of the motors.
+    json: bool,
     pty: Pty,
     log: Option<WireLog>,
     signals: Signals,
@@ -77,12 +82,14 @@ pub(crate) struct Server {
 impl Server {
     pub(crate) fn new(
         config: WorldConfig,
+        json: bool,
         pty: Pty,
         log: Option<WireLog>,
         signals: Signals,
     ) -> Self {
         Self {
             world: World::new(config),
+            json,
             pty,
             log,
             signals,
@@ -127,6 +134,10 @@ impl Server {
         let now = clock::now();
         if !written.is_empty() {
             self.world.set_baud(now, self.pty.baud()?);
+        }
+        if self.json && !written.is_empty() {
+            self.pty.write(JSON_LINE)?;
+            return Ok(());
         }
         self.world.transmit(now, written);
         while let Some(chunk) = self.world.receive(now) {

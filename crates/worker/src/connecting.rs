@@ -18,15 +18,8 @@ use crate::{
     port_owner::Shared,
     serial::{self, ReadEnd, ReadEvent, SharedInFlight},
     session::{AfterClosing, OpenSession, Session, Stage},
+    trial::{Shown, Superseded, answers, shown},
 };
-
-/// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
-/// and three queries at 10 Hz.
-const TRIAL: Duration = Duration::from_millis(400);
-/// How long the motors may take to show their model: an ID query of 60 ms and two queries at 10 Hz.
-const DETECTION: Duration = Duration::from_millis(200);
-/// How often to check for a reply.
-const TRIAL_STEP: Duration = Duration::from_millis(20);
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
 const REOPEN_TRIES: u32 = 10;
@@ -222,23 +215,10 @@ fn reopen(shared: &Shared, if_no_reply: IfNoReply) {
     });
 }
 
-/// Another session has begun meanwhile, so this task ends.
-struct Superseded;
-
 fn begin(shared: &Shared, session: Session) -> u32 {
     let (_, generation) = shared.borrow_mut().begin_session(session);
     pump(shared);
     generation
-}
-
-/// What the motors of a port on trial have shown.
-enum Shown {
-    /// They answer as the model of the line.
-    Own,
-    /// One answers as another model of the same baud rate.
-    Other(Model),
-    /// None answers.
-    Nothing,
 }
 
 /// Opens one port on trial for the model that its motors show, if the person leaves that to the worker. Without an
@@ -279,30 +259,6 @@ async fn open_as_shown(
     open_one(shared, generation, candidate, choice.model, lost).await
 }
 
-/// Waits until the motors of the port on trial show their model.
-async fn shown(shared: &Shared, generation: u32) -> Result<Shown, Superseded> {
-    let mut left = DETECTION.as_millis() / TRIAL_STEP.as_millis();
-    loop {
-        sleep(TRIAL_STEP).await;
-        let owner = shared.borrow();
-        let open = match &owner.session {
-            Session::Open(open) if owner.generation == generation => open,
-            _ => return Err(Superseded),
-        };
-        if open.bus.model_known() {
-            return Ok(Shown::Own);
-        }
-        left = left.saturating_sub(1);
-        let other = open.bus.likely_model();
-        // One frame of another model is enough to try that one next: if it was noise, its own trial shows it.
-        let is_over = left == 0 || other.is_some();
-        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
-        if is_over && !open.bus.is_active(owner.now()) {
-            return Ok(other.map_or(Shown::Nothing, Shown::Other));
-        }
-    }
-}
-
 /// Opens one port on trial and starts reading it. Returns the number of its session.
 async fn open_one(
     shared: &Shared,
@@ -327,7 +283,7 @@ async fn open_one(
         Err(error) => return Ok(Err(error)),
     };
     let (port, in_flight) = (line.port(), line.in_flight());
-    let bus = shared.borrow().new_bus(model, None);
+    let bus = shared.borrow().new_bus(model, None).on_trial();
     let open = OpenSession {
         line: Line::Serial(line),
         bus,
@@ -376,27 +332,6 @@ async fn read(
     }
 }
 
-/// Whether the wanted motor replies on the port that is on trial.
-async fn answers(shared: &Shared, generation: u32, wanted: MotorId) -> Result<bool, Superseded> {
-    let mut left = TRIAL.as_millis() / TRIAL_STEP.as_millis();
-    loop {
-        sleep(TRIAL_STEP).await;
-        let owner = shared.borrow();
-        let open = match &owner.session {
-            Session::Open(open) if owner.generation == generation => open,
-            _ => return Err(Superseded),
-        };
-        if open.has_replied(owner.now(), wanted) {
-            return Ok(true);
-        }
-        left = left.saturating_sub(1);
-        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
-        if left == 0 && !open.bus.is_active(owner.now()) {
-            return Ok(false);
-        }
-    }
-}
-
 async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
     let (left, generation) = shared.borrow_mut().begin_session(Session::Opening { lost });
     if let Session::Open(open) = left {
@@ -409,10 +344,12 @@ async fn close_trial(shared: &Shared, lost: Option<Adapter>) -> u32 {
 fn settle(shared: &Shared, lost: Option<Adapter>) {
     {
         let mut owner = shared.borrow_mut();
+        let now = owner.now();
         if let Session::Open(open) = &mut owner.session
             && let Stage::OnTrial { .. } = open.stage
         {
             open.stage = Stage::Settled;
+            open.bus.end_trial(now);
             if let Some(outcome) = open.id_query.take() {
                 owner.outbox.notice(Notice::IdQueryEnded(outcome));
             }

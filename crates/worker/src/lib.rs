@@ -34,6 +34,7 @@ mod serial;
 mod session;
 mod start;
 mod traffic;
+mod trial;
 
 use motorlink_messages::ToPage;
 

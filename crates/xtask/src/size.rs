@@ -61,8 +61,8 @@ const PARTS: [Part; 14] = [
         250_500,
     ),
     part("style", When::First, &["style-"], 11_500),
-    // Its bus drives every model (4,000), and its virtual motors have the firmware of each (4,000).
-    part("worker", When::Driving, &["worker-"], 95_000),
+    // Its bus drives every model (4,300), and its virtual motors have the firmware of each (4,000).
+    part("worker", When::Driving, &["worker-"], 95_500),
     part("later style", When::Behind, &["later-style-"], 10_000),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models.
     part("desk", When::Behind, &["desk"], 113_000),
@@ -70,8 +70,8 @@ const PARTS: [Part; 14] = [
     part("help", When::Behind, &["help.", "help-"], 8_200),
     part("shared", When::Behind, &["chunk"], 24_000),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
-    // messages into the language of their reader, and records every model.
-    part("recorder", When::Behind, &["recorder-"], 87_000),
+    // messages into the language of their reader, records every model, and explains the frames of each (3,500).
+    part("recorder", When::Behind, &["recorder-"], 90_500),
     part(
         "installing",
         When::Offline,
@@ -81,9 +81,9 @@ const PARTS: [Part; 14] = [
     part(
         "help in English",
         When::Asked,
-        // Wiring, figures and frames of four models.
+        // Wiring, figures and frames of four models, with an example of each frame.
         &["help/en", "help/wiring"],
-        8_800,
+        9_000,
     ),
     part("German", When::Asked, &["texts-de", "help/de"], 20_000),
     part("Chinese", When::Asked, &["texts-zh", "help/zh"], 20_000),
@@ -108,11 +108,11 @@ const fn part(
 pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
 /// the firmware of each in the virtual motors, take 15,000.
-pub const DRIVING_GZIP_BYTES_MAX: usize = 355_000;
+pub const DRIVING_GZIP_BYTES_MAX: usize = 355_500;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
-/// 27,000, a log that can be undone, opened and translated 10,000.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 669_000;
+/// 32,000, a log that can be undone, opened and translated 10,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 674_500;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 //! The axes and their grid lines, on a canvas under the traces. They change seldom, so they have a canvas of their
 //! own.
 
+use motorlink_messages::protocol::family::Model;
 use plotters::{
     coord::Shift,
     drawing::{DrawingArea, IntoDrawingArea},
@@ -40,13 +41,14 @@ pub(crate) struct Axes {
 
 /// Everything that the axes depend on. They are drawn again only if it differs.
 #[derive(Clone, Debug, PartialEq)]
-struct Picture {
-    layout: Layout,
-    palette: Palette,
-    traces: Traces,
-    scales: [Scale; 2],
-    temperature_end: u16,
-    marks: Vec<Tick>,
+pub(crate) struct Picture {
+    pub(crate) layout: Layout,
+    pub(crate) palette: Palette,
+    pub(crate) traces: Traces,
+    pub(crate) scales: [Scale; 2],
+    pub(crate) temperature_end: u16,
+    pub(crate) marks: Vec<Tick>,
+    pub(crate) model: Model,
 }
 
 /// Sets the size of a canvas so that one canvas pixel is one device pixel.
@@ -90,23 +92,8 @@ impl Axes {
         self.drawn = None;
     }
 
-    pub(crate) fn draw(
-        &mut self,
-        layout: Layout,
-        palette: Palette,
-        traces: Traces,
-        scales: [Scale; 2],
-        temperature_end: u16,
-        marks: Vec<Tick>,
-    ) {
-        let picture = Picture {
-            layout,
-            palette,
-            traces,
-            scales,
-            temperature_end,
-            marks,
-        };
+    pub(crate) fn draw(&mut self, picture: Picture) {
+        let layout = picture.layout;
         if self.drawn.as_ref() != Some(&picture) {
             self.context
                 .clear_rect(0.0, 0.0, layout.width.into(), layout.height.into());
@@ -181,7 +168,7 @@ impl Axes {
                         self.write(label, x, rows(row));
                     }
                 }
-                self.write(trace.unit(), x, top + below);
+                self.write(trace.unit(picture.model), x, top + below);
             }
         }
         if let Some(trace) = traces.compared {
@@ -191,7 +178,7 @@ impl Axes {
                     self.write(label, left - offset, rows(row));
                 }
             }
-            self.write(trace.unit(), left - offset, top + below);
+            self.write(trace.unit(picture.model), left - offset, top + below);
         }
         let mut x = right - offset;
         for (trace, colour, end) in [
@@ -205,7 +192,7 @@ impl Axes {
             if shows(trace) {
                 self.write_in(colour, "right");
                 let space = if trace == Trace::Temperature { " " } else { "" };
-                let upper = format!("{end}{space}{}", trace.unit());
+                let upper = format!("{end}{space}{}", trace.unit(picture.model));
                 self.write(&upper, x, top + below * 0.75);
                 self.write(&(end / 2).to_string(), x, rows(2) - below * 0.75);
                 self.write("0", x, rows(4) - below * 0.75);

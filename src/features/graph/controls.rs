@@ -42,17 +42,20 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
         }
         .to_owned()
     });
-    let heading = move || {
-        if chart.page.model.get().spec().current.is_certain() {
-            tr!("Speed and current")
-        } else {
-            tr!("Speed and current (scale of the current uncertain)")
-        }
-    };
+    let is_certain = move || chart.page.model.get().spec().current.is_certain();
     let [ten, minute, five] = WINDOWS;
     view! {
         <div class="graph-head">
-            <h2>{dynamic(heading)}</h2>
+            <h2>{tr!("Speed and current")}</h2>
+            // The help says between which scales sources disagree.
+            <button
+                type="button"
+                class="help-link"
+                data-help="specifications"
+                hidden=dynamic(is_certain)
+            >
+                {tr!("Scale of the current uncertain")}
+            </button>
             <div class="graph-traces" role="group" aria-label=tr!("Traces")>
                 <Switch chart trace=Trace::Speed />
                 <Switch chart trace=Trace::Current />

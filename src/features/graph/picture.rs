@@ -66,7 +66,8 @@ struct Entry {
 
 /// The title of the picture, and the entries of its legend.
 fn legend(chart: Chart, subject: &Subject, palette: Palette) -> (String, Vec<Entry>) {
-    let with_unit = |trace: Trace| match trace.unit() {
+    let model = chart.page.model.get_untracked();
+    let with_unit = |trace: Trace| match trace.unit(model) {
         "" => trace.name().to_owned(),
         unit => format!("{} ({unit})", trace.name()),
     };

@@ -9,7 +9,7 @@ use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 
 use crate::{
     features::graph::{
-        axes::Axes,
+        axes::{Axes, Picture},
         description::Description,
         legend::Legend,
         overlay::Overlay,
@@ -312,8 +312,15 @@ impl Stage {
         let scales: [Scale; 2] = self.lines.scales();
         let hot = self.lines.temperature_end();
         let traces = chart.traces.get_untracked();
-        self.axes
-            .draw(self.layout, self.palette, traces, scales, hot, marks);
+        self.axes.draw(Picture {
+            layout: self.layout,
+            palette: self.palette,
+            traces,
+            scales,
+            temperature_end: hot,
+            marks,
+            model: chart.page.model.get_untracked(),
+        });
     }
 }
 

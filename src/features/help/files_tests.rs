@@ -1,9 +1,7 @@
 //! The help's files, held against what leads to them.
 
-use motorlink_messages::protocol::{
-    Frame, Layout, Reply, Request,
-    family::{self, Model},
-};
+use motorlink_i18n::{Language, family_terms, set_language};
+use motorlink_messages::protocol::{Frame, Layout, Mode, Reply, Request, family::Model};
 
 use crate::{features::help::line_card, model::help_topic::HelpTopic};
 
@@ -114,24 +112,39 @@ fn each_model_has_its_own_words_in_every_language() {
     }
 }
 
-/// The examples without a motor are what a DDSM210 is sent.
+/// The examples of separate frames are explained as in the packet log, each for its model.
 #[test]
-fn the_examples_of_separate_frames_are_frames() {
-    for (language, html) in FILES {
-        let examples: Vec<Frame> = html
-            .split("<code>01 ")
-            .skip(1)
-            .map(|rest| format!("01 {}", rest.split('<').next().unwrap()))
-            .map(|text| text.parse().unwrap())
-            .collect();
-        assert_eq!(examples.len(), 4, "{language}");
-        for frame in examples {
-            assert!(
-                family::Request::parse(Model::Ddsm210, &frame).is_ok(),
-                "{frame}"
-            );
+fn the_examples_of_separate_frames_are_explained_as_elsewhere() {
+    for ((name, html), language) in FILES.into_iter().zip(Language::ALL) {
+        set_language(language);
+        let (_, protocol) = html.split_once("<h3 id=\"protocol\"").unwrap();
+        let (_, separate) = protocol.split_once("data-for=\"ddsm210 ddsm400\"").unwrap();
+        let (separate, _) = separate.split_once("</div>").unwrap();
+        let examples: Vec<&str> = separate.split("<p class=\"frame\"").skip(1).collect();
+        assert_eq!(examples.len(), 11, "{name}");
+        for example in examples {
+            let (attributes, rest) = example.split_once('>').unwrap();
+            let (_, rest) = rest.split_once("<code>").unwrap();
+            let (frame, words) = rest.split_once("</code> ").unwrap();
+            let (words, _) = words.split_once('<').unwrap();
+            let frame: Frame = frame.parse().unwrap();
+            let of_400 = attributes.contains("ddsm400");
+            let model = if of_400 {
+                Model::Ddsm400
+            } else {
+                Model::Ddsm210
+            };
+            // A reply of a DDSM210 may look like a request: only replies name one model, and the frame that enables.
+            let is_sent = attributes.is_empty() || frame.bytes()[1] == 0xA0;
+            let explained = if is_sent {
+                family_terms::sent(model, &frame, Some(Mode::Velocity))
+            } else {
+                family_terms::received(model, &frame, None)
+            };
+            assert_eq!(words, explained, "{name} {frame}");
         }
     }
+    set_language(Language::English);
 }
 
 /// What the page's policy forbids, or would not pass on.

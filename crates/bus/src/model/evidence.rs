@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Frame, Instant, Mode, MotorId,
+    FRAME_LEN, Frame, Instant, Mode, MotorId,
     family::{FrameSet, Model},
 };
 
@@ -52,6 +52,11 @@ impl ModelEvidence {
         }
     }
 
+    /// Text in JSON must be said again.
+    pub(crate) fn forget_json(&mut self) {
+        self.json_said = false;
+    }
+
     /// Records text in JSON. Returns whether it must be said: at the second time within a second, once.
     pub(crate) fn json(&mut self, now: Instant) -> bool {
         let before = self.json.replace(now);
@@ -84,6 +89,15 @@ pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<Model> {
         0x65 if offset != Some(1) && has_temperature => Some(Model::Ddsm400),
         _ => None,
     }
+}
+
+/// Whether these bytes are a whole drive frame. One that the bus has not sent is that of another host.
+pub(crate) fn is_drive_frame(bytes: &[u8]) -> bool {
+    let frame = <[u8; FRAME_LEN]>::try_from(bytes).map(Frame::new);
+    frame.is_ok_and(|frame| {
+        let [id, command, ..] = *frame.bytes();
+        command == 0x64 && MotorId::new(id).is_ok() && frame.crc_holds()
+    })
 }
 
 /// Whether these bytes are text of a driver board in JSON.
@@ -150,6 +164,15 @@ mod tests {
         assert_eq!(evidence.likely(), Some(Model::Ddsm210));
         assert!(evidence.other_reply(at(1_200), Model::Ddsm210));
         assert!(!evidence.other_reply(at(1_300), Model::Ddsm210));
+    }
+
+    #[test]
+    fn a_drive_frame_of_another_host_is_known() {
+        let is_drive = |text| is_drive_frame(frame(text).bytes());
+        assert!(is_drive("01 64 40 00 00 00 00 00 00 00"));
+        assert!(!is_drive("01 65 40 00 00 00 00 1E 00 00"), "a reply");
+        assert!(!is_drive("01 74 00 00 00 00 00 00 00 00"), "a query");
+        assert!(!is_drive_frame(&[1, 0x64, 0x40]));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What differs between models: the units and the loops of their frames, and what their replies tell.
 
 pub(crate) mod evidence;
+mod judging;
 pub(crate) mod loop_known;
 pub(crate) mod odometry;
 pub(crate) mod separate;

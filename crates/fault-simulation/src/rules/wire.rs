@@ -124,6 +124,7 @@ impl Wire {
                     return self.logged(now, frame);
                 }
                 LineEventKind::Junk(_)
+                | LineEventKind::Begins(_)
                 | LineEventKind::Silence { .. }
                 | LineEventKind::Commanded { .. }
                 | LineEventKind::Reading { .. } => {}

@@ -1,7 +1,7 @@
 //! Writes the same CSV files from single events, such as those of a session file.
 
-use motorlink_bus::LineEvent;
-use motorlink_protocol::{Instant, MotorId};
+use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use super::{
     cells::Cells,
@@ -23,6 +23,8 @@ use crate::{
 pub struct CsvLines {
     columns: Columns,
     cells: Cells,
+    /// The model of the line.
+    model: Model,
 }
 
 #[derive(Debug)]
@@ -58,6 +60,7 @@ impl CsvLines {
         Self {
             columns,
             cells: Cells::default(),
+            model: Model::default(),
         }
     }
 
@@ -72,7 +75,11 @@ impl CsvLines {
 
     /// Adds the row of a line event, if it has one.
     pub fn event(&mut self, out: &mut Vec<u8>, event: &LineEvent, clock: WallClock) {
+        if let LineEventKind::Begins(model) = event.kind {
+            self.model = model;
+        }
         match &mut self.columns {
+            Columns::Log(..) if event.kind.is_no_traffic() => {}
             Columns::Log(..) => {
                 let content = EntryContent::Line(event.kind);
                 self.entry(out, event.at, content, &Texts::default(), clock);
@@ -125,6 +132,7 @@ impl CsvLines {
         let entry = Entry {
             at,
             content,
+            model: self.model,
             routine: false,
             visibility: Visibility::Shown,
         };

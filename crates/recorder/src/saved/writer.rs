@@ -4,7 +4,7 @@ use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_messages::recorder::push_traffic;
-use motorlink_protocol::Instant;
+use motorlink_protocol::{Instant, family::Model};
 
 use super::{
     Segment, Stream,
@@ -139,7 +139,7 @@ impl SessionWriter {
     pub fn erase(&mut self) {
         *self = Self {
             epoch_us: self.epoch_us,
-            packets: StreamWriter::new(),
+            packets: self.packets.begun_again(),
             recorded: StreamWriter::new(),
             actions: VecDeque::from([StoreAction::Erase]),
             ..Self::default()
@@ -213,6 +213,9 @@ struct StreamWriter {
     batch: Vec<u8>,
     batch_count: u32,
     batch_last: Instant,
+    /// The model of the line, and before the blocks that are not written yet.
+    model: Model,
+    model_before: Model,
     /// The commands that the next block contains. Each block repeats them: the block before may be damaged.
     marks: Commands,
 }
@@ -225,9 +228,23 @@ impl StreamWriter {
         }
     }
 
+    /// A new one on the same line.
+    fn begun_again(&self) -> Self {
+        Self {
+            model: self.model,
+            model_before: self.model,
+            ..Self::new()
+        }
+    }
+
     #[inline(never)]
     fn pass(&mut self, traffic: &LineEvent) {
         push_traffic(&mut self.batch, traffic);
+        if let LineEventKind::Begins(model) = traffic.kind {
+            // It counts as no event.
+            self.model = model;
+            return;
+        }
         self.batch_count += 1;
         self.batch_last = traffic.at;
         if self.batch.len() > BATCH_BYTES {
@@ -272,6 +289,7 @@ impl StreamWriter {
     /// Drops unwritten bytes if they exceed the limit.
     fn bound(&mut self, bytes_max: usize) {
         if self.blocks.len() + self.batch.len() > bytes_max {
+            self.model_before = self.model;
             self.blocks.clear();
             self.batch.clear();
             self.marks.clear();
@@ -286,7 +304,8 @@ impl StreamWriter {
         self.end_batch();
         let blocks = std::mem::take(&mut self.blocks);
         let full = |size: usize| size + blocks.len() > SEGMENT_BYTES_MAX;
-        if self.files.back().is_none_or(|(_, size)| full(*size)) {
+        let is_new = self.files.back().is_none_or(|(_, size)| full(*size));
+        if is_new {
             self.last += 1;
             self.files.push_back((self.last, 0));
             self.wants_epoch = true;
@@ -294,6 +313,15 @@ impl StreamWriter {
         let mut bytes = Vec::with_capacity(blocks.len() + 32);
         if std::mem::take(&mut self.wants_epoch) {
             push_epoch(&mut bytes, epoch_us);
+        }
+        let model = std::mem::replace(&mut self.model_before, self.model);
+        if is_new && model.has_separate_frames() {
+            // The files before it may be gone.
+            let at = self.batch_last;
+            let kind = LineEventKind::Begins(model);
+            let mut begins = Vec::new();
+            push_traffic(&mut begins, &LineEvent { at, kind });
+            push_batch(&mut bytes, 0, at, &begins);
         }
         bytes.extend(blocks);
         let (number, size) = self.files.back_mut()?;

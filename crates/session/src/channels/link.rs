@@ -63,7 +63,9 @@ impl Meter {
                 self.asked = None;
             }
             LineEventKind::NotSent { .. } => second.not_sent += 1,
-            LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
+            LineEventKind::Commanded { .. }
+            | LineEventKind::Reading { .. }
+            | LineEventKind::Begins(_) => {}
         }
         ended
     }

@@ -70,7 +70,8 @@ impl Motors {
             }
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }
-            | LineEventKind::NotSent { .. } => None,
+            | LineEventKind::NotSent { .. }
+            | LineEventKind::Begins(_) => None,
         }
     }
 }

@@ -34,7 +34,7 @@ impl Batch {
     }
 
     pub(crate) fn push(&mut self, event: &LineEvent) {
-        if event.kind.is_for_the_recording() {
+        if event.kind.is_no_traffic() {
             return;
         }
         let out = &mut self.json;
@@ -82,7 +82,9 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
             hex = frame.bytes();
         }
         // Not on the wire.
-        LineEventKind::Commanded { .. } | LineEventKind::Reading { .. } => {}
+        LineEventKind::Commanded { .. }
+        | LineEventKind::Reading { .. }
+        | LineEventKind::Begins(_) => {}
         LineEventKind::NotSent { frame } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":false");
             push_id(out, frame);

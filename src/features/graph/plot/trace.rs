@@ -1,7 +1,7 @@
 //! The traces: four reported quantities, and the goal.
 
 use motorlink_i18n::tr;
-use motorlink_messages::protocol::Setpoint;
+use motorlink_messages::protocol::{Setpoint, family::Model};
 
 use crate::{
     model::{history::Point, mirror::Mirror},
@@ -90,10 +90,12 @@ impl Trace {
         }
     }
 
-    /// Empty for the goal, which has the unit of its quantity.
-    pub(crate) fn unit(self) -> &'static str {
+    /// Empty for the goal, which has the unit of its quantity. A current whose scale is not certain is drawn at 8 A full
+    /// scale, the greatest that a source names.
+    pub(crate) fn unit(self, model: Model) -> &'static str {
         match self {
             Self::Speed => rpm(),
+            Self::Current if !model.spec().current.is_certain() => "A ?",
             Self::Current => "A",
             Self::Goal => "",
             Self::Temperature => "°C",

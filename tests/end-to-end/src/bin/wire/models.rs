@@ -6,11 +6,11 @@ use std::{thread, time::Duration};
 use anyhow::{Context, Result};
 use end_to_end::{
     Bench, Line, Usb, View,
-    figures::{ms, ratio, row},
+    figures::{ms, row},
     now_us,
 };
 
-use crate::bare::{RATIO_MIN, bare_exchanges, page_exchanges};
+use crate::bare::against_a_bare_loop;
 
 /// Each model with its no-load preset of this measurement: about its nominal speed.
 const MODELS: [(&str, u32, &str); 4] = [
@@ -50,7 +50,8 @@ pub fn measure(watched: Duration) -> Result<()> {
             longest(&stopped) <= STANDING_MAX_US,
         );
     }
-    against_a_bare_loop(watched)
+    let line = || Line::default().with(&["--model", "ddsm400"]);
+    against_a_bare_loop(line, 38_400, "of a ddsm400 at 38400 baud", watched)
 }
 
 /// Time from Connect to the first query after the model is known, and from a stop to its confirmation.
@@ -80,33 +81,4 @@ fn connect_and_stop(model: &str, preset: &str) -> Result<(u64, u64)> {
     let last = last.context("no stop frame")?;
     crate::ensure_quiet(&page)?;
     Ok((known_us, last.at_us.saturating_sub(key.sent_us)))
-}
-
-fn against_a_bare_loop(watched: Duration) -> Result<()> {
-    let line = || Line::default().with(&["--model", "ddsm400"]);
-    let part = watched / 2;
-    let (mut bare, mut visible, mut hidden) = (0, 0, 0);
-    for _ in 0..2 {
-        bare += bare_exchanges(line(), 38_400, part)?;
-        let (seen, unseen) = page_exchanges(line(), part)?;
-        visible += seen;
-        hidden += unseen;
-    }
-    let seconds = watched.as_secs().max(1);
-    for (page_is, page) in [("visible", visible), ("hidden", hidden)] {
-        let share = ratio(page, bare);
-        row(
-            &format!(
-                "ddsm400: exchanges a second against a bare loop at 38400 baud, page {page_is}"
-            ),
-            &format!("{RATIO_MIN} or more"),
-            format!(
-                "{share:.3} ({} of {} a second)",
-                page / seconds,
-                bare / seconds
-            ),
-            share >= RATIO_MIN,
-        );
-    }
-    Ok(())
 }

@@ -1,0 +1,65 @@
+//! What the caller can ask of the bus at any time.
+
+use motorlink_protocol::{Instant, family::Model};
+
+use crate::{
+    bus::Bus,
+    motor::{Control, Motor},
+    motor_status::{Activity, MotorStatus},
+};
+
+impl Bus {
+    /// The model of all motors on the line.
+    #[must_use]
+    pub const fn model(&self) -> Model {
+        self.model
+    }
+
+    /// Whether a motor has answered as this model.
+    #[must_use]
+    pub const fn model_known(&self) -> bool {
+        self.evidence.own
+    }
+
+    /// The other model that a frame has shown. A single frame may be noise.
+    #[must_use]
+    pub const fn likely_model(&self) -> Option<Model> {
+        self.evidence.likely()
+    }
+
+    /// Whether Stop all motors is in force.
+    #[must_use]
+    pub const fn is_halted(&self) -> bool {
+        self.halted
+    }
+
+    /// Whether a motor is driven, switched or being stopped, or still turns because of the bus. The
+    /// caller must keep the port open.
+    #[must_use]
+    pub fn is_active(&self, now: Instant) -> bool {
+        let turns = |motor: &Motor| {
+            let speed = motor.fresh_speed(now);
+            motor.may_turn && speed.is_some_and(|speed| speed.magnitude() > 0)
+        };
+        let active = |motor: &Motor| !matches!(motor.control, Control::Idle) || turns(motor);
+        self.motors.iter().any(active) || self.raw.is_some_and(|raw| raw.is_hazard_running())
+    }
+
+    /// Whether a motor is being stopped.
+    #[must_use]
+    pub fn is_stopping(&self) -> bool {
+        let stops = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
+        self.motors.iter().any(stops)
+    }
+
+    /// Status of every watched motor.
+    pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
+        self.motors.iter().map(move |motor| {
+            let mut status = motor.status(now);
+            if self.is_driven_raw(motor.id) && status.activity == Activity::Idle {
+                status.activity = Activity::DrivenRaw;
+            }
+            status
+        })
+    }
+}

@@ -1,0 +1,55 @@
+//! A motor as the page shows it.
+
+use motorlink_protocol::{Celsius, Instant, Mode, MotorId, Position, Setpoint};
+
+use crate::{
+    counters::{Counters, LinkQuality},
+    sample::Sample,
+};
+
+/// What the bus does with a motor, as the page shows it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Activity {
+    /// Not driven; the wheel is free.
+    Idle,
+    /// The motor switches its loop.
+    Switching {
+        /// The new loop.
+        to: Mode,
+    },
+    /// The motor is driven.
+    Driven {
+        /// The setpoint.
+        setpoint: Setpoint,
+    },
+    /// A raw frame drives the motor.
+    DrivenRaw,
+    /// The motor is being braked to a standstill.
+    Stopping {
+        /// Whether replies have reported standstill.
+        confirmed: bool,
+    },
+}
+
+/// Status of one motor, for the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MotorStatus {
+    /// Which motor.
+    pub id: MotorId,
+    /// What the bus does with it.
+    pub activity: Activity,
+    /// Its last reply.
+    pub last: Option<Sample>,
+    /// Its last fine position, from a drive reply.
+    pub position: Option<(Instant, Position)>,
+    /// Its last temperature, from a feedback query.
+    pub temperature: Option<(Instant, Celsius)>,
+    /// Whether it has not answered for two seconds.
+    pub silent: bool,
+    /// Quality of the link to it.
+    pub link: LinkQuality,
+    /// Counters of the exchanges with it.
+    pub counters: Counters,
+}
