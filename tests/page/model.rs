@@ -122,7 +122,7 @@ async fn a_tab_that_the_model_does_not_have_gives_way_to_velocity() {
 }
 
 #[wasm_bindgen_test]
-async fn the_open_loop_drives_at_a_share_of_the_supply() {
+async fn the_open_loop_drives_at_a_raw_output() {
     Preferences::default().save();
     let bench = Bench::with_motor("model-open-loop", Mode::Velocity).await;
     report(&bench, |update| {
@@ -137,7 +137,7 @@ async fn the_open_loop_drives_at_a_share_of_the_supply() {
         .until("Open loop", || is_chosen(&bench, "Open loop"))
         .await;
     bench.received().await;
-    bench.enter("Target output", "-10");
+    bench.enter("Target output", "-3276");
     bench.click("Start");
     let drive = |raw| Command::Drive {
         id: MotorId::FIRST,
@@ -147,7 +147,7 @@ async fn the_open_loop_drives_at_a_share_of_the_supply() {
     assert_eq!(bench.commands().await, [drive(-3_276)]);
     bench.click("0 %");
     assert_eq!(bench.commands().await, [drive(0)]);
-    let field = bench.enter("Target output", "101");
+    let field = bench.enter("Target output", "32768");
     bench
         .until("the range", || {
             field.get_attribute("aria-invalid").as_deref() == Some("true")
