@@ -79,7 +79,7 @@ pub enum LineEventKind {
 }
 
 impl LineEventKind {
-    /// The frame that the port took, whoever decided it, and the loop in which its motor reads a value.
+    /// The frame that the port took, whatever decided it, and the loop in which its motor reads a value.
     #[must_use]
     pub const fn sent(&self) -> Option<(Frame, Option<Mode>)> {
         match self {

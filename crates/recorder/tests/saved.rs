@@ -408,7 +408,7 @@ fn what_was_cleared_by_mistake_is_back_in_its_order_and_in_the_saved_session() {
 }
 
 #[test]
-fn a_recording_that_begins_anew_takes_its_files_along() {
+fn a_recording_that_starts_again_takes_its_files_along() {
     let mut page = Page::opened(EPOCH_MS);
     page.handle(ToRecorder::Record(true));
     page.drive(0..1_000);
@@ -492,7 +492,7 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
 }
 
 #[test]
-fn erased_is_erased_and_the_session_begins_anew() {
+fn erased_is_erased_and_the_session_starts_again() {
     let mut page = Page::opened(EPOCH_MS);
     page.handle(ToRecorder::Record(true));
     page.drive(0..1_000);

@@ -106,7 +106,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// What was counted after `earlier`; nothing where counting began anew.
+    /// What was counted after `earlier`; nothing where counting started again.
     pub(crate) fn since(earlier: &Counters, later: &Counters) -> Self {
         let more = |of: fn(&Counters) -> u64| {
             let more = of(later).saturating_sub(of(earlier));

@@ -426,7 +426,7 @@ fn a_driven_motor_on_a_good_line_is_well() {
 }
 
 #[test]
-fn another_connection_begins_anew_and_none_is_none() {
+fn another_connection_starts_again_and_none_is_none() {
     let mut clinic = RecordedBus::new(LineCondition::Dead);
     assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
     assert!(matches!(clinic.run(10), Verdict::Faulty(_)));
