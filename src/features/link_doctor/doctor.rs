@@ -313,3 +313,7 @@ fn per_mille(part: u32, whole: u32) -> u32 {
 #[cfg(test)]
 #[path = "doctor_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "doctor_bus_tests.rs"]
+mod bus_tests;
