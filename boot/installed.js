@@ -72,7 +72,7 @@ addEventListener("appinstalled", () => {
 });
 
 globalThis.installPage = () => {
-  // It can be shown once; where the person turns it down, the browser offers it anew.
+  // It can be shown once; if the user declines, the browser offers it again.
   prompt?.prompt().catch(() => {});
   prompt = undefined;
   tell("not-installable");

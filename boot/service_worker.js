@@ -22,12 +22,12 @@ async function keep() {
     ...hashed.map((file) => new Request(file)),
     ...named.map(([file, integrity]) => new Request(file, { cache: "no-cache", integrity })),
   ];
-  // One after the other: nobody waits for them, and whoever uses the page meanwhile has the line. `addAll`
+  // One after the other: nothing waits for them, and a page in use has the line. `addAll`
   // would ask for all at once, and read none before the last has begun to come: small hosts stop at that.
   for (const request of requests) await cache.add(request);
 }
 
-// Nobody needs the old files: a version is taken while a single tab is open, which then loads anew, or
+// The old files are not needed: a version is taken while a single tab is open, which then reloads, or
 // between two visits.
 async function takeOver() {
   const names = await caches.keys();

@@ -58,7 +58,7 @@ impl Features {
                 self.raw.send_order(order, Consent::HighCurrent);
             }
             Some(Dialog::EraseKept) => self.erase_stored_data(),
-            Some(Dialog::Help(_)) | None => {}
+            Some(Dialog::Help(_) | Dialog::NameAndSide(_)) | None => {}
         }
     }
 

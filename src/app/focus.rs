@@ -30,8 +30,8 @@ const CONTROLS: &str = "#control";
 struct Held {
     /// The focused element and those around it, from the inside out. A removed element does not know them any more.
     path: Vec<Element>,
-    /// What had the focus before a panel or dialog was entered.
-    opener: Option<Element>,
+    /// What had the focus before a panel or dialog was entered, as `path`.
+    opener: Vec<Element>,
     /// Whether the pointer was used last. What it presses gives the focus away on purpose.
     by_pointer: bool,
 }
@@ -91,7 +91,7 @@ impl Held {
             && let Some(before) = before
             && !opened.contains(Some(before))
         {
-            self.opener = Some(before.clone());
+            self.opener.clone_from(&self.path);
         }
         let around = |element: &Element| element.parent_element();
         self.path = std::iter::successors(Some(target), around).collect();
@@ -105,7 +105,7 @@ impl Held {
         };
         // After Release, the same key pressed again must not drive.
         let opener = match was_in(OPENED) {
-            Some(opened) if !opened.matches(".stopped").unwrap_or(false) => self.opener.clone(),
+            Some(opened) if !opened.matches(".stopped").unwrap_or(false) => present(&self.opener),
             _ => None,
         };
         let around = self.path.iter().skip(1);
@@ -113,6 +113,19 @@ impl Held {
         let controls = document().query_selector(CONTROLS).ok().flatten();
         opener.into_iter().chain(around.cloned()).chain(controls)
     }
+}
+
+/// The control with this path, or the one that has replaced it: in a list that is made again, the button with the same
+/// value.
+fn present(path: &[Element]) -> Option<Element> {
+    let control = path.first()?;
+    if control.is_connected() {
+        return Some(control.clone());
+    }
+    let value = control.get_attribute("value")?;
+    let list = path.iter().find(|element| element.is_connected())?;
+    let same = list.query_selector(&format!("[value='{value}']"));
+    same.ok().flatten()
 }
 
 fn check_soon(held: &Rc<RefCell<Held>>) {

@@ -87,7 +87,7 @@ fn LanguageChoice(features: Features) -> impl IntoView {
                 on:change=handler(move |event| {
                     if let Some(language) = Language::from_tag(&event_target_value(&event)) {
                         features.choose_language(language);
-                        // The page is drawn anew, and the focus returns to the list; but not while a wheel
+                        // The page is drawn again, and the focus returns to the list; but not while a wheel
                         // turns, because S and K would select from the list instead of stopping it.
                         let turns = page.latest.with_value(|session| session.active_motors().next().is_some());
                         let to = if turns { CONTROLS } else { LANGUAGE };

@@ -23,7 +23,7 @@ use crate::{
         ids::view::IdManagerTab,
         install::texts,
         link_doctor::panel::LinkPanel,
-        motors::strip::MotorStrip,
+        motors::{name_dialog::NameDialog, strip::MotorStrip},
         notices::Notices,
         packet_log::PacketLog,
         raw::view::RawHexTab,
@@ -111,7 +111,12 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(Recording),
     hosts.mount(MotorStrip),
     hosts.mount(TabBar),
-    hosts.mount(move || view! { <QuestionDialog features /> }),
+    hosts.mount(move || {
+        view! {
+            <QuestionDialog features />
+            <NameDialog />
+        }
+    }),
 ]);
 
 in_part!(tools: fn mount_tools(hosts, features) [

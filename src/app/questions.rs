@@ -23,7 +23,7 @@ pub(crate) struct Question {
 /// The question of a dialog, if it has one.
 pub(crate) fn question(dialog: Dialog) -> Option<Question> {
     Some(match dialog {
-        Dialog::Help(_) => return None,
+        Dialog::Help(_) | Dialog::NameAndSide(_) => return None,
         Dialog::HighCurrent { target, .. } => {
             high_current(tr!("Drive at {amps}", amps = format::amps_of(target)))
         }

@@ -1,4 +1,4 @@
-//! Readings grow old by themselves: the state is shown anew while the page is seen.
+//! Readings grow old by themselves: the state is shown again while the page is seen.
 
 use leptos::prelude::*;
 

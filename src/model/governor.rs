@@ -101,7 +101,7 @@ impl Governor {
         let worked = self.works;
         self.works = line.exchanges_hz >= least;
         if !self.works || !worked || has_gap || is_hidden {
-            self.begin_anew();
+            self.restart();
             return self.rate_if_works();
         }
         self.looks += 1;
@@ -124,7 +124,7 @@ impl Governor {
     }
 
     /// Forgets what it has counted, and keeps the rate.
-    const fn begin_anew(&mut self) {
+    const fn restart(&mut self) {
         (self.looks, self.late, self.exchanges) = (0, 0, 0);
         self.calm_since = None;
         self.raised = None;

@@ -128,7 +128,7 @@ fn it_goes_up_again_when_the_machine_is_free_and_not_before_five_seconds() {
     let mut machine = Machine::new([200, 20, 0, 0]);
     assert_eq!(machine.rate_after(4), FrameRate::Hz30);
     machine.late = [0; 4];
-    machine.governor.begin_anew();
+    machine.governor.restart();
     assert_eq!(machine.rate_after(5), FrameRate::Hz30);
     assert_eq!(machine.rate_after(6), FrameRate::Full);
 }
@@ -213,7 +213,7 @@ fn nothing_follows_from_the_time_of_a_hidden_page_or_of_a_hang() {
 }
 
 #[test]
-fn another_connection_begins_anew() {
+fn another_connection_starts_again() {
     let mut machine = Machine::new([200, 0, 0, 0]);
     assert_eq!(machine.rate_after(4), FrameRate::Hz30);
     assert_eq!(

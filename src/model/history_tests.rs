@@ -253,7 +253,7 @@ fn a_second_of_silence_is_a_gap() {
 }
 
 #[test]
-fn replies_wake_whoever_draws_them() {
+fn replies_wake_what_draws_them() {
     let woken = Rc::new(std::cell::Cell::new(0));
     let mut history = History::default();
     history.on_new_data(Rc::new({
@@ -338,7 +338,7 @@ fn of_restored_samples_ten_minutes_are_kept_up_to_the_newest() {
 }
 
 #[test]
-fn restored_samples_wake_whoever_draws_them_and_are_another_picture() {
+fn restored_samples_wake_what_draws_them_and_are_another_picture() {
     let woken = Rc::new(std::cell::Cell::new(0));
     let mut history = History::with_past();
     history.on_new_data(Rc::new({

@@ -15,6 +15,7 @@ pub(crate) mod keys;
 pub(crate) mod log_lines;
 pub(crate) mod mirror;
 pub(crate) mod model_choice;
+pub(crate) mod motor_list;
 pub(crate) mod motor_model;
 pub(crate) mod motors;
 pub(crate) mod names_and_sides;

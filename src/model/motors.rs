@@ -1,6 +1,7 @@
 //! The selected motor, and the names and sides of all.
 
 use leptos::prelude::*;
+use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker, VirtualLine,
     bus::{Activity, Command},
@@ -8,8 +9,9 @@ use motorlink_messages::{
 };
 
 use crate::model::{
+    guards::side_change_blocked_by,
     log_lines,
-    names_and_sides::{NameAndSide, NamesAndSides},
+    names_and_sides::{NameAndSide, NamesAndSides, Side},
     names_of_line,
     notice_board::{Topic, Until},
     notice_texts::of_choice_while_driven,
@@ -60,6 +62,29 @@ impl Page {
     pub(crate) fn change_member(self, id: MotorId, change: impl FnOnce(&mut NameAndSide)) {
         self.motors.names.update(|names| names.change(id, change));
         self.save_names();
+    }
+
+    /// Refused while the motor is driven: the next adjustment would reverse it.
+    pub(crate) fn set_side(self, id: MotorId, side: Side) {
+        let reason =
+            side_change_blocked_by(&self.present(), id).or_else(|| self.side_changes_blocked_by());
+        if let Some(reason) = reason {
+            self.refuse(tr!("The side of motor {id} was not changed", id), reason);
+            return;
+        }
+        self.change_member(id, |member| member.side = side);
+        // Its values may have another sign from now on.
+        self.show();
+    }
+
+    /// Sets the name and the side of a motor, and shows them in every list. The side is refused as in
+    /// [`set_side`](Self::set_side).
+    pub(crate) fn set_name_and_side(self, id: MotorId, name: &str, side: Side) {
+        self.change_member(id, |member| member.set_name(name));
+        if self.motors.names.with_untracked(|names| names.side(id)) != side {
+            self.set_side(id, side);
+        }
+        self.motors.replaced.update(|times| *times += 1);
     }
 
     /// Replaces all names and sides of the present line.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::MotorId;
 
 use crate::model::{
@@ -33,6 +34,14 @@ impl Side {
             Self::None => "none",
             Self::Left => "left",
             Self::Right => "right",
+        }
+    }
+
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::None => tr!("no side"),
+            Self::Left => tr!("left"),
+            Self::Right => tr!("right"),
         }
     }
 

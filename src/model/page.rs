@@ -62,6 +62,8 @@ pub(crate) enum Dialog {
     },
     /// The question whether to delete all stored data.
     EraseKept,
+    /// The name and the side of this motor.
+    NameAndSide(MotorId),
     /// The question whether to change the ID of the only motor.
     ChangeId(IdChange),
     /// The question whether to send a frame that can move a wheel.
@@ -81,6 +83,7 @@ impl Dialog {
         match self {
             Self::HighCurrent { .. }
             | Self::ChangeId { .. }
+            | Self::NameAndSide(_)
             | Self::Hazard(_)
             | Self::HighRawCurrent { .. } => true,
             Self::Help(_) | Self::EraseKept => false,

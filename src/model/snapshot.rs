@@ -44,8 +44,8 @@ pub(crate) struct Session {
 pub(crate) struct StopRecord {
     /// Why.
     pub(crate) reason: StopReason,
-    /// The result; `None` while it is running.
-    pub(crate) outcomes: Option<Vec<StopOutcome>>,
+    /// The last result of every motor that had to be stopped.
+    pub(crate) outcomes: Vec<StopOutcome>,
 }
 
 /// A value and its age.
@@ -118,10 +118,10 @@ impl Session {
         for notice in &update.notices {
             match notice {
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
-                    self.record_stop(*reason, None);
+                    self.record_stop(*reason, &[]);
                 }
                 Notice::StopEnded(report) if concerns_all(report.reason) => {
-                    self.record_stop(report.reason, Some(report.motors.clone()));
+                    self.record_stop(report.reason, &report.motors);
                 }
                 _ => {}
             }
@@ -131,13 +131,17 @@ impl Session {
         }
     }
 
-    /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it.
-    fn record_stop(&mut self, reason: StopReason, outcomes: Option<Vec<StopOutcome>>) {
-        let first = self.stop.as_ref().map_or(reason, |stop| stop.reason);
-        self.stop = Some(StopRecord {
-            reason: first,
-            outcomes,
+    /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it: they have no
+    /// outcome for a motor that stands by then, and its first one stays.
+    fn record_stop(&mut self, reason: StopReason, outcomes: &[StopOutcome]) {
+        let stop = self.stop.get_or_insert(StopRecord {
+            reason,
+            outcomes: Vec::new(),
         });
+        for outcome in outcomes {
+            stop.outcomes.retain(|earlier| earlier.id != outcome.id);
+            stop.outcomes.push(*outcome);
+        }
     }
 
     /// Reverses the sign of speed, current and setpoint of mirrored motors.

@@ -67,7 +67,7 @@ fn a_stop_is_remembered_until_it_is_released() {
     let mut session = Session::default();
     let reason = StopReason::PageSilent;
     session.apply(&update(true, vec![Notice::StopBegan(reason)]));
-    assert_eq!(session.stop.as_ref().unwrap().outcomes, None);
+    assert_eq!(session.stop.as_ref().unwrap().outcomes, []);
 
     let outcome = StopOutcome {
         id: ID,
@@ -82,28 +82,37 @@ fn a_stop_is_remembered_until_it_is_released() {
     session.apply(&update(true, vec![Notice::StopBegan(StopReason::OneMotor)]));
     let stop = session.stop.clone().unwrap();
     assert_eq!(stop.reason, reason);
-    assert_eq!(stop.outcomes, Some(vec![outcome]));
+    assert_eq!(stop.outcomes, [outcome]);
 
     session.apply(&update(false, vec![]));
     assert_eq!(session.stop, None);
 }
 
 #[test]
-fn the_first_cause_of_a_stop_stays_until_release() {
+fn the_first_cause_of_a_stop_and_the_last_outcome_of_each_motor_stay_until_release() {
     let mut session = Session::default();
     let (first, second) = (StopReason::PageSilent, StopReason::Operator);
-    let ended = |reason| {
-        Notice::StopEnded(StopReport {
-            reason,
-            motors: vec![],
-        })
+    let ended = |reason, motors| Notice::StopEnded(StopReport { reason, motors });
+    let outcome = |id: u8, confirmed| StopOutcome {
+        id: MotorId::new(id).unwrap(),
+        confirmed,
+        speed: None,
     };
-    session.apply(&update(true, vec![Notice::StopBegan(first), ended(first)]));
+    let begun = Notice::StopBegan(first);
+    let motors = vec![outcome(1, true), outcome(2, false)];
+    session.apply(&update(true, vec![begun, ended(first, motors.clone())]));
     session.apply(&update(true, vec![Notice::StopBegan(second)]));
-    assert_eq!(session.stop.as_ref().unwrap().reason, first);
-    session.apply(&update(true, vec![ended(second)]));
     let stop = session.stop.clone().unwrap();
-    assert_eq!((stop.reason, stop.outcomes), (first, Some(vec![])));
+    assert_eq!((stop.reason, &stop.outcomes), (first, &motors));
+    // Only the motor that did not stand is stopped again.
+    let again = vec![outcome(2, true)];
+    session.apply(&update(true, vec![ended(second, again)]));
+    let stop = session.stop.clone().unwrap();
+    let both = vec![outcome(1, true), outcome(2, true)];
+    assert_eq!((stop.reason, stop.outcomes), (first, both));
+    // Nothing was driven.
+    session.apply(&update(true, vec![ended(second, vec![])]));
+    assert_eq!(session.stop.as_ref().unwrap().outcomes.len(), 2);
 
     session.apply(&update(false, vec![]));
     session.apply(&update(true, vec![Notice::StopBegan(second)]));

@@ -240,7 +240,7 @@ async fn the_tour_leads_through_a_first_spin_and_never_drives_by_itself() {
     bench
         .until("the tour again", || said().contains("fasten"))
         .await;
-    assert!(!tick.checked(), "what was confirmed is confirmed anew");
+    assert!(!tick.checked(), "what was confirmed is confirmed again");
 }
 
 #[wasm_bindgen_test]

@@ -16,6 +16,7 @@ mod log;
 mod log_bench;
 mod log_list;
 mod model;
+mod names;
 mod operating;
 mod raw_hex;
 mod remembering;

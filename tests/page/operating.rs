@@ -211,7 +211,7 @@ async fn after_a_stop_a_person_has_to_release() {
         })
         .await;
     assert!(bench.find("button", "+100").title().contains("Release"));
-    // Whoever hammers on Space stops again and releases nothing.
+    // Space pressed again stops again and releases nothing.
     press(" ");
     assert_eq!(bench.commands().await, [STOP_ALL]);
     bench.click("Release");

@@ -171,7 +171,7 @@ async fn a_click_on_a_motor_that_was_found_chooses_it() {
         update.motors = vec![standing(1), standing(2)];
     });
     let list = bench.find("list", "Motors found");
-    let buttons = || list.query_selector_all("button").unwrap();
+    let buttons = || list.query_selector_all(".found").unwrap();
     bench.until("two motors", || buttons().length() == 2).await;
     let second: HtmlElement = buttons().item(1).unwrap().unchecked_into();
     assert!(second.text_content().unwrap().contains("0x02"));
@@ -186,7 +186,7 @@ async fn a_click_on_a_motor_that_was_found_chooses_it() {
             chosen.is_some_and(|chosen| chosen.get_attribute("value").unwrap() == "2")
         })
         .await;
-    // Whoever goes through the list by keyboard is still at the same motor.
+    // The keyboard's focus is still at the same motor.
     let focused = document().active_element().unwrap();
     assert_eq!(focused.get_attribute("value").as_deref(), Some("2"));
     motorlink::Preferences::default().save();

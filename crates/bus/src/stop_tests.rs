@@ -72,7 +72,7 @@ fn an_uncertain_reply_from_the_position_loop_ends_the_brake() {
     assert_eq!(request(&stop, BEGAN), Request::Query { id: ID });
     assert_eq!(request(&stop, BEGAN + STOP_PERIOD), switch());
     stop.record_reply(&standing(Mode::Velocity));
-    assert!(!stop.confirmed(), "standstill is counted anew");
+    assert!(!stop.confirmed(), "standstill is counted again");
 }
 
 #[test]

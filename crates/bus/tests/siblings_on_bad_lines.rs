@@ -117,7 +117,9 @@ fn the_first_stop_frames_of_silent_motors_wait_for_no_reply() {
     fixture.run(ms(500));
     fixture.forget_the_past();
     let began = fixture.now;
-    fixture.command(Command::StopAll(StopReason::Operator)).unwrap();
+    fixture
+        .command(Command::StopAll(StopReason::Operator))
+        .unwrap();
     fixture.run(ms(400));
     for motor in ids {
         let first = fixture.sent.iter().find(|sent| {

@@ -275,9 +275,9 @@ impl Recorder {
             ToRecorder::Export(what) => self.begin_export(what),
             ToRecorder::CancelExport => self.cancel_exports(),
             ToRecorder::Record(on) => {
-                let anew = self.recording.record(on);
+                let restarted = self.recording.record(on);
                 if let Some(writer) = &mut self.writer {
-                    writer.record(on, anew);
+                    writer.record(on, restarted);
                 }
             }
             ToRecorder::Erase => self.erase(),

@@ -190,14 +190,14 @@ impl Recording {
     /// Starts or stops recording. New samples are appended, unless all samples were exported: then a new
     /// recording begins, and this returns true. A full recording has to be exported first.
     pub fn record(&mut self, on: bool) -> bool {
-        let anew = on && self.is_exported();
-        if anew {
+        let restarted = on && self.is_exported();
+        if restarted {
             self.recorded = self.recorded.continued();
             self.recorded_for = Duration::ZERO;
             self.state = State::Off;
         }
         self.record_on(on);
-        anew
+        restarted
     }
 
     /// The same, but always appends.

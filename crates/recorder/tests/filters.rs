@@ -53,7 +53,7 @@ fn filters_leave_out_what_is_not_asked_for() {
 }
 
 #[test]
-fn a_filter_counts_its_rows_anew_and_says_so() {
+fn a_filter_counts_its_rows_again_and_says_so() {
     let mut log = log(100);
     for n in 0..10 {
         log.add_event(&driven(n));

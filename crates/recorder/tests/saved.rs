@@ -409,7 +409,7 @@ fn what_was_cleared_by_mistake_is_back_in_its_order_and_in_the_saved_session() {
 }
 
 #[test]
-fn a_recording_that_begins_anew_takes_its_files_along() {
+fn a_recording_that_starts_again_takes_its_files_along() {
     let mut page = Page::opened(EPOCH_MS);
     page.handle(ToRecorder::Record(true));
     page.drive(0..1_000);
@@ -513,7 +513,7 @@ fn frames_are_explained_by_their_model_in_every_file_of_a_saved_session() {
 }
 
 #[test]
-fn erased_is_erased_and_the_session_begins_anew() {
+fn erased_is_erased_and_the_session_starts_again() {
     let mut page = Page::opened(EPOCH_MS);
     page.handle(ToRecorder::Record(true));
     page.drive(0..1_000);

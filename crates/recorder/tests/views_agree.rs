@@ -124,7 +124,7 @@ fn rows(log: &Log) -> Vec<Row> {
 }
 
 /// Asserts that the log shows the same rows after its filter is applied again.
-fn assert_agrees_with_anew(log: &mut Log, which: u8) {
+fn assert_agrees_with_new(log: &mut Log, which: u8) {
     finish(log);
     let opened: Vec<u64> = rows(log)
         .iter()
@@ -138,19 +138,19 @@ fn assert_agrees_with_anew(log: &mut Log, which: u8) {
     let grown_rows = rows(log);
     log.filter(&filter(which));
     finish(log);
-    let anew = log.page(ALL);
-    let anew_rows = rows(log);
+    let new = log.page(ALL);
+    let new_rows = rows(log);
     assert_eq!(grown.filtered_per_mille, 1000);
-    assert_eq!(grown.end - grown.oldest, anew.end - anew.oldest);
+    assert_eq!(grown.end - grown.oldest, new.end - new.oldest);
     assert_eq!(
         (grown.collapsed, grown.kept, grown.gone),
-        (anew.collapsed, anew.kept, anew.gone)
+        (new.collapsed, new.kept, new.gone)
     );
     assert_eq!(grown_rows.len() as u64, grown.end - grown.oldest);
-    for (number, (grown_row, anew_row)) in (grown.oldest..).zip(grown_rows.iter().zip(&anew_rows)) {
+    for (number, (grown_row, new_row)) in (grown.oldest..).zip(grown_rows.iter().zip(&new_rows)) {
         let renumbered = Row {
             number,
-            ..anew_row.clone()
+            ..new_row.clone()
         };
         assert_eq!(grown_row, &renumbered);
     }
@@ -163,7 +163,7 @@ fn assert_agrees_with_anew(log: &mut Log, which: u8) {
             _ => row.kind == Kind::System,
         };
         let expected = all.iter().filter(asked_for).map(|row| &row.meaning);
-        assert!(anew_rows.iter().map(|row| &row.meaning).eq(expected));
+        assert!(new_rows.iter().map(|row| &row.meaning).eq(expected));
     }
     let collapsed = grown_rows.iter().map(|row| u64::from(row.collapsed_before));
     assert!(collapsed.sum::<u64>() <= grown.collapsed);
@@ -187,7 +187,7 @@ fn late_lines_at_every_place_leave_rows_and_counts_true() {
                 play(&mut log, now, which, &Step::Message { late_ms, text });
             }
         }
-        assert_agrees_with_anew(&mut log, which);
+        assert_agrees_with_new(&mut log, which);
     }
 }
 
@@ -196,7 +196,7 @@ proptest! {
 
     /// A view shows the same rows as a new one of the same entries, and its rows are consecutive.
     #[test]
-    fn a_view_that_grew_equals_one_made_anew(steps in prop::collection::vec(step(), 1..6_000)) {
+    fn a_view_that_grew_equals_a_new_one(steps in prop::collection::vec(step(), 1..6_000)) {
         let mut log = log(2_500);
         let mut which = 0;
         for (now, step) in (100..).zip(&steps) {
@@ -205,6 +205,6 @@ proptest! {
                 which = *filter;
             }
         }
-        assert_agrees_with_anew(&mut log, which);
+        assert_agrees_with_new(&mut log, which);
     }
 }

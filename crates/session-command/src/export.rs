@@ -105,8 +105,8 @@ fn mcap(opened: &mut Opened, out: &mut impl Write) -> io::Result<()> {
     for attachment in attachments {
         let name = &attachment.name;
         let range = opened.session.attachment_range(name);
-        let is_made_anew = opened.session.overview_range() == range;
-        let Some(range) = range.filter(|_| !is_made_anew) else {
+        let is_made_again = opened.session.overview_range() == range;
+        let Some(range) = range.filter(|_| !is_made_again) else {
             continue;
         };
         let bytes = opened.bytes.read(range)?;

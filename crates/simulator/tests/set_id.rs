@@ -52,7 +52,7 @@ fn both_published_endings_are_taken() {
 }
 
 #[test]
-fn another_frame_in_between_starts_the_count_anew() {
+fn another_frame_in_between_restarts_the_count() {
     let mut fixture = Fixture::with_one_motor();
     send_times(&mut fixture, set_id(7), 4);
     fixture.drive(speed(0)).expect("an answer");
@@ -63,7 +63,7 @@ fn another_frame_in_between_starts_the_count_anew() {
 }
 
 #[test]
-fn another_id_in_between_starts_the_count_anew() {
+fn another_id_in_between_restarts_the_count() {
     let mut fixture = Fixture::with_one_motor();
     send_times(&mut fixture, set_id(7), 4);
     send_times(&mut fixture, set_id(8), 4);

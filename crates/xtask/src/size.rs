@@ -57,15 +57,17 @@ const PARTS: [Part; 14] = [
             "icon.svg",
             "manifest",
         ],
-        // The four models: 4,000 are their ranges, tabs and words.
-        250_500,
+        // The four models: 4,000 are their ranges, tabs and words. The results of several stops take 100.
+        250_600,
     ),
-    part("style", When::First, &["style-"], 11_500),
+    part("style", When::First, &["style-"], 9_600),
     // Its bus drives every model (4,300), and its virtual motors have the firmware of each (4,000).
     part("worker", When::Driving, &["worker-"], 95_500),
-    part("later style", When::Behind, &["later-style-"], 10_000),
-    // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models.
-    part("desk", When::Behind, &["desk"], 113_000),
+    // With the notices and the tour, which were part of the first style, and the names of motors.
+    part("later style", When::Behind, &["later-style-"], 10_500),
+    // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
+    // the name and side of a motor.
+    part("desk", When::Behind, &["desk"], 115_500),
     part("tools", When::Behind, &["tools"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_200),
     part("shared", When::Behind, &["chunk"], 24_000),
@@ -111,8 +113,8 @@ pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 pub const DRIVING_GZIP_BYTES_MAX: usize = 355_500;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
-/// 32,000, a log that can be undone, opened and translated 10,000.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 674_500;
+/// 32,000, a log that can be undone, opened and translated 10,000, names and sides in every list 3,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 679_000;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

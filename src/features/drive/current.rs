@@ -12,8 +12,8 @@ use crate::{
         actions::Drive,
         limit::{LimitLink, Quantity, current_limit},
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
+        stop_and_start::stop_and_start,
     },
-    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -50,7 +50,6 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let current = drive.targets.current;
     let disabled_reason = loop_blocked_by(page, MODE);
     let start_blocked_by = loop_start_blocked_by(page, MODE, [current]);
-    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let raw_max = Box::leak(Box::new(move || raw_of(page.current_max_ma())));
     let in_amps = move || format::amps_of(CurrentTarget::new(current.get()).unwrap_or_default());
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
@@ -118,19 +117,7 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
         </p>
         <div class="button-row amps">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
-            <PressButton
-                label=tr!("Stop")
-                class="button halt"
-                hint=tr!("Sets 0 A: the wheel coasts")
-                disabled_reason=halt_blocked_by
-                on_press=move || drive.stop_motor(Tab::Loop(MODE))
-            />
-            <PressButton
-                label=tr!("Start")
-                class="button primary"
-                disabled_reason=start_blocked_by
-                on_press=move || drive.start(MODE)
-            />
+            {stop_and_start(drive, MODE, tr!("Sets 0 A: the wheel coasts"), start_blocked_by)}
         </div>
     };
     let hint = tr!("Stop sets 0 A: the wheel coasts. STOP brakes it.");

@@ -9,6 +9,7 @@ pub(crate) mod one_stop;
 pub(crate) mod open_loop;
 pub(crate) mod position;
 pub(crate) mod rate;
+pub(crate) mod stop_and_start;
 pub(crate) mod velocity;
 
 use leptos::prelude::*;

@@ -8,8 +8,8 @@ use crate::{
     features::drive::{
         actions::Drive,
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
+        stop_and_start::stop_and_start,
     },
-    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         entry, format,
@@ -35,7 +35,6 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
     let output = drive.targets.open_loop;
     let disabled_reason = loop_blocked_by(page, MODE);
     let start_blocked_by = loop_start_blocked_by(page, MODE, [output]);
-    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         let words = if mirrored.get() {
@@ -84,19 +83,7 @@ pub(crate) fn OpenLoopTab(drive: Drive) -> impl IntoView {
         </p>
         <div class="button-row five">{PRESETS.map(preset).collect_view()}</div>
         <div class="button-row two">
-            <PressButton
-                label=tr!("Stop")
-                class="button halt"
-                hint=tr!("Brakes to a standstill, then coasts")
-                disabled_reason=halt_blocked_by
-                on_press=move || drive.stop_motor(Tab::Loop(MODE))
-            />
-            <PressButton
-                label=tr!("Start")
-                class="button primary"
-                disabled_reason=start_blocked_by
-                on_press=move || drive.start(MODE)
-            />
+            {stop_and_start(drive, MODE, tr!("Brakes to a standstill, then coasts"), start_blocked_by)}
         </div>
     };
     let hint = tr!("Stop brakes the wheel to a standstill, then lets it coast.");

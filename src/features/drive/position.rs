@@ -8,8 +8,8 @@ use crate::{
     features::drive::{
         actions::Drive,
         loop_panel::{loop_blocked_by, loop_panel, loop_start_blocked_by},
+        stop_and_start::stop_and_start,
     },
-    model::{guards::stop_blocked_by, tab::Tab},
     ui::{
         button::PressButton,
         dial::Dial,
@@ -30,7 +30,6 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
     let position = drive.targets.position;
     let disabled_reason = loop_blocked_by(page, MODE);
     let go_blocked_by = loop_start_blocked_by(page, MODE, [position]);
-    let halt_blocked_by = page.of_motor(|session, _| stop_blocked_by(session));
     // Others report the angle from another zero than the target's.
     let holds = memo(move || !page.model.get().has_separate_frames());
     let hint_of_angle = Signal::derive(move || {
@@ -88,19 +87,7 @@ pub(crate) fn PositionTab(drive: Drive) -> impl IntoView {
         />
         <div class="button-row six">
             {PRESETS.map(preset).collect_view()}
-            <PressButton
-                label=tr!("Stop")
-                class="button halt"
-                hint=tr!("Ends the motion")
-                disabled_reason=halt_blocked_by
-                on_press=move || drive.stop_motor(Tab::Loop(MODE))
-            />
-            <PressButton
-                label=tr!("Go")
-                class="button primary"
-                disabled_reason=go_blocked_by
-                on_press=move || drive.start(MODE)
-            />
+            {stop_and_start(drive, MODE, tr!("Ends the motion"), go_blocked_by)}
         </div>
     };
     let hint = Signal::derive(move || {

@@ -5,7 +5,6 @@ use motorlink_i18n::tr;
 use motorlink_messages::{
     Connection, Notice,
     bus::{Activity, Command, CommandKind, Consent},
-    protocol::MotorId,
 };
 use web_sys::VisibilityState;
 
@@ -17,8 +16,8 @@ use crate::{
     },
     model::{
         drive_settings::FIRST_SPEED_RPM,
-        guards::{group_drive_blocked_by, side_change_blocked_by, steer_blocked_by},
-        names_and_sides::{GroupMembers, NamesAndSides, Side},
+        guards::{group_drive_blocked_by, steer_blocked_by},
+        names_and_sides::{GroupMembers, NamesAndSides},
         notice_board::Topic,
         page::Page,
     },
@@ -75,20 +74,6 @@ impl Groups {
         let ids = group.members.iter().map(|(id, _)| *id).collect();
         self.page.motors.driven_together.set_value(ids);
         self.group.set_value(group);
-    }
-
-    /// Refused while the motor is driven: the next adjustment would reverse it.
-    pub(crate) fn set_side(self, id: MotorId, side: Side) {
-        let reason = side_change_blocked_by(&self.page.present(), id)
-            .or_else(|| self.page.side_changes_blocked_by());
-        if let Some(reason) = reason {
-            self.page
-                .refuse(tr!("The side of motor {id} was not changed", id), reason);
-            return;
-        }
-        self.page.change_member(id, |member| member.side = side);
-        // Its values may have another sign from now on.
-        self.page.show();
     }
 
     /// Drives the group at the entered speed, each motor in its direction.

@@ -165,7 +165,7 @@ fn take_in(groups: Groups, control: &Element) {
         return;
     };
     if let Some(list) = control.dyn_ref::<HtmlSelectElement>() {
-        groups.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
+        page.set_side(id, Side::from_key(&list.value()).unwrap_or_default());
         let side = page.motors.names.with_untracked(|names| names.side(id));
         list.set_value(side.key());
     } else if let Some(input) = control.dyn_ref::<HtmlInputElement>() {

@@ -34,12 +34,7 @@ pub(crate) fn rows_html(found: &[MotorId], names: &NamesAndSides) -> String {
         );
         for side in Side::ALL {
             let selected = if side == member.side { " selected" } else { "" };
-            let words = match side {
-                Side::None => tr!("no side"),
-                Side::Left => tr!("left"),
-                Side::Right => tr!("right"),
-            };
-            let key = side.key();
+            let (key, words) = (side.key(), side.words());
             let _ = write!(html, "<option value=\"{key}\"{selected}>{words}</option>");
         }
         html.push_str("</select></li>");

@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_driven_or_switched_is_what_was_sent_and_another_motor_begins_anew() {
+    fn what_is_driven_or_switched_is_what_was_sent_and_another_motor_starts_again() {
         let mut card = LineCard::default();
         let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
         let speed = motorlink_messages::protocol::SpeedTarget::clamped(50);

@@ -1,8 +1,13 @@
 //! The list `Motors found`: the motors that have answered, and what each reports.
 
-use crate::model::{
-    snapshot::{Reading, Session},
-    terms,
+use crate::{
+    model::{
+        motor_list::edit_button,
+        names_and_sides::{NamesAndSides, Side},
+        snapshot::{Reading, Session},
+        terms,
+    },
+    ui::escape::escaped,
 };
 use motorlink_i18n::tr;
 use std::fmt::Write;
@@ -20,6 +25,8 @@ pub(crate) struct FoundMotor {
     /// Its loop and faults, but no values that change all the time, so that the list does not move under a
     /// click.
     reports: String,
+    /// Whether it has a fault, or does not answer.
+    is_wrong: bool,
 }
 
 /// All motors that have answered, in a scan or since, in the order of IDs. `kept` are those found by the last
@@ -36,53 +43,65 @@ pub(crate) fn found_motors(
     }
     ids.sort_unstable();
     ids.dedup();
-    let motor = |id| FoundMotor {
-        id,
-        chosen: id == selected,
-        reports: reports(session, id),
+    let motor = |id| {
+        let (reports, is_wrong) = reports(session, id);
+        FoundMotor {
+            id,
+            chosen: id == selected,
+            reports,
+            is_wrong,
+        }
     };
     ids.into_iter().map(motor).collect()
 }
 
-fn reports(session: &Session, id: MotorId) -> String {
+fn reports(session: &Session, id: MotorId) -> (String, bool) {
     let Some(mode) = session.mode(id) else {
-        return tr!("found by scan").to_owned();
+        return (tr!("found by scan").to_owned(), false);
     };
     // Other motors are not queried during a scan.
     if !mode.is_fresh() && session.job.is_none() {
-        return tr!("not replying").to_owned();
+        return (tr!("not replying").to_owned(), true);
     }
     let faults = session.faults(id).filter(Reading::is_fresh);
     match faults.filter(|faults| !faults.value.is_none()) {
-        Some(faults) => tr!(
-            "{mode}, fault: {faults}",
-            mode = terms::mode(mode.value),
-            faults = terms::faults(faults.value)
-        ),
-        None => terms::mode(mode.value).to_owned(),
+        Some(faults) => {
+            let words = tr!(
+                "{mode}, fault: {faults}",
+                mode = terms::mode(mode.value),
+                faults = terms::faults(faults.value)
+            );
+            (words, true)
+        }
+        None => (terms::mode(mode.value).to_owned(), false),
     }
 }
 
 /// The items of the list as HTML.
-pub(crate) fn list_html(motors: &[FoundMotor]) -> String {
+pub(crate) fn list_html(motors: &[FoundMotor], names: &NamesAndSides) -> String {
     let mut html = String::new();
     for FoundMotor {
         id,
         chosen,
         reports,
+        is_wrong,
     } in motors
     {
         let number = id.get();
-        let chip = if *chosen {
-            format!("<span class=\"chip active\">{}</span>", tr!("selected"))
-        } else {
-            String::new()
+        let member = names.member(*id).cloned().unwrap_or_default();
+        let name = escaped(member.name().trim());
+        let side = match member.side {
+            Side::None => "",
+            side => side.words(),
         };
+        let look = if *is_wrong { " bad" } else { "" };
         let _ = write!(
             html,
             "<li><button type=\"button\" class=\"found\" value=\"{number}\" \
-             aria-pressed=\"{chosen}\"><b>{id}</b> <span>· {number}</span> \
-             <span class=\"found-reports\">{reports}</span> {chip}</button></li>"
+             aria-pressed=\"{chosen}\"><b>{id}</b> <span class=\"found-number\">· {number}</span> \
+             <span class=\"found-name\">{name}</span> <span class=\"found-side\">{side}</span> \
+             <span class=\"found-reports{look}\">{reports}</span></button>{}</li>",
+            edit_button(*id)
         );
     }
     if motors.is_empty() {
@@ -151,14 +170,21 @@ mod tests {
     #[test]
     fn the_list_is_made_of_buttons_that_carry_the_id() {
         let session = session(1_000, status(1_000, Mode::Velocity, 0));
-        let html = list_html(&found_motors(&session, &[id(2)], ID));
+        let mut names = NamesAndSides::default();
+        names.change(id(2), |member| {
+            member.set_name("<Front>");
+            member.side = Side::Left;
+        });
+        let html = list_html(&found_motors(&session, &[id(2)], ID), &names);
+        assert_eq!(html.matches(">&lt;Front&gt;<").count(), 1, "{html}");
+        assert_eq!(html.matches(">left<").count(), 1, "{html}");
+        assert!(html.contains("aria-label=\"Name and side of motor 0x02\""));
         assert!(html.contains("value=\"1\" aria-pressed=\"true\""), "{html}");
         assert!(
             html.contains("value=\"2\" aria-pressed=\"false\""),
             "{html}"
         );
-        assert_eq!(html.matches("selected").count(), 1);
-        assert!(list_html(&[]).contains("No motors found yet."));
+        assert!(list_html(&[], &names).contains("No motors found yet."));
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
-        list::{clicked_value, replace_keeping_focus},
+        list::replace_keeping_focus,
         number_field::NumberField,
         reactive::{dynamic, effect, handler, memo},
         tab_panel::tab_panel,
@@ -179,10 +179,11 @@ fn FoundList(ids: Ids) -> impl IntoView {
     let list = NodeRef::<Ul>::new();
     let html = memo(move || {
         let selected = page.selected.get();
-        ids.manager.with(|ids| {
+        let motors = ids.manager.with(|ids| {
             page.shown
-                .with(|session| list_html(&found_motors(session, ids.found(), selected)))
-        })
+                .with(|session| found_motors(session, ids.found(), selected))
+        });
+        page.motors.names.with(|names| list_html(&motors, names))
     });
     effect(move || {
         if let Some(list) = list.get() {
@@ -195,11 +196,7 @@ fn FoundList(ids: Ids) -> impl IntoView {
             role="list"
             aria-label=tr!("Motors found")
             node_ref=list
-            on:click=handler(move |event| {
-                if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
-                    page.choose(id);
-                }
-            })
+            on:click=handler(move |event| page.click_in_list(&event))
         ></ul>
     }
 }

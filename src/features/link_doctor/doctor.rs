@@ -106,7 +106,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// What was counted after `earlier`; nothing where counting began anew.
+    /// What was counted after `earlier`; nothing where counting started again.
     pub(crate) fn since(earlier: &Counters, later: &Counters) -> Self {
         let more = |of: fn(&Counters) -> u64| {
             let more = of(later).saturating_sub(of(earlier));
@@ -313,3 +313,7 @@ fn per_mille(part: u32, whole: u32) -> u32 {
 #[cfg(test)]
 #[path = "doctor_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "doctor_bus_tests.rs"]
+mod bus_tests;

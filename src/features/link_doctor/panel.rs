@@ -86,8 +86,8 @@ impl Elements {
         }
     }
 
-    /// Shows the line as it is. The doctor looks while the panel is closed too: whoever opens it wants
-    /// to know what was.
+    /// Shows the line as it is. The doctor looks while the panel is closed too, so that the panel shows at
+    /// once what has happened.
     fn show(&mut self, page: Page, virtual_wire: StoredValue<usize>, record: &mut Record) {
         let is_open = page.drawer.get() == Some(Drawer::Link);
         page.shown.with(|session| {

@@ -7,6 +7,7 @@ use motorlink_messages::protocol::{Faults, MotorId};
 
 use crate::{
     model::{
+        motor_list::edit_button,
         names_and_sides::{NamesAndSides, Side},
         snapshot::{Reading, Session},
     },
@@ -70,9 +71,10 @@ pub(crate) fn chips_html(found: &[MotorId], names: &NamesAndSides, selected: Mot
             "<div class=\"motor-chip\"{title}>\
              <button type=\"button\" class=\"motor-chip-button\" value=\"{}\" aria-pressed=\"{}\" \
              aria-label=\"{label}\"><b>{id}</b> <span class=\"motor-name\">{name}</span></button>\
-             <span class=\"motor-side\">{side}</span>",
+             <span class=\"motor-side\">{side}</span>{}",
             id.get(),
-            *id == selected
+            *id == selected,
+            edit_button(*id)
         );
         for name in FIGURES {
             let _ = write!(

@@ -11,7 +11,7 @@ use crate::{
     model::{page::use_page, snapshot::Session},
     ui::{
         drawer::{Drawer, toggle},
-        list::{clicked_value, replace_keeping_focus},
+        list::replace_keeping_focus,
         reactive::{dynamic, handler, memo},
     },
 };
@@ -47,11 +47,7 @@ pub(crate) fn MotorStrip() -> impl IntoView {
             <div
                 class="motor-chips"
                 id=CHIPS
-                on:click=handler(move |event| {
-                    if let Some(Ok(id)) = clicked_value(&event).map(|id| id.parse()) {
-                        page.choose(id);
-                    }
-                })
+                on:click=handler(move |event| page.click_in_list(&event))
             ></div>
             <div class="motor-strip-end">
                 <DrawerButton which=Drawer::Together label=tr!("Drive together") />

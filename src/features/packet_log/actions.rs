@@ -78,7 +78,7 @@ impl Log {
 
     /// Clears the log. It can be undone for a while.
     pub(crate) fn clear(self) {
-        self.post_anew(LogFeed::clear);
+        self.post_and_request_rows(LogFeed::clear);
         let Some(clearing) = self.clearings.try_update_value(|count| {
             *count = count.wrapping_add(1);
             *count
@@ -104,11 +104,11 @@ impl Log {
         let cleared_ms = self.cleared_ms.get_untracked();
         if cleared_ms.is_some_and(|cleared_ms| page_now_ms() - cleared_ms > DOUBLE_CLICK_MS) {
             self.cleared_ms.set(None);
-            self.post_anew(LogFeed::undo_clear);
+            self.post_and_request_rows(LogFeed::undo_clear);
         }
     }
 
-    fn post_anew(self, message: fn(&mut LogFeed) -> ToRecorder) {
+    fn post_and_request_rows(self, message: fn(&mut LogFeed) -> ToRecorder) {
         if let Some(message) = self.feed.try_update_value(message) {
             self.page.recorder.post(&message);
             self.request_rows();

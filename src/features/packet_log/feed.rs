@@ -87,13 +87,13 @@ impl LogFeed {
             return None;
         }
         self.filter = filter.clone();
-        self.begin_anew();
+        self.restart();
         Some(ToRecorder::Filter(filter))
     }
 
     /// Sets the language of the entries. The rows are renumbered, because the search may match others.
     pub(crate) fn set_language(&mut self, language: Language) -> ToRecorder {
-        self.begin_anew();
+        self.restart();
         ToRecorder::SetLanguage {
             language: language.key().to_owned(),
             texts: motorlink_i18n::loaded_texts(language),
@@ -118,23 +118,23 @@ impl LogFeed {
 
     /// Clears the log.
     pub(crate) fn clear(&mut self) -> ToRecorder {
-        self.begin_anew();
+        self.restart();
         ToRecorder::Clear
     }
 
     /// Restores the entries that were cleared.
     pub(crate) fn undo_clear(&mut self) -> ToRecorder {
-        self.begin_anew();
+        self.restart();
         ToRecorder::EndClear { undo: true }
     }
 
     /// The recorder has renumbered the rows by itself.
     pub(crate) fn renumbered(&mut self) {
-        self.begin_anew();
+        self.restart();
     }
 
     /// The rows are renumbered, so old positions are invalid.
-    fn begin_anew(&mut self) {
+    fn restart(&mut self) {
         self.generation = self.generation.wrapping_add(1);
         self.asked = None;
         self.view.follow();
@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_filter_goes_to_the_newest_and_asks_anew() {
+    fn a_new_filter_goes_to_the_newest_and_asks_again() {
         let mut feed = LogFeed::default();
         feed.view.resize(600, 240);
         feed.take(page(0, 0..100));

@@ -26,82 +26,40 @@ fn labels(bytes: &[Piece], model: Model) -> [&'static str; FRAME_LEN] {
         Some(Piece::Byte(byte)) => Some(*byte),
         _ => None,
     };
+    let (command, zero) = (tr!("command" as "byte"), tr!("zero" as "byte"));
     if [byte(0), byte(1), byte(2)] == SET_ID.map(Some) {
+        let set_id = tr!("set ID");
+        let last = if is_separate { "CRC" } else { tr!("no CRC") };
+        let new_id = tr!("new ID");
         return [
-            tr!("set ID"),
-            tr!("set ID"),
-            tr!("set ID"),
-            tr!("new ID"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            if is_separate { "CRC" } else { tr!("no CRC") },
+            set_id, set_id, set_id, new_id, zero, zero, zero, zero, zero, last,
         ];
     }
+    let mut labels = [
+        "ID", command, zero, zero, zero, zero, zero, zero, zero, "CRC",
+    ];
     match byte(1) {
-        Some(DRIVE) => [
-            "ID",
-            tr!("command" as "byte"),
-            tr!("value high"),
-            tr!("value low"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("accel" as "byte"),
-            tr!("brake" as "byte"),
-            tr!("zero" as "byte"),
-            "CRC",
-        ],
-        Some(SWITCH_MODE) if is_separate => [
-            "ID",
-            tr!("command" as "byte"),
-            tr!("mode" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            "CRC",
-        ],
-        Some(QUERY) => [
-            "ID",
-            tr!("command" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            "CRC",
-        ],
-        Some(SWITCH_MODE) => [
-            "ID",
-            tr!("command" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("zero" as "byte"),
-            tr!("mode" as "byte"),
-        ],
-        _ => [
-            "ID",
-            tr!("command" as "byte"),
-            tr!("byte 2"),
-            tr!("byte 3"),
-            tr!("byte 4"),
-            tr!("byte 5"),
-            tr!("byte 6"),
-            tr!("byte 7"),
-            tr!("byte 8"),
-            "CRC",
-        ],
+        Some(DRIVE) => {
+            labels[2] = tr!("value high");
+            labels[3] = tr!("value low");
+            labels[6] = tr!("accel" as "byte");
+            labels[7] = tr!("brake" as "byte");
+        }
+        Some(SWITCH_MODE) if is_separate => labels[2] = tr!("mode" as "byte"),
+        // Its mode takes the place of the CRC.
+        Some(SWITCH_MODE) => labels[9] = tr!("mode" as "byte"),
+        Some(QUERY) => {}
+        _ => {
+            labels[2] = tr!("byte 2");
+            labels[3] = tr!("byte 3");
+            labels[4] = tr!("byte 4");
+            labels[5] = tr!("byte 5");
+            labels[6] = tr!("byte 6");
+            labels[7] = tr!("byte 7");
+            labels[8] = tr!("byte 8");
+        }
     }
+    labels
 }
 
 /// Ten cells as HTML, each with a byte and its meaning. An invalid, doubtful or added byte has a mark and a text.

@@ -14,7 +14,7 @@ use motorlink_messages::protocol::{FRAME_LEN, Frame, family::Model};
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Entered {
     pieces: Vec<Piece>,
-    /// Whose frame it is to be, which decides the last byte.
+    /// The model that the frame is meant for. It decides the last byte.
     model: Model,
 }
 
@@ -128,7 +128,7 @@ impl Entered {
         Self { model, ..self }
     }
 
-    /// Whose frame it is.
+    /// The model that the frame is meant for.
     #[must_use]
     pub fn model(&self) -> Model {
         self.model

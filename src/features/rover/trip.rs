@@ -33,7 +33,7 @@ pub(crate) struct Trip {
 }
 
 impl Trip {
-    /// Begins anew, from this time on.
+    /// Starts an empty path at this time.
     pub(crate) fn begin(&mut self, vehicle: &Vehicle, geometry: Geometry, now: Instant) {
         self.odometer = Some(Odometer::new(vehicle, geometry));
         self.of = Some((vehicle.clone(), geometry));

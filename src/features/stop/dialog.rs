@@ -110,11 +110,10 @@ struct StopLine {
 
 /// Every motor that has answered or had to be stopped.
 fn stop_lines(session: &Session) -> Vec<StopLine> {
-    let outcomes = session
-        .stop
-        .as_ref()
-        .and_then(|stop| stop.outcomes.as_ref());
-    let outcome = |id| outcomes?.iter().find(|outcome| outcome.id == id);
+    let outcome = |id| {
+        let outcomes = &session.stop.as_ref()?.outcomes;
+        outcomes.iter().find(|outcome| outcome.id == id)
+    };
     let state = |id, activity| match (activity, outcome(id)) {
         (Activity::Stopping { confirmed: false }, _) => Standstill::Braking,
         (Activity::Stopping { confirmed: true }, _) => Standstill::Confirmed,
@@ -154,13 +153,11 @@ mod tests {
         session.motors[0].activity = activity;
         session.stop = Some(StopRecord {
             reason: StopReason::Operator,
-            outcomes: confirmed.map(|confirmed| {
-                vec![StopOutcome {
-                    id: ID,
-                    confirmed,
-                    speed: None,
-                }]
-            }),
+            outcomes: Vec::from_iter(confirmed.map(|confirmed| StopOutcome {
+                id: ID,
+                confirmed,
+                speed: None,
+            })),
         });
         stop_lines(&session)[0]
     }

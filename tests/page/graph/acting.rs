@@ -124,7 +124,7 @@ async fn the_newest_values_are_there_in_words() {
     let bench = bench("graph-words").await;
     let words = bench.find("region", "Speed and current");
     let words = words.query_selector("#graph-words").unwrap().unwrap();
-    // They are not said anew more often than every few seconds.
+    // They are not said again more often than every few seconds.
     for _ in 0..60 {
         report(&bench, steady(100, 123));
         pause(100).await;

@@ -7,7 +7,7 @@ use web_sys::{Event, EventInit, HtmlElement, HtmlInputElement, HtmlSelectElement
 
 use super::{Page, bench, canvas, graph, name, report, rows_of, steady};
 use crate::{
-    bench::{pause, press, text_of},
+    bench::{document, pause, press, text_of},
     tools::id,
 };
 
@@ -137,4 +137,28 @@ async fn beyond_eight_motors_it_is_said_that_there_are_more() {
     let said = || legend(&bench).get(8).map(|last| last.0.clone());
     let wanted = Some("and 3 more, not shown".to_owned());
     bench.until("the legend", || said() == wanted).await;
+}
+
+#[wasm_bindgen_test]
+async fn a_name_that_is_given_in_the_strip_is_in_the_legend() {
+    let bench = motors("graph-compare-named", 2).await;
+    compare(&bench, "speed");
+    bench
+        .until("the legend", || legend(&bench).len() == 2)
+        .await;
+    bench.click("Name and side of motor 0x01");
+    let name = || bench.find_all("textbox", "Name").into_iter().next();
+    bench
+        .until("the focus in the name", || {
+            name().is_some_and(|name| document().active_element() == Some(name.into()))
+        })
+        .await;
+    let name: HtmlInputElement = name().unwrap().unchecked_into();
+    assert_eq!(name.value(), "Front <left>");
+    name.set_value("Rear");
+    press("Enter");
+    bench
+        .until("the name", || legend(&bench)[0].0 == "0x01 Rear")
+        .await;
+    storage().remove_item("motorlink.fleet").unwrap();
 }

@@ -62,7 +62,7 @@ const char *ended = nullptr;
 uint32_t start_us = 0, last_us = 0;
 double passed_s = 0;
 
-// Seconds since the start; micros() begins anew every 71 minutes.
+// Seconds since the start; micros() wraps every 71 minutes.
 double seconds_now() {
   uint32_t now = micros();
   passed_s += (uint32_t)(now - last_us) * 1e-6;

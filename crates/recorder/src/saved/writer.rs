@@ -112,9 +112,9 @@ impl SessionWriter {
         self.packets.note(&Note::UndoClear);
     }
 
-    /// The recording began or ended; `anew` if it discarded the samples before.
-    pub fn record(&mut self, on: bool, anew: bool) {
-        if anew {
+    /// The recording began or ended; `restarted` if it discarded the samples before.
+    pub fn record(&mut self, on: bool, restarted: bool) {
+        if restarted {
             let gone = self.recorded.restart();
             self.actions
                 .extend(gone.map(|number| removal(Stream::Recorded, number)));

@@ -2,7 +2,7 @@
 
 use motorlink_protocol::Mode;
 
-/// Counts frames for one mode. Frames for another mode start anew, other frames do not matter: hosts
+/// Counts frames for one mode. Frames for another mode start again, other frames do not matter: hosts
 /// drive on while they switch.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeSwitchCount {

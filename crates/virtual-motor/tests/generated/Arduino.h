@@ -20,7 +20,7 @@ inline uint64_t host_micros() {
   clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * 1000000ull + now.tv_nsec / 1000;
 }
-// Both begin anew, as on the board.
+// Both wrap, as on the board.
 inline uint32_t micros() { return (uint32_t)host_micros(); }
 inline uint32_t millis() { return (uint32_t)(host_micros() / 1000); }
 inline void delay(uint32_t ms) { usleep(ms * 1000); }

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[wasm_bindgen_test]
-    async fn a_file_is_its_parts_in_order_and_the_next_begins_anew() {
+    async fn a_file_is_its_parts_in_order_and_the_next_starts_empty() {
         let mut parts = Parts::default();
         parts.push(b"given up");
         parts.clear();

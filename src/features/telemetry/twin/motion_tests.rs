@@ -291,7 +291,7 @@ fn late_and_mad_reports_change_nothing() {
 
 /// After the clock goes back by more than a second, the estimator restarts.
 #[test]
-fn another_clock_begins_anew() {
+fn another_clock_starts_again() {
     let mut estimator = Estimator::default();
     estimator.report(500_000.0, Some(fine(90.0)), 10.0);
     estimator.report(1_000.0, Some(fine(45.0)), 0.0);

@@ -29,7 +29,7 @@ fn a_busy_minute(scenario: &Scenario) -> Result<()> {
     })?;
     page.click("tab", "ID Manager")?;
     page.click("button", "Scan")?;
-    // Whoever is heard, or nobody where the machine is held up.
+    // A delayed machine may hear no motor.
     page.wait_for_text("status", "Scan result", |text| {
         text.contains("found") || text.contains("replied")
     })?;

@@ -24,7 +24,7 @@ const KEEP_WORKERS: &str = "
     };
 ";
 
-/// Opens the page anew: it starts nothing by itself, and drives when it is asked to.
+/// Opens the page again: it starts nothing by itself, and drives when it is asked to.
 fn a_new_page_starts_nothing(scenario: &mut Scenario) -> Result<()> {
     let opened = now_us();
     scenario.page = scenario.bench.open("/")?;

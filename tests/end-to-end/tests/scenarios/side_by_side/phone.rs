@@ -73,7 +73,7 @@ fn a_phone_shows_the_rest_behind_its_tab_bar() -> Result<()> {
 /// Controls in sight that are smaller than a finger: a tick is pressed with its label.
 const SMALL: &str = "[...document.querySelectorAll('button, select, input')]
     .filter((control) => control.getClientRects().length && getComputedStyle(control).visibility === 'visible')
-    .map((control) => control.closest('label, .language, .motor-chip') ?? control)
+    .map((control) => control.matches('.edit-name') ? control : control.closest('label, .language, .motor-chip') ?? control)
     .filter((target) => {
         const { width, height } = target.getBoundingClientRect();
         return width < 43.5 || height < 43.5;

@@ -31,13 +31,13 @@ const LOST: &str = "(() => {
         if (scrolls || over.length || !element.childElementCount)
             lost.push(`${scrolls ? 'scrolls' : 'cut'}: ${name(element)}: ${over.map(name)}`);
     }
-    const dialog = document.querySelector('.scrim [role=dialog], .scrim [role=alertdialog], .drawer:not([hidden])');
+    const dialog = document.querySelector('.scrim:not([hidden]) :is([role=dialog], [role=alertdialog]), .drawer:not([hidden])');
     for (const place of [dialog, document.querySelector('.stopped')])
         if (place && is_shown(place) && place.getBoundingClientRect().top < 0) lost.push(`begins above the window: ${name(place)}`);
     const controls = 'button, input:not([type=file]), select, textarea, a[href], summary, [tabindex=\"0\"]';
     for (const control of (dialog ?? document).querySelectorAll(controls)) {
         if (!is_shown(control) || control.disabled && control.tagName === 'OPTION') continue;
-        const target = control.closest('label, .language, .motor-chip') ?? control;
+        const target = control.matches('.edit-name') ? control : control.closest('label, .language, .motor-chip') ?? control;
         target.scrollIntoView({ block: 'center', inline: 'center' });
         const { left, top, right, bottom } = target.getBoundingClientRect();
         const [x, y] = [(left + right) / 2, (Math.max(top, 0) + Math.min(bottom, innerHeight)) / 2];

@@ -21,7 +21,7 @@ fn broken(page: &Page) -> Result<Vec<String>> {
     Ok(broken.iter().map(text).collect())
 }
 
-/// A page that listens, loaded anew.
+/// A page that listens, loaded again.
 fn listening(line: Line) -> Result<Scenario> {
     let scenario = Scenario::connected(line)?;
     scenario.page.before_load(LISTEN)?;

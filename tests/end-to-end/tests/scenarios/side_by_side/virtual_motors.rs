@@ -31,7 +31,7 @@ fn figures(page: &Page, figure: &str) -> Result<Vec<String>> {
 
 fn names(page: &Page) -> Result<Vec<String>> {
     let found = page.evaluate(
-        "[...document.querySelectorAll('.motor-chip button')].map((it) => it.ariaLabel)",
+        "[...document.querySelectorAll('.motor-chip-button')].map((it) => it.ariaLabel)",
     )?;
     Ok(serde_json::from_value(found)?)
 }

@@ -1,0 +1,323 @@
+//! Every case of a virtual line, played to the doctor.
+
+use std::time::Duration;
+
+use motorlink_messages::{
+    Adapter, Connection,
+    bus::{Bus, Command, Consent, Event, Output},
+    protocol::{Instant, Setpoint, SpeedTarget},
+};
+use motorlink_simulator::{LineCondition, WireFaults, World, WorldConfig};
+
+use super::*;
+use crate::features::link_doctor::record::Record;
+use crate::model::snapshot::Session;
+
+const ID: MotorId = MotorId::FIRST;
+
+/// A bus on a virtual line, and a doctor who looks ten times a second as the page does.
+struct RecordedBus {
+    now: Instant,
+    bus: Bus,
+    world: World,
+    record: Record,
+}
+
+impl RecordedBus {
+    /// The line is good at first, as on the page.
+    fn new(case: LineCondition) -> Self {
+        let mut clinic = Self::on(World::new(WorldConfig::default()));
+        clinic.run_to(clinic.now + Duration::from_secs(1));
+        clinic.world.set_line_condition(clinic.now, case);
+        clinic
+    }
+
+    fn on(world: World) -> Self {
+        let now = Instant::from_millis(1_000);
+        let mut bus = Bus::new(now);
+        for command in [Command::IdQuery, Command::Watch(ID)] {
+            bus.command(now, command).unwrap();
+        }
+        Self {
+            now,
+            bus,
+            world,
+            record: Record::default(),
+        }
+    }
+
+    fn drive(&mut self, rpm: i32) {
+        let command = Command::Drive {
+            id: ID,
+            setpoint: Setpoint::velocity(SpeedTarget::new(rpm).unwrap()),
+            consent: Consent::None,
+        };
+        self.bus.command(self.now, command).unwrap();
+    }
+
+    fn session(&self) -> Session {
+        Session {
+            now: self.now,
+            connection: Connection::Connected(Adapter::VIRTUAL),
+            motors: self.bus.motors(self.now).collect(),
+            line: Some(self.bus.line_status(self.now)),
+            ..Session::default()
+        }
+    }
+
+    fn run(&mut self, seconds: u64) -> &Verdict {
+        for _ in 0..seconds * 10 {
+            self.run_to(self.now + Duration::from_millis(100));
+            let session = self.session();
+            self.record.look(&session);
+        }
+        self.record.verdict()
+    }
+
+    fn run_to(&mut self, end: Instant) {
+        loop {
+            while let Some(chunk) = self.world.receive(self.now) {
+                self.bus.receive(self.now, &chunk.bytes);
+            }
+            let wake = match self.bus.poll(self.now) {
+                Output::Transmit(frame) => {
+                    self.world.transmit(self.now, frame.bytes());
+                    continue;
+                }
+                Output::Event(Event::PingPage) => {
+                    self.bus.page_answered(self.now);
+                    continue;
+                }
+                Output::Event(_) => continue,
+                Output::Wait(at) => at,
+            };
+            if self.now >= end {
+                return;
+            }
+            let next = self.world.next_event().map_or(wake, |at| at.min(wake));
+            self.now = next.clamp(self.now, end);
+        }
+    }
+}
+
+#[test]
+fn every_case_of_the_virtual_line_is_diagnosed() {
+    for (case, expected) in [
+        (LineCondition::Good, Verdict::Healthy),
+        (
+            LineCondition::Dead,
+            Verdict::Faulty(vec![Diagnosis::Nothing]),
+        ),
+        (
+            LineCondition::EchoOnly,
+            Verdict::Faulty(vec![Diagnosis::EchoOnly]),
+        ),
+        (
+            LineCondition::SharedId,
+            Verdict::Faulty(vec![Diagnosis::SharedId(ID)]),
+        ),
+        // At rest there is nothing to see of it.
+        (LineCondition::NoiseGrowsWithSpeed, Verdict::Healthy),
+        (
+            LineCondition::HoldsBytes,
+            Verdict::Faulty(vec![Diagnosis::LatencyTimer]),
+        ),
+        (
+            LineCondition::Stranger,
+            Verdict::Faulty(vec![Diagnosis::Stranger]),
+        ),
+    ] {
+        let mut clinic = RecordedBus::new(case);
+        // What is lost while the window grows is gone by then, or not counted yet.
+        let first = if case == LineCondition::Good { 6 } else { 5 };
+        for seconds in [first, 10, 30] {
+            assert_eq!(*clinic.run(seconds), expected, "{case:?}, {seconds} s more");
+        }
+    }
+}
+
+#[test]
+fn noise_that_grows_with_speed_is_told_from_noise() {
+    let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
+    clinic.run(6);
+    clinic.drive(100);
+    let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
+    assert_eq!(*clinic.run(6), grows);
+    assert_eq!(*clinic.run(30), grows);
+}
+
+#[test]
+fn a_driven_motor_on_a_good_line_is_well() {
+    let mut clinic = RecordedBus::new(LineCondition::Good);
+    assert_eq!(*clinic.run(1), Verdict::TooLittle);
+    clinic.run(5);
+    clinic.drive(100);
+    assert_eq!(*clinic.run(20), Verdict::Healthy);
+}
+
+#[test]
+fn another_connection_starts_again_and_none_is_none() {
+    let mut clinic = RecordedBus::new(LineCondition::Dead);
+    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
+    assert!(matches!(clinic.run(10), Verdict::Faulty(_)));
+    let other = Session {
+        connection: Connection::Connected(Adapter::Serial(None)),
+        ..clinic.session()
+    };
+    clinic.record.look(&other);
+    assert_eq!(*clinic.record.verdict(), Verdict::TooLittle);
+    clinic.record.look(&Session::default());
+    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
+}
+
+/// While the page is hidden nobody looks: an hour is no second.
+#[test]
+fn what_was_not_looked_at_is_not_counted() {
+    let mut clinic = RecordedBus::new(LineCondition::Good);
+    clinic.run(5);
+    clinic
+        .world
+        .set_line_condition(clinic.now, LineCondition::Dead);
+    clinic.run_to(clinic.now + Duration::from_secs(60));
+    clinic
+        .world
+        .set_line_condition(clinic.now, LineCondition::Good);
+    // The header remembers the last hundred exchanges.
+    assert_eq!(*clinic.run(12), Verdict::Healthy);
+}
+
+/// What the doctor says once a second.
+fn course(clinic: &mut RecordedBus, seconds: u64) -> Vec<Verdict> {
+    (0..seconds).map(|_| clinic.run(1).clone()).collect()
+}
+
+/// A line that has these faults from the beginning.
+fn faulty(faults: WireFaults, seed: u64) -> RecordedBus {
+    RecordedBus::on(World::new(WorldConfig {
+        faults,
+        seed,
+        ..WorldConfig::default()
+    }))
+}
+
+/// The header's figure.
+fn loss_per_mille(clinic: &RecordedBus) -> Option<u16> {
+    clinic.session().motors.first()?.link.loss_per_mille
+}
+
+#[test]
+fn a_lossy_line_is_never_called_well() {
+    let losing = WireFaults {
+        lose_request: 0.3,
+        ..WireFaults::default()
+    };
+    let damaging = WireFaults {
+        corrupt_reply: 0.2,
+        ..WireFaults::default()
+    };
+    for (name, faults, cause) in [
+        ("30 % lost", losing, Diagnosis::Lost),
+        ("20 % damaged", damaging, Diagnosis::Damaged),
+    ] {
+        for seed in 0..40 {
+            let mut clinic = faulty(faults.clone(), seed);
+            let verdicts = course(&mut clinic, 30);
+            let lossy = Verdict::Faulty(vec![cause]);
+            assert!(
+                !verdicts.contains(&Verdict::Healthy),
+                "{name}, seed {seed}: {verdicts:?}"
+            );
+            assert_eq!(verdicts[7..], vec![lossy; 23], "{name}, seed {seed}");
+        }
+    }
+}
+
+/// Of whatever a line loses, at rest or driven.
+#[test]
+fn the_doctor_is_never_better_than_the_header() {
+    for percent in [1_u8, 3, 6, 10, 15] {
+        for seed in 0..10 {
+            let mut clinic = faulty(
+                WireFaults {
+                    lose_reply: f64::from(percent) / 100.0,
+                    ..WireFaults::default()
+                },
+                seed,
+            );
+            for second in 0..30 {
+                if second == 10 && percent < 10 {
+                    clinic.drive(100);
+                }
+                let verdict = clinic.run(1).clone();
+                let looked = loss_per_mille(&clinic);
+                assert!(
+                    verdict != Verdict::Healthy || looked.is_some_and(|loss| loss < 50),
+                    "{percent} %, seed {seed}, {second} s: {looked:?}"
+                );
+            }
+        }
+    }
+}
+
+/// As the alert does: two seconds behind the last reply, and until then nothing.
+#[test]
+fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
+    for ms in (0..1_000).step_by(70) {
+        let mut clinic = RecordedBus::new(LineCondition::Good);
+        clinic.run(6);
+        clinic.drive(100);
+        assert_eq!(*clinic.run(12), Verdict::Healthy);
+        clinic.run_to(clinic.now + Duration::from_millis(ms));
+        clinic
+            .world
+            .set_line_condition(clinic.now, LineCondition::Dead);
+        let verdicts = course(&mut clinic, 15);
+        let nothing = Verdict::Faulty(vec![Diagnosis::Nothing]);
+        for (second, verdict) in verdicts.iter().enumerate() {
+            let expected: &[&Verdict] = match second {
+                0 => &[&Verdict::Healthy, &Verdict::SomeLoss, &Verdict::TooLittle],
+                1 | 2 => &[&Verdict::TooLittle, &nothing],
+                _ => &[&nothing],
+            };
+            assert!(
+                expected.contains(&verdict),
+                "{second} s after {ms} ms: {verdict:?}"
+            );
+        }
+        clinic
+            .world
+            .set_line_condition(clinic.now, LineCondition::Good);
+        let verdicts = course(&mut clinic, 25);
+        let lossy = [Diagnosis::Lost, Diagnosis::Damaged];
+        let lossy = lossy.map(|cause| Verdict::Faulty(vec![cause]));
+        assert!(
+            !verdicts.iter().any(|verdict| lossy.contains(verdict)),
+            "back after {ms} ms: {verdicts:?}"
+        );
+        assert_eq!(verdicts.last(), Some(&Verdict::Healthy));
+    }
+}
+
+#[test]
+fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
+    for rpm in [40, 60, 100, 150] {
+        for rest in [2, 6, 12] {
+            let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
+            clinic.run(rest);
+            clinic.drive(rpm);
+            let verdicts = course(&mut clinic, 70);
+            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Healthy);
+            assert!(
+                verdicts[3..].iter().all(not_well),
+                "{rpm} rpm after {rest} s: {verdicts:?}"
+            );
+            let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
+            if rest > 2 && rpm > 40 {
+                assert!(
+                    verdicts[6..50].iter().all(|verdict| *verdict == grows),
+                    "{rpm} rpm after {rest} s: {verdicts:?}"
+                );
+            }
+        }
+    }
+}
