@@ -229,7 +229,7 @@ mod tests {
         let possible = "ddsm115, ddsm315, ddsm210, ddsm400";
         let bad = BadParameter {
             text: "model=ddsm500".to_owned(),
-            possible: possible.to_owned(),
+            possible,
         };
         let words = of_bad_parameter(&bad);
         assert!(words.title.contains("model=ddsm500"), "{}", words.title);
