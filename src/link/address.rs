@@ -39,7 +39,7 @@ pub(crate) fn virtual_line(
         Ok(VirtualLine {
             motors: match parameter("motors") {
                 Some(value) => VirtualMotors::from_key(&value)
-                    .ok_or_else(|| bad("motors", value, "one, 2, 4, 8, faults"))?,
+                    .ok_or_else(|| bad("motors", value, "1, 2, 4, 8, faults"))?,
                 None => motors,
             },
             model: match parameter("model") {

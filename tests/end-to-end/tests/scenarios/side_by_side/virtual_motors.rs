@@ -96,7 +96,7 @@ fn an_address_that_names_no_virtual_motors_says_which_there_are() -> Result<()> 
         (
             "/?port=virtual&motors=99",
             "motors=99",
-            "one, 2, 4, 8, faults",
+            "1, 2, 4, 8, faults",
         ),
     ] {
         let page = bench.open(address)?;
