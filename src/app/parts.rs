@@ -123,6 +123,7 @@ in_part!(tools: fn mount_tools(hosts, features) [
     }),
     {
         let rover = Rover::of_page(&hosts.owner, features.page);
+        features.ids.listen();
         hosts.mount(move || {
             let measures = view! { <GeometryFields rover /> };
             view! { <TogetherPanel groups=features.groups measures /> }

@@ -105,7 +105,9 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                             label=Signal::derive(send_more)
                             hint=tr!("Scans, then asks to confirm")
                             disabled_reason=blocked
-                            on_press=move || ids.set_id_with_more()
+                            on_press=move || {
+                            ids.set_id_with_more();
+                        }
                         />
                     </div>
                 </div>
