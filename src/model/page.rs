@@ -114,6 +114,8 @@ pub(crate) enum Listener {
     App,
     /// The tab `ID Manager`.
     Ids,
+    /// The setup of the wheels.
+    WheelSetup,
 }
 
 /// The port worker as the page sees it.
