@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let mut table = String::new();
-    writeln!(table, "const KEYS: [&str; {}] = [", chinese.len())?;
+    writeln!(table, "static KEYS: [&str; {}] = [", chinese.len())?;
     for key in chinese.keys() {
         writeln!(table, "    {key:?},")?;
     }

@@ -15,7 +15,7 @@ use crate::{
         keys::KeyAction,
         names_and_sides::NamesAndSides,
         notice_board::Remedy,
-        page::Dialog,
+        page::{Change, Dialog},
         preferences::{Preferences, forget_all},
         setup::Setup,
         tab::Tab,
@@ -31,7 +31,7 @@ impl Features {
         self.page.command(Command::StopAll(reason));
         self.page.loops.asked.set(None);
         self.page.dialog.set(None);
-        self.ids.give_up();
+        self.page.announce(Change::Declined);
         self.raw.forget_pending();
         self.groups.forget();
     }

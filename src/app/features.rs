@@ -20,7 +20,7 @@ use crate::{
         telemetry::readings::Readings,
     },
     model::{
-        page::{Change, Page},
+        page::{Change, Listener, Page},
         preferences::Preferences,
     },
 };
@@ -76,12 +76,12 @@ impl Features {
             tour: RwSignal::new(remembered_tour()),
             virtual_wire: StoredValue::new(0),
         })));
-        page.on_change(move |change| match change {
+        let deliver = move |change: Change<'_>| match change {
             Change::Motor => features.readings.forget(),
-            Change::Declined => features.ids.give_up(),
-            Change::Tab(tab) => features.ids.tab_opened(tab),
             Change::Model => features.connect.reconnect(),
-        });
+            _ => {}
+        };
+        page.listen(Listener::App, Box::new(deliver));
         features
     }
 }

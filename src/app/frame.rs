@@ -4,7 +4,11 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 
 use crate::{
-    app::{features::Features, sections::Frame},
+    app::{
+        absent::{Absent, notice},
+        features::Features,
+        sections::Frame,
+    },
     model::page::Dialog,
     ui::{
         drawer::{Drawer, panel_of_drawer},
@@ -12,15 +16,6 @@ use crate::{
         tab_panel::tab_panel,
     },
 };
-
-/// The state of a part that is not loaded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Absent {
-    /// It is being loaded.
-    Loading,
-    /// Loading failed.
-    Missing,
-}
 
 /// The placeholder of a section. `retry` loads its part again.
 pub(crate) fn frame(
@@ -64,32 +59,9 @@ pub(crate) fn frame(
 fn title(drawer: Drawer) -> &'static str {
     match drawer {
         Drawer::Link => tr!("Link"),
-        Drawer::Together => tr!("Drive together"),
+        // The setup of the wheels comes with the part that can open it, and has no placeholder.
+        Drawer::Together | Drawer::WheelSetup => tr!("Drive together"),
         Drawer::Settings => tr!("Settings"),
         Drawer::VirtualMotors => tr!("Virtual motors"),
-    }
-}
-
-fn notice(state: RwSignal<Absent>, retry: impl Fn() + 'static) -> impl IntoView {
-    let is_missing = move || state.get() == Absent::Missing;
-    let text = move || {
-        if is_missing() {
-            tr!("This part of the page could not be loaded. Check the network connection.")
-        } else {
-            ""
-        }
-    };
-    view! {
-        <div class="part-missing">
-            <p role="status">{dynamic(text)}</p>
-            <button
-                type="button"
-                class="button"
-                hidden=dynamic(move || !is_missing())
-                on:click=handler(move |_| retry())
-            >
-                {tr!("Retry")}
-            </button>
-        </div>
     }
 }

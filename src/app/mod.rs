@@ -1,5 +1,6 @@
 //! The start of the page.
 
+pub(crate) mod absent;
 pub(crate) mod actions;
 pub(crate) mod features;
 pub(crate) mod focus;

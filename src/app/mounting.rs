@@ -22,8 +22,9 @@ use web_sys::HtmlElement;
 
 use crate::{
     app::{
+        absent::Absent,
         features::Features,
-        frame::{Absent, frame},
+        frame::frame,
         mount::{Hosts, Mounted, mount},
         parts::Part,
         sections::{Frame, Place, SECTIONS, Section},

@@ -4,10 +4,12 @@
     allow(unsafe_code, reason = "the call into a part, made by wasm_split")
 )]
 
-use leptos::{prelude::*, wasm_split::SplitLoaderError};
+use leptos::{html::Div, prelude::*, task::spawn_local, wasm_split::SplitLoaderError};
+use motorlink_i18n::tr;
 
 use crate::{
     app::{
+        absent::{Absent, notice},
         features::Features,
         focus,
         mount::{Hosts, Mounted},
@@ -20,7 +22,7 @@ use crate::{
         graph::Graph,
         groups::panel::TogetherPanel,
         help::{HelpDialog, tour::Shown, tour_view::TourNotice},
-        ids::view::IdManagerTab,
+        ids::{state::IdManager, view::IdManagerTab},
         install::texts,
         link_doctor::panel::LinkPanel,
         motors::{name_dialog::NameDialog, strip::MotorStrip},
@@ -31,6 +33,14 @@ use crate::{
         rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
         settings::panel::{InstallButton, SettingsPanel},
+        wheel_setup::{
+            actions::{IdWork, WheelSetup},
+            panel::WheelSetupSteps,
+        },
+    },
+    ui::{
+        drawer::{Drawer, panel_of_drawer},
+        reactive::effect,
     },
 };
 
@@ -128,17 +138,80 @@ in_part!(tools: fn mount_tools(hosts, features) [
     }),
     {
         let rover = Rover::of_page(&hosts.owner, features.page);
+        let owner = hosts.owner.downgrade();
+        features.ids.listen();
         hosts.mount(move || {
             let measures = view! { <GeometryFields rover /> };
-            view! { <TogetherPanel groups=features.groups measures /> }
+            view! {
+                <TogetherPanel groups=features.groups measures />
+                <WheelSetupPanel features owner />
+            }
         })
     },
     hosts.mount(move || settings_panel(features)),
 ]);
 
+in_part!(wheels: fn mount_wheels(hosts, features) [
+    {
+        let ids = features.ids;
+        let work = move || IdWork {
+            progress: Box::new(move || ids.manager.with(IdManager::progress)),
+            set_id: Box::new(move |to| ids.request(to)),
+            set_with_more: Box::new(move || ids.set_id_with_more()),
+            full_scan: Box::new(move || ids.full_scan()),
+            cancel: Box::new(move || ids.cancel_scan()),
+        };
+        let setup = WheelSetup::of_page(&hosts.owner, features.page, work);
+        hosts.mount(move || view! { <WheelSetupSteps setup /> })
+    },
+]);
+
 in_part!(help: fn mount_help(hosts, features) [
     hosts.mount(move || view! { <HelpDialog tour=features.tour /> }),
 ]);
+
+/// Panel `Set up the wheels of a rover`. Few people need it, so its part is loaded when it is opened first.
+#[component]
+fn WheelSetupPanel(
+    features: Features,
+    /// The owner of the page.
+    owner: WeakOwner,
+) -> impl IntoView {
+    let page = features.page;
+    let place = NodeRef::<Div>::new();
+    let mounted: StoredValue<Sections, LocalStorage> = StoredValue::new_local(Vec::new());
+    let owner = StoredValue::new(owner);
+    let state = RwSignal::new(Absent::Loading);
+    let load = move || {
+        let element = place.get_untracked();
+        let owner = owner.get_value().upgrade();
+        let (Some(element), Some(owner)) = (element, owner) else {
+            return;
+        };
+        state.set(Absent::Loading);
+        spawn_local(async move {
+            let elements = vec![element.into()];
+            let sections = mount_wheels(Hosts { owner, elements }, features).await;
+            match sections {
+                // In another language meanwhile, they are dropped.
+                Ok(sections) => drop(mounted.try_set_value(sections)),
+                Err(_) => drop(state.try_set(Absent::Missing)),
+            }
+        });
+    };
+    effect(move || {
+        let is_open = page.drawer.get() == Some(Drawer::WheelSetup);
+        if is_open && mounted.with_value(Vec::is_empty) {
+            load();
+        }
+    });
+    panel_of_drawer(
+        page.drawer,
+        Drawer::WheelSetup,
+        tr!("Set up the wheels of a rover"),
+        view! { <div node_ref=place>{notice(state, load)}</div> },
+    )
+}
 
 fn settings_panel(features: Features) -> impl IntoView {
     let install = Box::leak(Box::new(InstallButton {

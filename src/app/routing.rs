@@ -20,6 +20,7 @@ use crate::{
         notice_board::{NoticeBoard, Topic},
         notice_lifetime::{self, review},
         notice_texts,
+        page::Change,
         scan_texts::belongs_to_id_manager,
         snapshot::{Reading, Session},
         tab::Tab,
@@ -75,7 +76,7 @@ impl Features {
         for notice in &update.notices {
             self.notice(update.now, notice);
         }
-        self.ids.check_scan();
+        self.page.announce(Change::Updated);
         self.groups.check_group();
         self.page
             .history
@@ -122,7 +123,7 @@ impl Features {
             self.page.loops.asked.set(None);
             self.readings.forget();
             self.readings.end_faults_of_silent(None);
-            self.ids.disconnected();
+            self.page.announce(Change::Disconnected);
             self.raw.forget();
             self.page.notices.update(NoticeBoard::close_line);
         }
@@ -150,7 +151,7 @@ impl Features {
             }
             _ => {}
         }
-        self.ids.notice(notice);
+        self.page.announce(Change::Notice(notice));
         self.raw.notice(notice);
         self.groups.notice(notice);
         // The open tab already shows it.
@@ -228,7 +229,7 @@ impl Features {
         self.page.worker.state.set(WorkerState::Dead);
         self.readings.forget();
         self.readings.end_faults_of_silent(None);
-        self.ids.disconnected();
+        self.page.announce(Change::Disconnected);
         self.page.notices.update(|board| {
             board.close_line();
             // The end of the stop will not be reported.

@@ -20,3 +20,4 @@ pub(crate) mod saved_session;
 pub(crate) mod settings;
 pub(crate) mod stop;
 pub mod telemetry;
+pub(crate) mod wheel_setup;

@@ -11,6 +11,7 @@ pub(crate) mod guards;
 pub(crate) mod heat;
 pub(crate) mod help_topic;
 pub(crate) mod history;
+pub(crate) mod id_progress;
 pub(crate) mod keys;
 pub(crate) mod log_lines;
 pub(crate) mod mirror;

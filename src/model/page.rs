@@ -14,7 +14,7 @@ use std::ops::Deref;
 use leptos::prelude::*;
 use motorlink_i18n::{Language, current_language};
 use motorlink_messages::{
-    ToWorker,
+    Notice, ToWorker,
     bus::Repeat,
     protocol::{AssignableId, CurrentTarget, Frame, Mode, MotorId, family::Model},
 };
@@ -91,9 +91,9 @@ impl Dialog {
     }
 }
 
-/// A message that concerns more than one feature. The app delivers it, because features do not use each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Change {
+/// A message that concerns more than one feature: features do not use each other.
+#[derive(Clone, Copy)]
+pub(crate) enum Change<'a> {
     /// Another motor was selected: readings of the previous one are not valid for it.
     Motor,
     /// A question was declined or withdrawn.
@@ -102,6 +102,23 @@ pub(crate) enum Change {
     Tab(Tab),
     /// Another model was chosen for the open serial port.
     Model,
+    /// The worker has reported this.
+    Notice(&'a Notice),
+    /// All notices of one message of the worker have been handled.
+    Updated,
+    /// The port is closed or lost, or the worker has ended.
+    Disconnected,
+}
+
+/// Who gets the changes. A part that loads later listens from then on.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Listener {
+    /// The features of the first program.
+    App,
+    /// The tab `ID Manager`.
+    Ids,
+    /// The setup of the wheels.
+    WheelSetup,
 }
 
 /// The port worker as the page sees it.
@@ -140,7 +157,7 @@ pub(crate) struct Loops {
     pub(crate) asked: RwSignal<Option<Mode>>,
 }
 
-type OnChange = Box<dyn Fn(Change)>;
+type OnChange = Box<dyn Fn(Change<'_>)>;
 
 /// A pointer, so that the hundreds of closures that hold it stay small. There is one, for the life of the page.
 #[derive(Clone, Copy)]
@@ -179,7 +196,7 @@ pub(crate) struct Parts {
     pub(crate) dialog: RwSignal<Option<Dialog>>,
     /// The open panel of the drawer.
     pub(crate) drawer: RwSignal<Option<Drawer>>,
-    on_change: StoredValue<Option<OnChange>, LocalStorage>,
+    listeners: StoredValue<Vec<(Listener, OnChange)>, LocalStorage>,
 }
 
 /// Reads a part of the state of one motor.
@@ -233,7 +250,7 @@ impl Page {
             language: RwSignal::new(current_language()),
             dialog: RwSignal::new(None),
             drawer: RwSignal::new(None),
-            on_change: StoredValue::new_local(None),
+            listeners: StoredValue::new_local(Vec::new()),
         })))
     }
 
@@ -241,14 +258,17 @@ impl Page {
         self.0
     }
 
-    /// Sets the function that delivers changes to the features.
-    pub(crate) fn on_change(self, act: impl Fn(Change) + 'static) {
-        self.on_change.set_value(Some(Box::new(act)));
+    /// Delivers changes to this listener by this function, and no longer by the one before.
+    pub(crate) fn listen(self, listener: Listener, act: OnChange) {
+        self.listeners.update_value(|all| {
+            all.retain(|(other, _)| *other != listener);
+            all.push((listener, act));
+        });
     }
 
-    pub(crate) fn announce(self, change: Change) {
-        self.on_change.with_value(|act| {
-            if let Some(act) = act {
+    pub(crate) fn announce(self, change: Change<'_>) {
+        self.listeners.with_value(|all| {
+            for (_, act) in all {
                 act(change);
             }
         });

@@ -16,6 +16,8 @@ pub(crate) enum Drawer {
     Settings,
     /// The choice of the virtual motors.
     VirtualMotors,
+    /// The setup of the wheels of a rover, one motor after the other.
+    WheelSetup,
 }
 
 /// Opens a panel of the drawer, or closes it.

@@ -26,5 +26,6 @@ mod together;
 mod tools;
 mod truth;
 mod virtual_motors;
+mod wheel_setup;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);

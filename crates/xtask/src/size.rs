@@ -46,7 +46,7 @@ struct Part {
 }
 
 /// Every file belongs to the first part that names it.
-const PARTS: [Part; 14] = [
+const PARTS: [Part; 15] = [
     part(
         "page",
         When::First,
@@ -69,8 +69,11 @@ const PARTS: [Part; 14] = [
     // the name and side of a motor.
     part("desk", When::Behind, &["desk"], 115_500),
     part("tools", When::Behind, &["tools"], 80_000),
+    // The setup of a rover's wheels.
+    part("wheels", When::Asked, &["wheels"], 24_000),
     part("help", When::Behind, &["help.", "help-"], 8_200),
-    part("shared", When::Behind, &["chunk"], 24_000),
+    // 8,000 are code of the desk and the tools that the setup of the wheels needs too.
+    part("shared", When::Behind, &["chunk"], 25_500),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, and explains the frames of each (3,500).
     part("recorder", When::Behind, &["recorder-"], 90_500),
@@ -87,8 +90,8 @@ const PARTS: [Part; 14] = [
         &["help/en", "help/wiring"],
         9_000,
     ),
-    part("German", When::Asked, &["texts-de", "help/de"], 20_000),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 20_000),
+    part("German", When::Asked, &["texts-de", "help/de"], 21_500),
+    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 21_500),
     part("server", When::Asked, &["."], 1_000),
 ];
 
@@ -113,8 +116,9 @@ pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 pub const DRIVING_GZIP_BYTES_MAX: usize = 355_500;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
-/// 32,000, a log that can be undone, opened and translated 10,000, names and sides in every list 3,000.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 679_000;
+/// 32,000, a log that can be undone, opened and translated 10,000, names and sides in every list 3,000, the setup of the wheels
+/// 33,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 713_000;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]

@@ -62,6 +62,12 @@ pub(crate) fn TogetherPanel<M: IntoView + 'static>(
         view! {
             <div class="together-panel">
                 <div inner_html=rows_markup()></div>
+                <PressButton
+                    label=tr!("ID wizard")
+                    class="button small wheel-setup-open"
+                    hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
+                    on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
+                />
                 <NumberField
                     id="group-speed"
                     name=tr!("Group speed")

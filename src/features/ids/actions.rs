@@ -4,6 +4,7 @@ use leptos::prelude::{Update as _, *};
 use motorlink_messages::{
     Notice,
     bus::{Command, IdChangeOutcome},
+    protocol::AssignableId,
 };
 
 use crate::{
@@ -11,7 +12,7 @@ use crate::{
     model::{
         guards::scan_blocked_by,
         notice_board::Topic,
-        page::{Dialog, Page},
+        page::{Change, Dialog, Listener, Page},
         snapshot::Session,
         tab::Tab,
         tool_entry::{NO_NEW_ID, assignable},
@@ -37,8 +38,21 @@ impl Ids {
         }
     }
 
+    /// Follows the bus and the page from now on.
+    pub(crate) fn listen(self) {
+        let act = move |change: Change<'_>| match change {
+            Change::Notice(notice) => self.notice(notice),
+            Change::Updated => self.check_scan(),
+            Change::Disconnected => self.disconnected(),
+            Change::Declined => self.give_up(),
+            Change::Tab(tab) => self.tab_opened(tab),
+            Change::Motor | Change::Model => {}
+        };
+        self.page.listen(Listener::Ids, Box::new(act));
+    }
+
     /// Another tab is opened. Leaving the ID manager cancels the ID change.
-    pub(crate) fn tab_opened(self, tab: Tab) {
+    fn tab_opened(self, tab: Tab) {
         if tab == Tab::IdManager {
             // It reports that itself.
             self.page
@@ -69,30 +83,35 @@ impl Ids {
 
     /// Starts to set the entered ID: first, a full scan has to prove that there is only one motor.
     pub(crate) fn set_id(self) {
-        let Some(to) = assignable(self.new_id.get_untracked()) else {
-            return;
-        };
-        // A running scan would be mistaken for ours.
-        if self
-            .page
-            .latest
-            .with_value(|session| scan_blocked_by(session).is_none())
-        {
-            self.change_ids(|ids| ids.request(to));
-            self.page.command(Command::FullScan);
+        if let Some(to) = assignable(self.new_id.get_untracked()) {
+            self.request(to);
         }
     }
 
+    /// The same for this ID. Returns whether the scan was asked for.
+    pub(crate) fn request(self, to: AssignableId) -> bool {
+        // A running scan would be mistaken for ours.
+        let may_scan = |session: &Session| scan_blocked_by(session).is_none();
+        let may_scan = self.page.latest.with_value(may_scan);
+        if may_scan {
+            self.change_ids(|ids| ids.request(to));
+            self.page.command(Command::FullScan);
+        }
+        may_scan
+    }
+
     /// Starts to send more frames to a motor that has kept its ID, with the same proof and question.
-    pub(crate) fn set_id_with_more(self) {
+    /// Returns whether the scan was asked for.
+    pub(crate) fn set_id_with_more(self) -> bool {
+        let mut requested = false;
         let may_scan = |session: &Session| scan_blocked_by(session).is_none();
         if self.page.latest.with_value(may_scan) {
-            let mut requested = false;
             self.change_ids(|ids| requested = ids.request_more());
             if requested {
                 self.page.command(Command::FullScan);
             }
         }
+        requested
     }
 
     /// The user has confirmed the ID change.
@@ -104,12 +123,12 @@ impl Ids {
         }
     }
 
-    pub(crate) fn give_up(self) {
+    fn give_up(self) {
         self.change_ids(IdManager::give_up);
     }
 
     /// The port is closed or lost.
-    pub(crate) fn disconnected(self) {
+    fn disconnected(self) {
         self.change_ids(IdManager::disconnected);
         self.page
             .notices
@@ -117,7 +136,7 @@ impl Ids {
     }
 
     /// Handles notices about scans and ID changes.
-    pub(crate) fn notice(self, notice: &Notice) {
+    fn notice(self, notice: &Notice) {
         self.change_ids(|ids| ids.on_notice(notice));
         if let Notice::IdChangeEnded {
             to,
@@ -133,7 +152,7 @@ impl Ids {
     }
 
     /// Updates the job of the bus, after all notices of one message.
-    pub(crate) fn check_scan(self) {
+    fn check_scan(self) {
         self.page.latest.with_value(|session| {
             let job = session.job.as_ref();
             self.manager.maybe_update(|ids| ids.update(job));

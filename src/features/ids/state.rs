@@ -12,6 +12,7 @@ use motorlink_messages::{
 };
 
 use crate::model::{
+    id_progress::{End, IdProgress},
     notice_board::{NoticeText, Remedy, Tone, Topic},
     notice_texts,
     page::IdChange,
@@ -48,6 +49,8 @@ pub(crate) struct IdManager {
     more: Option<(AssignableId, SetIdFrames)>,
     /// The motors found by the last full scan.
     found: Vec<MotorId>,
+    /// How the last scan or change ended, for other features.
+    end: Option<End>,
 }
 
 impl IdManager {
@@ -56,6 +59,7 @@ impl IdManager {
         self.stage = Stage::None;
         self.result = None;
         self.more = None;
+        self.end = None;
     }
 
     /// Requests this ID for the only motor. The caller has to start a full scan.
@@ -75,6 +79,7 @@ impl IdManager {
     fn begin(&mut self, to: AssignableId, frames: SetIdFrames) {
         self.result = None;
         self.more = None;
+        self.end = None;
         self.stage = Stage::Proving {
             to,
             frames,
@@ -132,12 +137,20 @@ impl IdManager {
                     IdChangeOutcome::Kept { frames } => frames.more().map(|more| (*to, more)),
                     _ => None,
                 };
+                self.end = Some(match outcome {
+                    IdChangeOutcome::Changed => End::Scanned {
+                        motors: self.found.clone(),
+                    },
+                    IdChangeOutcome::Kept { .. } => End::Kept,
+                    _ => End::Failed,
+                });
                 self.result = Some(scan_texts::of_id_change(*from, *to, *outcome));
             }
             Notice::Refused { command, .. } | Notice::TooLate(command)
                 if scan_texts::is_survey(*command) =>
             {
                 self.stage = Stage::None;
+                self.end = Some(End::Failed);
                 self.result = notice_texts::of_notice(notice);
             }
             Notice::StopBegan(reason) if concerns_all(*reason) => self.give_up(),
@@ -165,6 +178,13 @@ impl IdManager {
         };
         self.stage = Stage::None;
         self.result = Some(result);
+        self.end = Some(if report.complete && report.noisy.is_empty() {
+            End::Scanned {
+                motors: report.found.clone(),
+            }
+        } else {
+            End::Failed
+        });
     }
 
     /// Updates the job of the bus, after all notices of the same message. Returns whether that changed
@@ -219,6 +239,16 @@ impl IdManager {
     pub(crate) fn offers_full_scan(&self) -> bool {
         let remedy = self.result.as_ref().and_then(|said| said.remedy);
         remedy == Some(Remedy::FullScan)
+    }
+
+    /// What another feature sees of the last scan or change.
+    pub(crate) fn progress(&self) -> IdProgress {
+        IdProgress {
+            is_changing: self.stage != Stage::None,
+            end: self.end.clone(),
+            message: self.message(),
+            more: self.offers_more(),
+        }
     }
 
     /// The motors found by the last full scan.

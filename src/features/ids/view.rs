@@ -20,6 +20,7 @@ use crate::{
     },
     ui::{
         button::PressButton,
+        drawer::Drawer,
         list::replace_keeping_focus,
         number_field::NumberField,
         reactive::{dynamic, effect, handler, memo},
@@ -105,7 +106,18 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                             label=Signal::derive(send_more)
                             hint=tr!("Scans, then asks to confirm")
                             disabled_reason=blocked
-                            on_press=move || ids.set_id_with_more()
+                            on_press=move || {
+                            ids.set_id_with_more();
+                        }
+                        />
+                    </div>
+                    // In the same place, which is free until then.
+                    <div hidden=dynamic(move || more.get().is_some())>
+                        <PressButton
+                            label=tr!("ID wizard")
+                            class="button small"
+                            hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
+                            on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
                         />
                     </div>
                 </div>

@@ -176,7 +176,17 @@ impl Judge {
         self.screen("Stopped")?;
         self.click("button", "Release")?;
         self.click("button", "Disconnect")?;
+        self.wheel_setup()?;
         self.question()
+    }
+
+    /// The first step, which has all kinds of controls that the others have.
+    fn wheel_setup(&mut self) -> Result<()> {
+        self.click("tab", "ID Manager")?;
+        self.click("button", "ID wizard")?;
+        self.page.find("button", translated("Set the IDs"))?;
+        self.screen("ID wizard")?;
+        self.click("button", "Close the panel")
     }
 
     /// The doctor has found something, and what is known of the motor is old.

@@ -34,3 +34,4 @@ mod unplugging;
 mod virtual_motors;
 mod wall_clock;
 mod watching;
+mod wheel_setup;

@@ -1,0 +1,82 @@
+use motorlink_messages::bus::SetIdFrames;
+
+use super::*;
+use crate::features::wheel_setup::wheel::Layout;
+
+fn of(setup: &Setup, blocked: &Blocked) -> String {
+    controls(setup, blocked, Model::Ddsm400)
+}
+
+#[test]
+fn every_step_marks_its_place_and_offers_the_way_on() {
+    for (step, place, value) in [
+        (Step::Wheels, "Wheels", "set-ids"),
+        (Step::Id(1), "IDs", "find"),
+        (Step::Label(1), "IDs", "next"),
+        (Step::Check, "Bus", "check"),
+        (Step::Spin, "Direction", "spin-1"),
+        (Step::Done, "Direction", "drive"),
+    ] {
+        let setup = Setup::at(step, Layout::Two.wheels());
+        let marked = format!("<li aria-current=\"step\">{place}</li>");
+        assert!(head(&setup).contains(&marked), "{step:?}");
+        let html = of(&setup, &Blocked::default());
+        assert!(html.contains(&format!("value=\"{value}\"")), "{html}");
+    }
+}
+
+#[test]
+fn a_scan_that_cannot_begin_says_why_and_one_of_this_panel_can_be_ended() {
+    let mut setup = Setup::at(Step::Id(0), Layout::Two.wheels());
+    let blocked = Blocked {
+        scan: Some("Not connected.".to_owned()),
+        ..Blocked::default()
+    };
+    let html = of(&setup, &blocked);
+    assert_eq!(html.matches("Not connected.").count(), 2, "{html}");
+    assert!(!html.contains("value=\"cancel\""));
+    setup.act = Act::Finding;
+    let html = of(&setup, &blocked);
+    assert!(html.contains("value=\"cancel\""), "{html}");
+    assert_eq!(
+        html.matches(" disabled").count(),
+        3,
+        "find, back, skip: {html}"
+    );
+}
+
+#[test]
+fn more_frames_are_offered_to_a_motor_that_kept_its_id_only() {
+    let mut setup = Setup::at(Step::Id(0), Layout::Two.wheels());
+    assert!(!of(&setup, &Blocked::default()).contains("frames"));
+    setup.said = Said::Kept(Some(SetIdFrames::Ten));
+    assert!(of(&setup, &Blocked::default()).contains("Send 10 frames"));
+    setup.said = Said::Kept(None);
+    assert!(!of(&setup, &Blocked::default()).contains("frames"));
+}
+
+#[test]
+fn the_label_names_the_id_and_the_model() {
+    let html = of(
+        &Setup::at(Step::Label(1), Layout::Two.wheels()),
+        &Blocked::default(),
+    );
+    assert!(html.contains("Label it 0x02"), "{html}");
+    assert!(html.contains("DDSM400"), "{html}");
+    assert!(html.contains("Labelled: check all"), "the last one: {html}");
+}
+
+#[test]
+fn nothing_but_the_answers_is_offered_while_it_asks() {
+    let mut setup = Setup::at(Step::Spin, Layout::Four.wheels());
+    setup.act = Act::Answering {
+        wheel: 2,
+        other: false,
+    };
+    let html = of(&setup, &Blocked::default());
+    for answer in ["right", "backwards", "other", "nothing"] {
+        assert!(html.contains(&format!("value=\"{answer}\"")), "{html}");
+    }
+    // The three other wheels, and Finish.
+    assert_eq!(html.matches(" disabled").count(), 4, "{html}");
+}

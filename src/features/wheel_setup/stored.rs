@@ -1,0 +1,165 @@
+//! The progress as text: the step, then one line per wheel.
+//!
+//! ```text
+//! id 1
+//! 1   left   yes  no  Front left
+//! 2   right  no   no  Front right
+//! ```
+//!
+//! Between the columns are tabs: ID, side, whether the motor has the ID, whether the wheel is right, name. A text that
+//! is not exactly so gives a fresh start.
+
+use std::fmt::Write;
+
+use crate::{
+    features::wheel_setup::{
+        state::{Setup, Step},
+        wheel::{WHEELS_MAX, Wheel, problem},
+    },
+    model::{
+        names_and_sides::{NameAndSide, Side},
+        preferences::{remember, remembered},
+    },
+};
+
+/// The storage key.
+const STORED_AS: &str = "wheel-setup";
+
+/// The progress as text.
+pub(crate) fn to_text(setup: &Setup) -> String {
+    let mut text = match setup.step {
+        Step::Wheels => "wheels\n".to_owned(),
+        Step::Id(place) => format!("id {place}\n"),
+        Step::Label(place) => format!("label {place}\n"),
+        Step::Check => "check\n".to_owned(),
+        Step::Spin => "spin\n".to_owned(),
+        Step::Done => "done\n".to_owned(),
+    };
+    let yes = |is: bool| if is { "yes" } else { "no" };
+    for wheel in &setup.wheels {
+        let (id, side, name) = (wheel.id, wheel.side.key(), &wheel.name);
+        let (has_id, is_right) = (yes(wheel.has_id), yes(wheel.is_right));
+        let _ = writeln!(text, "{id}\t{side}\t{has_id}\t{is_right}\t{name}");
+    }
+    text
+}
+
+/// The progress of this text; `None` unless it is one that [`to_text`] makes.
+pub(crate) fn from_text(text: &str) -> Option<Setup> {
+    let mut lines = text.lines();
+    let step = lines.next()?;
+    let wheels: Vec<Wheel> = lines.map(wheel).collect::<Option<_>>()?;
+    let place = |number: &str| {
+        let place: usize = number.parse().ok()?;
+        (place < wheels.len()).then_some(place)
+    };
+    let step = match step.split_once(' ') {
+        Some(("id", number)) => Step::Id(place(number)?),
+        Some(("label", number)) => Step::Label(place(number)?),
+        Some(_) => return None,
+        None => match step {
+            "wheels" => Step::Wheels,
+            "check" => Step::Check,
+            "spin" => Step::Spin,
+            "done" => Step::Done,
+            _ => return None,
+        },
+    };
+    let is_bounded = wheels.len() <= WHEELS_MAX;
+    let is_valid = step == Step::Wheels || problem(&wheels).is_none();
+    (is_bounded && is_valid).then(|| Setup::at(step, wheels))
+}
+
+fn wheel(line: &str) -> Option<Wheel> {
+    let mut parts = line.splitn(5, '\t');
+    let id: u8 = parts.next()?.parse().ok()?;
+    let side = Side::from_key(parts.next()?)?;
+    let mut yes = || match parts.next()? {
+        "yes" => Some(true),
+        "no" => Some(false),
+        _ => None,
+    };
+    let (has_id, is_right) = (yes()?, yes()?);
+    let name = parts.next()?;
+    NameAndSide::is_name(name).then(|| Wheel {
+        has_id,
+        is_right,
+        ..Wheel::new(name, side, id.into())
+    })
+}
+
+/// Loads what this browser has stored, or starts afresh.
+pub(crate) fn load() -> Setup {
+    let stored = remembered(STORED_AS);
+    stored.and_then(|text| from_text(&text)).unwrap_or_default()
+}
+
+/// Stores it in this browser.
+pub(crate) fn save(setup: &Setup) {
+    remember(STORED_AS, &to_text(setup));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::features::wheel_setup::wheel::Layout;
+
+    #[test]
+    fn every_step_comes_back_as_it_was() {
+        let mut wheels = Layout::Four.wheels();
+        wheels[0].has_id = true;
+        wheels[2].is_right = true;
+        wheels[3].name = "Größe <b>".to_owned();
+        for step in [
+            Step::Wheels,
+            Step::Id(0),
+            Step::Id(3),
+            Step::Label(2),
+            Step::Check,
+            Step::Spin,
+            Step::Done,
+        ] {
+            let setup = Setup::at(step, wheels.clone());
+            assert_eq!(from_text(&to_text(&setup)), Some(setup));
+        }
+    }
+
+    #[test]
+    fn what_is_being_entered_comes_back_though_it_is_not_valid_yet() {
+        let mut wheels = Layout::Two.wheels();
+        wheels[0].name.clear();
+        wheels[1].id = 0;
+        let setup = Setup::at(Step::Wheels, wheels.clone());
+        assert_eq!(from_text(&to_text(&setup)), Some(setup));
+        // No step follows it.
+        assert_eq!(from_text(&to_text(&Setup::at(Step::Check, wheels))), None);
+    }
+
+    #[test]
+    fn bad_data_gives_a_fresh_start() {
+        let good = to_text(&Setup::at(Step::Id(1), Layout::Two.wheels()));
+        assert!(from_text(&good).is_some());
+        let many = format!("wheels\n{}", "1\tleft\tno\tno\tx\n".repeat(17));
+        for text in [
+            "",
+            "\u{0}",
+            "id\n",
+            "id 0\n",
+            "check\n",
+            &many,
+            &good.replace("id 1", "id 2"),
+            &good.replace("id 1", "id -1"),
+            &good.replace("id 1", "jump 1"),
+            &good.replace("\tleft", "\tup"),
+            &good.replace("1\tleft", "256\tleft"),
+            &good.replace("1\tleft", "200\tleft"),
+            &good.replace("2\tright", "1\tright"),
+            &good.replace("\tno\tno", "\tno"),
+            &good.replace("\tno\tno", "\tperhaps\tno"),
+            &good.replace("Left wheel", "A name with too many characters"),
+            &format!("{good}\n"),
+        ] {
+            assert_eq!(from_text(text), None, "{text:?}");
+        }
+    }
+}
