@@ -255,15 +255,15 @@ impl Motor {
         self.separate.unanswered(may_be_off);
     }
 
-    /// Whether this cannot be a reply after what the motor has just reported: its temperature has jumped or, if the
-    /// frame may be an echo, its angle is back at zero.
-    pub(crate) fn contradicts(&self, now: Instant, reading: &Reading, may_be_echo: bool) -> bool {
+    /// Whether a frame that may be an echo cannot be a reply after what the motor has just reported: its temperature
+    /// has jumped, or its angle is back at zero.
+    pub(crate) fn contradicts(&self, now: Instant, reading: &Reading) -> bool {
         match reading {
             Reading::Drive(reading) => self.temperature.is_some_and(|(at, before)| {
                 let jump = before.degrees().abs_diff(reading.temperature.degrees());
                 jump > TEMPERATURE_JUMP && now.since(at) < FRESH_FOR
             }),
-            Reading::Odometry(_) => may_be_echo && self.separate.is_far_from_zero(now),
+            Reading::Odometry(_) => self.separate.is_far_from_zero(now),
             Reading::Combined(_) | Reading::Mode(_) => false,
         }
     }

@@ -78,13 +78,11 @@ impl Bus {
                         continue;
                     }
                     let motor = self.motors.iter().find(|motor| motor.id == id);
-                    let is_echo = received.frame == exchange.frame;
-                    if motor.is_some_and(|motor| motor.contradicts(now, &received.reading, is_echo))
+                    if received.frame == exchange.frame
+                        && motor.is_some_and(|motor| motor.contradicts(now, &received.reading))
                     {
-                        // An echo that the adapter has held, or a good CRC by chance.
-                        if is_echo {
-                            self.receiver.echo_came();
-                        }
+                        // An echo that the adapter has held: the reply is still to come.
+                        self.receiver.echo_came();
                         continue;
                     }
                     self.line = Line::Free {
