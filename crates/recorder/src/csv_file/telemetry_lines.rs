@@ -4,14 +4,14 @@
 //! |---|---|
 //! | `timestamp` | ISO 8601, UTC, to the millisecond |
 //! | `motor_id` | 1-254 |
-//! | `mode` | `Current`, `Velocity` or `Position` |
+//! | `mode` | `Open loop`, `Current`, `Velocity` or `Position` |
 //! | `speed_rpm` | signed |
 //! | `current_a` | signed, three decimals |
 //! | `temp_c` | only in replies to a feedback query |
 //! | `position_deg` | two decimals in replies to a drive frame, one decimal in replies to a query, by their resolution; empty if the request is uncertain |
 //! | `error_code` | byte 8, `0x00` |
 //! | `error_str` | `OK`, or names with <code> &#124; </code> between |
-//! | `raw_hex` | the ten bytes |
+//! | `raw_hex` | the ten bytes; of a DDSM210 and a DDSM400 the same values in a frame of a DDSM115, because samples have its units. The packet log has the bytes of the wire |
 
 use motorlink_protocol::{Current, Detail, Faults, Mode, Reply, Rpm, Scaled};
 
