@@ -16,8 +16,11 @@ const ALL: u8 = 0xC8;
 
 /// The same actions for motors of this model.
 pub(crate) fn in_terms_of(model: Model, actions: Vec<Action>) -> Vec<Action> {
-    let actions = actions.into_iter().enumerate();
-    let actions = actions.map(|(place, action)| action_for(model, place, action));
+    // The same in a whole scenario: a switch and the setpoints behind it belong together.
+    let is_open =
+        model.has(Mode::OpenLoop) && (!model.has(Mode::Current) || actions.len().is_multiple_of(2));
+    let actions = actions.into_iter();
+    let actions = actions.map(|action| action_for(model, is_open, action));
     let actions: Vec<_> = actions.collect();
     if model.replies_look_like_requests() {
         with_an_echo_from_the_start(actions)
@@ -40,10 +43,10 @@ fn with_an_echo_from_the_start(actions: Vec<Action>) -> Vec<Action> {
     first.into_iter().chain(others).collect()
 }
 
-/// The same action for motors of this model. `place` is its place in the scenario.
-fn action_for(model: Model, place: usize, action: Action) -> Action {
+/// The same action for motors of this model. `is_open` if the open loop takes the place of the current loop.
+fn action_for(model: Model, is_open: bool, action: Action) -> Action {
     match action {
-        Action::Command(given) => Action::Command(command(model, place, given)),
+        Action::Command(given) => Action::Command(command(model, is_open, given)),
         Action::WorkerAbsent {
             cause,
             duration,
@@ -54,7 +57,7 @@ fn action_for(model: Model, place: usize, action: Action) -> Action {
                     command: given,
                     age,
                 } => PendingInput::Command {
-                    command: command(model, place, given),
+                    command: command(model, is_open, given),
                     age,
                 },
                 other => other,
@@ -69,7 +72,7 @@ fn action_for(model: Model, place: usize, action: Action) -> Action {
     }
 }
 
-fn command(model: Model, place: usize, given: Command) -> Command {
+fn command(model: Model, is_open: bool, given: Command) -> Command {
     match given {
         Command::Drive {
             id,
@@ -77,7 +80,7 @@ fn command(model: Model, place: usize, given: Command) -> Command {
             consent,
         } => Command::Drive {
             id,
-            setpoint: setpoint(model, place, asked),
+            setpoint: setpoint(model, is_open, asked),
             consent,
         },
         Command::Adjust {
@@ -86,27 +89,27 @@ fn command(model: Model, place: usize, given: Command) -> Command {
             consent,
         } => Command::Adjust {
             id,
-            setpoint: setpoint(model, place, asked),
+            setpoint: setpoint(model, is_open, asked),
             consent,
         },
         Command::DriveGroup { setpoints, consent } => Command::DriveGroup {
-            setpoints: group(model, place, setpoints),
+            setpoints: group(model, is_open, setpoints),
             consent,
         },
         Command::AdjustGroup { setpoints, consent } => Command::AdjustGroup {
-            setpoints: group(model, place, setpoints),
+            setpoints: group(model, is_open, setpoints),
             consent,
         },
         Command::SwitchMode { id, mode: asked } => Command::SwitchMode {
             id,
-            mode: mode(model, place, asked),
+            mode: mode(is_open, asked),
         },
         Command::SendRaw {
             frame: drawn,
             repeat,
             consent,
         } => Command::SendRaw {
-            frame: frame(model, place, drawn),
+            frame: frame(model, is_open, drawn),
             repeat,
             consent,
         },
@@ -114,26 +117,24 @@ fn command(model: Model, place: usize, given: Command) -> Command {
     }
 }
 
-fn group(model: Model, place: usize, setpoints: GroupSetpoints) -> GroupSetpoints {
+fn group(model: Model, is_open: bool, setpoints: GroupSetpoints) -> GroupSetpoints {
     let entries = setpoints.entries();
     let entries: Vec<_> = entries
-        .map(|(id, asked)| (id, setpoint(model, place, asked)))
+        .map(|(id, asked)| (id, setpoint(model, is_open, asked)))
         .collect();
     GroupSetpoints::new(&entries).unwrap_or(setpoints)
 }
 
-/// The open loop takes the place of a current loop that the model does not have; of one that it has, every other
-/// time.
-fn mode(model: Model, place: usize, asked: Mode) -> Mode {
-    let is_open =
-        model.has(Mode::OpenLoop) && (!model.has(Mode::Current) || !place.is_multiple_of(2));
+/// The open loop takes the place of a current loop that the model does not have; of one that it has, in every other
+/// scenario.
+fn mode(is_open: bool, asked: Mode) -> Mode {
     match asked {
         Mode::Current if is_open => Mode::OpenLoop,
         other => other,
     }
 }
 
-fn setpoint(model: Model, place: usize, asked: Setpoint) -> Setpoint {
+fn setpoint(model: Model, is_open: bool, asked: Setpoint) -> Setpoint {
     let rpm_max = i32::from(model.spec().speed_rpm_max);
     match asked {
         Setpoint::Velocity {
@@ -143,7 +144,7 @@ fn setpoint(model: Model, place: usize, asked: Setpoint) -> Setpoint {
             speed: SpeedTarget::clamped(i32::from(speed.rpm()).clamp(-rpm_max, rpm_max)),
             acceleration,
         },
-        Setpoint::Current(current) if mode(model, place, Mode::Current) == Mode::OpenLoop => {
+        Setpoint::Current(current) if is_open => {
             Setpoint::OpenLoop(OpenLoopTarget::nearest(current.raw()))
         }
         other => other,
@@ -151,14 +152,14 @@ fn setpoint(model: Model, place: usize, asked: Setpoint) -> Setpoint {
 }
 
 /// A well-formed frame as the model has it; any other as it was drawn.
-fn frame(model: Model, place: usize, drawn: Frame) -> Frame {
+fn frame(model: Model, is_open: bool, drawn: Frame) -> Frame {
     if !model.has_separate_frames() {
         return drawn;
     }
     let &[to, command, high, low, _, _, acceleration, brake, _, last] = drawn.bytes();
     match Combined::parse(&drawn) {
         Ok(Combined::SwitchMode { id, mode: asked }) => {
-            let asked = mode(model, place, asked);
+            let asked = mode(is_open, asked);
             let switch = Request::SwitchMode { id, mode: asked };
             switch.frame(model).unwrap_or(drawn)
         }

@@ -94,7 +94,9 @@ impl Bounds {
     pub(super) fn moved(&mut self, world: &World) {
         for motor in world.motors() {
             let torque = &mut self.motors.entry(motor.id()).or_default().torque;
-            let obeyed = motor.obeyed().filter(|_| motor.mode() == Mode::Current);
+            // Without a controller a torque reverses as in the current loop.
+            let has_torque = matches!(motor.mode(), Mode::Current | Mode::OpenLoop);
+            let obeyed = motor.obeyed().filter(|_| has_torque);
             *torque = match (*torque, obeyed.map(|(_, drive)| drive.signed())) {
                 // A coasting wheel has no torque to reverse.
                 (_, None) => Torque::None,
