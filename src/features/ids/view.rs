@@ -60,7 +60,7 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
         Tab::IdManager.key(),
         move || ids.page.loops.tab.get() != Tab::IdManager,
         view! {
-            <div class="button-row three" class:offers-full-scan=offers_full_scan>
+            <div class="button-row four" class:offers-full-scan=offers_full_scan>
                 <PressButton
                     label=tr!("Scan")
                     hint=tr!("One query to all motors: enough for a single motor")
@@ -78,6 +78,11 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                     label=tr!("Cancel")
                     disabled_reason=cancel_blocked_by
                     on_press=move || ids.cancel_scan()
+                />
+                <PressButton
+                    label=tr!("ID wizard")
+                    hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
+                    on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
                 />
             </div>
             <Progress />
@@ -109,15 +114,6 @@ pub(crate) fn IdManagerTab(ids: Ids) -> impl IntoView {
                             on_press=move || {
                             ids.set_id_with_more();
                         }
-                        />
-                    </div>
-                    // In the same place, which is free until then.
-                    <div hidden=dynamic(move || more.get().is_some())>
-                        <PressButton
-                            label=tr!("ID wizard")
-                            class="button small"
-                            hint=tr!("IDs, names and sides of a rover's wheels, one motor after the other")
-                            on_press=move || page.drawer.set(Some(Drawer::WheelSetup))
                         />
                     </div>
                 </div>

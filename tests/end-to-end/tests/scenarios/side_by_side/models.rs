@@ -247,7 +247,7 @@ fn limited(scenario: &mut Scenario) -> Result<()> {
     })?;
     wait_for_speed(page, 0..=0)?;
     page.fill("spinbutton", "Speed limit", "200")?;
-    page.press("Escape")
+    page.click("button", "Close the panel")
 }
 
 /// A scan finds the motor, and it takes another ID.

@@ -34,8 +34,11 @@ const LOST: &str = "(() => {
     const dialog = document.querySelector('.scrim:not([hidden]) :is([role=dialog], [role=alertdialog]), .drawer:not([hidden])');
     for (const place of [dialog, document.querySelector('.stopped')])
         if (place && is_shown(place) && place.getBoundingClientRect().top < 0) lost.push(`begins above the window: ${name(place)}`);
+    // What lies under the dialog Stopped drives nothing until Release.
+    const stopped = document.querySelector('.stopped');
+    const open = stopped && is_shown(stopped) ? stopped : dialog ?? document;
     const controls = 'button, input:not([type=file]), select, textarea, a[href], summary, [tabindex=\"0\"]';
-    for (const control of (dialog ?? document).querySelectorAll(controls)) {
+    for (const control of open.querySelectorAll(controls)) {
         if (!is_shown(control) || control.disabled && control.tagName === 'OPTION') continue;
         const target = control.matches('.edit-name') ? control : control.closest('label, .language, .motor-chip') ?? control;
         target.scrollIntoView({ block: 'center', inline: 'center' });
