@@ -7,6 +7,7 @@ mod contract;
 mod fake_recorder;
 mod graph;
 mod help;
+mod id_wizard;
 mod instruments;
 mod keyboard;
 mod language;
@@ -26,6 +27,5 @@ mod together;
 mod tools;
 mod truth;
 mod virtual_motors;
-mod wheel_setup;
 
 wasm_bindgen_test::wasm_bindgen_test_configure!(run_in_browser);
