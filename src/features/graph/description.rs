@@ -1,5 +1,6 @@
 //! The text that describes the graph for screen readers.
 
+use leptos::prelude::GetUntracked;
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::Instant;
 use web_sys::Element;
@@ -58,15 +59,16 @@ impl Description {
             let time = ticks::time_of_day(day_us / 1_000, 1_000);
             tr!("At {time}", time)
         };
+        let model = chart.page.model.get_untracked();
         self.text.set(match subject {
             Subject::Motor { id, mirror, traces } => {
-                let values = |track| crosshair::values(track, *mirror, at);
+                let values = |track| crosshair::values(track, *mirror, model, at);
                 let values = history.track(*id).map(values);
                 let when = marked(when, *mirror);
                 texts::sentence(&when, values.as_ref(), *traces)
             }
             Subject::Compared(comparison) => {
-                let motors = crosshair::compared(history, comparison, at);
+                let motors = crosshair::compared(history, comparison, model, at);
                 let named = motors
                     .into_iter()
                     .map(|(_, id, value)| (chart.motor_name(id), value));

@@ -1,6 +1,7 @@
 //! The values at the crosshair.
 
-use motorlink_messages::protocol::Instant;
+use leptos::prelude::GetUntracked;
+use motorlink_messages::protocol::{Instant, family::Model};
 
 use crate::{
     features::graph::{
@@ -52,7 +53,8 @@ impl Stage {
             Subject::Motor { mirror, .. } => marked(when, *mirror),
             Subject::Compared(_) => when,
         };
-        let values = values_at(history, subject, Instant::from_micros(at_us));
+        let model = chart.page.model.get_untracked();
+        let values = values_at(history, subject, model, Instant::from_micros(at_us));
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
         let x = self.layout.x(column);
         self.overlay.show(x, when, values, by_keys);
@@ -60,17 +62,22 @@ impl Stage {
 }
 
 /// The values at a time.
-fn values_at(history: &History, subject: &Subject, at: Instant) -> Vec<CrosshairValue> {
+fn values_at(
+    history: &History,
+    subject: &Subject,
+    model: Model,
+    at: Instant,
+) -> Vec<CrosshairValue> {
     match subject {
         Subject::Motor { id, mirror, traces } => {
-            let values = |track| crosshair::values(track, *mirror, at);
+            let values = |track| crosshair::values(track, *mirror, model, at);
             let values = history.track(*id).map(values);
             let values = values.unwrap_or_default();
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
             on.map(|trace| CrosshairValue::Trace(trace, values.text(trace)))
                 .collect()
         }
-        Subject::Compared(comparison) => crosshair::compared(history, comparison, at)
+        Subject::Compared(comparison) => crosshair::compared(history, comparison, model, at)
             .into_iter()
             .map(|(place, _, value)| CrosshairValue::Motor(place, value))
             .collect(),

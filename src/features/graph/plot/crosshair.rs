@@ -1,7 +1,9 @@
 //! The values at one moment: the nearest reply of each trace.
 
 use motorlink_i18n::terms::in_language;
-use motorlink_messages::protocol::{Celsius, Current, Instant, MotorId, Rpm, Setpoint};
+use motorlink_messages::protocol::{
+    Celsius, Current, Instant, MotorId, Rpm, Setpoint, family::Model,
+};
 
 use crate::{
     features::graph::plot::{comparison::Comparison, trace::Trace},
@@ -19,6 +21,7 @@ const NEAR_US: u64 = 500_000;
 /// The values at a moment.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub(crate) struct Values {
+    pub(crate) model: Model,
     pub(crate) speed: Option<Rpm>,
     pub(crate) current: Option<Current>,
     pub(crate) goal: Option<Setpoint>,
@@ -29,9 +32,10 @@ pub(crate) struct Values {
 
 /// The values of the nearest replies to a moment. Some replies contain a fine angle and others a temperature, so the
 /// nearest reply is searched for each value.
-pub(crate) fn values(track: &Track, mirror: Mirror, at: Instant) -> Values {
+pub(crate) fn values(track: &Track, mirror: Mirror, model: Model, at: Instant) -> Values {
     let reported = nearest(track, at, Some);
     Values {
+        model,
         speed: reported.map(|point| mirror.speed(point.speed)),
         current: reported.map(|point| mirror.current(point.current)),
         goal: track.goal_at(at).map(|goal| mirror.setpoint(goal)),
@@ -44,10 +48,11 @@ pub(crate) fn values(track: &Track, mirror: Mirror, at: Instant) -> Values {
 pub(crate) fn compared(
     history: &History,
     comparison: &Comparison,
+    model: Model,
     at: Instant,
 ) -> Vec<(usize, MotorId, String)> {
     let motors = comparison.motors().filter_map(|(place, id, mirror)| {
-        let values = values(history.track(id)?, mirror, at);
+        let values = values(history.track(id)?, mirror, model, at);
         Some((place, id, values.text(comparison.trace)))
     });
     motors.collect()
@@ -79,7 +84,9 @@ impl Values {
     pub(crate) fn text(&self, trace: Trace) -> String {
         let text = match trace {
             Trace::Speed => self.speed.map(format::speed_in_rpm),
-            Trace::Current => self.current.map(|it| format!("{} A", format::current(it))),
+            Trace::Current => self
+                .current
+                .map(|it| format!("{} {}", format::current(it), trace.unit(self.model))),
             Trace::Goal => self.goal.map(format::goal),
             Trace::Temperature => self.temperature.map(|it| format!("{} °C", it.degrees())),
             Trace::Position => self.angle.map(|it| in_language(format::fixed(it, 1) + "°")),
@@ -129,6 +136,7 @@ mod tests {
         values(
             history.track(ID).unwrap(),
             Mirror::Straight,
+            Model::Ddsm115,
             Instant::from_millis(at_ms),
         )
     }
@@ -165,7 +173,14 @@ mod tests {
         let late = vec![sample(other, 1_900, -7)];
         history.take(&update(1_900, late, vec![]));
         let comparison = Comparison::new(Trace::Speed, &history, &names, ID);
-        let at = |at_ms| compared(&history, &comparison, Instant::from_millis(at_ms));
+        let at = |at_ms| {
+            compared(
+                &history,
+                &comparison,
+                Model::Ddsm115,
+                Instant::from_millis(at_ms),
+            )
+        };
         let words = |first: &str, second: &str| {
             vec![(0, ID, first.to_owned()), (1, other, second.to_owned())]
         };
@@ -177,5 +192,12 @@ mod tests {
     fn values_are_read_with_their_units() {
         let texts = Trace::ALL.map(|trace| at(1_060).text(trace));
         assert_eq!(texts, ["+40 rpm", "+0.01 A", "–", "31 °C", "72.0°"]);
+    }
+
+    #[test]
+    fn a_current_whose_scale_is_uncertain_is_marked() {
+        let model = Model::Ddsm210;
+        let values = Values { model, ..at(1_060) };
+        assert_eq!(values.text(Trace::Current), "+0.01 A ?");
     }
 }
