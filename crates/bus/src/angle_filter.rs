@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_was_ever_owed_every_angle_is_believed() {
+    fn where_no_reply_was_ever_missing_every_angle_is_believed() {
         let by_hand = [(0, 0.0, 0), (100, 170.0, 0), (200, 340.0, 0)];
         assert_eq!(follow(&by_hand, true), [true, true, true]);
     }

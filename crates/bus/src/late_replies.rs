@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_owed_is_not_forgotten_for_a_smaller_debt() {
+    fn five_missing_replies_are_not_forgotten_when_one_more_is_missing() {
         let mut late = LateReplies::default();
         late.unanswered(Layout::Drive, at(0), 5);
         late.replied();
@@ -199,7 +199,7 @@ mod tests {
 
     /// Each request meets the reply to the one before it.
     #[test]
-    fn one_that_was_met_by_another_is_owed_as_long() {
+    fn a_reply_to_the_request_before_does_not_end_the_wait() {
         let mut late = LateReplies::default();
         late.unanswered(Layout::Drive, at(0), 1);
         late.replied();
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reply_outside_its_window_is_outstanding_no_more() {
+    fn a_reply_outside_its_window_is_no_longer_outstanding() {
         let mut late = LateReplies::default();
         late.unanswered(Layout::Query, at(0), 1);
         late.unanswered(Layout::Drive, at(9), 2);

@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_is_doubted_where_something_was_owed() {
+    fn the_first_is_doubted_where_a_reply_is_missing() {
         assert_eq!(
             follow(&[(0, 0), (100, 28), (200, 28)], false),
             [false, false, true]

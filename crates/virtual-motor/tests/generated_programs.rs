@@ -118,7 +118,7 @@ fn rpm(motors: &mut Program, id: u8) -> f32 {
     rpm.expect(&state).parse().unwrap()
 }
 
-/// On a machine that is held up, replies come too late for a program, which then rightly stops. So it gets another
+/// On a busy machine, replies come too late for a program, which then rightly stops. So it gets another
 /// attempt, at most three in all.
 fn drives_and_stops(language: &dyn Language) {
     for attempt in 1..ATTEMPTS_MAX {

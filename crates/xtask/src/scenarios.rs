@@ -64,7 +64,7 @@ pub fn command(workspace: &Workspace, browser: &Browser, speed: Speed) -> Comman
     command
 }
 
-/// A browser that draws without a GPU uses more than one core, and a machine that is held up makes a motor late.
+/// A browser that draws without a GPU uses more than one core, and a busy machine makes a motor late.
 fn at_once() -> Result<usize> {
     let cores = thread::available_parallelism().context("counting cores")?;
     Ok((cores.get() / 2).max(1))

@@ -6,7 +6,7 @@ use crate::fixture::{Scenario, assert_quiet_console, rules::the_log_has_it_all, 
 use anyhow::Result;
 use end_to_end::{Frame, now_us};
 
-/// The rate is looked at in slices of this: a machine that is held up makes up for no more than a slice.
+/// The rate is looked at in slices of this: a busy machine makes up for no more than a slice.
 const SLICE: Duration = Duration::from_secs(5);
 
 /// Drive frames a second at the 50 Hz setting. A hidden page's own timers would give one a second, and

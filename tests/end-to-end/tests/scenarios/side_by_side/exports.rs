@@ -132,7 +132,7 @@ fn the_log_is_the_wire(line: Line) -> Result<()> {
         .map(|((_, ms), frame)| (frame.at_us / 1000).cast_signed() - ms.cast_signed())
         .collect();
     offsets.sort_unstable();
-    // Some frames wait where the machine is held up.
+    // Some frames wait on a busy machine.
     let spread = percentile(&offsets, 90).unwrap() - percentile(&offsets, 10).unwrap();
     assert!(
         spread <= 50,

@@ -3,7 +3,8 @@
 use std::{thread, time::Duration};
 
 use crate::fixture::{
-    Scenario, assert_ends_braked, assert_quiet_console, exports::hex, wait_for_speed, wait_for_wire,
+    Scenario, assert_ends_braked, assert_quiet_console, exports::hex, tick, wait_for_speed,
+    wait_for_wire,
 };
 use anyhow::Result;
 use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, retry, wait_until};
@@ -23,7 +24,7 @@ fn type_bytes(page: &Page, text: &str) -> Result<()> {
     page.find("textbox", "Frame bytes")?.type_over(text)
 }
 
-/// Where the machine was held up, an answer comes too late to be one: then it is asked again.
+/// On a busy machine a reply may come too late to be one: then the query is sent again.
 fn press_until_answered(page: &Page) -> Result<String> {
     retry("press Send", PRESSES_MAX, || {
         page.click("button", "Send")?;
@@ -236,7 +237,7 @@ fn a_frame_is_repeated_as_often_as_it_says() -> Result<()> {
     let scenario = in_the_editor()?;
     let page = &scenario.page;
     type_bytes(page, "097400000000000000")?;
-    page.click("checkbox", "Repeat")?;
+    tick(page, "Repeat", true)?;
     page.fill("spinbutton", "Count", "7")?;
     page.fill("spinbutton", "Interval", "30")?;
     let pressed = now_us();

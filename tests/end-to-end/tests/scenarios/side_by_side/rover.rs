@@ -8,7 +8,7 @@ use crate::fixture::{
 use anyhow::{Context, Result};
 use end_to_end::{Line, Page, View, WAIT_MAX, now_us, wait_until};
 
-/// A scan takes longer where the machine is held up.
+/// A scan takes longer on a busy machine.
 const SCAN_MAX: Duration = Duration::from_secs(60);
 
 /// Motors 1 and 3 on the left, 2 and 4 on the right, as this browser has stored it.

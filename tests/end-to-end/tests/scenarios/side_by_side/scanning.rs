@@ -15,8 +15,7 @@ fn in_the_id_manager(line: Line) -> Result<Scenario> {
     Ok(scenario)
 }
 
-/// On a machine that is held up replies come late, windows are long and silent addresses are asked
-/// four times.
+/// On a busy machine replies come late, windows are long and silent addresses are asked four times.
 const SCAN_MAX: Duration = Duration::from_secs(120);
 
 /// Presses Full scan. Where several motors answered at once, a notice offers one, too.
@@ -163,7 +162,7 @@ fn what_is_driven_stands_before_anybody_else_is_asked() -> Result<()> {
 #[test]
 fn a_scan_names_one_motor_and_tells_when_several_answer() -> Result<()> {
     let scenario = in_the_id_manager(Line::with_motors(&[7]))?;
-    on_a_held_up_machine(|| {
+    on_a_busy_machine(|| {
         scenario.page.click("button", "Scan")?;
         let said = scenario
             .page
@@ -192,7 +191,7 @@ fn a_scan_names_one_motor_and_tells_when_several_answer() -> Result<()> {
 /// Enters a new ID, and waits until the question is asked whether it is meant.
 fn propose_id(page: &Page, id: u8) -> Result<()> {
     page.fill("spinbutton", "New ID", &id.to_string())?;
-    on_a_held_up_machine(|| {
+    on_a_busy_machine(|| {
         page.click("button", "Set ID")?;
         wait_until(&format!("an end of the scan for ID {id}"), SCAN_MAX, || {
             if !page.find_all("alertdialog", "Change the ID?")?.is_empty() {
@@ -214,7 +213,7 @@ fn propose_id(page: &Page, id: u8) -> Result<()> {
 
 /// Enters a new ID and agrees to it; what is said then.
 fn set_id(page: &Page, id: u8, wanted: &str) -> Result<()> {
-    on_a_held_up_machine(|| {
+    on_a_busy_machine(|| {
         propose_id(page, id)?;
         page.click("button", &format!("Set ID 0x{id:02X}"))?;
         let ended = |text: &str| text.contains(wanted) || text.contains("not changed");
@@ -227,9 +226,9 @@ fn set_id(page: &Page, id: u8, wanted: &str) -> Result<()> {
     })
 }
 
-/// Does again what a line on a machine that is held up refuses, since replies came late there. A
-/// person would, too: what is said tells so.
-fn on_a_held_up_machine(act: impl FnMut() -> Result<Result<(), String>>) -> Result<()> {
+/// Does again what a line on a busy machine refuses, since replies came late there. A person would, too: the page
+/// says so.
+fn on_a_busy_machine(act: impl FnMut() -> Result<Result<(), String>>) -> Result<()> {
     retry("scan or set an ID", 3, act)
 }
 

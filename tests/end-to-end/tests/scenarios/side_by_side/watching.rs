@@ -3,27 +3,14 @@
 use std::time::Duration;
 
 use crate::fixture::{
-    Scenario, assert_quiet_console, number, open_panel, spin, wait_for_speed, wait_until_enabled,
+    Scenario, assert_quiet_console, number, open_panel, spin, tick, wait_for_speed,
+    wait_until_enabled,
 };
 use anyhow::Result;
 use end_to_end::{Line, Page, WAIT_MAX, wait_until};
 
 /// A stall takes the motor 5 s to notice and as long to forget.
 const STALL_MAX: Duration = Duration::from_secs(40);
-
-fn tick(page: &Page, name: &str, on: bool) -> Result<()> {
-    if page.find("checkbox", name)?.on != on {
-        page.click("checkbox", name)?;
-    }
-    wait_until(&format!("{name:?} to be {on}"), WAIT_MAX, || {
-        let is_on = page.find("checkbox", name)?.on;
-        Ok(if is_on == on {
-            Ok(())
-        } else {
-            Err(format!("{is_on}"))
-        })
-    })
-}
 
 /// Waits until the rows in sight are as they should be, and gives them.
 fn wait_for_packets(page: &Page, wanted: impl Fn(&str) -> bool) -> Result<String> {

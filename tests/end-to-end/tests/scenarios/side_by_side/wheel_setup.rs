@@ -8,7 +8,7 @@ use crate::fixture::{
 use anyhow::Result;
 use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, retry, wait_until};
 
-/// As in the scenarios of scans: on a machine that is held up replies come late.
+/// As in the scenarios of scans: on a busy machine replies come late.
 const SCAN_MAX: Duration = Duration::from_secs(120);
 
 /// Opens the panel again after a reload, with the port.
@@ -86,7 +86,7 @@ fn a_setup_goes_on_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> 
     let forward = |frame: &&Frame| frame.drive_setpoint() == Some(-20);
     assert!(turning.iter().all(forward), "{drives}");
     let lasted_us = turning[turning.len() - 1].at_us - turning[0].at_us;
-    // The page's timer is late on a machine that is held up, and its frames stand 20 ms apart.
+    // The page's timer is late on a busy machine, and its frames stand 20 ms apart.
     assert!((400_000..900_000).contains(&lasted_us), "{lasted_us} us");
     assert_ends_braked(&wire);
     scenario.stays_undriven(Duration::from_millis(500))?;
