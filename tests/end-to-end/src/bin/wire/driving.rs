@@ -3,7 +3,7 @@
 use std::{thread, time::Duration};
 
 use anyhow::Result;
-use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WireLog, now_us};
+use end_to_end::{Adapter, Bench, Line, Page, Usb, View, WAIT_MAX, WireLog, now_us, wait_until};
 
 /// Time in which a visible page finds the frame rate that keeps the wire on time: three steps of three seconds, and
 /// one judgement more.
@@ -23,9 +23,22 @@ pub fn connected(bench: &Bench, line: Line) -> Result<(Adapter, Page)> {
 pub fn spin(page: &Page, hertz: u16) -> Result<()> {
     page.fill("spinbutton", "Command rate", &hertz.to_string())?;
     page.press("Enter")?;
-    page.click("button", "+100")?;
+    press_plus_100(page)?;
     page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
     Ok(())
+}
+
+/// Presses `+100` once it is enabled: a DDSM400 is enabled and switched to the velocity loop first.
+pub fn press_plus_100(page: &Page) -> Result<()> {
+    wait_until("+100 to be enabled", WAIT_MAX, || {
+        let button = page.find("button", "+100")?;
+        Ok(if button.disabled {
+            Err(button.description)
+        } else {
+            Ok(())
+        })
+    })?;
+    page.click("button", "+100")
 }
 
 /// Records the wire for a time, after a second to settle.

@@ -10,25 +10,25 @@ use end_to_end::{
     now_us,
 };
 
-use crate::bare::against_a_bare_loop;
+use crate::{bare::against_a_bare_loop, driving::press_plus_100};
 
-/// Each model with its no-load preset of this measurement: about its nominal speed.
-const MODELS: [(&str, u32, &str); 4] = [
-    ("ddsm115", 115_200, "+100"),
-    ("ddsm315", 115_200, "+100"),
-    ("ddsm210", 115_200, "+100"),
-    ("ddsm400", 38_400, "+100"),
+/// Each model with its baud rate. The preset +100 is about the rated speed of each: 98 to 115 rpm.
+const MODELS: [(&str, u32); 4] = [
+    ("ddsm115", 115_200),
+    ("ddsm315", 115_200),
+    ("ddsm210", 115_200),
+    ("ddsm400", 38_400),
 ];
 const KNOWN_MAX_US: [(u32, u64); 2] = [(115_200, 600_000), (38_400, 1_200_000)];
 const STANDING_MAX_US: u64 = 400_000;
 const TIMES: usize = 5;
 
 pub fn measure(watched: Duration) -> Result<()> {
-    for (model, baud, preset) in MODELS {
+    for (model, baud) in MODELS {
         let mut known = Vec::new();
         let mut stopped = Vec::new();
         for _ in 0..TIMES {
-            let (known_us, stopped_us) = connect_and_stop(model, preset)?;
+            let (known_us, stopped_us) = connect_and_stop(model)?;
             known.push(known_us);
             stopped.push(stopped_us);
         }
@@ -55,7 +55,7 @@ pub fn measure(watched: Duration) -> Result<()> {
 }
 
 /// Time from Connect to the first query after the model is known, and from a stop to its confirmation.
-fn connect_and_stop(model: &str, preset: &str) -> Result<(u64, u64)> {
+fn connect_and_stop(model: &str) -> Result<(u64, u64)> {
     let bench = Bench::start()?;
     let adapter = bench.plug(Line::default().with(&["--model", model]), Usb::default())?;
     let page = bench.open("/")?;
@@ -65,11 +65,7 @@ fn connect_and_stop(model: &str, preset: &str) -> Result<(u64, u64)> {
     page.wait_for_text("status", "Connection", |text| text.contains("1a86:7523"))?;
     let known_us = now_us() - pressed;
     page.wait_for_text("output", "Speed", crate::driving::has_digits)?;
-    if model == "ddsm400" {
-        // It is enabled first.
-        thread::sleep(Duration::from_secs(1));
-    }
-    page.click("button", preset)?;
+    press_plus_100(&page)?;
     page.wait_for_text("output", "Speed", |text| text.contains("100"))?;
     thread::sleep(Duration::from_secs(1));
     let key = page.press_timed("Escape")?;
