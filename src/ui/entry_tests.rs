@@ -63,7 +63,7 @@ fn out_of_range_names_the_range() {
 }
 
 #[test]
-fn somebody_who_is_typing_is_not_told_off() {
+fn unfinished_input_gives_no_error() {
     for text in ["", "-", " + ", "\u{2212}"] {
         assert_eq!(SPEED.read(text), Typed::Unfinished, "{text:?}");
     }

@@ -1,4 +1,4 @@
-//! Every case of a virtual line, played to the doctor.
+//! Every fault of the virtual line and its diagnosis.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ use crate::model::snapshot::Session;
 
 const ID: MotorId = MotorId::FIRST;
 
-/// A bus on a virtual line, and a doctor who looks ten times a second as the page does.
+/// A bus on a virtual line, examined ten times a second as on the page.
 struct RecordedBus {
     now: Instant,
     bus: Bus,
@@ -26,10 +26,10 @@ struct RecordedBus {
 impl RecordedBus {
     /// The line is good at first, as on the page.
     fn new(case: LineCondition) -> Self {
-        let mut clinic = Self::on(World::new(WorldConfig::default()));
-        clinic.run_to(clinic.now + Duration::from_secs(1));
-        clinic.world.set_line_condition(clinic.now, case);
-        clinic
+        let mut bus = Self::on(World::new(WorldConfig::default()));
+        bus.run_to(bus.now + Duration::from_secs(1));
+        bus.world.set_line_condition(bus.now, case);
+        bus
     }
 
     fn on(world: World) -> Self {
@@ -116,7 +116,7 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
             LineCondition::SharedId,
             Verdict::Faulty(vec![Diagnosis::SharedId(ID)]),
         ),
-        // At rest there is nothing to see of it.
+        // At rest this fault has no effect.
         (LineCondition::NoiseGrowsWithSpeed, Verdict::Healthy),
         (
             LineCondition::HoldsBytes,
@@ -127,68 +127,64 @@ fn every_case_of_the_virtual_line_is_diagnosed() {
             Verdict::Faulty(vec![Diagnosis::Stranger]),
         ),
     ] {
-        let mut clinic = RecordedBus::new(case);
+        let mut bus = RecordedBus::new(case);
         // What is lost while the window grows is gone by then, or not counted yet.
         let first = if case == LineCondition::Good { 6 } else { 5 };
         for seconds in [first, 10, 30] {
-            assert_eq!(*clinic.run(seconds), expected, "{case:?}, {seconds} s more");
+            assert_eq!(*bus.run(seconds), expected, "{case:?}, {seconds} s more");
         }
     }
 }
 
 #[test]
 fn noise_that_grows_with_speed_is_told_from_noise() {
-    let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
-    clinic.run(6);
-    clinic.drive(100);
+    let mut bus = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
+    bus.run(6);
+    bus.drive(100);
     let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);
-    assert_eq!(*clinic.run(6), grows);
-    assert_eq!(*clinic.run(30), grows);
+    assert_eq!(*bus.run(6), grows);
+    assert_eq!(*bus.run(30), grows);
 }
 
 #[test]
-fn a_driven_motor_on_a_good_line_is_well() {
-    let mut clinic = RecordedBus::new(LineCondition::Good);
-    assert_eq!(*clinic.run(1), Verdict::TooLittle);
-    clinic.run(5);
-    clinic.drive(100);
-    assert_eq!(*clinic.run(20), Verdict::Healthy);
+fn a_driven_motor_on_a_good_line_is_healthy() {
+    let mut bus = RecordedBus::new(LineCondition::Good);
+    assert_eq!(*bus.run(1), Verdict::TooLittle);
+    bus.run(5);
+    bus.drive(100);
+    assert_eq!(*bus.run(20), Verdict::Healthy);
 }
 
 #[test]
 fn another_connection_starts_again_and_none_is_none() {
-    let mut clinic = RecordedBus::new(LineCondition::Dead);
-    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
-    assert!(matches!(clinic.run(10), Verdict::Faulty(_)));
+    let mut bus = RecordedBus::new(LineCondition::Dead);
+    assert_eq!(*bus.record.verdict(), Verdict::NotConnected);
+    assert!(matches!(bus.run(10), Verdict::Faulty(_)));
     let other = Session {
         connection: Connection::Connected(Adapter::Serial(None)),
-        ..clinic.session()
+        ..bus.session()
     };
-    clinic.record.look(&other);
-    assert_eq!(*clinic.record.verdict(), Verdict::TooLittle);
-    clinic.record.look(&Session::default());
-    assert_eq!(*clinic.record.verdict(), Verdict::NotConnected);
+    bus.record.look(&other);
+    assert_eq!(*bus.record.verdict(), Verdict::TooLittle);
+    bus.record.look(&Session::default());
+    assert_eq!(*bus.record.verdict(), Verdict::NotConnected);
 }
 
-/// While the page is hidden nobody looks: an hour is no second.
+/// While the page is hidden, the bus is not examined. That time does not count.
 #[test]
-fn what_was_not_looked_at_is_not_counted() {
-    let mut clinic = RecordedBus::new(LineCondition::Good);
-    clinic.run(5);
-    clinic
-        .world
-        .set_line_condition(clinic.now, LineCondition::Dead);
-    clinic.run_to(clinic.now + Duration::from_secs(60));
-    clinic
-        .world
-        .set_line_condition(clinic.now, LineCondition::Good);
+fn time_without_examination_is_not_counted() {
+    let mut bus = RecordedBus::new(LineCondition::Good);
+    bus.run(5);
+    bus.world.set_line_condition(bus.now, LineCondition::Dead);
+    bus.run_to(bus.now + Duration::from_secs(60));
+    bus.world.set_line_condition(bus.now, LineCondition::Good);
     // The header remembers the last hundred exchanges.
-    assert_eq!(*clinic.run(12), Verdict::Healthy);
+    assert_eq!(*bus.run(12), Verdict::Healthy);
 }
 
-/// What the doctor says once a second.
-fn course(clinic: &mut RecordedBus, seconds: u64) -> Vec<Verdict> {
-    (0..seconds).map(|_| clinic.run(1).clone()).collect()
+/// The verdicts, one per second.
+fn course(bus: &mut RecordedBus, seconds: u64) -> Vec<Verdict> {
+    (0..seconds).map(|_| bus.run(1).clone()).collect()
 }
 
 /// A line that has these faults from the beginning.
@@ -201,12 +197,12 @@ fn faulty(faults: WireFaults, seed: u64) -> RecordedBus {
 }
 
 /// The header's figure.
-fn loss_per_mille(clinic: &RecordedBus) -> Option<u16> {
-    clinic.session().motors.first()?.link.loss_per_mille
+fn loss_per_mille(bus: &RecordedBus) -> Option<u16> {
+    bus.session().motors.first()?.link.loss_per_mille
 }
 
 #[test]
-fn a_lossy_line_is_never_called_well() {
+fn a_lossy_line_is_never_called_healthy() {
     let losing = WireFaults {
         lose_request: 0.3,
         ..WireFaults::default()
@@ -220,8 +216,8 @@ fn a_lossy_line_is_never_called_well() {
         ("20 % damaged", damaging, Diagnosis::Damaged),
     ] {
         for seed in 0..40 {
-            let mut clinic = faulty(faults.clone(), seed);
-            let verdicts = course(&mut clinic, 30);
+            let mut bus = faulty(faults.clone(), seed);
+            let verdicts = course(&mut bus, 30);
             let lossy = Verdict::Faulty(vec![cause]);
             assert!(
                 !verdicts.contains(&Verdict::Healthy),
@@ -232,12 +228,12 @@ fn a_lossy_line_is_never_called_well() {
     }
 }
 
-/// Of whatever a line loses, at rest or driven.
+/// For each loss rate, at rest or driven.
 #[test]
 fn the_doctor_is_never_better_than_the_header() {
     for percent in [1_u8, 3, 6, 10, 15] {
         for seed in 0..10 {
-            let mut clinic = faulty(
+            let mut bus = faulty(
                 WireFaults {
                     lose_reply: f64::from(percent) / 100.0,
                     ..WireFaults::default()
@@ -246,10 +242,10 @@ fn the_doctor_is_never_better_than_the_header() {
             );
             for second in 0..30 {
                 if second == 10 && percent < 10 {
-                    clinic.drive(100);
+                    bus.drive(100);
                 }
-                let verdict = clinic.run(1).clone();
-                let looked = loss_per_mille(&clinic);
+                let verdict = bus.run(1).clone();
+                let looked = loss_per_mille(&bus);
                 assert!(
                     verdict != Verdict::Healthy || looked.is_some_and(|loss| loss < 50),
                     "{percent} %, seed {seed}, {second} s: {looked:?}"
@@ -259,19 +255,17 @@ fn the_doctor_is_never_better_than_the_header() {
     }
 }
 
-/// As the alert does: two seconds behind the last reply, and until then nothing.
+/// Two seconds after the last reply, as the alert does; no diagnosis before that.
 #[test]
 fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
     for ms in (0..1_000).step_by(70) {
-        let mut clinic = RecordedBus::new(LineCondition::Good);
-        clinic.run(6);
-        clinic.drive(100);
-        assert_eq!(*clinic.run(12), Verdict::Healthy);
-        clinic.run_to(clinic.now + Duration::from_millis(ms));
-        clinic
-            .world
-            .set_line_condition(clinic.now, LineCondition::Dead);
-        let verdicts = course(&mut clinic, 15);
+        let mut bus = RecordedBus::new(LineCondition::Good);
+        bus.run(6);
+        bus.drive(100);
+        assert_eq!(*bus.run(12), Verdict::Healthy);
+        bus.run_to(bus.now + Duration::from_millis(ms));
+        bus.world.set_line_condition(bus.now, LineCondition::Dead);
+        let verdicts = course(&mut bus, 15);
         let nothing = Verdict::Faulty(vec![Diagnosis::Nothing]);
         for (second, verdict) in verdicts.iter().enumerate() {
             let expected: &[&Verdict] = match second {
@@ -284,10 +278,8 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
                 "{second} s after {ms} ms: {verdict:?}"
             );
         }
-        clinic
-            .world
-            .set_line_condition(clinic.now, LineCondition::Good);
-        let verdicts = course(&mut clinic, 25);
+        bus.world.set_line_condition(bus.now, LineCondition::Good);
+        let verdicts = course(&mut bus, 25);
         let lossy = [Diagnosis::Lost, Diagnosis::Damaged];
         let lossy = lossy.map(|cause| Verdict::Faulty(vec![cause]));
         assert!(
@@ -299,16 +291,16 @@ fn a_line_that_dies_while_driving_is_dead_and_not_lossy() {
 }
 
 #[test]
-fn noise_that_grows_with_speed_is_not_called_well_again_while_the_wheel_turns() {
+fn noise_that_grows_with_speed_is_not_called_healthy_while_the_wheel_turns() {
     for rpm in [40, 60, 100, 150] {
         for rest in [2, 6, 12] {
-            let mut clinic = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
-            clinic.run(rest);
-            clinic.drive(rpm);
-            let verdicts = course(&mut clinic, 70);
-            let not_well = |verdict: &Verdict| !matches!(verdict, Verdict::Healthy);
+            let mut bus = RecordedBus::new(LineCondition::NoiseGrowsWithSpeed);
+            bus.run(rest);
+            bus.drive(rpm);
+            let verdicts = course(&mut bus, 70);
+            let not_healthy = |verdict: &Verdict| !matches!(verdict, Verdict::Healthy);
             assert!(
-                verdicts[3..].iter().all(not_well),
+                verdicts[3..].iter().all(not_healthy),
                 "{rpm} rpm after {rest} s: {verdicts:?}"
             );
             let grows = Verdict::Faulty(vec![Diagnosis::NoiseGrowsWithSpeed]);

@@ -166,7 +166,7 @@ fn what_is_wrong_is_wrong_at_its_byte() {
 }
 
 #[test]
-fn somebody_who_is_typing_is_not_told_off() {
+fn unfinished_input_gives_no_error() {
     assert_eq!(outcome(""), Outcome::Nothing);
     assert_eq!(outcome(" \n"), Outcome::Nothing);
     for (text, good) in [

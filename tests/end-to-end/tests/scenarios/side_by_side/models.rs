@@ -15,12 +15,12 @@ const SCAN_MAX: Duration = Duration::from_secs(60);
 const DONE_MAX: Duration = Duration::from_secs(5);
 const PRESSES_MAX: u32 = 3;
 
-/// A model with what a person does and sees on its line.
+/// A model with the actions of the user and what the page shows for it.
 struct Case {
     model: &'static str,
     /// As the page finds it.
     found: &'static str,
-    /// The option that the person chooses, where the page finds another model.
+    /// The option that the user chooses, if the page finds another model.
     chosen: Option<&'static str>,
     /// The value of a drive frame at +50 rpm.
     at_50_rpm: i16,
@@ -86,22 +86,22 @@ const DDSM315: Case = Case {
 
 #[test]
 fn a_ddsm210_is_found_driven_in_each_loop_stopped_limited_and_given_an_id() -> Result<()> {
-    used(&DDSM210)
+    operate_every_loop(&DDSM210)
 }
 
 #[test]
 fn a_ddsm400_is_found_enabled_driven_in_each_loop_stopped_limited_and_given_an_id() -> Result<()> {
-    used(&DDSM400)
+    operate_every_loop(&DDSM400)
 }
 
 #[test]
 fn a_ddsm315_is_chosen_driven_in_each_loop_stopped_limited_and_given_an_id() -> Result<()> {
-    used(&DDSM315)
+    operate_every_loop(&DDSM315)
 }
 
-/// The page tries each baud rate, and the board answers at both. What it says is no motor and no noise.
+/// The page tries each baud rate, and the board answers at both. The page reports neither a motor nor noise.
 #[test]
-fn a_driver_board_in_json_mode_is_said_with_the_switch_to_set() -> Result<()> {
+fn a_driver_board_in_json_mode_is_reported_with_its_switch() -> Result<()> {
     let bench = Bench::start()?;
     let _board = bench.plug(Line::default().with(&["--json"]), Usb::default())?;
     let page = bench.open("/")?;
@@ -113,7 +113,7 @@ fn a_driver_board_in_json_mode_is_said_with_the_switch_to_set() -> Result<()> {
     Ok(())
 }
 
-fn used(case: &Case) -> Result<()> {
+fn operate_every_loop(case: &Case) -> Result<()> {
     let mut scenario = found(case)?;
     let has_current = case.loops.iter().any(|it| it.tab == CURRENT.tab);
     let tabs = scenario.page.find_all("tab", CURRENT.tab)?;
@@ -153,8 +153,14 @@ fn start(it: &Loop) -> &'static str {
     }
 }
 
-/// Where the machine delayed replies, the page says so and a person presses again.
-fn pressed(page: &Page, button: &str, says: &[&str], done: impl Fn() -> Result<()>) -> Result<()> {
+/// Presses the button until its effect is seen. If a busy machine delays replies, the page says so and the user presses
+/// again.
+fn press_until(
+    page: &Page,
+    button: &str,
+    says: &[&str],
+    done: impl Fn() -> Result<()>,
+) -> Result<()> {
     retry(&format!("press {button}"), PRESSES_MAX, || {
         page.click("button", button)?;
         if done().is_ok() {
@@ -171,7 +177,7 @@ fn switched(page: &Page, it: &Loop) -> Result<()> {
     page.find("spinbutton", it.field)?;
     wait_until_enabled(page, "button", it.switch, true)?;
     let says = ["did not confirm the switch", "is still in the"];
-    pressed(page, it.switch, &says, || {
+    press_until(page, it.switch, &says, || {
         wait_until("Start to be enabled", DONE_MAX, || {
             let start = page.find("button", start(it))?;
             Ok(if start.disabled {
@@ -199,7 +205,7 @@ fn turned_and_stopped(scenario: &mut Scenario, it: &Loop, relative: bool) -> Res
         }
     };
     let output = if is_position { "Position" } else { "Speed" };
-    pressed(page, start(it), &rules::LOST, || {
+    press_until(page, start(it), &rules::LOST, || {
         let moved = |text: &str| number(text).is_some_and(has_moved);
         page.wait_for_text_within(DONE_MAX, "output", output, moved)?;
         Ok(())
