@@ -1,4 +1,6 @@
-//! The parts of the program that are loaded after the first paint. Each is a separate file (`cargo xtask build`).
+//! The parts of the program that load after the first paint, or when their panel is first opened.
+//!
+//! Each is a separate file (`cargo xtask build`).
 #![cfg_attr(
     feature = "parts",
     allow(unsafe_code, reason = "the call into a part, made by wasm_split")
@@ -34,7 +36,7 @@ use crate::{
         saved_session::view::{SavedSessionNotice, is_hidden},
         settings::panel::{InstallButton, SettingsPanel},
         wheel_setup::{
-            actions::{IdWork, WheelSetup},
+            actions::{IdManagerActions, WheelSetup},
             panel::WheelSetupSteps,
         },
     },
@@ -154,14 +156,14 @@ in_part!(tools: fn mount_tools(hosts, features) [
 in_part!(wheels: fn mount_wheels(hosts, features) [
     {
         let ids = features.ids;
-        let work = move || IdWork {
+        let actions = move || IdManagerActions {
             progress: Box::new(move || ids.manager.with(IdManager::progress)),
             set_id: Box::new(move |to| ids.request(to)),
             set_with_more: Box::new(move || ids.set_id_with_more()),
             full_scan: Box::new(move || ids.full_scan()),
             cancel: Box::new(move || ids.cancel_scan()),
         };
-        let setup = WheelSetup::of_page(&hosts.owner, features.page, work);
+        let setup = WheelSetup::of_page(&hosts.owner, features.page, actions);
         hosts.mount(move || view! { <WheelSetupSteps setup /> })
     },
 ]);
@@ -170,7 +172,7 @@ in_part!(help: fn mount_help(hosts, features) [
     hosts.mount(move || view! { <HelpDialog tour=features.tour /> }),
 ]);
 
-/// Panel `Set up the wheels of a rover`. Few people need it, so its part is loaded when it is opened first.
+/// Panel `Set up the wheels of a rover`. Few users need it, so its part loads when the panel is first opened.
 #[component]
 fn WheelSetupPanel(
     features: Features,

@@ -1,4 +1,4 @@
-//! The setup of a rover's wheels: what it sends, and what it asks only when nothing is driven.
+//! The setup of a rover's wheels: the commands that it sends, and the questions after each spin.
 
 use motorlink_messages::{
     Notice,
@@ -31,7 +31,7 @@ fn stored() -> String {
     storage.get_item("motorlink.wheel-setup").unwrap().unwrap()
 }
 
-/// The panel with this progress, and two motors that stand.
+/// The panel with this stored progress, and two motors at standstill.
 async fn setup(name: &str, progress: Option<&str>) -> Bench {
     store(progress);
     let bench = crate::tools::open(name, "ID Manager").await;
@@ -80,7 +80,7 @@ fn stopped(motor: u8) -> Notice {
 
 const SPIN_STEP: &str = "spin\n1\tleft\tyes\tno\tPort\n2\tright\tyes\tno\tStarboard\n";
 
-async fn both_stand(bench: &Bench, notices: Vec<Notice>) {
+async fn both_at_standstill(bench: &Bench, notices: Vec<Notice>) {
     report(bench, |update| {
         update.motors = vec![standing(1), standing(2)];
         update.notices = notices;
@@ -89,13 +89,13 @@ async fn both_stand(bench: &Bench, notices: Vec<Notice>) {
 }
 
 #[wasm_bindgen_test]
-async fn a_spin_drives_half_a_second_and_asks_when_the_wheel_stands() {
+async fn a_spin_lasts_half_a_second_and_the_page_asks_at_standstill() {
     let bench = setup("spin", Some(SPIN_STEP)).await;
     until_enabled(&bench, "Spin Starboard").await;
     assert_eq!(bench.commands().await, [], "nothing turns by itself");
     let pressed_ms = performance().now();
     bench.click("Spin Starboard");
-    // A right wheel turns forward at what its motor counts as negative speeds.
+    // A wheel on the right side turns forward at negative speeds of its motor.
     assert_eq!(bench.commands().await, [drive(2, -SPIN_RPM)]);
     report(&bench, |update| {
         let mut turning = standing(2);
@@ -110,14 +110,14 @@ async fn a_spin_drives_half_a_second_and_asks_when_the_wheel_stands() {
     assert_eq!(bench.commands().await, [Command::Stop(id(2))]);
     assert!(bench.find_all("group", "What did you see?").is_empty());
 
-    both_stand(&bench, vec![stopped(2)]).await;
+    both_at_standstill(&bench, vec![stopped(2)]).await;
     until_said(&bench, "What did you see?").await;
     assert!(bench.find("button", "Spin Port").has_attribute("disabled"));
     pause(700).await;
     assert_eq!(
         bench.commands().await,
         [],
-        "nothing is driven while it asks"
+        "nothing is driven while the page asks"
     );
     bench.click("Turns backwards");
     until_said(&bench, "Side: left").await;
@@ -127,7 +127,7 @@ async fn a_spin_drives_half_a_second_and_asks_when_the_wheel_stands() {
         stored()
     );
 
-    // The other way round, as the page now counts.
+    // The side has changed, and with it the sign of forward.
     until_enabled(&bench, "Spin Starboard").await;
     bench.click("Spin Starboard");
     assert_eq!(bench.commands().await, [drive(2, SPIN_RPM)]);
@@ -142,10 +142,10 @@ async fn closing_the_panel_ends_a_spin_and_keeps_the_question() {
     bench.click("Close the panel");
     let commands = bench.commands().await;
     assert_eq!(commands, [drive(1, SPIN_RPM), Command::Stop(id(1))]);
-    both_stand(&bench, vec![stopped(1)]).await;
+    both_at_standstill(&bench, vec![stopped(1)]).await;
     open(&bench).await;
     until_said(&bench, "What did you see?").await;
-    // Until half a second after a start its effect may not be known, and no side changes.
+    // For half a second after a start the page does not know whether the motor moves, and refuses to change sides.
     pause(500).await;
     bench.click("Another wheel turned");
     bench
@@ -154,7 +154,7 @@ async fn closing_the_panel_ends_a_spin_and_keeps_the_question() {
         })
         .await;
     bench.click("Starboard");
-    until_said(&bench, "Port and Starboard have exchanged").await;
+    until_said(&bench, "The motors of Port and Starboard are exchanged").await;
     assert!(stored().contains("2\tleft\tyes\tno\tPort"), "{}", stored());
     store(None);
 }
@@ -174,14 +174,18 @@ async fn a_stop_ends_a_spin_and_keeps_the_step() {
     });
     until_said(&bench, "Port was stopped early").await;
     pause(600).await;
-    assert_eq!(bench.commands().await, [], "no timer is left");
+    assert_eq!(
+        bench.commands().await,
+        [],
+        "the timer of the spin does nothing"
+    );
     assert!(bench.find("button", "Spin Port").has_attribute("disabled"));
     assert_eq!(stored(), SPIN_STEP);
     store(None);
 }
 
 #[wasm_bindgen_test]
-async fn no_wheel_is_spun_while_a_motor_does_not_answer() {
+async fn no_wheel_is_spun_while_a_motor_does_not_reply() {
     let bench = setup("silent", Some(SPIN_STEP)).await;
     until_enabled(&bench, "Spin Port").await;
     report(&bench, |update| {
@@ -192,7 +196,7 @@ async fn no_wheel_is_spun_while_a_motor_does_not_answer() {
     let port = || bench.find("button", "Spin Port");
     bench
         .until("the reason", || {
-            port().title().contains("every motor answers")
+            port().title().contains("every motor replies")
         })
         .await;
     port().click();
@@ -224,15 +228,15 @@ async fn scan(bench: &Bench, found: &[u8]) {
         });
     });
     bench
-        .until("the scan to be seen", || {
+        .until("the progress of the scan", || {
             text_of(&bench.find("region", "Set up the wheels of a rover")).contains("118 of 254")
         })
         .await;
-    both_stand(bench, vec![scanned(found)]).await;
+    both_at_standstill(bench, vec![scanned(found)]).await;
 }
 
 #[wasm_bindgen_test]
-async fn each_wheel_waits_for_its_only_motor_and_the_check_names_who_is_missing() {
+async fn each_wheel_waits_for_its_only_motor_and_the_check_names_missing_motors() {
     let bench = setup("steps", None).await;
     bench.click("2 wheels");
     bench
@@ -258,7 +262,7 @@ async fn each_wheel_waits_for_its_only_motor_and_the_check_names_who_is_missing(
     scan(&bench, &[1, 2]).await;
     until_said(&bench, "2 motors found (0x01, 0x02)").await;
 
-    // It has the ID already: nothing is set, and the label follows.
+    // The motor has the ID already: nothing is set, and the label follows.
     bench.click("Find and set ID");
     assert_eq!(bench.commands().await, [Command::FullScan]);
     scan(&bench, &[1]).await;
@@ -280,7 +284,7 @@ async fn each_wheel_waits_for_its_only_motor_and_the_check_names_who_is_missing(
     assert!(said(&bench).contains("0x09"), "{}", said(&bench));
     let rows = text_of(&bench.find("list", "Wheels on the bus"));
     assert!(
-        rows.contains("answers") && rows.contains("no reply"),
+        rows.contains("replies") && rows.contains("no reply"),
         "{rows}"
     );
     bench.click("Set ID of Right wheel");

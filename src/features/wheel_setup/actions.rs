@@ -1,4 +1,4 @@
-//! What the setup does on the page and on the bus.
+//! The actions of the setup, on the page and on the bus.
 
 use std::{ops::Deref, time::Duration};
 
@@ -11,7 +11,7 @@ use motorlink_messages::{
 
 use crate::{
     features::wheel_setup::{
-        state::{Act, Setup},
+        state::{Activity, Setup},
         stored,
         wheel::with_wheels,
     },
@@ -30,30 +30,30 @@ const SPIN_RPM: i32 = 20;
 /// How long a wheel is driven.
 const SPIN_MS: u16 = 500;
 
-/// The ID manager, which is another feature.
-pub(crate) struct IdWork {
-    /// Tracked.
+/// The actions of the ID manager, which is another feature.
+pub(crate) struct IdManagerActions {
+    /// Reads the progress, and tracks it.
     pub(crate) progress: Box<dyn Fn() -> IdProgress + Send + Sync>,
-    /// Proves that there is one motor, asks, and sets its ID. Returns whether that has begun.
+    /// Scans for the only motor, asks, and sets its ID. Returns whether this has started.
     pub(crate) set_id: Box<dyn Fn(AssignableId) -> bool + Send + Sync>,
-    /// The same with more frames, for a motor that has kept its ID.
+    /// The same with more set-ID frames, for a motor that has kept its ID.
     pub(crate) set_with_more: Box<dyn Fn() -> bool + Send + Sync>,
     pub(crate) full_scan: Box<dyn Fn() + Send + Sync>,
     pub(crate) cancel: Box<dyn Fn() + Send + Sync>,
 }
 
-/// The panel `Set up the wheels of a rover`. It lasts as long as the page.
+/// The panel `Set up the wheels of a rover`. It exists as long as the page.
 #[derive(Clone, Copy)]
 pub(crate) struct WheelSetup(&'static Parts);
 
-/// Its state.
+/// The state of the panel, and what it uses.
 pub(crate) struct Parts {
     pub(crate) page: Page,
-    pub(crate) ids: &'static IdWork,
+    pub(crate) ids: &'static IdManagerActions,
     pub(crate) setup: RwSignal<Setup>,
-    /// Number of times that the rows of the wheels were replaced.
+    /// How often the rows of the wheels were replaced.
     pub(crate) replaced: RwSignal<u32>,
-    /// Number of spins, so that the end of an earlier one does not end the next.
+    /// The number of spins, so that the timer of an earlier spin does not end a later one.
     spins: StoredValue<u32>,
     spun_at_ms: StoredValue<f64>,
 }
@@ -67,8 +67,12 @@ impl Deref for WheelSetup {
 }
 
 impl WheelSetup {
-    /// The setup of this page: made at the first call, for the owner of the page.
-    pub(crate) fn of_page(owner: &Owner, page: Page, ids: impl FnOnce() -> IdWork) -> Self {
+    /// The setup of this page. The first call makes it, for the owner of the page.
+    pub(crate) fn of_page(
+        owner: &Owner,
+        page: Page,
+        ids: impl FnOnce() -> IdManagerActions,
+    ) -> Self {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
                 let new = Self(Box::leak(Box::new(Parts {
@@ -87,12 +91,12 @@ impl WheelSetup {
 
     /// Follows the bus and the page while the panel is mounted.
     pub(crate) fn follow(self) {
-        let act = move |change: Change<'_>| match change {
+        let on_change = move |change: Change<'_>| match change {
             Change::Notice(notice) => {
                 let to_stop = self.change(|setup| setup.on_notice(notice));
                 self.stop(to_stop);
             }
-            // A timer of the page may be late.
+            // The timer of the page may be late.
             Change::Updated => {
                 if page_now_ms() - self.spun_at_ms.get_value() > f64::from(SPIN_MS) {
                     self.end_spin();
@@ -101,12 +105,12 @@ impl WheelSetup {
             Change::Disconnected => self.change(Setup::disconnected),
             Change::Motor | Change::Declined | Change::Tab(_) | Change::Model => {}
         };
-        self.page.listen(Listener::WheelSetup, Box::new(act));
+        self.page.listen(Listener::WheelSetup, Box::new(on_change));
         effect(move || {
             let ids = (self.ids.progress)();
             self.change(|setup| setup.on_ids(&ids));
         });
-        // A person who cannot see the wheel's panel does not look at the wheel.
+        // The user may not see the wheel: end the spin.
         effect(move || {
             let is_open = self.page.drawer.get() == Some(Drawer::WheelSetup);
             if !is_open || self.page.dialog.with(Option::is_some) {
@@ -121,11 +125,11 @@ impl WheelSetup {
         on_cleanup(move || self.end_spin());
     }
 
-    /// Changes the state, and stores it where the progress differs.
-    pub(crate) fn change<T>(self, act: impl FnOnce(&mut Setup) -> T) -> T {
+    /// Changes the state, and stores the progress if it differs.
+    pub(crate) fn change<T>(self, change: impl FnOnce(&mut Setup) -> T) -> T {
         let before = self.setup.get_untracked();
         let mut after = before.clone();
-        let result = act(&mut after);
+        let result = change(&mut after);
         if after != before {
             if stored::to_text(&after) != stored::to_text(&before) {
                 stored::save(&after);
@@ -135,13 +139,13 @@ impl WheelSetup {
         result
     }
 
-    /// Changes the wheels, and shows other rows.
+    /// Changes the wheels, and replaces their rows.
     pub(crate) fn replace_wheels(self, change: impl FnOnce(&mut Setup)) {
         self.change(change);
         self.replaced.update(|times| *times += 1);
     }
 
-    /// Finds the only motor and gives it the ID of the wheel.
+    /// Finds the only motor and sets the ID of the wheel.
     pub(crate) fn find(self) {
         if let Some(id) = self.change(Setup::find)
             && !(self.ids.set_id)(id)
@@ -150,7 +154,7 @@ impl WheelSetup {
         }
     }
 
-    /// The same with more frames.
+    /// The same with more set-ID frames.
     pub(crate) fn find_with_more(self) {
         if self.change(Setup::find).is_some() && !(self.ids.set_with_more)() {
             self.scan_refused();
@@ -158,7 +162,10 @@ impl WheelSetup {
     }
 
     fn scan_refused(self) {
-        let reason = tr!("Not connected, or a scan is running. Press it again afterwards.");
+        let reason = tr!(
+            "Not connected, or a scan is running. Connect or wait for the scan, then press the \
+             button again."
+        );
         self.change(|setup| setup.refused(reason.to_owned()));
     }
 
@@ -169,7 +176,7 @@ impl WheelSetup {
         }
     }
 
-    /// All that can answer answers: goes on to the wheels, with their names and sides on the page.
+    /// Goes to the spins. Stores names and sides of the wheels on the page.
     pub(crate) fn begin_spins(self) {
         let answered = self.setup.with_untracked(|setup| setup.answered.clone());
         let Some(answered) = answered else { return };
@@ -177,7 +184,8 @@ impl WheelSetup {
         if let Some(first) = answered.first().filter(|_| !answered.contains(&selected)) {
             self.page.choose(*first);
         }
-        // A motor that was unplugged after it got its ID is not asked any more: it would count as one that may turn.
+        // Forgets motors that were unplugged after they got their ID: a silent motor counts as one that may turn, so no
+        // wheel could be spun.
         let silent = |session: &Session| -> Vec<MotorId> {
             let silent = session.motors.iter().filter(|motor| motor.silent);
             silent.map(|motor| motor.id).collect()
@@ -188,11 +196,11 @@ impl WheelSetup {
             }
         }
         self.change(Setup::begin_spins);
-        // If a motor moves, they are stored with the first spin.
+        // If a motor moves, the first spin stores the names and sides.
         let _ = self.store_names();
     }
 
-    /// Stores names, sides and group of the wheels for the page. Returns why not.
+    /// Stores the names, sides and group of the wheels on the page. Returns the reason if it is refused.
     fn store_names(self) -> Result<(), String> {
         let names = self.page.motors.names;
         let wheels = self.setup.with_untracked(|setup| setup.wheels.clone());
@@ -213,8 +221,8 @@ impl WheelSetup {
         }
     }
 
-    /// The same. Says why not.
-    fn has_stored_names(self) -> bool {
+    /// Stores names, sides and the group. Shows the reason if that is refused. Returns whether they are stored.
+    fn try_store_names(self) -> bool {
         let stored = self.store_names();
         let is_stored = stored.is_ok();
         if let Err(reason) = stored {
@@ -223,7 +231,7 @@ impl WheelSetup {
         is_stored
     }
 
-    /// Drives a wheel slowly for half a second, forward as its side says.
+    /// Drives a wheel slowly for half a second. Its side decides which direction is forward.
     pub(crate) fn spin(self, place: usize) {
         let wheel = self
             .setup
@@ -238,7 +246,7 @@ impl WheelSetup {
             self.change(|setup| setup.refused(reason));
             return;
         }
-        if !self.has_stored_names() || self.change(|setup| setup.spin(place)).is_none() {
+        if !self.try_store_names() || self.change(|setup| setup.spin(place)).is_none() {
             return;
         }
         let limit = self.page.settings.speed_limit.get_untracked();
@@ -259,9 +267,9 @@ impl WheelSetup {
         set_timeout(end, Duration::from_millis(SPIN_MS.into()));
     }
 
-    /// Stops the wheel that is driven here, if one is.
+    /// Stops the wheel that this panel drives, if any.
     fn end_spin(self) {
-        let is_spinning = |setup: &Setup| matches!(setup.act, Act::Spinning(_));
+        let is_spinning = |setup: &Setup| matches!(setup.activity, Activity::Spinning(_));
         if self.setup.try_with_untracked(is_spinning) == Some(true) {
             let to_stop = self.change(Setup::end_spin);
             self.stop(to_stop);
@@ -274,25 +282,26 @@ impl WheelSetup {
         }
     }
 
-    /// The answer changes names or sides of the page.
-    pub(crate) fn answer(self, act: impl FnOnce(&mut Setup)) {
-        self.change(act);
-        self.has_stored_names();
+    /// Handles an answer, and stores names and sides.
+    pub(crate) fn answer(self, change: impl FnOnce(&mut Setup)) {
+        self.change(change);
+        self.try_store_names();
     }
 
-    /// Ends the scan or the ID change.
+    /// Cancels the scan or the ID change.
     pub(crate) fn cancel(self) {
         (self.ids.cancel)();
     }
 
+    /// Stores names and sides, and ends the setup.
     pub(crate) fn finish(self) {
-        if self.has_stored_names() {
+        if self.try_store_names() {
             self.change(Setup::finish);
         }
     }
 }
 
-/// Why this wheel cannot be spun now, as far as the shown state tells.
+/// Why the shown state does not allow this wheel to be spun; `None` if it does.
 pub(crate) fn spin_blocked_by(session: &Session, id: MotorId) -> Option<String> {
     drive_blocked_by(session, id, Mode::Velocity).or_else(|| {
         let moves = !session.is_known_to_rest();
@@ -301,5 +310,5 @@ pub(crate) fn spin_blocked_by(session: &Session, id: MotorId) -> Option<String> 
 }
 
 fn must_stand() -> &'static str {
-    tr!("Wait until every motor answers and stands.")
+    tr!("Wait until every motor replies and is at standstill.")
 }

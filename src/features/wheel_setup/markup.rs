@@ -1,6 +1,6 @@
-//! What each step shows, as HTML. The value of a button says what it does: see [`crate::features::wheel_setup::panel`].
+//! The HTML of each step. The value of a button names its action: see [`crate::features::wheel_setup::panel`].
 //!
-//! As views, the buttons would be many times as large.
+//! Views of the same buttons would make the program many times as large.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::family::Model;
@@ -8,25 +8,25 @@ use motorlink_messages::protocol::family::Model;
 use crate::{
     features::wheel_setup::{
         rows::{check_rows, entry_rows, other_rows, spin_rows},
-        state::{Act, Said, Setup, Step},
-        texts::{id_of, of_label},
+        state::{Activity, Outcome, Setup, Step},
+        texts::{id_of, must_answer, of_label},
         wheel::WHEELS_MAX,
     },
     model::notice_board::{NoticeText, Tone},
     ui::escape::escaped,
 };
 
-/// Why something cannot be done now.
+/// Why a scan or a spin cannot start now.
 #[derive(Default)]
 pub(crate) struct Blocked {
     pub(crate) scan: Option<String>,
-    /// Each wheel's spin.
+    /// For each wheel; `None` if it can be spun.
     pub(crate) spins: Vec<Option<String>>,
 }
 
-/// The four steps with the present one marked, and its heading.
+/// The list of steps, with the current step marked, and the heading of this step.
 pub(crate) fn head(setup: &Setup) -> String {
-    let present = match setup.step {
+    let current = match setup.step {
         Step::Wheels => 0,
         Step::Id(_) | Step::Label(_) => 1,
         Step::Check => 2,
@@ -35,7 +35,7 @@ pub(crate) fn head(setup: &Setup) -> String {
     let names = [tr!("Wheels"), tr!("IDs"), tr!("Bus"), tr!("Direction")];
     let mut html = "<ol class=\"wheel-steps\">".to_owned();
     for (place, name) in names.into_iter().enumerate() {
-        html += if place == present {
+        html += if place == current {
             "<li aria-current=\"step\">"
         } else {
             "<li>"
@@ -90,14 +90,14 @@ pub(crate) fn controls(setup: &Setup, blocked: &Blocked, model: Model) -> String
         Step::Label(place) => label(setup, place, model),
         Step::Check => check(setup, blocked),
         Step::Spin => spin(setup, blocked),
-        Step::Done => acts(&[
-            button("again", "", tr!("Begin again"), None),
+        Step::Done => step_buttons(&[
+            button("again", "", tr!("Start again"), None),
             button("drive", " primary", tr!("Drive the wheels together"), None),
         ]),
     }
 }
 
-/// A button. While there is a reason, it is disabled.
+/// A button. If there is a reason, the button is disabled and shows it.
 fn button(value: &str, class: &str, label: &str, reason: Option<&str>) -> String {
     let disabled = match reason {
         Some(reason) => [" disabled title=\"", &escaped(reason), "\""].concat(),
@@ -118,7 +118,7 @@ fn button(value: &str, class: &str, label: &str, reason: Option<&str>) -> String
 }
 
 /// The buttons at the end of a step.
-fn acts(buttons: &[String]) -> String {
+fn step_buttons(buttons: &[String]) -> String {
     ["<div class=\"wheel-acts\">", &buttons.concat(), "</div>"].concat()
 }
 
@@ -154,16 +154,18 @@ fn back(setup: &Setup) -> String {
 fn busy(setup: &Setup) -> Option<&'static str> {
     setup
         .is_busy()
-        .then(|| tr!("Wait until this has ended, or cancel it."))
+        .then(|| tr!("Wait until the scan or the spin ends."))
 }
 
-/// A button that begins a scan. A tooltip reaches neither touch nor keyboard, so the reason is a line too; while the
-/// scan is one of this panel, a button ends it.
+/// A button that starts a scan. The reason why it is disabled is also a line below it, because a tooltip appears neither
+/// for touch nor for the keyboard. While this panel scans, a button cancels the scan.
 fn scan(value: &str, label: &str, setup: &Setup, blocked: &Blocked) -> String {
     let reason = blocked.scan.as_deref();
     let scan = button(value, " primary", label, reason);
-    let below = match (setup.act, reason) {
-        (Act::Finding | Act::Checking, _) => button("cancel", "", tr!("Cancel the scan"), None),
+    let below = match (setup.activity, reason) {
+        (Activity::Finding | Activity::Checking, _) => {
+            button("cancel", "", tr!("Cancel the scan"), None)
+        }
         (_, Some(reason)) => ["<p class=\"quiet\">", &escaped(reason), "</p>"].concat(),
         (_, None) => String::new(),
     };
@@ -183,7 +185,7 @@ fn wheels(setup: &Setup) -> String {
         group(tr!("Layout"), "button-row three", &layouts.concat()),
         list(tr!("Wheels"), &entry_rows(&setup.wheels)),
         button("add", " small", tr!("Add wheel"), is_full.as_deref()),
-        acts(&[
+        step_buttons(&[
             button("have-ids", "", tr!("IDs are set already"), None),
             button("set-ids", " primary", tr!("Set the IDs"), None),
         ]),
@@ -192,8 +194,8 @@ fn wheels(setup: &Setup) -> String {
 }
 
 fn id(setup: &Setup, blocked: &Blocked) -> String {
-    let more = match &setup.said {
-        Said::Kept(Some(more)) => {
+    let more = match &setup.outcome {
+        Outcome::Kept(Some(more)) => {
             let label = tr!("Send {count} frames", count = more.count());
             button("more", "", &label, blocked.scan.as_deref())
         }
@@ -202,7 +204,7 @@ fn id(setup: &Setup, blocked: &Blocked) -> String {
     [
         scan("find", tr!("Find and set ID"), setup, blocked),
         more,
-        acts(&[
+        step_buttons(&[
             back(setup),
             button("next", "", tr!("Skip this wheel"), busy(setup)),
         ]),
@@ -222,18 +224,18 @@ fn label(setup: &Setup, place: usize, model: Model) -> String {
         "</p><p class=\"quiet\">",
         &of_label(model),
         "</p>",
-        &acts(&[back(setup), button("next", " primary", next, None)]),
+        &step_buttons(&[back(setup), button("next", " primary", next, None)]),
     ]
     .concat()
 }
 
 fn check(setup: &Setup, blocked: &Blocked) -> String {
     let may = setup.may_spin() && !setup.is_busy();
-    let reason = (!may).then(|| tr!("Press Check all first: a motor has to answer."));
+    let reason = (!may).then(|| tr!("Press Check all first. At least one motor must reply."));
     [
         scan("check", tr!("Check all"), setup, blocked),
         list(tr!("Wheels on the bus"), &check_rows(setup)),
-        acts(&[
+        step_buttons(&[
             back(setup),
             button("continue", " primary", tr!("Continue"), reason),
         ]),
@@ -242,15 +244,15 @@ fn check(setup: &Setup, blocked: &Blocked) -> String {
 }
 
 fn spin(setup: &Setup, blocked: &Blocked) -> String {
-    let asked = match setup.act {
-        Act::Answering { other: false, .. } => group(
+    let asked = match setup.activity {
+        Activity::Answering { other: false, .. } => group(
             tr!("What did you see?"),
             "wheel-answers",
             &[
                 button(
-                    "right",
+                    "correct",
                     " primary",
-                    tr!("Right wheel, right direction"),
+                    tr!("Correct wheel, correct direction"),
                     None,
                 ),
                 button("backwards", "", tr!("Turns backwards"), None),
@@ -259,7 +261,7 @@ fn spin(setup: &Setup, blocked: &Blocked) -> String {
             ]
             .concat(),
         ),
-        Act::Answering { other: true, .. } => {
+        Activity::Answering { other: true, .. } => {
             let name = tr!("Which wheel turned?");
             let none = button("none-of-them", "", tr!("None of them"), None);
             let wheels = other_rows(setup);
@@ -268,11 +270,12 @@ fn spin(setup: &Setup, blocked: &Blocked) -> String {
         }
         _ => String::new(),
     };
-    let reason = (setup.act != Act::None).then(|| tr!("Say first what you saw."));
+    let reason = busy(setup)
+        .or_else(|| matches!(setup.activity, Activity::Answering { .. }).then(must_answer));
     [
         list(tr!("Wheels to check"), &spin_rows(setup, &blocked.spins)),
         asked,
-        acts(&[
+        step_buttons(&[
             back(setup),
             button("finish", " primary", tr!("Finish"), reason),
         ]),

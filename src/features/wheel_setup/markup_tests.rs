@@ -8,7 +8,7 @@ fn of(setup: &Setup, blocked: &Blocked) -> String {
 }
 
 #[test]
-fn every_step_marks_its_place_and_offers_the_way_on() {
+fn every_step_is_marked_in_the_list_and_has_its_next_button() {
     for (step, place, value) in [
         (Step::Wheels, "Wheels", "set-ids"),
         (Step::Id(1), "IDs", "find"),
@@ -26,7 +26,7 @@ fn every_step_marks_its_place_and_offers_the_way_on() {
 }
 
 #[test]
-fn a_scan_that_cannot_begin_says_why_and_one_of_this_panel_can_be_ended() {
+fn a_scan_that_cannot_start_says_why_and_a_scan_of_the_panel_can_be_cancelled() {
     let mut setup = Setup::at(Step::Id(0), Layout::Two.wheels());
     let blocked = Blocked {
         scan: Some("Not connected.".to_owned()),
@@ -35,7 +35,7 @@ fn a_scan_that_cannot_begin_says_why_and_one_of_this_panel_can_be_ended() {
     let html = of(&setup, &blocked);
     assert_eq!(html.matches("Not connected.").count(), 2, "{html}");
     assert!(!html.contains("value=\"cancel\""));
-    setup.act = Act::Finding;
+    setup.activity = Activity::Finding;
     let html = of(&setup, &blocked);
     assert!(html.contains("value=\"cancel\""), "{html}");
     assert_eq!(
@@ -46,12 +46,12 @@ fn a_scan_that_cannot_begin_says_why_and_one_of_this_panel_can_be_ended() {
 }
 
 #[test]
-fn more_frames_are_offered_to_a_motor_that_kept_its_id_only() {
+fn more_frames_are_offered_only_after_a_motor_kept_its_id() {
     let mut setup = Setup::at(Step::Id(0), Layout::Two.wheels());
     assert!(!of(&setup, &Blocked::default()).contains("frames"));
-    setup.said = Said::Kept(Some(SetIdFrames::Ten));
+    setup.outcome = Outcome::Kept(Some(SetIdFrames::Ten));
     assert!(of(&setup, &Blocked::default()).contains("Send 10 frames"));
-    setup.said = Said::Kept(None);
+    setup.outcome = Outcome::Kept(None);
     assert!(!of(&setup, &Blocked::default()).contains("frames"));
 }
 
@@ -67,14 +67,14 @@ fn the_label_names_the_id_and_the_model() {
 }
 
 #[test]
-fn nothing_but_the_answers_is_offered_while_it_asks() {
+fn only_the_answers_can_be_pressed_while_the_page_asks() {
     let mut setup = Setup::at(Step::Spin, Layout::Four.wheels());
-    setup.act = Act::Answering {
+    setup.activity = Activity::Answering {
         wheel: 2,
         other: false,
     };
     let html = of(&setup, &Blocked::default());
-    for answer in ["right", "backwards", "other", "nothing"] {
+    for answer in ["correct", "backwards", "other", "nothing"] {
         assert!(html.contains(&format!("value=\"{answer}\"")), "{html}");
     }
     // The three other wheels, and Finish.

@@ -2,12 +2,12 @@
 //!
 //! | file | idea |
 //! |---|---|
-//! | `wheel` | the wheels that are entered, their defaults, and what is wrong with them |
-//! | `state`, `spin` | the steps, and what is done in one of them |
-//! | `stored` | the progress as text, which the browser stores after every step |
-//! | `actions` | commands, the half second of a spin, names and sides of the page |
-//! | `panel` | the panel, and what its controls do |
-//! | `markup`, `rows`, `texts` | what each step shows, its lists, and the messages |
+//! | `wheel` | the wheels, their defaults, and the checks of what is entered |
+//! | `state`, `spin` | the steps, the activity that runs in a step, and its outcome |
+//! | `stored` | the progress as text; the browser stores it after every change |
+//! | `actions` | commands to the bus, the timer of a spin, and the stored names and sides |
+//! | `panel` | the panel, and the actions of its controls |
+//! | `markup`, `rows`, `texts` | the HTML of each step, its lists, and the messages |
 
 pub(crate) mod actions;
 pub(crate) mod markup;

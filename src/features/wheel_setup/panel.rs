@@ -1,4 +1,4 @@
-//! Panel `Set up the wheels of a rover`, and what its controls do.
+//! Panel `Set up the wheels of a rover`, and the actions of its controls.
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
@@ -9,7 +9,7 @@ use crate::{
     features::wheel_setup::{
         actions::{WheelSetup, spin_blocked_by},
         markup::{Blocked, controls, head, message as message_html},
-        state::{Act, Setup, Step},
+        state::{Activity, Setup, Step},
         texts::message,
         wheel::{Layout, Wheel, free_id},
     },
@@ -32,16 +32,16 @@ use crate::{
 pub(crate) fn WheelSetupSteps(setup: WheelSetup) -> impl IntoView {
     setup.follow();
     let head = memo(move || setup.setup.with(head));
-    let said = memo(move || {
+    let text = memo(move || {
         let ids = (setup.ids.progress)();
         setup
             .setup
             .with(|setup| message_html(&message(setup, &ids)))
     });
-    // Not in the message, which is read out whenever it changes.
+    // Not in the message: a screen reader reads the message at every change.
     let progress = memo(move || {
-        let act = setup.setup.with(|setup| setup.act);
-        let scans = matches!(act, Act::Finding | Act::Checking);
+        let activity = setup.setup.with(|setup| setup.activity);
+        let scans = matches!(activity, Activity::Finding | Activity::Checking);
         let progress = || {
             let shown = setup.page.shown;
             shown.with(|session| of_progress(session.job.as_ref()))
@@ -64,7 +64,7 @@ pub(crate) fn WheelSetupSteps(setup: WheelSetup) -> impl IntoView {
             <div
                 role="status"
                 aria-label=tr!("Wheel setup")
-                inner_html=dynamic(move || said.get())
+                inner_html=dynamic(move || text.get())
             ></div>
             <p class="quiet">{dynamic(move || progress.get())}</p>
             <div class="wheel-controls" node_ref=place></div>
@@ -72,7 +72,7 @@ pub(crate) fn WheelSetupSteps(setup: WheelSetup) -> impl IntoView {
     }
 }
 
-/// Shows the controls of the step, and again when they differ. Fields keep what is being typed.
+/// Shows the controls of the step, and replaces them when they change. Text fields are not replaced while the user types.
 fn show_controls(setup: WheelSetup, place: NodeRef<Div>) {
     let page = setup.page;
     let html = memo(move || {
@@ -102,7 +102,7 @@ fn show_controls(setup: WheelSetup, place: NodeRef<Div>) {
     });
 }
 
-/// A press of the button with this value, such as `find` or `spin-2`.
+/// Runs the action of the button with this value, such as `find` or `spin-2`.
 fn press(setup: WheelSetup, value: &str) {
     let (what, place) = match value.rsplit_once('-') {
         Some((what, number)) => match number.parse::<usize>() {
@@ -111,13 +111,13 @@ fn press(setup: WheelSetup, value: &str) {
         },
         None => (value, 0),
     };
-    let begin_with = |layout: Layout| {
+    let use_layout = |layout: Layout| {
         setup.replace_wheels(|setup| setup.edit(|wheels| *wheels = layout.wheels()));
     };
     match what {
-        "two" => begin_with(Layout::Two),
-        "four" => begin_with(Layout::Four),
-        "six" => begin_with(Layout::Six),
+        "two" => use_layout(Layout::Two),
+        "four" => use_layout(Layout::Four),
+        "six" => use_layout(Layout::Six),
         "add" => setup.replace_wheels(|setup| {
             setup.edit(|wheels| wheels.push(Wheel::new("", Side::Left, free_id(wheels))));
         }),
@@ -128,8 +128,8 @@ fn press(setup: WheelSetup, value: &str) {
                 }
             });
         }),
-        "have-ids" => setup.change(|setup| setup.begin(true)),
-        "set-ids" => setup.change(|setup| setup.begin(false)),
+        "have-ids" => setup.change(|setup| setup.leave_wheels(true)),
+        "set-ids" => setup.change(|setup| setup.leave_wheels(false)),
         "find" => setup.find(),
         "more" => setup.find_with_more(),
         "cancel" => setup.cancel(),
@@ -139,14 +139,14 @@ fn press(setup: WheelSetup, value: &str) {
         "set-id" => setup.change(|setup| setup.set_id_of(place)),
         "continue" => setup.begin_spins(),
         "spin" => setup.spin(place),
-        "right" => setup.answer(Setup::answer_right),
+        "correct" => setup.answer(Setup::answer_correct),
         "backwards" => setup.answer(Setup::answer_backwards),
         "other" => setup.change(|setup| setup.answer_other(true)),
         "none-of-them" => setup.change(|setup| setup.answer_other(false)),
         "was" => setup.answer(|setup| setup.exchange_with(place)),
         "nothing" => setup.change(Setup::answer_nothing),
         "finish" => setup.finish(),
-        "again" => setup.replace_wheels(Setup::begin_again),
+        "again" => setup.replace_wheels(Setup::start_again),
         "drive" => setup.page.drawer.set(Some(Drawer::Together)),
         _ => {}
     }

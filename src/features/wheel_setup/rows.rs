@@ -1,4 +1,4 @@
-//! The lists of the panel as HTML: the wheels as they are entered, as they answer, and as they turn.
+//! The lists of the panel as HTML: the fields of the wheels, the replies of their motors, and the spins.
 
 use std::fmt::Write;
 
@@ -6,7 +6,8 @@ use motorlink_i18n::tr;
 
 use crate::{
     features::wheel_setup::{
-        state::{Act, Setup},
+        state::{Activity, Setup},
+        texts::must_answer,
         wheel::Wheel,
     },
     model::{
@@ -16,7 +17,7 @@ use crate::{
     ui::escape::escaped,
 };
 
-/// The wheels with their fields, which are called `wheel-name-0` and so on.
+/// The wheels with their fields. The fields have the IDs `wheel-name-0`, `wheel-side-0`, `wheel-id-0` and so on.
 pub(crate) fn entry_rows(wheels: &[Wheel]) -> String {
     let mut html = String::new();
     for (place, wheel) in wheels.iter().enumerate() {
@@ -34,12 +35,7 @@ pub(crate) fn entry_rows(wheels: &[Wheel]) -> String {
         );
         for side in Side::ALL {
             let selected = if side == wheel.side { " selected" } else { "" };
-            let words = match side {
-                Side::None => tr!("no side"),
-                Side::Left => tr!("left"),
-                Side::Right => tr!("right"),
-            };
-            let key = side.key();
+            let (key, words) = (side.key(), side.words());
             let _ = write!(html, "<option value=\"{key}\"{selected}>{words}</option>");
         }
         let _ = write!(
@@ -57,13 +53,13 @@ pub(crate) fn entry_rows(wheels: &[Wheel]) -> String {
     html
 }
 
-/// The wheels, and which of them answered the check.
+/// The wheels, and which of them replied to the check.
 pub(crate) fn check_rows(setup: &Setup) -> String {
     let mut html = String::new();
     for (place, wheel) in setup.wheels.iter().enumerate() {
         let (class, words) = match setup.has_answered(wheel) {
             None => ("", tr!("not checked")),
-            Some(true) => ("good", tr!("answers")),
+            Some(true) => ("good", tr!("replies")),
             Some(false) => ("bad", tr!("no reply")),
         };
         let name = escaped(&wheel.name);
@@ -87,21 +83,21 @@ pub(crate) fn check_rows(setup: &Setup) -> String {
     html
 }
 
-/// The wheels with the buttons that spin them, and why one cannot be pressed.
+/// The wheels with their `Spin` buttons. Says why a button is disabled.
 pub(crate) fn spin_rows(setup: &Setup, blocked_by: &[Option<String>]) -> String {
     let mut html = String::new();
     for (place, wheel) in setup.wheels.iter().enumerate() {
-        let (class, words) = if wheel.is_right {
+        let (class, words) = if wheel.is_checked {
             ("good", tr!("checked"))
         } else {
             ("", tr!("not checked"))
         };
-        let reason = match setup.act {
-            Act::None => blocked_by.get(place).cloned().flatten(),
-            Act::Answering { wheel, .. } if wheel == place => {
+        let reason = match setup.activity {
+            Activity::None => blocked_by.get(place).cloned().flatten(),
+            Activity::Answering { wheel, .. } if wheel == place => {
                 blocked_by.get(place).cloned().flatten()
             }
-            Act::Answering { .. } => Some(tr!("Say first what you saw.").to_owned()),
+            Activity::Answering { .. } => Some(must_answer().to_owned()),
             _ => Some(tr!("A wheel is being checked.").to_owned()),
         };
         let disabled = match &reason {
@@ -119,9 +115,10 @@ pub(crate) fn spin_rows(setup: &Setup, blocked_by: &[Option<String>]) -> String 
             label = tr!("Spin {name}", name),
             spin = tr!("Spin"),
         );
-        // A tooltip reaches neither touch nor keyboard. What holds for several wheels is said once, below them.
+        // A tooltip appears neither for touch nor for the keyboard, so the reason is also a line. Neighbours with the same
+        // reason share one line below them.
         let is_last = blocked_by.get(place) != blocked_by.get(place + 1);
-        if let Some(reason) = reason.filter(|_| setup.act == Act::None && is_last) {
+        if let Some(reason) = reason.filter(|_| setup.activity == Activity::None && is_last) {
             let _ = write!(
                 html,
                 "<li class=\"quiet wheel-reason\">{}</li>",
@@ -132,9 +129,9 @@ pub(crate) fn spin_rows(setup: &Setup, blocked_by: &[Option<String>]) -> String 
     html
 }
 
-/// The wheels other than the one that was to turn, as buttons.
+/// Buttons for all wheels except the one that was spun.
 pub(crate) fn other_rows(setup: &Setup) -> String {
-    let Act::Answering { wheel: asked, .. } = setup.act else {
+    let Activity::Answering { wheel: asked, .. } = setup.activity else {
         return String::new();
     };
     let others = setup.wheels.iter().enumerate();
@@ -159,7 +156,7 @@ mod tests {
     };
 
     #[test]
-    fn a_typed_name_is_no_markup() {
+    fn a_typed_name_is_escaped() {
         let mut wheels = Layout::Two.wheels();
         wheels[0].name = "\"><b>x".to_owned();
         let mut setup = Setup::at(Step::Check, wheels);
@@ -175,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_wheel_has_the_way_to_its_id() {
+    fn a_wheel_without_a_reply_has_the_button_set_id() {
         let mut setup = Setup::at(Step::Check, Layout::Two.wheels());
         assert_eq!(check_rows(&setup).matches("not checked").count(), 2);
         setup.answered = Some(vec![id(2)]);
@@ -193,26 +190,26 @@ mod tests {
         let mut setup = Setup::at(Step::Spin, Layout::Two.wheels());
         assert_eq!(spin_rows(&setup, &[]).matches("disabled").count(), 0);
         let reason = Some("Motor 0x01 is stopping.".to_owned());
-        let said =
+        let count =
             |reasons: &[Option<String>]| spin_rows(&setup, reasons).matches("stopping").count();
         assert_eq!(
-            said(&[reason.clone(), None]),
+            count(&[reason.clone(), None]),
             2,
             "as a tooltip and as a line"
         );
         assert_eq!(
-            said(&[reason.clone(), reason.clone()]),
+            count(&[reason.clone(), reason.clone()]),
             3,
             "one line for both"
         );
-        setup.act = Act::Answering {
+        setup.activity = Activity::Answering {
             wheel: 1,
             other: true,
         };
         assert_eq!(spin_rows(&setup, &[]).matches("disabled").count(), 1);
         assert!(other_rows(&setup).contains("Left wheel"));
         assert!(!other_rows(&setup).contains("Right wheel"));
-        setup.act = Act::Spinning(0);
+        setup.activity = Activity::Spinning(0);
         assert_eq!(spin_rows(&setup, &[]).matches("disabled").count(), 2);
     }
 }

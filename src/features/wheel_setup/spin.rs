@@ -1,6 +1,6 @@
-//! The last step: each wheel turns for half a second on a press, and a person says what was seen.
+//! The last step: the user presses Spin, the wheel turns for half a second, and the user chooses what was seen.
 //!
-//! A spin is left only with a stop of its motor, or after the bus has reported that stop.
+//! A spin ends only with a stop of its motor, or after the bus has reported that stop.
 
 use motorlink_messages::{
     Notice,
@@ -9,29 +9,29 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::wheel_setup::state::{Act, Said, Setup, Step},
+    features::wheel_setup::state::{Activity, Outcome, Setup, Step},
     model::{snapshot::concerns_all, terms},
 };
 
 impl Setup {
-    /// Drives this wheel for half a second. Returns its motor.
+    /// Starts the spin of this wheel. Returns the motor to drive; `None` if it cannot be spun now.
     pub(crate) fn spin(&mut self, place: usize) -> Option<MotorId> {
-        let again = matches!(self.act, Act::Answering { wheel, .. } if wheel == place);
-        if self.step != Step::Spin || !(again || self.act == Act::None) {
+        let again = matches!(self.activity, Activity::Answering { wheel, .. } if wheel == place);
+        if self.step != Step::Spin || !(again || self.activity == Activity::None) {
             return None;
         }
         let id = self.motor(place)?;
-        self.act = Act::Spinning(place);
-        self.said = Said::Nothing;
+        self.activity = Activity::Spinning(place);
+        self.outcome = Outcome::Nothing;
         Some(id)
     }
 
-    /// Half a second is over, or nobody looks any more: returns the motor to stop.
+    /// Ends the spin after half a second, or when the panel is no longer visible. Returns the motor to stop.
     pub(crate) fn end_spin(&mut self) -> Option<MotorId> {
-        let Act::Spinning(place) = self.act else {
+        let Activity::Spinning(place) = self.activity else {
             return None;
         };
-        self.act = Act::Stopping(place);
+        self.activity = Activity::Stopping(place);
         self.motor(place)
     }
 
@@ -41,11 +41,11 @@ impl Setup {
 
     /// Handles a notice of the worker. Returns the motor to stop.
     pub(crate) fn on_notice(&mut self, notice: &Notice) -> Option<MotorId> {
-        let (Act::Spinning(place) | Act::Stopping(place)) = self.act else {
+        let (Activity::Spinning(place) | Activity::Stopping(place)) = self.activity else {
             return None;
         };
         match notice {
-            // It may be a second start of this motor, which turns already: it is stopped all the same.
+            // The motor may turn already, from a start before this one: stop it in any case.
             Notice::Refused {
                 command: CommandKind::Drive(id),
                 refusal,
@@ -56,13 +56,13 @@ impl Setup {
             }
             Notice::TooLate(CommandKind::Drive(id)) if Some(*id) == self.motor(place) => {
                 let to_stop = self.end_spin();
-                self.act = Act::None;
-                self.said = Said::CutShort(place);
+                self.activity = Activity::None;
+                self.outcome = Outcome::StoppedEarly(place);
                 to_stop
             }
             Notice::StopBegan(reason) if concerns_all(*reason) => {
-                self.act = Act::None;
-                self.said = Said::CutShort(place);
+                self.activity = Activity::None;
+                self.outcome = Outcome::StoppedEarly(place);
                 None
             }
             Notice::StopEnded(report) => {
@@ -75,59 +75,60 @@ impl Setup {
 
     fn stopped(&mut self, place: usize, report: &StopReport) {
         let id = self.motor(place);
-        let Some(outcome) = report.motors.iter().find(|stop| Some(stop.id) == id) else {
+        let Some(stop) = report.motors.iter().find(|stop| Some(stop.id) == id) else {
             return;
         };
-        let asked = self.act == Act::Stopping(place) && report.reason == StopReason::OneMotor;
-        self.act = Act::None;
-        if !outcome.confirmed {
-            self.said = Said::NotConfirmed(outcome.id);
+        let asked =
+            self.activity == Activity::Stopping(place) && report.reason == StopReason::OneMotor;
+        self.activity = Activity::None;
+        if !stop.confirmed {
+            self.outcome = Outcome::NotConfirmed(stop.id);
         } else if asked {
-            self.act = Act::Answering {
+            self.activity = Activity::Answering {
                 wheel: place,
                 other: false,
             };
         } else {
-            self.said = Said::CutShort(place);
+            self.outcome = Outcome::StoppedEarly(place);
         }
     }
 
     fn answering(&self) -> Option<usize> {
-        match self.act {
-            Act::Answering { wheel, .. } => Some(wheel),
+        match self.activity {
+            Activity::Answering { wheel, .. } => Some(wheel),
             _ => None,
         }
     }
 
-    /// The right wheel turned, forward.
-    pub(crate) fn answer_right(&mut self) {
+    /// The spun wheel turned forward.
+    pub(crate) fn answer_correct(&mut self) {
         if let Some(place) = self.answering() {
-            self.act = Act::None;
+            self.activity = Activity::None;
             if let Some(wheel) = self.wheels.get_mut(place) {
-                wheel.is_right = true;
+                wheel.is_checked = true;
             }
         }
     }
 
-    /// The right wheel turned, backwards: it is on the other side.
+    /// The spun wheel turned backwards: changes its side.
     pub(crate) fn answer_backwards(&mut self) {
         if let Some(place) = self.answering() {
-            self.act = Act::None;
-            self.said = Said::Turned(place);
+            self.activity = Activity::None;
+            self.outcome = Outcome::SideChanged(place);
             if let Some(wheel) = self.wheels.get_mut(place) {
-                wheel.turn_side();
+                wheel.change_side();
             }
         }
     }
 
-    /// Another wheel turned, which the person names next; or not, after all.
+    /// Another wheel turned: the page asks which one. `false` goes back to the first question.
     pub(crate) fn answer_other(&mut self, is_other: bool) {
-        if let Act::Answering { other, .. } = &mut self.act {
+        if let Activity::Answering { other, .. } = &mut self.activity {
             *other = is_other;
         }
     }
 
-    /// This wheel turned instead: the two have each other's motor.
+    /// This wheel turned instead: exchanges the motors of the two.
     pub(crate) fn exchange_with(&mut self, other: usize) {
         let Some(place) = self.answering() else {
             return;
@@ -142,27 +143,27 @@ impl Setup {
         for (place, (id, has_id)) in [(place, theirs), (other, mine)] {
             if let Some(wheel) = self.wheels.get_mut(place) {
                 (wheel.id, wheel.has_id) = (id, has_id);
-                wheel.is_right = false;
+                wheel.is_checked = false;
             }
         }
-        self.act = Act::None;
-        self.said = Said::Exchanged(place, other);
+        self.activity = Activity::None;
+        self.outcome = Outcome::Exchanged(place, other);
     }
 
     /// No wheel turned.
     pub(crate) fn answer_nothing(&mut self) {
         if let Some(place) = self.answering() {
-            self.act = Act::None;
-            self.said = Said::NothingTurned(place);
+            self.activity = Activity::None;
+            self.outcome = Outcome::NothingTurned(place);
             if let Some(wheel) = self.wheels.get_mut(place) {
-                wheel.is_right = false;
+                wheel.is_checked = false;
             }
         }
     }
 
-    /// The wheels are as they should be.
+    /// Ends the setup, unless a wheel turns or the page asks about one.
     pub(crate) fn finish(&mut self) {
-        if self.step == Step::Spin && self.act == Act::None {
+        if self.step == Step::Spin && self.activity == Activity::None {
             self.go(Step::Done);
         }
     }

@@ -9,14 +9,14 @@ use crate::{
     model::{names_and_sides::Side, scan_texts::tests::id},
 };
 
-/// The second wheel of four turns.
+/// The second of four wheels is driven.
 fn spinning() -> Setup {
     let mut setup = Setup::at(Step::Spin, Layout::Four.wheels());
     assert_eq!(setup.spin(1), Some(id(2)));
     setup
 }
 
-/// Its half second is over.
+/// The half second of this wheel is over.
 fn stopping() -> Setup {
     let mut setup = spinning();
     assert_eq!(setup.end_spin(), Some(id(2)));
@@ -31,8 +31,8 @@ fn answering() -> Setup {
         None
     );
     assert_eq!(
-        setup.act,
-        Act::Answering {
+        setup.activity,
+        Activity::Answering {
             wheel: 1,
             other: false
         }
@@ -52,17 +52,17 @@ fn stopped(motor: u8, confirmed: bool, reason: StopReason) -> Notice {
 }
 
 #[test]
-fn a_wheel_is_asked_about_after_its_confirmed_stop() {
+fn the_page_asks_about_a_wheel_after_its_confirmed_stop() {
     let mut setup = answering();
-    setup.answer_right();
-    assert_eq!(setup.act, Act::None);
-    assert!(setup.wheels[1].is_right);
+    setup.answer_correct();
+    assert_eq!(setup.activity, Activity::None);
+    assert!(setup.wheels[1].is_checked);
     setup.finish();
     assert_eq!(setup.step, Step::Done);
 }
 
 #[test]
-fn a_wheel_is_driven_in_its_step_only_and_one_at_a_time() {
+fn only_one_wheel_at_a_time_is_driven_and_only_in_the_step_spin() {
     for step in [
         Step::Wheels,
         Step::Id(1),
@@ -78,7 +78,7 @@ fn a_wheel_is_driven_in_its_step_only_and_one_at_a_time() {
         assert_eq!(setup.spin(0), None);
         assert!(setup.is_busy());
     }
-    // Before the answer only the asked wheel turns again.
+    // Before the answer, only the same wheel can be spun again.
     let mut setup = answering();
     assert_eq!(setup.spin(0), None);
     assert_eq!(setup.spin(1), Some(id(2)));
@@ -86,29 +86,32 @@ fn a_wheel_is_driven_in_its_step_only_and_one_at_a_time() {
 }
 
 #[test]
-fn a_refused_start_is_followed_by_a_stop_and_says_why() {
+fn a_refused_start_stops_the_motor_and_says_why() {
     let refusal = Refusal::Halted;
     let command = CommandKind::Drive(id(2));
     let mut setup = spinning();
     let notice = Notice::Refused { command, refusal };
     assert_eq!(setup.on_notice(&notice), Some(id(2)));
-    assert_eq!(setup.act, Act::None);
-    assert_eq!(setup.said, Said::Refused(terms::refusal(refusal)));
+    assert_eq!(setup.activity, Activity::None);
+    assert_eq!(setup.outcome, Outcome::Refused(terms::refusal(refusal)));
 
     let mut setup = spinning();
     assert_eq!(setup.on_notice(&Notice::TooLate(command)), Some(id(2)));
-    assert_eq!((setup.act, setup.said), (Act::None, Said::CutShort(1)));
+    assert_eq!(
+        (setup.activity, setup.outcome),
+        (Activity::None, Outcome::StoppedEarly(1))
+    );
 
-    // Another motor's.
+    // The notice of another motor.
     let mut setup = spinning();
     let command = CommandKind::Drive(id(1));
     let notice = Notice::Refused { command, refusal };
     assert_eq!(setup.on_notice(&notice), None);
-    assert_eq!(setup.act, Act::Spinning(1));
+    assert_eq!(setup.activity, Activity::Spinning(1));
 }
 
 #[test]
-fn whatever_else_stops_the_wheel_asks_nothing() {
+fn a_stop_from_another_cause_asks_no_question() {
     let began = Notice::StopBegan(StopReason::Operator);
     let hot = stopped(2, true, StopReason::OneMotor);
     let all = stopped(2, true, StopReason::Operator);
@@ -121,63 +124,69 @@ fn whatever_else_stops_the_wheel_asks_nothing() {
         (stopping(), &all),
     ] {
         assert_eq!(setup.on_notice(notice), None);
-        assert_eq!((setup.act, &setup.said), (Act::None, &Said::CutShort(1)));
-        assert!(!setup.wheels[1].is_right);
-        assert_eq!(setup.end_spin(), None, "the timer that still runs");
+        assert_eq!(
+            (setup.activity, &setup.outcome),
+            (Activity::None, &Outcome::StoppedEarly(1))
+        );
+        assert!(!setup.wheels[1].is_checked);
+        assert_eq!(setup.end_spin(), None, "the timer fires later");
     }
 }
 
 #[test]
-fn a_stop_that_was_not_confirmed_is_said() {
+fn an_unconfirmed_stop_is_reported() {
     let mut setup = stopping();
     setup.on_notice(&stopped(2, false, StopReason::OneMotor));
-    assert_eq!(setup.act, Act::None);
-    assert_eq!(setup.said, Said::NotConfirmed(id(2)));
+    assert_eq!(setup.activity, Activity::None);
+    assert_eq!(setup.outcome, Outcome::NotConfirmed(id(2)));
 }
 
 #[test]
-fn the_stop_of_another_motor_is_not_this_one() {
+fn the_stop_of_another_motor_changes_nothing() {
     let mut setup = stopping();
     setup.on_notice(&stopped(1, true, StopReason::OneMotor));
-    assert_eq!(setup.act, Act::Stopping(1));
+    assert_eq!(setup.activity, Activity::Stopping(1));
 }
 
 #[test]
-fn a_lost_port_ends_every_phase_and_keeps_the_step() {
+fn a_lost_port_ends_the_activity_and_keeps_the_step() {
     for mut setup in [spinning(), stopping(), answering()] {
         setup.disconnected();
-        assert_eq!((setup.step, setup.act), (Step::Spin, Act::None));
-        assert_eq!(setup.said, Said::Disconnected);
-        setup.answer_right();
-        assert!(!setup.wheels[1].is_right);
+        assert_eq!((setup.step, setup.activity), (Step::Spin, Activity::None));
+        assert_eq!(setup.outcome, Outcome::Disconnected);
+        setup.answer_correct();
+        assert!(!setup.wheels[1].is_checked);
     }
 }
 
 #[test]
 fn a_reload_turns_no_wheel_and_keeps_the_answers() {
     let mut setup = answering();
-    setup.answer_right();
+    setup.answer_correct();
     assert_eq!(setup.spin(2), Some(id(3)));
     let after = stored::from_text(&stored::to_text(&setup)).unwrap();
-    assert_eq!((after.step, after.act), (Step::Spin, Act::None));
-    assert!(after.wheels[1].is_right && !after.wheels[2].is_right);
+    assert_eq!((after.step, after.activity), (Step::Spin, Activity::None));
+    assert!(after.wheels[1].is_checked && !after.wheels[2].is_checked);
 }
 
 #[test]
-fn a_wheel_that_turns_backwards_is_on_the_other_side_and_is_checked_again() {
+fn a_wheel_that_turns_backwards_changes_side_and_is_checked_again() {
     let mut setup = answering();
-    setup.wheels[1].is_right = true;
+    setup.wheels[1].is_checked = true;
     setup.answer_backwards();
     assert_eq!(setup.wheels[1].side, Side::Left);
-    assert!(!setup.wheels[1].is_right);
-    assert_eq!((setup.act, &setup.said), (Act::None, &Said::Turned(1)));
+    assert!(!setup.wheels[1].is_checked);
+    assert_eq!(
+        (setup.activity, &setup.outcome),
+        (Activity::None, &Outcome::SideChanged(1))
+    );
     assert!(setup.spin(1).is_some());
 }
 
 #[test]
-fn another_wheel_that_turned_exchanges_the_motors_of_both() {
+fn if_another_wheel_turned_the_two_exchange_their_motors() {
     let mut setup = answering();
-    setup.wheels[3].is_right = true;
+    setup.wheels[3].is_checked = true;
     setup.wheels[1].has_id = true;
     setup.answer_other(true);
     setup.answer_other(false);
@@ -187,20 +196,20 @@ fn another_wheel_that_turned_exchanges_the_motors_of_both() {
     assert_eq!(ids, [1, 4, 3, 2]);
     assert_eq!(setup.wheels[1].name, "Front right");
     assert!(setup.wheels[3].has_id && !setup.wheels[1].has_id);
-    assert!(!setup.wheels[3].is_right, "it has another motor");
-    assert_eq!(setup.said, Said::Exchanged(1, 3));
+    assert!(!setup.wheels[3].is_checked, "it has another motor");
+    assert_eq!(setup.outcome, Outcome::Exchanged(1, 3));
     // Without a question nothing is exchanged.
     setup.exchange_with(0);
     assert_eq!(setup.wheels[1].id, 4);
 }
 
 #[test]
-fn a_wheel_that_did_not_turn_is_not_right() {
+fn a_wheel_that_did_not_turn_is_not_checked() {
     let mut setup = answering();
-    setup.wheels[1].is_right = true;
+    setup.wheels[1].is_checked = true;
     setup.answer_nothing();
-    assert!(!setup.wheels[1].is_right);
-    assert_eq!(setup.said, Said::NothingTurned(1));
+    assert!(!setup.wheels[1].is_checked);
+    assert_eq!(setup.outcome, Outcome::NothingTurned(1));
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! The steps of the setup, and what is done in one of them.
+//! The stored step, and the activity that runs in it.
 //!
-//! The steps are stored. What is done in one of them is not: after an interruption it begins again, and a motor whose ID
-//! was set meanwhile is found with it. Only a person's act begins anything here.
+//! The activity is not stored: after an interruption the user starts it again. A motor that got its ID meanwhile is then
+//! found with that ID. Only the user starts an activity.
 
 use motorlink_messages::{
     bus::SetIdFrames,
@@ -16,26 +16,26 @@ use crate::{
     },
 };
 
-/// A step. Wheels are named by their row, from 0.
+/// A step. The number of a wheel is its row, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// The wheels are entered.
+    /// The user enters the wheels.
     Wheels,
     /// The only motor on the bus gets the ID of this wheel.
     Id(usize),
-    /// The motor of this wheel has its ID, and gets a label.
+    /// The motor of this wheel has its ID. The user labels it.
     Label(usize),
-    /// All motors have to answer on one bus.
+    /// A scan checks that all motors reply on one bus.
     Check,
-    /// Each wheel is spun on demand.
+    /// The user spins each wheel.
     Spin,
-    /// All is stored.
+    /// The user has finished the setup.
     Done,
 }
 
-/// What is being done. It is not stored.
+/// The activity that runs in a step. It is not stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Act {
+pub(crate) enum Activity {
     #[default]
     None,
     /// The ID manager looks for the only motor, asks, and sets its ID.
@@ -44,42 +44,42 @@ pub(crate) enum Act {
     Checking,
     /// This wheel is driven for half a second.
     Spinning(usize),
-    /// It is being stopped after that.
+    /// This wheel is being stopped.
     Stopping(usize),
-    /// It stands. A person says what was seen: nothing is driven meanwhile.
+    /// The stop of this wheel is confirmed. The page asks what the user saw. Only this wheel can be spun again.
     Answering {
         wheel: usize,
-        /// Whether another wheel turned, which is being named.
+        /// Whether another wheel turned, and the page asks which one.
         other: bool,
     },
 }
 
-/// How the last act ended, where that is not seen from the step.
+/// The outcome of the last activity, if the step does not show it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Said {
+pub(crate) enum Outcome {
     #[default]
     Nothing,
-    /// The wheels as entered cannot be set up.
+    /// The entered wheels are not valid.
     Problem(Problem),
-    /// What the ID manager says.
+    /// The message of the ID manager.
     Ids(NoticeText),
     /// More than one motor is on the bus.
     Several(Vec<MotorId>),
-    /// The motor has kept its ID.
+    /// The motor has kept its ID. Contains the number of frames for the next try, if one is offered.
     Kept(Option<SetIdFrames>),
-    /// The scan, the question or the spin was ended before its result.
+    /// The scan or the question ended without a result.
     Cancelled,
     /// The port was closed or lost.
     Disconnected,
-    /// The worker or the page refused.
+    /// The worker or the page refused the activity, for this reason.
     Refused(String),
-    /// The wheel was stopped before half a second was over, or together with all others.
-    CutShort(usize),
-    /// The wheel did not report a standstill.
+    /// The wheel was stopped before the end of its half second, or together with all other wheels.
+    StoppedEarly(usize),
+    /// This motor did not confirm its stop.
     NotConfirmed(MotorId),
-    /// The wheel is on the other side now.
-    Turned(usize),
-    /// The two wheels have each other's motor now.
+    /// This wheel turned backwards, and its side was changed.
+    SideChanged(usize),
+    /// These two wheels have exchanged their motors.
     Exchanged(usize, usize),
     /// No wheel turned.
     NothingTurned(usize),
@@ -90,8 +90,8 @@ pub(crate) enum Said {
 pub(crate) struct Setup {
     pub(crate) step: Step,
     pub(crate) wheels: Vec<Wheel>,
-    pub(crate) act: Act,
-    pub(crate) said: Said,
+    pub(crate) activity: Activity,
+    pub(crate) outcome: Outcome,
     /// The motors that the last check found.
     pub(crate) answered: Option<Vec<MotorId>>,
 }
@@ -107,40 +107,40 @@ impl Setup {
         Self {
             step,
             wheels,
-            act: Act::None,
-            said: Said::Nothing,
+            activity: Activity::None,
+            outcome: Outcome::Nothing,
             answered: None,
         }
     }
 
-    /// Whether something is being done, which has to end before another step.
+    /// Whether a scan, an ID change or a spin runs. No other step opens until it ends.
     pub(crate) fn is_busy(&self) -> bool {
-        !matches!(self.act, Act::None | Act::Answering { .. })
+        !matches!(self.activity, Activity::None | Activity::Answering { .. })
     }
 
     pub(crate) fn go(&mut self, step: Step) {
         self.step = step;
-        self.act = Act::None;
-        self.said = Said::Nothing;
+        self.activity = Activity::None;
+        self.outcome = Outcome::Nothing;
     }
 
-    /// Changes the wheels. What has been done with one counts only for the ID and the side that it had.
+    /// Changes the wheels. A wheel with another ID loses its progress. A wheel with another side must be checked again.
     pub(crate) fn edit(&mut self, change: impl FnOnce(&mut Vec<Wheel>)) {
         let before = self.wheels.clone();
         change(&mut self.wheels);
         for wheel in &mut self.wheels {
             let old = before.iter().find(|old| old.id == wheel.id);
             wheel.has_id &= old.is_some();
-            wheel.is_right &= old.is_some_and(|old| old.side == wheel.side);
+            wheel.is_checked &= old.is_some_and(|old| old.side == wheel.side);
         }
-        self.said = Said::Nothing;
+        self.outcome = Outcome::Nothing;
         self.answered = None;
     }
 
-    /// The wheels are entered: goes to the IDs, or to the check where the motors have them.
-    pub(crate) fn begin(&mut self, have_ids: bool) {
+    /// Goes to the IDs, or to the check if the motors have their IDs. If the wheels are not valid, the step stays.
+    pub(crate) fn leave_wheels(&mut self, have_ids: bool) {
         match problem(&self.wheels) {
-            Some(problem) => self.said = Said::Problem(problem),
+            Some(problem) => self.outcome = Outcome::Problem(problem),
             None if have_ids => self.go(Step::Check),
             None => self.go(Step::Id(0)),
         }
@@ -154,49 +154,49 @@ impl Setup {
         }
     }
 
-    /// Looks for the only motor, which gets this ID.
+    /// Starts to look for the only motor. Returns the ID that it gets; `None` if this cannot start now.
     pub(crate) fn find(&mut self) -> Option<AssignableId> {
         if !matches!(self.step, Step::Id(_)) || self.is_busy() {
             return None;
         }
         let id = self.wheel()?.assigned()?;
-        self.act = Act::Finding;
-        self.said = Said::Nothing;
+        self.activity = Activity::Finding;
+        self.outcome = Outcome::Nothing;
         Some(id)
     }
 
-    /// Scans for all motors. Returns whether a scan has to begin.
+    /// Starts the check of all motors. Returns whether a scan is needed.
     pub(crate) fn check(&mut self) -> bool {
         let may = self.step == Step::Check && !self.is_busy();
         if may {
-            self.act = Act::Checking;
-            self.said = Said::Nothing;
+            self.activity = Activity::Checking;
+            self.outcome = Outcome::Nothing;
             self.answered = None;
         }
         may
     }
 
-    /// The act could not begin.
+    /// The activity was refused, for this reason.
     pub(crate) fn refused(&mut self, reason: String) {
-        self.act = Act::None;
-        self.said = Said::Refused(reason);
+        self.activity = Activity::None;
+        self.outcome = Outcome::Refused(reason);
     }
 
-    /// The ID manager has changed.
+    /// Handles a change of the ID manager.
     pub(crate) fn on_ids(&mut self, ids: &IdProgress) {
         if ids.is_changing {
             return;
         }
-        match (self.act, &ids.end) {
-            (Act::Finding, end) => {
-                self.act = Act::None;
+        match (self.activity, &ids.end) {
+            (Activity::Finding, end) => {
+                self.activity = Activity::None;
                 self.found(end.as_ref(), ids);
             }
-            (Act::Checking, Some(end)) => {
-                self.act = Act::None;
+            (Activity::Checking, Some(end)) => {
+                self.activity = Activity::None;
                 match end {
                     End::Scanned { motors } => self.answered = Some(motors.clone()),
-                    End::Kept | End::Failed => self.said = Said::Ids(ids.message.clone()),
+                    End::Kept | End::Failed => self.outcome = Outcome::Ids(ids.message.clone()),
                 }
             }
             _ => {}
@@ -213,20 +213,20 @@ impl Setup {
             Some(End::Scanned { motors }) if only(motors) => {
                 wheel.has_id = true;
                 self.step = Step::Label(place);
-                self.said = Said::Ids(ids.message.clone());
+                self.outcome = Outcome::Ids(ids.message.clone());
             }
             Some(End::Scanned { motors }) if motors.len() > 1 => {
-                self.said = Said::Several(motors.clone());
+                self.outcome = Outcome::Several(motors.clone());
             }
             Some(End::Scanned { .. } | End::Failed) => {
-                self.said = Said::Ids(ids.message.clone());
+                self.outcome = Outcome::Ids(ids.message.clone());
             }
-            Some(End::Kept) => self.said = Said::Kept(ids.more),
-            None => self.said = Said::Cancelled,
+            Some(End::Kept) => self.outcome = Outcome::Kept(ids.more),
+            None => self.outcome = Outcome::Cancelled,
         }
     }
 
-    /// The label is on the motor, or its wheel is skipped: goes to the next wheel, then to the check.
+    /// Goes to the next wheel, and after the last wheel to the check. The motor is labelled, or its wheel is skipped.
     pub(crate) fn next_wheel(&mut self) {
         let (Step::Id(place) | Step::Label(place)) = self.step else {
             return;
@@ -242,14 +242,14 @@ impl Setup {
         });
     }
 
-    /// Goes to the ID of this wheel.
+    /// Goes to the step that sets the ID of this wheel.
     pub(crate) fn set_id_of(&mut self, place: usize) {
         if place < self.wheels.len() && !self.is_busy() {
             self.go(Step::Id(place));
         }
     }
 
-    /// Goes one step back.
+    /// Goes back by one step.
     pub(crate) fn back(&mut self) {
         if self.is_busy() {
             return;
@@ -264,48 +264,48 @@ impl Setup {
         });
     }
 
-    /// Begins again with the wheels that are entered.
-    pub(crate) fn begin_again(&mut self) {
+    /// Goes to the first step. Keeps the entered wheels without their progress.
+    pub(crate) fn start_again(&mut self) {
         for wheel in &mut self.wheels {
             wheel.has_id = false;
-            wheel.is_right = false;
+            wheel.is_checked = false;
         }
         self.answered = None;
         self.go(Step::Wheels);
     }
 
-    /// Whether this wheel's motor answered the last check; `None` before it.
+    /// Whether the motor of this wheel answered the last check; `None` before a check.
     pub(crate) fn has_answered(&self, wheel: &Wheel) -> Option<bool> {
         let answered = self.answered.as_ref()?;
         Some(wheel.motor().is_some_and(|id| answered.contains(&id)))
     }
 
-    /// Motors that answered and belong to no wheel.
-    pub(crate) fn strangers(&self) -> Vec<MotorId> {
+    /// The motors that answered the last check and belong to no wheel.
+    pub(crate) fn unassigned_motors(&self) -> Vec<MotorId> {
         let is_wheel = |id: &MotorId| self.wheels.iter().any(|wheel| wheel.motor() == Some(*id));
         let answered = self.answered.iter().flatten();
         answered.filter(|id| !is_wheel(id)).copied().collect()
     }
 
-    /// Whether any wheel answered the last check, so that it can be spun.
+    /// Whether at least one wheel answered the last check, and can be spun.
     pub(crate) fn may_spin(&self) -> bool {
         let answered = |wheel| self.has_answered(wheel) == Some(true);
         self.wheels.iter().any(answered)
     }
 
-    /// The check has shown what answers: goes to the wheels.
+    /// Goes to the spins if at least one wheel answered the check.
     pub(crate) fn begin_spins(&mut self) {
         if self.step == Step::Check && !self.is_busy() && self.may_spin() {
             self.go(Step::Spin);
         }
     }
 
-    /// The port is closed or lost, or the worker has ended.
+    /// The port was closed or lost, or the worker has ended.
     pub(crate) fn disconnected(&mut self) {
         self.answered = None;
-        if self.act != Act::None {
-            self.act = Act::None;
-            self.said = Said::Disconnected;
+        if self.activity != Activity::None {
+            self.activity = Activity::None;
+            self.outcome = Outcome::Disconnected;
         }
     }
 }

@@ -26,7 +26,7 @@ fn ended(end: Option<End>) -> IdProgress {
     IdProgress {
         is_changing: false,
         end,
-        message: text("what the ID manager says"),
+        message: text("message of the ID manager"),
         more: None,
     }
 }
@@ -41,7 +41,7 @@ fn finding() -> Setup {
     let mut setup = Setup::at(Step::Id(1), Layout::Four.wheels());
     assert_eq!(setup.find().map(AssignableId::id), Some(id(2)));
     setup.on_ids(&changing());
-    assert_eq!(setup.act, Act::Finding, "it is under way");
+    assert_eq!(setup.activity, Activity::Finding, "it runs");
     setup
 }
 
@@ -49,85 +49,94 @@ fn checking() -> Setup {
     let mut setup = Setup::at(Step::Check, Layout::Four.wheels());
     assert!(setup.check());
     setup.on_ids(&ended(None));
-    assert_eq!(setup.act, Act::Checking, "it is under way");
+    assert_eq!(setup.activity, Activity::Checking, "it runs");
     setup
 }
 
-/// What is stored, and loaded after a reload.
+/// The setup after a reload.
 fn reloaded(setup: &Setup) -> Setup {
     stored::from_text(&stored::to_text(setup)).unwrap()
 }
 
 #[test]
-fn the_wheels_have_to_be_complete_before_the_ids() {
+fn the_ids_follow_only_after_valid_wheels() {
     let mut setup = Setup::default();
     setup.edit(|wheels| wheels[1].id = 0);
     for have_ids in [false, true] {
-        setup.begin(have_ids);
+        setup.leave_wheels(have_ids);
         assert_eq!(setup.step, Step::Wheels);
-        assert_eq!(setup.said, Said::Problem(Problem::Id(1)));
+        assert_eq!(setup.outcome, Outcome::Problem(Problem::Id(1)));
     }
     setup.edit(|wheels| wheels[1].id = 9);
-    assert_eq!(setup.said, Said::Nothing);
-    setup.begin(false);
+    assert_eq!(setup.outcome, Outcome::Nothing);
+    setup.leave_wheels(false);
     assert_eq!(setup.step, Step::Id(0));
     setup.back();
-    setup.begin(true);
+    setup.leave_wheels(true);
     assert_eq!(setup.step, Step::Check);
 }
 
 #[test]
-fn what_was_done_with_a_wheel_counts_for_its_id_and_side_only() {
+fn a_changed_id_or_side_resets_the_progress_of_its_wheel() {
     let mut setup = Setup::default();
     for wheel in &mut setup.wheels {
-        (wheel.has_id, wheel.is_right) = (true, true);
+        (wheel.has_id, wheel.is_checked) = (true, true);
     }
     setup.edit(|wheels| {
         wheels[0].id = 9;
-        wheels[1].turn_side();
+        wheels[1].change_side();
         wheels[2].name = "Third".to_owned();
         wheels.remove(3);
     });
-    let done: Vec<_> = setup
+    let progress: Vec<_> = setup
         .wheels
         .iter()
-        .map(|wheel| (wheel.has_id, wheel.is_right))
+        .map(|wheel| (wheel.has_id, wheel.is_checked))
         .collect();
-    assert_eq!(done, [(false, false), (true, false), (true, true)]);
+    assert_eq!(progress, [(false, false), (true, false), (true, true)]);
 }
 
 #[test]
-fn the_only_motor_with_the_id_gets_its_label_and_the_next_wheel_follows() {
+fn the_only_motor_gets_its_label_and_then_the_next_wheel_follows() {
     let mut setup = finding();
     setup.on_ids(&scanned(&[2]));
-    assert_eq!((setup.step, setup.act), (Step::Label(1), Act::None));
+    assert_eq!(
+        (setup.step, setup.activity),
+        (Step::Label(1), Activity::None)
+    );
     assert!(setup.wheels[1].has_id && !setup.wheels[0].has_id);
-    assert_eq!(setup.said, Said::Ids(text("what the ID manager says")));
+    assert_eq!(
+        setup.outcome,
+        Outcome::Ids(text("message of the ID manager"))
+    );
     setup.next_wheel();
-    assert_eq!((setup.step, &setup.said), (Step::Id(2), &Said::Nothing));
+    assert_eq!(
+        (setup.step, &setup.outcome),
+        (Step::Id(2), &Outcome::Nothing)
+    );
     setup.next_wheel();
     setup.next_wheel();
     assert_eq!(setup.step, Step::Check, "after the last wheel");
 }
 
 #[test]
-fn anything_but_the_one_motor_keeps_the_step_and_says_why() {
-    let said = || Said::Ids(text("what the ID manager says"));
+fn any_result_other_than_the_one_motor_keeps_the_step_and_says_why() {
+    let of_manager = || Outcome::Ids(text("message of the ID manager"));
     for (progress, why) in [
-        (scanned(&[]), said()),
-        (scanned(&[1, 2]), Said::Several(vec![id(1), id(2)])),
-        // Another motor got another ID, by the tab.
-        (scanned(&[7]), said()),
-        (ended(Some(End::Failed)), said()),
-        (ended(Some(End::Kept)), Said::Kept(None)),
-        // A stop, another motor, or a declined question.
-        (ended(None), Said::Cancelled),
+        (scanned(&[]), of_manager()),
+        (scanned(&[1, 2]), Outcome::Several(vec![id(1), id(2)])),
+        // The tab ID Manager gave another ID to another motor.
+        (scanned(&[7]), of_manager()),
+        (ended(Some(End::Failed)), of_manager()),
+        (ended(Some(End::Kept)), Outcome::Kept(None)),
+        // A stop, a change of the selected motor, or a declined question.
+        (ended(None), Outcome::Cancelled),
     ] {
         let mut setup = finding();
         setup.on_ids(&progress);
-        assert_eq!((setup.step, setup.act), (Step::Id(1), Act::None));
+        assert_eq!((setup.step, setup.activity), (Step::Id(1), Activity::None));
         assert!(!setup.wheels[1].has_id, "{why:?}");
-        assert_eq!(setup.said, why);
+        assert_eq!(setup.outcome, why);
         assert!(setup.find().is_some(), "it can be tried again");
     }
 }
@@ -139,11 +148,11 @@ fn a_motor_that_kept_its_id_is_offered_more_frames() {
         more: Some(SetIdFrames::Ten),
         ..ended(Some(End::Kept))
     });
-    assert_eq!(setup.said, Said::Kept(Some(SetIdFrames::Ten)));
+    assert_eq!(setup.outcome, Outcome::Kept(Some(SetIdFrames::Ten)));
 }
 
 #[test]
-fn a_result_that_nobody_asked_for_here_changes_nothing() {
+fn a_result_without_a_request_changes_nothing() {
     for step in [Step::Wheels, Step::Id(1), Step::Label(1), Step::Check] {
         let mut setup = Setup::at(step, Layout::Four.wheels());
         let before = setup.clone();
@@ -153,30 +162,30 @@ fn a_result_that_nobody_asked_for_here_changes_nothing() {
 }
 
 #[test]
-fn a_lost_port_ends_what_is_done_and_keeps_the_step() {
+fn a_lost_port_ends_the_activity_and_keeps_the_step() {
     for (mut setup, step) in [(finding(), Step::Id(1)), (checking(), Step::Check)] {
         setup.disconnected();
-        assert_eq!((setup.step, setup.act), (step, Act::None));
-        assert_eq!(setup.said, Said::Disconnected);
+        assert_eq!((setup.step, setup.activity), (step, Activity::None));
+        assert_eq!(setup.outcome, Outcome::Disconnected);
         setup.on_ids(&scanned(&[2]));
         assert_eq!(setup.step, step, "a late result");
         assert!(!setup.wheels[1].has_id);
     }
     let mut idle = Setup::at(Step::Label(1), Layout::Four.wheels());
     idle.disconnected();
-    assert_eq!(idle.said, Said::Nothing);
+    assert_eq!(idle.outcome, Outcome::Nothing);
 }
 
 #[test]
 fn a_refused_scan_keeps_the_step_and_says_why() {
     let mut setup = finding();
     setup.refused("a scan runs".to_owned());
-    assert_eq!((setup.step, setup.act), (Step::Id(1), Act::None));
-    assert_eq!(setup.said, Said::Refused("a scan runs".to_owned()));
+    assert_eq!((setup.step, setup.activity), (Step::Id(1), Activity::None));
+    assert_eq!(setup.outcome, Outcome::Refused("a scan runs".to_owned()));
 }
 
 #[test]
-fn nothing_else_begins_while_something_is_done() {
+fn nothing_else_starts_while_an_activity_runs() {
     for mut setup in [finding(), checking()] {
         let before = setup.clone();
         assert_eq!(setup.find(), None);
@@ -190,7 +199,7 @@ fn nothing_else_begins_while_something_is_done() {
 }
 
 #[test]
-fn a_reload_goes_on_at_the_step_and_does_nothing_by_itself() {
+fn a_reload_keeps_the_step_and_starts_nothing() {
     let mut set = finding();
     set.on_ids(&scanned(&[2]));
     for (setup, step) in [
@@ -199,50 +208,46 @@ fn a_reload_goes_on_at_the_step_and_does_nothing_by_itself() {
         (checking(), Step::Check),
     ] {
         let after = reloaded(&setup);
-        assert_eq!((after.step, after.act), (step, Act::None));
+        assert_eq!((after.step, after.activity), (step, Activity::None));
         assert_eq!(after.wheels, setup.wheels);
     }
 }
 
 #[test]
-fn the_check_names_who_is_missing_and_who_is_too_many() {
+fn the_check_names_missing_and_unassigned_motors() {
     let mut setup = checking();
     assert!(!setup.may_spin());
     setup.on_ids(&scanned(&[1, 3, 9]));
-    assert_eq!(setup.act, Act::None);
+    assert_eq!(setup.activity, Activity::None);
     let answers: Vec<_> = setup
         .wheels
         .iter()
         .map(|wheel| setup.has_answered(wheel))
         .collect();
     assert_eq!(answers, [Some(true), Some(false), Some(true), Some(false)]);
-    assert_eq!(setup.strangers(), [id(9)]);
+    assert_eq!(setup.unassigned_motors(), [id(9)]);
     assert!(setup.may_spin());
     setup.set_id_of(1);
     assert_eq!(setup.step, Step::Id(1));
 }
 
 #[test]
-fn a_check_without_an_answer_or_without_an_end_leads_nowhere() {
+fn a_check_without_a_result_keeps_the_step() {
     for progress in [scanned(&[]), scanned(&[9]), ended(Some(End::Failed))] {
         let mut setup = checking();
         setup.on_ids(&progress);
         setup.begin_spins();
-        assert_eq!((setup.step, setup.act), (Step::Check, Act::None));
+        assert_eq!((setup.step, setup.activity), (Step::Check, Activity::None));
     }
     let mut setup = checking();
     setup.on_ids(&scanned(&[1]));
     setup.disconnected();
     setup.begin_spins();
-    assert_eq!(
-        setup.step,
-        Step::Check,
-        "what answered is not known any more"
-    );
+    assert_eq!(setup.step, Step::Check, "the answers are no longer known");
 }
 
 #[test]
-fn each_step_leads_back_to_the_one_before() {
+fn back_goes_to_the_step_before() {
     let mut setup = Setup::at(Step::Done, Layout::Two.wheels());
     let mut steps = Vec::new();
     for _ in 0..6 {
@@ -266,12 +271,12 @@ fn each_step_leads_back_to_the_one_before() {
 }
 
 #[test]
-fn beginning_again_keeps_the_wheels_and_forgets_what_was_done() {
+fn a_new_start_keeps_the_wheels_without_their_progress() {
     let mut wheels = Layout::Two.wheels();
     for wheel in &mut wheels {
-        (wheel.has_id, wheel.is_right) = (true, true);
+        (wheel.has_id, wheel.is_checked) = (true, true);
     }
     let mut setup = Setup::at(Step::Done, wheels);
-    setup.begin_again();
+    setup.start_again();
     assert_eq!(setup, Setup::at(Step::Wheels, Layout::Two.wheels()));
 }

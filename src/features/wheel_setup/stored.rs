@@ -6,8 +6,8 @@
 //! 2   right  no   no  Front right
 //! ```
 //!
-//! Between the columns are tabs: ID, side, whether the motor has the ID, whether the wheel is right, name. A text that
-//! is not exactly so gives a fresh start.
+//! The columns are separated by tabs: ID, side, whether the motor has the ID, whether the wheel is checked, name. If a
+//! text has any other form, the setup starts at the first step.
 
 use std::fmt::Write;
 
@@ -38,13 +38,13 @@ pub(crate) fn to_text(setup: &Setup) -> String {
     let yes = |is: bool| if is { "yes" } else { "no" };
     for wheel in &setup.wheels {
         let (id, side, name) = (wheel.id, wheel.side.key(), &wheel.name);
-        let (has_id, is_right) = (yes(wheel.has_id), yes(wheel.is_right));
-        let _ = writeln!(text, "{id}\t{side}\t{has_id}\t{is_right}\t{name}");
+        let (has_id, is_checked) = (yes(wheel.has_id), yes(wheel.is_checked));
+        let _ = writeln!(text, "{id}\t{side}\t{has_id}\t{is_checked}\t{name}");
     }
     text
 }
 
-/// The progress of this text; `None` unless it is one that [`to_text`] makes.
+/// Reads the progress from a text of [`to_text`]; `None` for any other text.
 pub(crate) fn from_text(text: &str) -> Option<Setup> {
     let mut lines = text.lines();
     let step = lines.next()?;
@@ -79,22 +79,22 @@ fn wheel(line: &str) -> Option<Wheel> {
         "no" => Some(false),
         _ => None,
     };
-    let (has_id, is_right) = (yes()?, yes()?);
+    let (has_id, is_checked) = (yes()?, yes()?);
     let name = parts.next()?;
     NameAndSide::is_name(name).then(|| Wheel {
         has_id,
-        is_right,
+        is_checked,
         ..Wheel::new(name, side, id.into())
     })
 }
 
-/// Loads what this browser has stored, or starts afresh.
+/// Loads the stored progress. If it is missing or invalid, the setup starts at the first step.
 pub(crate) fn load() -> Setup {
     let stored = remembered(STORED_AS);
     stored.and_then(|text| from_text(&text)).unwrap_or_default()
 }
 
-/// Stores it in this browser.
+/// Stores the progress in this browser.
 pub(crate) fn save(setup: &Setup) {
     remember(STORED_AS, &to_text(setup));
 }
@@ -105,10 +105,10 @@ mod tests {
     use crate::features::wheel_setup::wheel::Layout;
 
     #[test]
-    fn every_step_comes_back_as_it_was() {
+    fn every_step_is_restored() {
         let mut wheels = Layout::Four.wheels();
         wheels[0].has_id = true;
-        wheels[2].is_right = true;
+        wheels[2].is_checked = true;
         wheels[3].name = "Größe <b>".to_owned();
         for step in [
             Step::Wheels,
@@ -125,18 +125,18 @@ mod tests {
     }
 
     #[test]
-    fn what_is_being_entered_comes_back_though_it_is_not_valid_yet() {
+    fn unfinished_wheels_are_restored_in_the_first_step() {
         let mut wheels = Layout::Two.wheels();
         wheels[0].name.clear();
         wheels[1].id = 0;
         let setup = Setup::at(Step::Wheels, wheels.clone());
         assert_eq!(from_text(&to_text(&setup)), Some(setup));
-        // No step follows it.
+        // In any other step they are invalid.
         assert_eq!(from_text(&to_text(&Setup::at(Step::Check, wheels))), None);
     }
 
     #[test]
-    fn bad_data_gives_a_fresh_start() {
+    fn invalid_data_is_refused() {
         let good = to_text(&Setup::at(Step::Id(1), Layout::Two.wheels()));
         assert!(from_text(&good).is_some());
         let many = format!("wheels\n{}", "1\tleft\tno\tno\tx\n".repeat(17));

@@ -1,11 +1,11 @@
-//! What the panel says: what is being done, how it ended, or what to do next.
+//! The messages of the panel: the running activity, its outcome, or what to do next.
 
 use motorlink_i18n::tr;
 use motorlink_messages::protocol::{MotorId, family::Model};
 
 use crate::{
     features::wheel_setup::{
-        state::{Act, Said, Setup, Step},
+        state::{Activity, Outcome, Setup, Step},
         wheel::{Problem, WHEELS_MAX, Wheel},
     },
     model::{
@@ -16,37 +16,39 @@ use crate::{
 
 /// The message of the panel.
 pub(crate) fn message(setup: &Setup, ids: &IdProgress) -> NoticeText {
-    match setup.act {
-        Act::None => after(setup),
-        Act::Finding => calm(
+    match setup.activity {
+        Activity::None => after(setup),
+        Activity::Finding => calm(
             ids.message.title.clone(),
             &[tr!(
                 "Running motors are stopped first. You confirm before the ID changes."
             )],
         ),
-        Act::Checking => calm(tr!("Checking which motors answer"), &[]),
-        Act::Spinning(place) => calm(
+        Activity::Checking => calm(tr!("Checking which motors reply"), &[]),
+        Activity::Spinning(place) => calm(
             tr!("{name} turns", name = name(setup, place)),
             &[tr!("STOP, Space and Escape stop it at once.")],
         ),
-        Act::Stopping(place) => calm(tr!("{name} is stopping", name = name(setup, place)), &[]),
-        Act::Answering { wheel, .. } => calm(
+        Activity::Stopping(place) => {
+            calm(tr!("{name} is stopping", name = name(setup, place)), &[])
+        }
+        Activity::Answering { wheel, .. } => calm(
             tr!("What did you see?"),
             &[&tr!(
-                "{name} should have turned forward: as it does when the rover drives ahead.",
+                "{name} should have turned forward, as when the rover drives forward.",
                 name = name(setup, wheel)
             )],
         ),
     }
 }
 
-/// How the last act ended, or what to do in this step.
+/// The outcome of the last activity, or what to do in this step.
 fn after(setup: &Setup) -> NoticeText {
-    match &setup.said {
-        Said::Nothing => to_do(setup),
-        Said::Problem(problem) => of_problem(problem),
-        Said::Ids(text) => text.clone(),
-        Said::Several(motors) => warning(
+    match &setup.outcome {
+        Outcome::Nothing => to_do(setup),
+        Outcome::Problem(problem) => of_problem(problem),
+        Outcome::Ids(text) => text.clone(),
+        Outcome::Several(motors) => warning(
             tr!(
                 "{count} motors found ({ids})",
                 count = motors.len(),
@@ -57,7 +59,7 @@ fn after(setup: &Setup) -> NoticeText {
                  press Find and set ID again."
             )],
         ),
-        Said::Kept(more) => {
+        Outcome::Kept(more) => {
             let power = tr!(
                 "A motor takes one new ID per power-up. Switch its power off and on, then press \
                  Find and set ID again."
@@ -71,42 +73,47 @@ fn after(setup: &Setup) -> NoticeText {
             let advice: Vec<&str> = [power].into_iter().chain(more.as_deref()).collect();
             warning(tr!("The motor has kept its ID"), &advice)
         }
-        Said::Cancelled => calm(
+        Outcome::Cancelled => calm(
             tr!("Cancelled: no ID was set"),
             &[tr!("Press Find and set ID again.")],
         ),
-        Said::Disconnected => warning(
+        Outcome::Disconnected => warning(
             tr!("The connection was closed"),
-            &[tr!("Connect again. The setup goes on at this step.")],
+            &[tr!("Connect again. The setup continues at this step.")],
         ),
-        Said::Refused(reason) => warning(tr!("Not done"), &[reason]),
-        Said::CutShort(place) => warning(
+        Outcome::Refused(reason) => warning(tr!("Not done"), &[reason]),
+        Outcome::StoppedEarly(place) => warning(
             tr!("{name} was stopped early", name = name(setup, *place)),
             &[tr!("The notices say why. Press Spin again.")],
         ),
-        Said::NotConfirmed(id) => NoticeText {
+        Outcome::NotConfirmed(id) => NoticeText {
             tone: Tone::Error,
             ..warning(
                 tr!("Motor {id} did not confirm the stop", id),
                 &[tr!("If the wheel turns, switch off the power.")],
             )
         },
-        Said::Turned(place) => calm(
-            tr!("{name} is mirrored now", name = name(setup, *place)),
+        Outcome::SideChanged(place) => calm(
+            tr!("{name}: side changed", name = name(setup, *place)),
             &[&tr!(
                 "Side: {side}. Spin it again to check the direction.",
-                side = setup.wheels.get(*place).map_or("", side)
+                side = setup
+                    .wheels
+                    .get(*place)
+                    .map_or("", |wheel| wheel.side.words())
             )],
         ),
-        Said::Exchanged(one, other) => calm(
+        Outcome::Exchanged(one, other) => calm(
             tr!(
-                "{one} and {other} have exchanged their motors",
+                "The motors of {one} and {other} are exchanged",
                 one = name(setup, *one),
                 other = name(setup, *other)
             ),
-            &[tr!("The IDs and labels stay. Spin both wheels again.")],
+            &[tr!(
+                "Each motor keeps its ID and label. Spin both wheels again."
+            )],
         ),
-        Said::NothingTurned(place) => warning(
+        Outcome::NothingTurned(place) => warning(
             tr!("{name} did not turn", name = name(setup, *place)),
             &[tr!(
                 "Check that the wheel is free and that the motor reports no fault, then spin it \
@@ -143,8 +150,8 @@ fn to_do(setup: &Setup) -> NoticeText {
             &[],
         ),
         Step::Check => of_check(setup, count),
-        Step::Spin if setup.wheels.iter().all(|wheel| wheel.is_right) => calm(
-            tr!("All {count} wheels are right", count),
+        Step::Spin if setup.wheels.iter().all(|wheel| wheel.is_checked) => calm(
+            tr!("All {count} wheels are checked", count),
             &[tr!("Press Finish.")],
         ),
         Step::Spin => calm(
@@ -173,13 +180,9 @@ fn of_check(setup: &Setup, count: usize) -> NoticeText {
             )],
         );
     }
-    let strangers = setup.strangers();
-    let strangers = (!strangers.is_empty()).then(|| {
-        tr!(
-            "Motors of no wheel answer too: {ids}.",
-            ids = ids(&strangers)
-        )
-    });
+    let others = setup.unassigned_motors();
+    let others =
+        (!others.is_empty()).then(|| tr!("Other motors also reply: {ids}.", ids = ids(&others)));
     let is_missing = |wheel: &&Wheel| setup.has_answered(wheel) == Some(false);
     let missing: Vec<String> = setup
         .wheels
@@ -191,15 +194,15 @@ fn of_check(setup: &Setup, count: usize) -> NoticeText {
         })
         .collect();
     if missing.is_empty() {
-        let go_on = tr!("Press Continue to check place and direction of each wheel.");
-        let advice: Vec<&str> = strangers.as_deref().into_iter().chain([go_on]).collect();
-        return calm(tr!("All {count} motors answer", count), &advice);
+        let next = tr!("Press Continue to check place and direction of each wheel.");
+        let advice: Vec<&str> = others.as_deref().into_iter().chain([next]).collect();
+        return calm(tr!("All {count} motors reply", count), &advice);
     }
     let check = tr!("Check their power and plugs, then press Check all again.");
-    let other = tr!("A motor with another ID: press Set ID beside its wheel.");
-    let advice: Vec<&str> = [check, other]
+    let set_id = tr!("If the motor has another ID, press Set ID beside its wheel.");
+    let advice: Vec<&str> = [check, set_id]
         .into_iter()
-        .chain(strangers.as_deref())
+        .chain(others.as_deref())
         .collect();
     warning(
         tr!("No reply from {wheels}", wheels = missing.join(", ")),
@@ -209,7 +212,7 @@ fn of_check(setup: &Setup, count: usize) -> NoticeText {
 
 fn of_problem(problem: &Problem) -> NoticeText {
     let words = match problem {
-        Problem::None => tr!("Add a wheel.").to_owned(),
+        Problem::NoWheels => tr!("Add a wheel.").to_owned(),
         Problem::TooMany => tr!("At most {count} wheels drive together.", count = WHEELS_MAX),
         Problem::Name(place) => tr!("Enter a name for wheel {number}.", number = place + 1),
         Problem::SameName(name) => tr!("Two wheels are called {name}. Change one of them.", name),
@@ -222,7 +225,7 @@ fn of_problem(problem: &Problem) -> NoticeText {
     warning(tr!("The wheels are not complete"), &[&words])
 }
 
-/// What to do with a motor that has its ID, before it is unplugged.
+/// What to do with a motor after it got its ID.
 pub(crate) fn of_label(model: Model) -> String {
     tr!(
         "Put the label on the motor. Switch the power off before you unplug it. A {model} takes one \
@@ -238,20 +241,16 @@ fn name(setup: &Setup, place: usize) -> &str {
         .map_or("", |wheel| wheel.name.trim())
 }
 
+/// Why a button is disabled while the page asks about a wheel.
+pub(crate) fn must_answer() -> &'static str {
+    tr!("First choose what you saw.")
+}
+
 /// The ID of a wheel's motor: `0x03`.
 pub(crate) fn id_of(setup: &Setup, place: usize) -> String {
     let wheel = setup.wheels.get(place);
     let id = wheel.and_then(Wheel::motor);
     id.map(|id| id.to_string()).unwrap_or_default()
-}
-
-fn side(wheel: &Wheel) -> &'static str {
-    use crate::model::names_and_sides::Side;
-    match wheel.side {
-        Side::None => tr!("no side"),
-        Side::Left => tr!("left"),
-        Side::Right => tr!("right"),
-    }
 }
 
 fn ids(motors: &[MotorId]) -> String {

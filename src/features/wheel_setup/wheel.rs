@@ -1,4 +1,4 @@
-//! The wheels of a rover as they are entered.
+//! The wheels of a rover, as the user enters them.
 
 use motorlink_i18n::tr;
 use motorlink_messages::{
@@ -11,21 +11,21 @@ use crate::model::{
     tool_entry::{NO_NEW_ID, assignable},
 };
 
-/// Most wheels: they drive as one group.
+/// The largest number of wheels: they drive as one group.
 pub(crate) const WHEELS_MAX: usize = GroupSetpoints::MAX;
 
-/// A wheel, and what has been done with it.
+/// A wheel and its progress.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Wheel {
     /// As typed; see [`problem`].
     pub(crate) name: String,
     pub(crate) side: Side,
-    /// As typed; [`NO_NEW_ID`] while that is no ID.
+    /// As typed; [`NO_NEW_ID`] if the text is not an ID.
     pub(crate) id: i32,
-    /// Whether its motor was alone on the bus with this ID.
+    /// Whether a scan found its motor alone on the bus, with this ID.
     pub(crate) has_id: bool,
-    /// Whether a person has seen it turn forward in its place.
-    pub(crate) is_right: bool,
+    /// Whether the user has seen this wheel turn, and turn forward.
+    pub(crate) is_checked: bool,
 }
 
 impl Wheel {
@@ -35,31 +35,31 @@ impl Wheel {
             side,
             id,
             has_id: false,
-            is_right: false,
+            is_checked: false,
         }
     }
 
-    /// The ID of its motor; `None` while none is entered.
+    /// The ID of its motor; `None` if no valid ID is entered.
     pub(crate) fn assigned(&self) -> Option<AssignableId> {
         assignable(self.id)
     }
 
-    /// The same, as an address.
+    /// The same ID, as the address of the motor.
     pub(crate) fn motor(&self) -> Option<MotorId> {
         self.assigned().map(AssignableId::id)
     }
 
-    /// It turned backwards: from now on its motor counts as mounted the other way round.
-    pub(crate) fn turn_side(&mut self) {
+    /// Changes the side, because the wheel turned backwards. It must be checked again.
+    pub(crate) fn change_side(&mut self) {
         self.side = match self.side {
             Side::Right => Side::Left,
             Side::None | Side::Left => Side::Right,
         };
-        self.is_right = false;
+        self.is_checked = false;
     }
 }
 
-/// The wheels to begin with.
+/// A set of wheels to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     Two,
@@ -68,7 +68,7 @@ pub(crate) enum Layout {
 }
 
 impl Layout {
-    /// Names, sides and IDs as those of the virtual rovers.
+    /// The names, sides and IDs of the virtual rovers.
     pub(crate) fn wheels(self) -> Vec<Wheel> {
         let names = match self {
             Self::Two => vec![tr!("Left wheel"), tr!("Right wheel")],
@@ -103,23 +103,23 @@ pub(crate) fn free_id(wheels: &[Wheel]) -> i32 {
     free.next().unwrap_or(NO_NEW_ID)
 }
 
-/// What is wrong with the wheels.
+/// Why the entered wheels are not valid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Problem {
-    None,
+    NoWheels,
     TooMany,
     /// The name of the wheel in this row, from 0, is missing or too long.
     Name(usize),
     SameName(String),
-    /// The ID of the wheel in this row, from 0, is missing or no motor may have it.
+    /// The ID of the wheel in this row, from 0, is missing, or no valid ID of a motor.
     Id(usize),
     SameId(MotorId),
 }
 
-/// The first thing that is wrong with these wheels, from the top.
+/// The first problem of these wheels, from the top; `None` if they are valid.
 pub(crate) fn problem(wheels: &[Wheel]) -> Option<Problem> {
     if wheels.is_empty() {
-        return Some(Problem::None);
+        return Some(Problem::NoWheels);
     }
     if wheels.len() > WHEELS_MAX {
         return Some(Problem::TooMany);
@@ -142,7 +142,7 @@ pub(crate) fn problem(wheels: &[Wheel]) -> Option<Problem> {
     })
 }
 
-/// These names and sides with those of the wheels, which are the group from then on.
+/// These names and sides, with those of the wheels added. The wheels become the group.
 pub(crate) fn with_wheels(names: &NamesAndSides, wheels: &[Wheel]) -> NamesAndSides {
     let mut names = names.clone();
     for (id, _) in names.group_members() {
@@ -166,7 +166,7 @@ mod tests {
     use crate::model::{names_and_sides::tests::rover, scan_texts::tests::id};
 
     #[test]
-    fn the_wheels_of_each_layout_are_valid_and_four_are_those_of_the_virtual_rover() {
+    fn each_layout_is_valid_and_four_wheels_are_those_of_the_virtual_rover() {
         for (layout, count) in [(Layout::Two, 2), (Layout::Four, 4), (Layout::Six, 6)] {
             assert_eq!(layout.wheels().len(), count);
             assert_eq!(problem(&layout.wheels()), None);
@@ -187,7 +187,7 @@ mod tests {
             change(&mut wheels);
             problem(&wheels)
         };
-        assert_eq!(changed(Vec::clear), Some(Problem::None));
+        assert_eq!(changed(Vec::clear), Some(Problem::NoWheels));
         assert_eq!(
             changed(|wheels| wheels[1].name = " ".to_owned()),
             Some(Problem::Name(1))

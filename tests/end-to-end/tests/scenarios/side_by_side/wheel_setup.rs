@@ -8,11 +8,11 @@ use crate::fixture::{
 use anyhow::Result;
 use end_to_end::{Frame, Line, Page, WAIT_MAX, now_us, retry, wait_until};
 
-/// As in the scenarios of scans: on a busy machine replies come late.
+/// The same bound as in the scenarios of scans: on a busy machine replies are late.
 const SCAN_MAX: Duration = Duration::from_secs(120);
 
-/// Opens the panel again after a reload, with the port.
-fn go_on(page: &Page) -> Result<()> {
+/// Reloads the page, connects again and opens the panel.
+fn reopen(page: &Page) -> Result<()> {
     page.reload()?;
     connect(page)?;
     open(page)
@@ -31,12 +31,12 @@ fn said(page: &Page, wanted: &str) -> Result<()> {
 }
 
 #[test]
-fn a_setup_goes_on_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> {
+fn a_setup_continues_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> {
     let scenario = Scenario::connected(Line::default())?;
     let page = &scenario.page;
     open(page)?;
     page.click("button", "2 wheels")?;
-    // What is pressed next moves up with them.
+    // The next button moves up when a row disappears.
     wait_until("two rows", WAIT_MAX, || {
         let third = page.find_all("textbox", "Name of wheel 3")?;
         Ok(third
@@ -49,9 +49,9 @@ fn a_setup_goes_on_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> 
     page.click("button", "Skip this wheel")?;
     said(page, "Connect only the motor of Right wheel")?;
 
-    go_on(page)?;
+    reopen(page)?;
     said(page, "Connect only the motor of Right wheel")?;
-    // A machine that is held up may lose a reply: the page says so, and a person presses again.
+    // A busy machine may lose a reply: the page says so, and the user presses the button again.
     retry("set the ID", 3, || {
         page.click("button", "Find and set ID")?;
         page.wait_for_text_within(SCAN_MAX, "alertdialog", "Change the ID?", |text| {
@@ -67,14 +67,14 @@ fn a_setup_goes_on_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> 
         })
     })?;
 
-    go_on(page)?;
+    reopen(page)?;
     said(page, "Right wheel has ID 0x05")?;
     page.click("button", "Labelled: check all")?;
     page.click("button", "Check all")?;
     said(page, "No reply from Left wheel (0x01)")?;
     page.click("button", "Continue")?;
     said(page, "spin each wheel")?;
-    // The motor that is not there any more is forgotten first.
+    // The page forgets the silent motor 0x01 first.
     wait_until_enabled(page, "button", "Spin Right wheel", true)?;
     let pressed = now_us();
     page.click("button", "Spin Right wheel")?;
@@ -86,11 +86,11 @@ fn a_setup_goes_on_after_reloads_and_a_spin_lasts_half_a_second() -> Result<()> 
     let forward = |frame: &&Frame| frame.drive_setpoint() == Some(-20);
     assert!(turning.iter().all(forward), "{drives}");
     let lasted_us = turning[turning.len() - 1].at_us - turning[0].at_us;
-    // The page's timer is late on a busy machine, and its frames stand 20 ms apart.
+    // The page's timer may be late on a busy machine, and the frames are 20 ms apart.
     assert!((400_000..900_000).contains(&lasted_us), "{lasted_us} us");
     assert_ends_braked(&wire);
     scenario.stays_undriven(Duration::from_millis(500))?;
-    page.click("button", "Right wheel, right direction")?;
+    page.click("button", "Correct wheel, correct direction")?;
     page.click("button", "Finish")?;
     said(page, "2 wheels are set up")?;
     page.click("button", "Drive the wheels together")?;
