@@ -107,6 +107,8 @@ pub(crate) struct Motor {
     pub(crate) torque: Torque,
     /// Requests since the last reply.
     pub(crate) unanswered_in_a_row: u32,
+    /// The same, without the requests to other motors that stood for its drive frames.
+    pub(crate) lost_in_a_row: u32,
     /// The loop of a mode switch that no reply has confirmed yet.
     switched_to: Option<Switched>,
     /// The loop that a reply of unknown age has reported since the last reading, if it is another one.
@@ -141,6 +143,7 @@ impl Motor {
             angle_estimate: AngleEstimate::default(),
             torque: Torque::default(),
             unanswered_in_a_row: 0,
+            lost_in_a_row: 0,
             switched_to: None,
             other_loop: None,
             next_query: now,
@@ -162,6 +165,7 @@ impl Motor {
             self.exceeded = self.exceeded.or(exceeded);
         }
         self.unanswered_in_a_row = 0;
+        self.lost_in_a_row = 0;
         self.other_loop = None;
         self.count_reply();
         match reply.detail {
@@ -248,6 +252,7 @@ impl Motor {
 
     pub(crate) fn lost(&mut self, now: Instant, layout: Layout, sent: Instant) {
         self.unanswered_in_a_row = self.unanswered_in_a_row.saturating_add(1);
+        self.lost_in_a_row = self.lost_in_a_row.saturating_add(1);
         self.late.unanswered(layout, sent, self.unanswered_in_a_row);
         let silent_for = now.since(self.silent_since());
         // Three lost replies alone are chance: with 15 % lost, one frame in 300.
@@ -301,9 +306,18 @@ impl Motor {
         self.separate.loop_known.obeys(self.model)
     }
 
-    /// Whether it answers, must be enabled, and the bus has not tried that since it was last without an answer.
+    /// Whether it answers and must be enabled, and the bus may try that now without a command.
     pub(crate) fn needs_enable(&self, now: Instant) -> bool {
-        !self.obeys() && !self.separate.enable_tried && self.fresh(now).is_some()
+        !self.obeys() && self.separate.enabling.may_try(now) && self.fresh(now).is_some()
+    }
+
+    /// Whether it answers and turns, and ignores brake frames because it is not enabled. A stop enables no motor that
+    /// stands.
+    pub(crate) fn must_be_enabled_to_brake(&self, now: Instant) -> bool {
+        let turns = self
+            .fresh_speed(now)
+            .is_some_and(|speed| speed.magnitude() >= 1);
+        turns && !self.obeys() && !self.is_without_answer()
     }
 
     /// The next request for telemetry.
@@ -334,7 +348,7 @@ impl Motor {
 
     pub(crate) fn known(&self, now: Instant) -> Known {
         Known {
-            reported: self.fresh_mode(now),
+            reported: self.fresh_mode(now).or(self.driven_loop()),
             faults: self.fresh_faults(now),
             temperature: self.fresh_temperature(now),
         }

@@ -14,7 +14,9 @@ use crate::{
     ramp::Ramp,
     safety::step_towards,
     schedule::DueFrame,
-    timing::{CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, SILENT_STOP_PERIOD, STOP_PERIOD},
+    timing::{
+        CATCH_UP_MAX, DRIVEN_UNANSWERED_MAX, LOOP_QUERY_PERIOD, SILENT_STOP_PERIOD, STOP_PERIOD,
+    },
 };
 
 /// The frame that a request sends to a motor.
@@ -59,7 +61,7 @@ pub(crate) fn next_request(
                 } else {
                     STOP_PERIOD
                 };
-            let request = stop.next_request(now, model, id);
+            let request = stop.next_request(now, model, id, motor.must_be_enabled_to_brake(now));
             stop.sent(now, model, request, stop_period, !motor.is_without_answer());
             (request, Control::Stopping(stop), Sent::Stop)
         }
@@ -121,7 +123,11 @@ pub(crate) fn next_request(
             let drive = neutral_drive.drive;
             (Request::Drive { id, drive }, control, Sent::Drive(None))
         }
-        (control, DueFrame::LoopQuery(_)) => {
+        (mut control, DueFrame::LoopQuery(_)) => {
+            // The drive frame goes once the motor has named its loop.
+            if let Control::Driven(driven) = &mut control {
+                driven.next_frame = now + LOOP_QUERY_PERIOD;
+            }
             (Request::ModeQuery { id }, control, Sent::Query(context))
         }
         (control, _) => (motor.next_query(), control, Sent::Query(context)),

@@ -295,8 +295,9 @@ impl Bus {
             }
         }
         let unconfirmed = motor.loop_is_unconfirmed();
+        let waited = motor.must_name_loop(now);
         let Some(reply) = as_reply(motor, now, &reading, asked) else {
-            self.loop_named(id, names_loop.filter(|_| confirms_loop));
+            self.loop_named(now, id, names_loop.filter(|_| confirms_loop), waited);
             if measures_round_trip {
                 self.round_trip.replied(took);
             }
@@ -317,16 +318,22 @@ impl Bus {
     }
 
     /// A reply has named the loop and nothing else, or has not named it.
-    fn loop_named(&mut self, id: MotorId, named: Option<Mode>) {
+    /// `waited` if a drive frame waited for it.
+    fn loop_named(&mut self, now: Instant, id: MotorId, named: Option<Mode>, waited: bool) {
+        if let Some(raw) = self.raw.as_mut().filter(|raw| waited && raw.may_move(id)) {
+            raw.end_wait(now);
+        }
         let Some(motor) = self.motor_mut(id) else {
             return;
         };
         // It answers, even if it tells nothing of the wheel.
         motor.unanswered_in_a_row = 0;
+        motor.lost_in_a_row = 0;
         motor.count_reply();
         match (&mut motor.control, named) {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),
             (Control::Stopping(stop), Some(mode)) => stop.record_loop(mode),
+            (Control::Driven(driven), Some(_)) if waited => driven.next_frame = now,
             _ => {}
         }
     }

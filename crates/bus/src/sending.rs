@@ -1,6 +1,6 @@
 //! Sends frames and applies their effects once the port has taken them.
 
-use std::time::Duration;
+use std::{cmp::Reverse, time::Duration};
 
 use motorlink_protocol::{
     CurrentTarget, Frame, Instant, Mode, MotorId, Setpoint,
@@ -34,9 +34,13 @@ impl Bus {
             // query, which moves no wheel however late it is sent, asks whether the line carries
             // frames.
             DueFrame::Drive(id) if self.waits_for_proof(now, id) => {
-                DueFrame::Query(self.last_to_answer(id))
+                DueFrame::Query(self.likely_to_answer(id))
             }
-            DueFrame::Drive(id) if self.waits_for_loop(id) => DueFrame::LoopQuery(id),
+            DueFrame::Drive(id) if self.waits_for_loop(now, id) => DueFrame::LoopQuery(id),
+            DueFrame::Raw => match self.raw_waits_for_loop(now) {
+                Some(id) => DueFrame::LoopQuery(id),
+                None => DueFrame::Raw,
+            },
             due_frame => due_frame,
         };
         let model = self.model;
@@ -109,20 +113,20 @@ impl Bus {
 
     /// Whether the next drive frame to this motor waits until it has named its loop: it may have lost power, and
     /// would then read the value in the velocity loop.
-    fn waits_for_loop(&self, id: MotorId) -> bool {
+    fn waits_for_loop(&self, now: Instant, id: MotorId) -> bool {
         let motor = self.motors.iter().find(|motor| motor.id == id);
         let setpoint = motor.and_then(|motor| match motor.control {
-            Control::Driven(driven) if motor.separate.loop_known.is_doubted() => Some(driven.goal),
+            Control::Driven(driven) if motor.must_name_loop(now) => Some(driven.goal),
             _ => None,
         });
-        self.model.has_separate_frames()
-            && setpoint.is_some_and(|goal| goal.mode() != Mode::Velocity && !is_rest(goal))
+        setpoint.is_some_and(|goal| goal.mode() != Mode::Velocity && !is_rest(goal))
     }
 
-    /// The motor that answered last, or `otherwise`.
-    fn last_to_answer(&self, otherwise: MotorId) -> MotorId {
+    /// The motor that is most likely to answer, or `otherwise`: not again the one that has just not answered, which may
+    /// have lost power.
+    fn likely_to_answer(&self, otherwise: MotorId) -> MotorId {
         let heard = self.motors.iter().filter(|motor| motor.has_answered());
-        let last = heard.max_by_key(|motor| motor.silent_since());
+        let last = heard.max_by_key(|motor| (Reverse(motor.lost_in_a_row), motor.silent_since()));
         last.map_or(otherwise, |motor| motor.id)
     }
 

@@ -67,11 +67,24 @@ impl Stopping {
     }
 
     /// The next request to the motor.
-    pub(crate) fn next_request(&self, now: Instant, model: Model, id: MotorId) -> Request {
-        if self.plan != StopPlan::Brake && now >= self.next_switch {
-            Request::SwitchMode {
-                id,
-                mode: Mode::Velocity,
+    ///
+    /// A turning motor that `must_be_enabled` ignores the brake, so it is enabled and switched in turns.
+    pub(crate) fn next_request(
+        &self,
+        now: Instant,
+        model: Model,
+        id: MotorId,
+        must_be_enabled: bool,
+    ) -> Request {
+        let switches = self.plan != StopPlan::Brake || must_be_enabled;
+        if switches && now >= self.next_switch {
+            if must_be_enabled && self.switches.is_multiple_of(2) {
+                Request::Enable { id, on: true }
+            } else {
+                Request::SwitchMode {
+                    id,
+                    mode: Mode::Velocity,
+                }
             }
         } else if self.may_brake() && now >= self.next_brake {
             let drive = Drive::from(Setpoint::Brake);
@@ -108,7 +121,7 @@ impl Stopping {
         if let (Request::Drive { .. }, Some(least)) = (request, model.spec().stop_period_min) {
             self.next_brake = now + least;
         }
-        if matches!(request, Request::SwitchMode { .. }) {
+        if matches!(request, Request::SwitchMode { .. } | Request::Enable { .. }) {
             self.switches = self.switches.saturating_add(1);
             self.next_switch = now + SWITCH_PERIOD;
             // A switch has no reply, so the next frame need not wait for a round.
@@ -119,8 +132,7 @@ impl Stopping {
 
     /// Records a reply to a request of this stop.
     pub(crate) fn record_reply(&mut self, reply: &Reply) {
-        self.reports_position = reply.mode == Mode::Position;
-        self.plan = stop_plan(Some(reply.mode), None);
+        self.record_loop(reply.mode);
         let standing = reply.mode == Mode::Velocity && reply.speed.magnitude() < 1;
         self.standstill_replies = if standing {
             self.standstill_replies.saturating_add(1)
@@ -137,7 +149,12 @@ impl Stopping {
     /// Records a reply that only names the loop.
     pub(crate) fn record_loop(&mut self, mode: Mode) {
         self.reports_position = mode == Mode::Position;
-        self.plan = stop_plan(Some(mode), None);
+        let plan = stop_plan(Some(mode), None);
+        if plan == StopPlan::Brake && self.plan != plan {
+            // A brake frame in another loop did not brake.
+            self.next_brake = self.began;
+        }
+        self.plan = plan;
     }
 
     /// Records a reply that may be older than this stop. It counts if it reports the position loop.

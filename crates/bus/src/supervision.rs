@@ -32,7 +32,7 @@ impl Bus {
             }
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
                 // Starts no motion: it ignores drive frames until it is in a loop, and gets none.
-                motor.separate.enable_tried = true;
+                motor.separate.enabling.tried(now);
                 motor.control = Control::Switching(Switch::by_itself(now, Mode::Velocity));
             }
             if let Control::Switching(switch) = motor.control {

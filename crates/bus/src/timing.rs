@@ -81,6 +81,18 @@ pub(crate) const LISTENS_FIRST: Duration = Duration::from_millis(100);
 /// with ours.
 pub(crate) const OTHER_HOST_QUIET: Duration = Duration::from_secs(1);
 
+/// Time between two tries to enable a motor without a command.
+pub(crate) const ENABLE_PERIOD: Duration = Duration::from_secs(1);
+/// Tries to enable a motor without a command, until it has been silent again.
+pub(crate) const ENABLE_TRIES: u8 = 3;
+
+/// Outside the velocity loop, a motor with separate frames gets a drive frame only if it has answered within this time.
+/// Otherwise it is asked for its loop first: it may have lost power and restarted in the velocity loop. Three periods
+/// at 50 Hz, so at usual rates no question is added.
+pub(crate) const LOOP_CERTAIN_FOR: Duration = Duration::from_millis(60);
+/// Time between two questions for the loop of a motor whose drive frame waits: the line is free for others meanwhile.
+pub(crate) const LOOP_QUERY_PERIOD: Duration = Duration::from_millis(20);
+
 /// The motor refuses the position loop at this speed and above.
 pub const POSITION_SWITCH_RPM: u16 = 10;
 

@@ -10,8 +10,8 @@ use motorlink_bus::{
     LineEventKind, Refusal, SetIdFrames, WithdrawReason,
 };
 use motorlink_protocol::{
-    CurrentTarget, Detail, Layout, Mode, MotorId, OpenLoopTarget, PositionTarget, Reply, Setpoint,
-    SpeedTarget, family::Model,
+    CurrentTarget, Detail, Instant, Layout, Mode, MotorId, OpenLoopTarget, PositionTarget, Reply,
+    Setpoint, SpeedTarget, family::Model,
 };
 use motorlink_simulator::{WireFaults, WorldConfig};
 
@@ -353,4 +353,35 @@ fn commands_and_readings_are_given_to_the_recording_in_the_units_of_the_bus() {
         assert!((58..=62).contains(&reply.speed.rpm()), "{model} {reply:?}");
         assert!(layouts.contains(&Layout::Drive) && layouts.contains(&Layout::Query));
     }
+}
+
+/// Of the brake frames of a DDSM315, one goes out every 300 ms. The first comes before the switch and only coasts.
+#[test]
+fn a_ddsm315_is_braked_as_soon_as_it_reports_the_velocity_loop() {
+    let mut fixture = switched(Model::Ddsm315, Mode::Current);
+    fixture.drive(setpoint(Mode::Current)).unwrap();
+    fixture.run(ms(1_500));
+    fixture.forget_the_past();
+    let began = fixture.now;
+    fixture.command(Command::Stop(ID)).unwrap();
+    let mut in_velocity_loop = None;
+    for _ in 0..100 {
+        fixture.run(ms(5));
+        if in_velocity_loop.is_none() && fixture.world.motor(ID).unwrap().mode() == Mode::Velocity {
+            in_velocity_loop = Some(fixture.now);
+        }
+    }
+    let in_velocity_loop = in_velocity_loop.unwrap();
+    let brakes = fixture
+        .sent
+        .iter()
+        .filter(|sent| sent.drive_of(ID).is_some());
+    let after = |at: &Instant| *at >= in_velocity_loop - ms(5);
+    let first = brakes.map(|sent| sent.at).find(after).unwrap();
+    let waited = first.since(in_velocity_loop);
+    assert!(
+        waited <= ms(25),
+        "{waited:?} of {:?}",
+        in_velocity_loop.since(began)
+    );
 }

@@ -9,7 +9,7 @@ use fixture::{
 use motorlink_bus::{
     Activity, BusSettings, Command, Event, Limits, Refusal, Repeat, StopReason, WithdrawReason,
 };
-use motorlink_protocol::{CurrentTarget, Frame, Mode, MotorId, Request};
+use motorlink_protocol::{CurrentTarget, Frame, Mode, MotorId, Request, family::Model};
 use motorlink_simulator::WorldConfig;
 
 /// First bytes that no motor has for itself: all may obey what stands behind them.
@@ -343,4 +343,27 @@ fn raw_frames_that_all_may_answer_wait_until_nothing_is_driven() {
     assert!(status(&fixture).running && status(&fixture).sent > 1);
     fixture.command(Command::Stop(ID)).unwrap();
     assert!(!status(&fixture).running, "every stop ends them");
+}
+
+/// Between the drive replies of a DDSM210 come odometry replies, which tell no current.
+#[test]
+fn a_raw_overcurrent_of_separate_frames_is_stopped() {
+    let mut fixture = Fixture::watching(WorldConfig::of(Model::Ddsm210, [ID]), &[ID]);
+    let limits = Limits::new(210, 300, 75).unwrap();
+    fixture
+        .command(Command::Configure(BusSettings {
+            limits,
+            ..BusSettings::default()
+        }))
+        .unwrap();
+    fixture.world.motor_mut(ID).unwrap().block(true);
+    // 60 rpm.
+    fixture.command(value(1, 600)).unwrap();
+    fixture.run(ms(2_000));
+    assert!(!status(&fixture).running);
+    let reasons = withdrawn(&fixture);
+    assert!(
+        matches!(reasons[..], [(ID, WithdrawReason::Limit(_))]),
+        "{reasons:?}"
+    );
 }

@@ -3,7 +3,7 @@
 
 mod fixture;
 
-use motorlink_bus::{Activity, Command, Event, StopReason};
+use motorlink_bus::{Activity, Command, Consent, Event, GroupSetpoints, StopReason};
 use motorlink_protocol::{Detail, Mode, MotorId, family::Model};
 use motorlink_simulator::{Echo, WireFaults, WorldConfig};
 
@@ -128,5 +128,34 @@ fn the_first_stop_frames_of_silent_motors_wait_for_no_reply() {
         });
         let waited = first.unwrap().at.since(began);
         assert!(waited <= ms(40), "{motor}: {waited:?}");
+    }
+}
+
+/// The bus asks for the loop a few times a second. A lost answer refuses no other speed to a motor that is driven.
+#[test]
+fn the_speeds_of_a_group_change_on_a_line_that_loses_replies() {
+    let ids: Vec<MotorId> = (1..=6).map(id).collect();
+    let mut fixture = on(Model::Ddsm210, &ids);
+    fixture.run(ms(1_000));
+    let group = |rpm: i32| {
+        let speeds = ids.iter().map(|id| (*id, fixture::rpm(rpm)));
+        GroupSetpoints::new(&speeds.collect::<Vec<_>>()).unwrap()
+    };
+    let drive = Command::DriveGroup {
+        setpoints: group(40),
+        consent: Consent::None,
+    };
+    fixture.command(drive).unwrap();
+    fixture.world.set_faults(WireFaults {
+        lose_reply: 0.05,
+        ..WireFaults::default()
+    });
+    for step in 0..200 {
+        fixture.run(ms(50));
+        let adjust = Command::AdjustGroup {
+            setpoints: group(if step % 2 == 0 { 0 } else { 40 }),
+            consent: Consent::None,
+        };
+        assert_eq!(fixture.command(adjust), Ok(()), "step {step}");
     }
 }

@@ -24,12 +24,12 @@ impl LoopKnown {
         self.is_doubted = false;
     }
 
+    /// The motor has answered that it is enabled or not, but names no loop: it obeys drive frames once it is switched to
+    /// one.
     pub(crate) fn enabled(&mut self, on: bool) {
         self.enabled = on;
         self.is_doubted &= !on;
-        if !on {
-            self.reported = None;
-        }
+        self.reported = None;
     }
 
     /// A request was unanswered. `may_be_off` if the motor has been silent for so long that it may have lost power.
@@ -45,7 +45,7 @@ impl LoopKnown {
 
     /// Whether a motor of this model is known to obey drive frames.
     pub(crate) fn obeys(&self, model: Model) -> bool {
-        self.enabled || !model.spec().needs_enable
+        (self.enabled && self.reported.is_some()) || !model.spec().needs_enable
     }
 
     /// The loop by a report of the last 500 ms, of a motor that obeys drive frames.
@@ -57,6 +57,11 @@ impl LoopKnown {
     /// The last reported loop, of any age. A motor powers up in the velocity loop.
     pub(crate) fn last(&self) -> Option<Mode> {
         self.reported.map(|(_, mode)| mode)
+    }
+
+    /// When the motor last named its loop.
+    pub(crate) fn reported_at(&self) -> Option<Instant> {
+        self.reported.map(|(at, _)| at)
     }
 
     /// Whether the loop must be asked for before the next drive frame: outside the velocity loop, a motor that lost
@@ -104,6 +109,8 @@ mod tests {
         known.reported(at(0), Mode::Velocity);
         assert_eq!(known.fresh(at(1), Model::Ddsm400), None);
         known.enabled(true);
+        assert_eq!(known.fresh(at(1), Model::Ddsm400), None, "in no loop");
+        known.reported(at(1), Mode::Velocity);
         assert_eq!(known.fresh(at(1), Model::Ddsm400), Some(Mode::Velocity));
         known.unanswered(true);
         known.reported(at(2), Mode::Velocity);

@@ -1,5 +1,6 @@
 //! What differs between models: the units and the loops of their frames, and what their replies tell.
 
+pub(crate) mod enabling;
 pub(crate) mod evidence;
 mod judging;
 pub(crate) mod loop_known;

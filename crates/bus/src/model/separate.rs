@@ -5,7 +5,9 @@ use motorlink_protocol::{
     family::{ModeReading, Model, Reading},
 };
 
-use super::{loop_known::LoopKnown, odometry::LastOdometry, units};
+use crate::timing::FRESH_FOR;
+
+use super::{enabling::Enabling, loop_known::LoopKnown, odometry::LastOdometry, units};
 
 /// State of one motor with separate frames.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,8 +16,9 @@ pub(crate) struct Separate {
     odometry: LastOdometry,
     /// Whether the next query asks for the loop. The two kinds alternate.
     pub(crate) asks_loop: bool,
-    /// Whether the bus has tried to enable the motor since it was last without an answer.
-    pub(crate) enable_tried: bool,
+    pub(crate) enabling: Enabling,
+    /// When a drive reply last told the current.
+    current_told: Option<Instant>,
 }
 
 impl Separate {
@@ -38,6 +41,7 @@ impl Separate {
                 None
             }
             Reading::Drive(reading) => {
+                self.current_told = Some(now);
                 let mode = self.loop_known.last()?;
                 let speed = reading.speed(model, mode).map(units::speed);
                 Some(Reply {
@@ -55,6 +59,10 @@ impl Separate {
                 let (turns, position) = (reading.turns, reading.position);
                 let moved = self.odometry.speed(now, turns, position);
                 let told = last.filter(|_| is_driven);
+                // A motor that is driven by raw frames tells it too. An odometry reply between two drive replies must
+                // not end an overcurrent.
+                let is_recent = |told: Instant| now.since(told) <= FRESH_FOR;
+                let current = told.or(last.filter(|_| self.current_told.is_some_and(is_recent)));
                 let speed = match told.filter(|_| mode != Mode::Position) {
                     Some(told) => told.speed,
                     None => moved.or(last.map(|last| last.speed)).unwrap_or_default(),
@@ -62,7 +70,7 @@ impl Separate {
                 Some(Reply {
                     id: reading.id,
                     mode,
-                    current: told.map_or(Current::from_raw(0), |told| told.current),
+                    current: current.map_or(Current::from_raw(0), |last| last.current),
                     speed,
                     detail: Detail::Odometry { turns, position },
                     faults: reading.faults,
@@ -79,7 +87,10 @@ impl Separate {
     fn record_loop(&mut self, now: Instant, model: Model, reading: ModeReading) {
         match (reading.mode(model), reading.byte) {
             (Some(mode), _) => self.loop_known.reported(now, mode),
-            (None, ModeReading::ENABLED) => self.loop_known.enabled(true),
+            (None, ModeReading::ENABLED) => {
+                self.loop_known.enabled(true);
+                self.enabling = Enabling::default();
+            }
             (None, ModeReading::DISABLED) => {
                 self.loop_known.enabled(false);
                 // The loop it has once it is enabled and switched.
@@ -94,7 +105,7 @@ impl Separate {
         self.loop_known.unanswered(may_be_off);
         if may_be_off {
             self.odometry.forget();
-            self.enable_tried = false;
+            self.enabling = Enabling::default();
         }
     }
 }

@@ -3,6 +3,7 @@
 use motorlink_protocol::{Instant, Mode};
 
 use super::{Control, Motor, Switched};
+use crate::timing::LOOP_CERTAIN_FOR;
 
 impl Motor {
     /// Records a mode switch. Of several unconfirmed switches the position loop counts, in which
@@ -48,6 +49,18 @@ impl Motor {
         self.switched_to.is_some()
     }
 
+    /// Whether the loop must be asked for before a drive frame in another loop than the velocity loop: the motor may have
+    /// lost power since its last answer, and then reads the value as a speed.
+    pub(crate) fn must_name_loop(&self, now: Instant) -> bool {
+        let answered = self
+            .separate
+            .loop_known
+            .reported_at()
+            .max(self.last.map(|last| last.at));
+        let is_long_ago = answered.is_none_or(|at| now.since(at) > LOOP_CERTAIN_FOR);
+        self.model.has_separate_frames() && (self.separate.loop_known.is_doubted() || is_long_ago)
+    }
+
     /// The loop by a reply of the last 500 ms, and the last known loop.
     pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
         let last = self.last_mode();
@@ -76,6 +89,19 @@ impl Motor {
             self.separate.loop_known.fresh(now, self.model)
         } else {
             Some(fresh.mode)
+        }
+    }
+
+    /// The loop that a motor with separate frames is driven in. It is asked for its loop a few times a second: one lost
+    /// answer does not end what it is driven in, which the bus watches by all its replies.
+    pub(crate) fn driven_loop(&self) -> Option<Mode> {
+        match self.control {
+            Control::Driven(driven) if self.model.has_separate_frames() => {
+                let mode = driven.goal.mode();
+                let is_named = self.last_mode() == Some(mode) && !self.loop_is_unconfirmed();
+                is_named.then_some(mode)
+            }
+            _ => None,
         }
     }
 

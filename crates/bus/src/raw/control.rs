@@ -13,6 +13,7 @@ use crate::{
     raw::hazard::unassignable_id,
     raw::status::{RawAnswer, RawStatus, Repeat},
     safety::{Known, check_driven, check_position_switch, needs_consent},
+    timing::LOOP_QUERY_PERIOD,
 };
 
 impl Bus {
@@ -149,6 +150,23 @@ impl Bus {
             Some(motor) => Err(Refusal::Driven(motor.id)),
             None => Ok(()),
         }
+    }
+
+    /// The motor that has to name its loop before the next raw drive frame: outside the velocity loop it may have lost
+    /// power, and would read the value as a speed. The frame waits.
+    pub(crate) fn raw_waits_for_loop(&mut self, now: Instant) -> Option<MotorId> {
+        let raw = self
+            .raw
+            .filter(|raw| matches!(raw.effect, RawEffect::Drive { .. }))?;
+        let waits = |motor: &&Motor| {
+            let drives_outside = motor.last_mode().is_some_and(|mode| mode != Mode::Velocity);
+            drives_outside && motor.must_name_loop(now)
+        };
+        let id = self.concerned(raw).find(waits)?.id;
+        if let Some(raw) = &mut self.raw {
+            raw.wait_until(now + LOOP_QUERY_PERIOD);
+        }
+        Some(id)
     }
 
     /// Records the possible effect of the frame that goes out.

@@ -84,6 +84,7 @@ pub(crate) struct Raw {
     sent: u32,
     answered: u32,
     running: bool,
+    waits_for_loop: bool,
     last: Option<RawAnswer>,
 }
 
@@ -112,6 +113,7 @@ impl Raw {
             sent: 0,
             answered: 0,
             running: true,
+            waits_for_loop: false,
             last: None,
         }
     }
@@ -178,6 +180,19 @@ impl Raw {
 
     pub(crate) fn stop(&mut self) {
         self.running = false;
+    }
+
+    /// The next frame waits until this time, or until a motor has named its loop.
+    pub(crate) fn wait_until(&mut self, at: Instant) {
+        self.next = at;
+        self.waits_for_loop = true;
+    }
+
+    /// The motor has named its loop.
+    pub(crate) fn end_wait(&mut self, now: Instant) {
+        if std::mem::take(&mut self.waits_for_loop) {
+            self.next = now;
+        }
     }
 
     pub(crate) const fn status(&self) -> RawStatus {
