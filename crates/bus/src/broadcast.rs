@@ -68,7 +68,7 @@ impl Bus {
             }
             answer = answer.or(Some((frame, asked)));
         }
-        self.judge_model(now, rest);
+        self.handle_foreign_frames(now, rest);
         // The other motors, and motors added later, may still answer.
         let answered = |id: MotorId| rest.replies().any(|received| received.reading.id() == id);
         let others = self.motors.iter_mut().filter(|motor| !answered(motor.id));

@@ -23,7 +23,7 @@ use crate::{
     settings::BusSettings,
     stop::ActiveStop,
     timing::{
-        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTENS_FIRST, SLEPT_AT_LEAST,
+        EARLY, ID_QUERY_FORGOTTEN, JUST_FREED, LATE, LATE_CALL, LISTEN_BEFORE_ENABLE, SLEEP_MIN,
     },
     watchdog::{Watchdog, WatchdogAction},
 };
@@ -59,7 +59,7 @@ pub struct Bus {
     pub(crate) model: Model,
     /// What replies have told about the model.
     pub(crate) evidence: ModelEvidence,
-    /// From when on a motor may be enabled without a command; `None` while the port is on trial.
+    /// Earliest time at which the bus may enable a motor without a command; `None` while the port is on trial.
     pub(crate) enables_from: Option<Instant>,
     pub(crate) motors: Vec<Motor>,
     pub(crate) line: Line,
@@ -120,11 +120,11 @@ impl Bus {
     /// A bus that drives nothing, for motors of this model on a line of its baud rate.
     #[must_use]
     pub fn with_model(now: Instant, model: Model) -> Self {
-        let kind = LineEventKind::Begins(model);
+        let kind = LineEventKind::ModelSelected(model);
         Self {
             model,
             evidence: ModelEvidence::default(),
-            enables_from: Some(now + LISTENS_FIRST),
+            enables_from: Some(now + LISTEN_BEFORE_ENABLE),
             motors: Vec::new(),
             line: Line::Free {
                 last: Request::IdQuery.frame(),
@@ -174,9 +174,8 @@ impl Bus {
         }
     }
 
-    /// This bus on a port that is on trial, until [`end_trial`](Self::end_trial). The motors may be others than the
-    /// wanted ones, and another host may drive them, so none is enabled: a switch to the velocity loop would make a
-    /// motor read the other host's angle as a speed.
+    /// Puts the bus on trial until [`Bus::end_trial`]. The bus then enables no motor: the port may be the wrong one,
+    /// and another host may drive its motors. In the velocity loop they would read that host's angles as speeds.
     #[must_use]
     pub fn on_trial(self) -> Self {
         Self {
@@ -185,11 +184,11 @@ impl Bus {
         }
     }
 
-    /// The port is the wanted one.
+    /// Ends the trial: the port is the wanted one.
     pub fn end_trial(&mut self, now: Instant) {
-        self.enables_from.get_or_insert(now + LISTENS_FIRST);
-        // What the person was not told yet.
-        self.evidence.forget_json();
+        self.enables_from.get_or_insert(now + LISTEN_BEFORE_ENABLE);
+        // JSON text seen during the trial was not reported to the user.
+        self.evidence.report_json_again();
     }
 
     /// The page has answered its ping.
@@ -251,7 +250,7 @@ impl Bus {
         // Bytes that waited during the gap are not current.
         self.end_spent_window(now);
         self.watchdog.resumed(now);
-        let reason = if late < SLEPT_AT_LEAST {
+        let reason = if late < SLEEP_MIN {
             StopReason::LoopDelayed
         } else {
             StopReason::ComputerSlept

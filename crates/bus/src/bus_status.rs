@@ -1,4 +1,4 @@
-//! What the caller can ask of the bus at any time.
+//! The present state of the bus and its motors, for the caller.
 
 use motorlink_protocol::{Instant, family::Model};
 
@@ -21,7 +21,7 @@ impl Bus {
         self.evidence.own
     }
 
-    /// The other model that a frame has shown. A single frame may be noise.
+    /// The other model that the last frame of another model shows. A single frame may be noise.
     #[must_use]
     pub const fn likely_model(&self) -> Option<Model> {
         self.evidence.likely()
@@ -33,8 +33,8 @@ impl Bus {
         self.halted
     }
 
-    /// Whether a motor is driven, switched or being stopped, or still turns because of the bus. The
-    /// caller must keep the port open.
+    /// Whether a motor is driven, switched or being stopped, or still turns after the bus has driven it. While
+    /// this is so, the caller must keep the port open.
     #[must_use]
     pub fn is_active(&self, now: Instant) -> bool {
         let turns = |motor: &Motor| {

@@ -84,7 +84,7 @@ impl Bus {
                     self.cut_exchange_short(now);
                 }
             }
-            // It ignores drive frames until it is enabled and switched.
+            // The motor ignores drive frames until it is enabled and in the velocity loop.
             Control::Idle if !obeys && speed.is_some() && setpoint.mode() == Mode::Velocity => {
                 let reported = Some(Mode::Velocity);
                 let known = Known { reported, ..known };

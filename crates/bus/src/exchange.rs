@@ -7,7 +7,7 @@ use motorlink_protocol::{
     family::{Layout, Model, Request},
 };
 
-use crate::{raw::frame::addressee, timing::SETTLE};
+use crate::{raw::frame::addressee, timing::SETTLE_TIME};
 
 /// State of the line.
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +97,7 @@ impl Exchange {
         purpose: Purpose,
     ) -> Self {
         let occupied = if expects == Expects::Nothing {
-            airtime + SETTLE
+            airtime + SETTLE_TIME
         } else {
             window
         };

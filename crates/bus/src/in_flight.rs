@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_a_motor_may_obey_counts_as_moving_whatever_is_wrong_with_it() {
+    fn a_malformed_frame_counts_as_moving_if_a_motor_may_obey_it() {
         for (text, moving) in [
             ("01 64 00 64 00 00 00 00 00 4F", true),
             ("01 64 00 64 00 00 00 FF 00 00", true),

@@ -41,10 +41,10 @@ pub enum LineEventKind {
         /// Length of the reply window.
         waited_us: u32,
     },
-    /// A drive frame of a model with separate frames, in the units of the bus: for the recording. It was sent as
-    /// [`Sent`](Self::Sent) says, just before.
+    /// A drive frame of a model with separate frames, in the units of the bus: for the recording. The event
+    /// [`Sent`](Self::Sent) just before has the bytes on the line.
     Commanded {
-        /// As it would be for a DDSM115.
+        /// The same drive frame for a DDSM115.
         frame: Frame,
         /// The loop in which the motor reads it, if known.
         mode: Option<Mode>,
@@ -76,12 +76,13 @@ pub enum LineEventKind {
         /// As in [`LineEventKind::Sent`].
         mode: Option<Mode>,
     },
-    /// A bus has begun: the frames from here on are those of this model.
-    Begins(Model),
+    /// A bus starts. The following frames are of this model.
+    ModelSelected(Model),
 }
 
 impl LineEventKind {
-    /// The frame that the port took, of the bus or sent by hand, and the loop in which its motor reads a value.
+    /// The frame that was sent, by the bus or by hand, and the loop in which the motor reads its value, if known.
+    /// `None` for other events.
     #[must_use]
     pub const fn sent(&self) -> Option<(Frame, Option<Mode>)> {
         match self {
@@ -94,17 +95,17 @@ impl LineEventKind {
             | Self::Junk(_)
             | Self::Silence { .. }
             | Self::NotSent { .. }
-            | Self::Begins(_) => None,
+            | Self::ModelSelected(_) => None,
         }
     }
 
-    /// Whether it stands for no bytes on the line: it repeats a frame in other units for the recording, or names the
-    /// model.
+    /// Whether bytes on the line belong to this event. The others repeat a frame in other units for the recording,
+    /// or name the model.
     #[must_use]
-    pub const fn is_no_traffic(&self) -> bool {
-        matches!(
+    pub const fn is_on_the_wire(&self) -> bool {
+        !matches!(
             self,
-            Self::Commanded { .. } | Self::Reading { .. } | Self::Begins(_)
+            Self::Commanded { .. } | Self::Reading { .. } | Self::ModelSelected(_)
         )
     }
 }

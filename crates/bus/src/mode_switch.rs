@@ -4,7 +4,7 @@ use motorlink_protocol::{Drive, Instant, Mode, Setpoint};
 
 use crate::{
     safety::neutral_between,
-    timing::{SWITCH_CONFIRM, SWITCH_FRAMES, SWITCH_PERIOD},
+    timing::{SWITCH_CONFIRM_MAX, SWITCH_FRAMES, SWITCH_PERIOD},
 };
 
 /// A running mode switch.
@@ -22,8 +22,8 @@ pub(crate) struct Switch {
     pub(crate) was_driven: bool,
     /// Setpoint of a drive command that came during the switch.
     pub(crate) queued_setpoint: Option<Setpoint>,
-    /// Whether the operator asked for it. Else the bus enables a motor.
-    pub(crate) asked_for: bool,
+    /// Whether the operator requested the switch. Otherwise the bus enables a motor.
+    pub(crate) by_command: bool,
 }
 
 /// Neutral drive frames that continue during a switch.
@@ -57,14 +57,14 @@ impl Switch {
             }),
             was_driven: driven_in.is_some(),
             queued_setpoint: None,
-            asked_for: true,
+            by_command: true,
         }
     }
 
-    /// Starts the switch of a motor that is not driven, without a command.
-    pub(crate) fn by_itself(now: Instant, to: Mode) -> Self {
+    /// Starts a switch without a command, of a motor that is not driven.
+    pub(crate) fn without_command(now: Instant, to: Mode) -> Self {
         Self {
-            asked_for: false,
+            by_command: false,
             ..Self::begin(now, to, None)
         }
     }
@@ -104,6 +104,6 @@ impl Switch {
 
     /// When a switch without confirmation fails, after its last frame.
     pub(crate) fn fails_at(&self) -> Instant {
-        self.next_frame + SWITCH_CONFIRM
+        self.next_frame + SWITCH_CONFIRM_MAX
     }
 }

@@ -255,13 +255,13 @@ impl Motor {
         self.lost_in_a_row = self.lost_in_a_row.saturating_add(1);
         self.late.unanswered(layout, sent, self.unanswered_in_a_row);
         let silent_for = now.since(self.silent_since());
-        // Three lost replies alone are chance: with 15 % lost, one frame in 300.
+        // Three lost replies in a row are not enough: with 15 % of replies lost, this happens once in 300 frames.
         let may_be_off = self.is_without_answer() && silent_for >= DRIVEN_SILENCE_MAX;
         self.separate.unanswered(may_be_off);
     }
 
-    /// Whether a frame that may be an echo cannot be a reply after what the motor has just reported: its temperature
-    /// has jumped, or its angle is back at zero.
+    /// Whether this reading cannot follow the last one: its temperature has jumped, or its angle is back at zero. Then
+    /// the frame, which is identical to its request, is an echo.
     pub(crate) fn contradicts(&self, now: Instant, reading: &Reading) -> bool {
         match reading {
             Reading::Drive(reading) => self.temperature.is_some_and(|(at, before)| {

@@ -172,8 +172,8 @@ impl Receiver {
         Some((received, other_bytes))
     }
 
-    /// A frame identical to its request came too early for a reply: the line echoes, maybe only since now.
-    pub(crate) fn echo_came(&mut self) {
+    /// Records an echo: a frame identical to its request came too early for a reply.
+    pub(crate) fn echo_detected(&mut self) {
         self.without_echo = self.without_echo.map(|_| 0);
     }
 

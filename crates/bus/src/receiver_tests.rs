@@ -113,8 +113,8 @@ fn a_shifted_image_with_a_good_crc_is_not_taken_for_the_reply() {
     );
 }
 
-/// Two replies in one chunk, found by the fault simulation: the last byte of one and nine of
-/// the other have a good CRC as a reply of motor 2 at 2,048 rpm.
+/// Two replies in one chunk, found by the fault simulation: the last byte of the first and nine bytes of
+/// the second have a good CRC as a reply of motor 2 at 2,048 rpm.
 #[test]
 fn a_window_across_two_good_frames_is_not_taken_for_a_reply() {
     let first = frame("02 02 00 08 00 00 75 7F 00 02");
@@ -133,7 +133,7 @@ fn a_window_across_two_good_frames_is_not_taken_for_a_reply() {
     assert_eq!(frames(&after(&bytes).clear(&sent)), [first, second]);
 }
 
-/// Before the rest of the second arrives, only the fact that more may come tells them apart.
+/// While the second reply is incomplete, the window across both looks like the last reply. More bytes may come.
 #[test]
 fn a_window_that_ends_the_bytes_is_not_taken_before_the_line_is_quiet() {
     let bytes = [
@@ -155,7 +155,7 @@ fn a_window_that_ends_the_bytes_is_not_taken_before_the_line_is_quiet() {
     );
 }
 
-/// The last byte of a corrupt frame and nine of the good one after it.
+/// The last byte of a corrupt frame and nine bytes of the good frame after it have a good CRC, too.
 #[test]
 fn the_first_of_a_row_of_frames_is_found_behind_a_spoilt_one() {
     let first = frame("02 02 00 08 00 00 75 7F 00 02");
@@ -270,7 +270,7 @@ fn a_stray_byte_behind_a_reply_makes_no_other_reply_of_it() {
     assert_eq!(found.frame, reply);
 }
 
-/// Seed 304647: the same with faults that a motor may have, where the other window has none.
+/// Seed 304647: as before, but with fault bits that a motor may set; the true reply has none.
 #[test]
 fn of_two_readings_the_one_without_a_fault_is_taken() {
     let id = MotorId::new(3).unwrap();

@@ -69,7 +69,7 @@ impl Bus {
                     if now.since(exchange.sent) < earliest_reply(self.model) {
                         // It arrives too early to answer this request.
                         if received.frame == exchange.frame {
-                            self.receiver.echo_came();
+                            self.receiver.echo_detected();
                         }
                         self.receive_late_reply(now, received);
                         if let Line::Busy(exchange) = &mut self.line {
@@ -81,8 +81,8 @@ impl Bus {
                     if received.frame == exchange.frame
                         && motor.is_some_and(|motor| motor.contradicts(now, &received.reading))
                     {
-                        // An echo that the adapter has held: the reply is still to come.
-                        self.receiver.echo_came();
+                        // An echo that the adapter has delayed.
+                        self.receiver.echo_detected();
                         continue;
                     }
                     self.line = Line::Free {
@@ -218,7 +218,7 @@ impl Bus {
         let rest = self.receiver.clear(&last);
         count_line(&mut self.counters, &rest);
         self.log_and_record(now, &rest);
-        self.judge_model(now, &rest);
+        self.handle_foreign_frames(now, &rest);
     }
 
     fn replied(
@@ -400,7 +400,7 @@ impl Bus {
             None => count_line(&mut self.counters, rest),
         }
         self.log_and_record(now, rest);
-        self.judge_model(now, rest);
+        self.handle_foreign_frames(now, rest);
     }
 
     /// Logs the bytes beside the expected reply and records the good frames among them.

@@ -45,10 +45,10 @@ pub(crate) enum DueFrame {
     Raw,
 }
 
-/// What the last frame was.
+/// The kind of the last sent frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LastFrame {
-    /// A query, maybe followed by mode switches. A second one must not delay a drive frame.
+    /// A query, maybe followed by mode switches. A second query must not delay a drive frame.
     Query,
     /// A frame of a stop.
     Stop,
@@ -115,8 +115,8 @@ pub(crate) fn next_turn(
     .map(|(at, id)| (at, DueFrame::Drive(id)));
     let query = next_query(motors);
 
-    // The reply windows of a silent motor may be as long as the time between its frames. So between two frames of
-    // stops goes at most one switch or query.
+    // The reply window of a silent motor may be as long as the time between its frames. So at most one switch or
+    // query goes between two stop frames.
     let stop_is_next = last_frame != LastFrame::Stop && stop.is_some_and(|(at, _)| due(at));
     if let Some((_, due_frame)) = switch.filter(|(at, _)| due(*at) && !stop_is_next) {
         return Turn::Now(due_frame);

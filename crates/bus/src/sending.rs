@@ -226,7 +226,7 @@ impl Bus {
         };
         self.last_frame = match (sent, self.last_frame) {
             (Some(Sent::Stop), _) => LastFrame::Stop,
-            // A frame that waits for a query keeps waiting during a mode switch.
+            // A mode switch does not release a frame that waits for a query.
             (Some(Sent::Query(_)), _) | (Some(Sent::Switch { .. }), LastFrame::Query) => {
                 LastFrame::Query
             }
@@ -349,7 +349,7 @@ impl Bus {
             self.round_trip.doublings()
         };
         let window = (window * (1 << doublings)).min(MAX_WINDOW);
-        // Nor does the first stop frame of a motor wait for the reply of another.
+        // The first stop frame of a motor waits at most STOP_PATIENCE for the reply of another motor.
         let first_stop_frame_waits = self.motors.iter().any(|motor| match motor.control {
             Control::Stopping(stop) => motor.id != id && !stop.first_frame_sent,
             _ => false,

@@ -18,8 +18,8 @@ impl Bus {
     /// motors.
     pub(crate) fn supervise_motors(&mut self, now: Instant) {
         let mut to_stop = Vec::new();
-        // No sooner than the trial of the port is over and another host has ceased to drive: the switch to the velocity
-        // loop changes what its drive frames mean. Start enables a motor at any time.
+        // The bus enables a motor only after the trial of the port, and while no other host drives: in the velocity
+        // loop the motor reads that host's setpoints as speeds. Start does not wait for this.
         let may_enable = self.enables_from.is_some_and(|from| now >= from)
             && self.stop.is_none()
             && self.check_not_halted().is_ok()
@@ -31,9 +31,9 @@ impl Bus {
                 self.events.push_back(Event::MotorSilent(motor.id));
             }
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
-                // Starts no motion: it ignores drive frames until it is in a loop, and gets none.
+                // This starts no motion: the motor gets no drive frame.
                 motor.separate.enabling.tried(now);
-                motor.control = Control::Switching(Switch::by_itself(now, Mode::Velocity));
+                motor.control = Control::Switching(Switch::without_command(now, Mode::Velocity));
             }
             if let Control::Switching(switch) = motor.control {
                 match switch.progress(now) {
@@ -43,8 +43,9 @@ impl Bus {
                         let faulty = reported.is_some_and(Faults::any_named);
                         motor.control = after_switch(now, &switch, motor.fresh_speed(now), faulty);
                         motor.may_turn |= matches!(motor.control, Control::Driven(_));
-                        // The page goes to the loop that the operator asked for, not away from what is being set.
-                        if switch.asked_for {
+                        // The page opens the tab of this loop, so only a switch that the operator requested is
+                        // reported.
+                        if switch.by_command {
                             self.events.push_back(Event::ModeSwitched {
                                 id: motor.id,
                                 mode: switch.to,

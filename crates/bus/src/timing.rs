@@ -24,7 +24,7 @@ pub(crate) const DRIVEN_UNANSWERED_MAX: u32 = 3;
 pub(crate) const LATE_CALL: Duration = FRESH_FOR;
 /// From here on the page calls the gap sleep. The value is a choice: the motors are stopped either
 /// way.
-pub(crate) const SLEPT_AT_LEAST: Duration = Duration::from_secs(5);
+pub(crate) const SLEEP_MIN: Duration = Duration::from_secs(5);
 
 /// A call or a reply that comes later than this counts as late ([`crate::LineStatus::late_hz`]). Timers of a
 /// browser are 0.2 ms late at most where nothing holds it up.
@@ -61,7 +61,7 @@ pub(crate) const QUERY_MARGIN_MAX: Duration = Duration::from_millis(10);
 /// is known at any load: one drive period at the 50 Hz that a motor needs.
 pub(crate) const QUERY_PATIENCE: Duration = Duration::from_millis(20);
 
-/// A winding does not change by this many degrees Celsius between two readings.
+/// The winding temperature changes less than this between two readings, in degrees Celsius.
 pub(crate) const TEMPERATURE_JUMP: u8 = 20;
 
 /// A line that is free for less than this has just carried a reply: two steps of a browser's clock.
@@ -72,13 +72,13 @@ pub(crate) const SWITCH_FRAMES: u8 = 5;
 /// Time between two mode switch frames.
 pub(crate) const SWITCH_PERIOD: Duration = Duration::from_millis(20);
 /// A reply must report the new loop within this time after the fifth frame: three queries.
-pub(crate) const SWITCH_CONFIRM: Duration = Duration::from_millis(300);
+pub(crate) const SWITCH_CONFIRM_MAX: Duration = Duration::from_millis(300);
 
-/// No motor is enabled without a command before the line was heard for this long: five drive frames of another host
-/// at the 50 Hz that its motor needs.
-pub(crate) const LISTENS_FIRST: Duration = Duration::from_millis(100);
-/// Nor for this long after a drive frame of another host: 50 of its frames, of which some are heard in a collision
-/// with ours.
+/// The bus listens for this long before it enables a motor without a command: five drive frames of another host at
+/// 50 Hz.
+pub(crate) const LISTEN_BEFORE_ENABLE: Duration = Duration::from_millis(100);
+/// Without a command, the bus enables no motor for this long after a drive frame of another host: 50 of its frames.
+/// Some of them are received although frames collide.
 pub(crate) const OTHER_HOST_QUIET: Duration = Duration::from_secs(1);
 
 /// Time between two tries to enable a motor without a command.
@@ -154,7 +154,7 @@ pub(crate) const ID_QUERY_FORGOTTEN: Duration = Duration::from_secs(10);
 
 /// A request without a reply keeps the line for its airtime plus this, until its echo is over. The
 /// echo may come in pieces, a USB frame of 1 ms apart.
-pub(crate) const SETTLE: Duration = Duration::from_millis(4);
+pub(crate) const SETTLE_TIME: Duration = Duration::from_millis(4);
 
 /// Pause after a refused frame: one round of a stop. It is short enough for a stop, and a port that
 /// refuses everything for a second adds 200 lines to the log, not 1,000.
@@ -192,14 +192,14 @@ pub(crate) const SCAN_SAMPLING_MAX: Duration = Duration::from_millis(200);
 
 /// A full scan proves for this long which motors are on the bus: enough to read and answer a
 /// question.
-pub(crate) const PROOF_LASTS: Duration = Duration::from_secs(60);
+pub(crate) const PROOF_LIFETIME: Duration = Duration::from_secs(60);
 
 /// Time between two set-ID frames: as for mode switches. The maker gives none for set ID.
 pub(crate) const SET_ID_PERIOD: Duration = SWITCH_PERIOD;
 
 /// After the last set-ID frame the motor writes its flash, for which no time is published; a
 /// published script waits 500 ms.
-pub(crate) const ID_SETTLE: Duration = Duration::from_millis(300);
+pub(crate) const ID_SETTLE_TIME: Duration = Duration::from_millis(300);
 
 /// Time between two probes of an ID.
 pub(crate) const ID_PROBE_PERIOD: Duration = Duration::from_millis(50);

@@ -60,7 +60,7 @@ impl Entry {
                 | LineEventKind::NotSent { .. },
             )
             | EntryContent::Message { error: true, .. } => Kind::Error,
-            EntryContent::Line(LineEventKind::Begins(_))
+            EntryContent::Line(LineEventKind::ModelSelected(_))
             | EntryContent::Message { error: false, .. } => Kind::System,
         }
     }
@@ -90,7 +90,7 @@ impl Entry {
                 MotorId::new(first).ok()
             }
             EntryContent::Line(LineEventKind::Silence { id, .. }) => Some(id),
-            EntryContent::Line(LineEventKind::Junk(_) | LineEventKind::Begins(_))
+            EntryContent::Line(LineEventKind::Junk(_) | LineEventKind::ModelSelected(_))
             | EntryContent::Message { .. } => None,
         }
     }
@@ -108,7 +108,7 @@ impl Entry {
                 | LineEventKind::NotSent { frame },
             ) => frame.bytes(),
             EntryContent::Line(LineEventKind::Junk(junk)) => junk.bytes(),
-            EntryContent::Line(LineEventKind::Silence { .. } | LineEventKind::Begins(_))
+            EntryContent::Line(LineEventKind::Silence { .. } | LineEventKind::ModelSelected(_))
             | EntryContent::Message { .. } => &[],
         }
     }

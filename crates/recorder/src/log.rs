@@ -75,10 +75,10 @@ impl Log {
 
     /// Adds a line event.
     pub fn add_event(&mut self, traffic: &LineEvent) {
-        if let LineEventKind::Begins(model) = traffic.kind {
+        if let LineEventKind::ModelSelected(model) = traffic.kind {
             self.model = model;
         }
-        if traffic.kind.is_no_traffic() {
+        if !traffic.kind.is_on_the_wire() {
             return;
         }
         let routine = self.routine.is_next(self.model, &traffic.kind);

@@ -38,7 +38,7 @@ fn translated(model: Model, passed: &LineEventKind) -> String {
         // No entries.
         LineEventKind::Commanded { .. }
         | LineEventKind::Reading { .. }
-        | LineEventKind::Begins(_) => String::new(),
+        | LineEventKind::ModelSelected(_) => String::new(),
         LineEventKind::Junk(junk) => match frame_of(junk) {
             Some(frame) => {
                 let what = family_terms::received(model, &frame, None);
@@ -97,7 +97,7 @@ pub(crate) fn push_english(out: &mut String, entry: &Entry, texts: &Texts) {
         EntryContent::Line(
             LineEventKind::Commanded { .. }
             | LineEventKind::Reading { .. }
-            | LineEventKind::Begins(_),
+            | LineEventKind::ModelSelected(_),
         ) => Ok(()),
         EntryContent::Line(LineEventKind::Junk(junk)) => push_junk(out, junk),
         EntryContent::Line(LineEventKind::Silence { waited_us, .. }) => {

@@ -100,7 +100,7 @@ impl Routine {
             | LineEventKind::NotSent { .. }
             | LineEventKind::Commanded { .. }
             | LineEventKind::Reading { .. }
-            | LineEventKind::Begins(_) => false,
+            | LineEventKind::ModelSelected(_) => false,
         }
     }
 

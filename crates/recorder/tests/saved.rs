@@ -496,7 +496,7 @@ fn a_long_session_is_bounded_and_keeps_a_million_entries() {
 #[test]
 fn frames_are_explained_by_their_model_in_every_file_of_a_saved_session() {
     let mut page = Page::opened(EPOCH_MS);
-    let begins = LineEventKind::Begins(Model::Ddsm400);
+    let begins = LineEventKind::ModelSelected(Model::Ddsm400);
     page.recorder.add_event(&at(0, begins));
     for second in 0..200 {
         page.drive(second * 1_000..(second + 1) * 1_000);

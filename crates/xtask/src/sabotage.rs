@@ -113,7 +113,7 @@ const SABOTAGES: [Sabotage; 20] = [
         rule: "OneFrameAtATime",
         what: "a mode switch keeps the line for half its time",
         file: "crates/bus/src/exchange.rs",
-        from: "            airtime + SETTLE\n",
+        from: "            airtime + SETTLE_TIME\n",
         to: "            airtime / 2\n",
     },
     Sabotage {

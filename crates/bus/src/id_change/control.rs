@@ -4,7 +4,7 @@ use motorlink_protocol::{AssignableId, Instant, MotorId};
 
 use crate::{
     bus::Bus, command::Refusal, id_change::outcome::SetIdFrames, id_change::state::IdChange,
-    job::state::Job, timing::PROOF_LASTS,
+    job::state::Job, timing::PROOF_LIFETIME,
 };
 
 impl Bus {
@@ -31,7 +31,7 @@ impl Bus {
     /// Takes the proof of the only motor on the bus. A proof is used once.
     pub(crate) fn take_proof(&mut self, now: Instant) -> Result<MotorId, Refusal> {
         let proof = self.proved_alone.take();
-        let fresh = proof.filter(|proof| now <= proof.at + PROOF_LASTS);
+        let fresh = proof.filter(|proof| now <= proof.at + PROOF_LIFETIME);
         fresh.map(|proof| proof.id).ok_or(Refusal::NotProvedAlone)
     }
 }

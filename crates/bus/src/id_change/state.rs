@@ -11,7 +11,7 @@ use crate::{
     id_change::outcome::{IdChangeOutcome, SetIdFrames},
     job::status::JobStatus,
     probe::{Probe, ProbeResult},
-    timing::{ID_PROBE_PERIOD, ID_SETTLE, SET_ID_PERIOD},
+    timing::{ID_PROBE_PERIOD, ID_SETTLE_TIME, SET_ID_PERIOD},
 };
 
 /// Most ID queries before the check fails: a reply may be lost.
@@ -107,7 +107,7 @@ impl IdChange {
                 *sent += 1;
                 self.next = now + SET_ID_PERIOD;
                 if *sent == self.frames.count() {
-                    self.next = now + ID_SETTLE;
+                    self.next = now + ID_SETTLE_TIME;
                     self.step = Step::ProbingNew { probes: 0 };
                 }
                 NextAction::SetId(self.to)

@@ -22,9 +22,9 @@ pub(crate) struct ModelEvidence {
     /// The last frame of another model.
     last: Option<(Instant, Model)>,
     in_a_row: u8,
-    /// When text in JSON came last, and whether that was said.
+    /// When JSON text came last, and whether it was reported.
     json: Option<Instant>,
-    json_said: bool,
+    json_reported: bool,
 }
 
 impl ModelEvidence {
@@ -52,17 +52,17 @@ impl ModelEvidence {
         }
     }
 
-    /// Text in JSON must be said again.
-    pub(crate) fn forget_json(&mut self) {
-        self.json_said = false;
+    /// Reports JSON text again.
+    pub(crate) fn report_json_again(&mut self) {
+        self.json_reported = false;
     }
 
-    /// Records text in JSON. Returns whether it must be said: at the second time within a second, once.
+    /// Records JSON text. Returns whether to report it: once, at the second text within a second.
     pub(crate) fn json(&mut self, now: Instant) -> bool {
         let before = self.json.replace(now);
         let again = before.is_some_and(|at| now.since(at) <= WITHIN);
-        let is_new = again && !self.json_said;
-        self.json_said |= is_new;
+        let is_new = again && !self.json_reported;
+        self.json_reported |= is_new;
         is_new
     }
 }
@@ -91,7 +91,7 @@ pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<Model> {
     }
 }
 
-/// Whether these bytes are a whole drive frame. One that the bus has not sent is that of another host.
+/// Whether these bytes are a whole drive frame. If the bus has not sent it, another host has.
 pub(crate) fn is_drive_frame(bytes: &[u8]) -> bool {
     let frame = <[u8; FRAME_LEN]>::try_from(bytes).map(Frame::new);
     frame.is_ok_and(|frame| {
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reply_tells_its_model() {
+    fn a_reply_shows_its_model() {
         let of_115 = frame("01 02 00 0A 00 00 20 F6 00 00");
         let of_210 = frame("01 64 03 E8 00 10 00 1E 00 00");
         let of_400 = frame("01 65 03 E8 00 10 00 1E 00 00");
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_of_another_host_tells_nothing() {
+    fn a_frame_of_another_host_shows_no_model() {
         for text in [
             "01 64 00 64 00 00 00 00 00 00",
             "01 64 00 00 00 00 00 FF 00 00",
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_frame_of_another_host_is_known() {
+    fn a_drive_frame_of_another_host_is_recognized() {
         let is_drive = |text| is_drive_frame(frame(text).bytes());
         assert!(is_drive("01 64 40 00 00 00 00 00 00 00"));
         assert!(!is_drive("01 65 40 00 00 00 00 1E 00 00"), "a reply");
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn json_is_told_from_noise() {
+    fn json_is_distinguished_from_noise() {
         assert!(is_json(b"{\"T\":20010,\"id\":1}\r\n"));
         assert!(!is_json(&[0x7B, 0x22, 0x80]));
         assert!(!is_json(b"hello"));

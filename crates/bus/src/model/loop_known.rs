@@ -6,13 +6,14 @@ use crate::timing::FRESH_FOR;
 
 /// What is known of the loop of a motor with separate frames.
 ///
-/// A motor that loses power leaves its loop, and its drive replies do not say so. So the loop is asked for several
-/// times a second, and is unknown when the motor has been silent for as long as ends its setpoint.
+/// A motor that loses power leaves its loop, and its drive replies do not say so. So the bus asks for the loop several
+/// times a second. The loop is unknown once the motor has been silent for `DRIVEN_SILENCE_MAX`, which also ends its
+/// setpoint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LoopKnown {
     /// The last reported loop, and when.
     reported: Option<(Instant, Mode)>,
-    /// Whether the motor has answered that it is enabled, since it was last without an answer.
+    /// Whether the motor has reported that it is enabled. Cleared when it reports the opposite, or may have lost power.
     enabled: bool,
     /// Whether a request was unanswered since the last report: the motor may have lost power.
     is_doubted: bool,
@@ -32,7 +33,8 @@ impl LoopKnown {
         self.reported = None;
     }
 
-    /// A request was unanswered. `may_be_off` if the motor has been silent for so long that it may have lost power.
+    /// Records an unanswered request. `may_be_off` says that the motor has been silent so long that it may have lost
+    /// power.
     pub(crate) fn unanswered(&mut self, may_be_off: bool) {
         self.is_doubted = true;
         if may_be_off {

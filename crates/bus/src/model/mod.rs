@@ -2,7 +2,7 @@
 
 pub(crate) mod enabling;
 pub(crate) mod evidence;
-mod judging;
+mod foreign_frames;
 pub(crate) mod loop_known;
 pub(crate) mod odometry;
 pub(crate) mod separate;

@@ -40,7 +40,7 @@ impl LastOdometry {
         Some(Rpm::new(whole))
     }
 
-    /// Whether the last angle, if it is not old, is more than half a turn from where the motor counts from.
+    /// Whether the wheel is more than half a turn from the zero of its odometry. An old report does not count.
     pub(crate) fn is_far_from_zero(&self, now: Instant) -> bool {
         #[allow(
             clippy::cast_precision_loss,

@@ -79,7 +79,7 @@ impl Separate {
         }
     }
 
-    /// Whether the last reported angle is not near zero.
+    /// Whether the wheel is more than half a turn from the zero of its odometry, by its last recent report.
     pub(crate) fn is_far_from_zero(&self, now: Instant) -> bool {
         self.odometry.is_far_from_zero(now)
     }
@@ -100,7 +100,8 @@ impl Separate {
         }
     }
 
-    /// A request was unanswered. `may_be_off` if the motor has been silent for so long that it may have lost power.
+    /// Records an unanswered request. `may_be_off` says that the motor has been silent so long that it may have lost
+    /// power.
     pub(crate) fn unanswered(&mut self, may_be_off: bool) {
         self.loop_known.unanswered(may_be_off);
         if may_be_off {

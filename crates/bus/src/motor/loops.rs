@@ -6,12 +6,12 @@ use super::{Control, Motor, Switched};
 use crate::timing::LOOP_CERTAIN_FOR;
 
 impl Motor {
-    /// Records a mode switch. Of several unconfirmed switches the position loop counts, in which
-    /// zero moves the wheel.
+    /// Records a mode switch. If one of several unconfirmed switches is to the position loop, that loop counts: in it
+    /// a zero moves the wheel.
     pub(crate) fn switch_sent(&mut self, now: Instant, to: Mode) {
         let outstanding = self.late.outstanding(now);
         match &mut self.switched_to {
-            // The same again: a reply after the first of them tells as much.
+            // The same loop again: a reply after the first switch already reports it.
             Some(before) if before.to == to && to != Mode::Position => {}
             Some(before) if before.to == Mode::Position && to != Mode::Position => {
                 before.among_others = true;
@@ -27,14 +27,15 @@ impl Motor {
         }
     }
 
-    /// Whether a reply in its window reports a time after the last mode switch.
+    /// Whether a reply in its window reports the loop after the last mode switch.
     pub(crate) fn confirms_loop(&self) -> bool {
         !self
             .switched_to
             .is_some_and(|switched| switched.among_others && switched.outstanding > 0)
     }
 
-    /// A reply to a request after the last mode switch has reported the loop, unless it may be an earlier one.
+    /// Records that a reply has reported the loop. This confirms the last mode switch, unless the reply may answer a
+    /// request before it.
     pub(crate) fn loop_reported(&mut self) {
         if self
             .switched_to
@@ -49,8 +50,8 @@ impl Motor {
         self.switched_to.is_some()
     }
 
-    /// Whether the loop must be asked for before a drive frame in another loop than the velocity loop: the motor may have
-    /// lost power since its last answer, and then reads the value as a speed.
+    /// Whether the bus must ask for the loop before a drive frame in another loop than the velocity loop: the motor may
+    /// have lost power since its last answer, and then reads the value as a speed.
     pub(crate) fn must_name_loop(&self, now: Instant) -> bool {
         let answered = self
             .separate
@@ -61,7 +62,7 @@ impl Motor {
         self.model.has_separate_frames() && (self.separate.loop_known.is_doubted() || is_long_ago)
     }
 
-    /// The loop by a reply of the last 500 ms, and the last known loop.
+    /// The loop that a reply of the last 500 ms has reported, and the last known loop.
     pub(crate) fn known_loop(&self, now: Instant) -> (Option<Mode>, Option<Mode>) {
         let last = self.last_mode();
         match self.switched_to.map(|switched| switched.to) {

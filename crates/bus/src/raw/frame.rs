@@ -15,7 +15,7 @@ use crate::{
     model::units,
     raw::hazard::is_hazardous,
     raw::status::{RawAnswer, RawStatus, Repeat},
-    timing::PROOF_LASTS,
+    timing::PROOF_LIFETIME,
 };
 
 /// More set-ID frames in a row have no use.
@@ -162,7 +162,7 @@ impl Raw {
         self.next = (self.next + self.interval).max(now + self.interval / 2);
         // The proof that the motor is alone expires.
         let outlives_proof =
-            self.effect == RawEffect::SetId && self.next > self.since + PROOF_LASTS;
+            self.effect == RawEffect::SetId && self.next > self.since + PROOF_LIFETIME;
         self.running = (self.count == 0 || self.sent < self.count) && !outlives_proof;
     }
 
@@ -224,7 +224,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_frame_may_do_and_to_whom_is_known_whatever_is_wrong_with_it() {
+    fn effect_and_addressee_of_a_frame_are_known_even_if_it_is_malformed() {
         let drive = |value: i16| RawEffect::Drive {
             value,
             rpm: value.unsigned_abs(),

@@ -22,7 +22,7 @@ const PAGE_SILENT_MAX: Duration = Duration::from_millis(1_100);
 /// An older command starts nothing.
 const COMMAND_AGE_MAX: Duration = Duration::from_millis(500);
 /// How long the proof of a full scan lasts.
-const PROOF_LASTS: Duration = Duration::from_secs(60);
+const PROOF_LIFETIME: Duration = Duration::from_secs(60);
 /// A driven motor that is silent for longer loses its setpoint, after this many unanswered
 /// requests; the next may be on its way.
 const SILENCE_MAX: Duration = Duration::from_millis(200);
@@ -258,7 +258,9 @@ impl Operator {
             }
             Ok(Request::SwitchMode { mode, .. }) => return Ok(mode == Mode::Velocity),
             Ok(Request::SetId { id: to }) => {
-                let proved = self.proof.filter(|(_, at)| now.since(*at) <= PROOF_LASTS);
+                let proved = self
+                    .proof
+                    .filter(|(_, at)| now.since(*at) <= PROOF_LIFETIME);
                 let asked = self.id_change.filter(|(_, asked)| *asked == to.id());
                 if asked.is_none() || proved.map(|(id, _)| id) != asked.map(|(from, _)| from) {
                     return broken(

@@ -124,7 +124,7 @@ impl Wire {
                     return self.logged(now, frame);
                 }
                 LineEventKind::Junk(_)
-                | LineEventKind::Begins(_)
+                | LineEventKind::ModelSelected(_)
                 | LineEventKind::Silence { .. }
                 | LineEventKind::Commanded { .. }
                 | LineEventKind::Reading { .. } => {}

@@ -75,11 +75,11 @@ impl CsvLines {
 
     /// Adds the row of a line event, if it has one.
     pub fn event(&mut self, out: &mut Vec<u8>, event: &LineEvent, clock: WallClock) {
-        if let LineEventKind::Begins(model) = event.kind {
+        if let LineEventKind::ModelSelected(model) = event.kind {
             self.model = model;
         }
         match &mut self.columns {
-            Columns::Log(..) if event.kind.is_no_traffic() => {}
+            Columns::Log(..) if !event.kind.is_on_the_wire() => {}
             Columns::Log(..) => {
                 let content = EntryContent::Line(event.kind);
                 self.entry(out, event.at, content, &Texts::default(), clock);

@@ -240,7 +240,7 @@ impl StreamWriter {
     #[inline(never)]
     fn pass(&mut self, traffic: &LineEvent) {
         push_traffic(&mut self.batch, traffic);
-        if let LineEventKind::Begins(model) = traffic.kind {
+        if let LineEventKind::ModelSelected(model) = traffic.kind {
             // It counts as no event.
             self.model = model;
             return;
@@ -318,7 +318,7 @@ impl StreamWriter {
         if is_new && model.has_separate_frames() {
             // The files before it may be gone.
             let at = self.batch_last;
-            let kind = LineEventKind::Begins(model);
+            let kind = LineEventKind::ModelSelected(model);
             let mut begins = Vec::new();
             push_traffic(&mut begins, &LineEvent { at, kind });
             push_batch(&mut bytes, 0, at, &begins);

@@ -65,7 +65,7 @@ impl Meter {
             LineEventKind::NotSent { .. } => second.not_sent += 1,
             LineEventKind::Commanded { .. }
             | LineEventKind::Reading { .. }
-            | LineEventKind::Begins(_) => {}
+            | LineEventKind::ModelSelected(_) => {}
         }
         ended
     }

@@ -71,7 +71,7 @@ impl Motors {
             LineEventKind::Junk(_)
             | LineEventKind::Silence { .. }
             | LineEventKind::NotSent { .. }
-            | LineEventKind::Begins(_) => None,
+            | LineEventKind::ModelSelected(_) => None,
         }
     }
 }

@@ -34,7 +34,7 @@ impl Batch {
     }
 
     pub(crate) fn push(&mut self, event: &LineEvent) {
-        if event.kind.is_no_traffic() {
+        if !event.kind.is_on_the_wire() {
             return;
         }
         let out = &mut self.json;
@@ -84,7 +84,7 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
         // Not on the wire.
         LineEventKind::Commanded { .. }
         | LineEventKind::Reading { .. }
-        | LineEventKind::Begins(_) => {}
+        | LineEventKind::ModelSelected(_) => {}
         LineEventKind::NotSent { frame } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":false");
             push_id(out, frame);

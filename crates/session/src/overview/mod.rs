@@ -120,7 +120,7 @@ impl Overview {
                     self.motor(reply.id).replied(bucket, &reply);
                 }
             }
-            LineEventKind::Commanded { .. } | LineEventKind::Begins(_) => {}
+            LineEventKind::Commanded { .. } | LineEventKind::ModelSelected(_) => {}
             LineEventKind::Reading { frame, asked } => {
                 if let Ok(reply) = Reply::decode(frame, *asked) {
                     let bucket = self.bucket_of(after);

@@ -1,4 +1,4 @@
-//! What the bus does about frames that are none of the expected replies: of another model, of another host, in JSON.
+//! Reactions to frames of another model or another host, and to JSON text.
 
 use motorlink_protocol::Instant;
 
@@ -11,8 +11,8 @@ use crate::{
 };
 
 impl Bus {
-    /// Takes note of frames of another model or another host, and of text in JSON.
-    pub(crate) fn judge_model(&mut self, now: Instant, rest: &OtherBytes) {
+    /// Handles the frames of another model or another host among these bytes, and JSON text.
+    pub(crate) fn handle_foreign_frames(&mut self, now: Instant, rest: &OtherBytes) {
         if rest.is_json && self.evidence.json(now) {
             self.events.push_back(Event::AnswersInJson);
         }
