@@ -166,7 +166,7 @@ fn six_motors_are_held_at_50_hz_and_asked_five_times_a_second() {
 }
 
 #[test]
-fn what_is_more_than_the_line_carries_is_said_and_shared() {
+fn an_overload_of_the_line_is_reported_and_shared() {
     let addresses: Vec<u8> = (1..=12).collect();
     let mut fixture = driven(&addresses);
     fixture.run(ms(10_000));
@@ -255,7 +255,7 @@ fn queries_make_no_drive_frame_late_at_200_hz() {
 
 /// A busy machine looks at the clock 12 ms late, ten times a second.
 #[test]
-fn a_rate_is_kept_on_a_machine_that_is_held_up() {
+fn a_rate_is_kept_on_a_delayed_machine() {
     let mut fixture = watching(&[1]);
     fixture
         .command(Command::Configure(BusSettings {

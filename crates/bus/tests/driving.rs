@@ -47,7 +47,7 @@ fn several_motors_that_answer_the_id_query_at_once_are_called_garbled() {
 }
 
 #[test]
-fn an_empty_line_answers_nobody() {
+fn an_id_query_on_an_empty_line_has_no_reply() {
     let mut fixture = Fixture::new(with_motors(&[]));
     fixture.command(Command::IdQuery).unwrap();
     fixture.run(ms(100));

@@ -1,4 +1,4 @@
-//! When a DDSM400 is enabled: it obeys no drive frame before.
+//! When the bus enables a DDSM400, which obeys no drive frame before.
 #![cfg(test)]
 
 mod fixture;
@@ -18,7 +18,7 @@ fn with(bus: impl FnOnce(Bus) -> Bus) -> Fixture {
     fixture
 }
 
-/// Whether a frame was sent that enables a motor or switches its loop.
+/// Whether the bus sent a frame that enables a motor or switches its loop.
 fn changes_a_motor(fixture: &Fixture) -> bool {
     let mut sent = fixture.sent.iter();
     sent.any(|sent| matches!(sent.frame.bytes(), [_, 0xA0, ..]))
@@ -78,7 +78,7 @@ fn a_ddsm400_is_not_enabled_while_another_host_drives() {
     assert!(is_enabled(&fixture));
 }
 
-/// What the notice of a motor that lost power says: press Start.
+/// The notice of a motor that lost power says: press Start.
 #[test]
 fn start_enables_a_ddsm400_and_then_drives_it() {
     let mut fixture = with(|bus| bus);
@@ -95,9 +95,9 @@ fn start_enables_a_ddsm400_and_then_drives_it() {
     assert!((fixture.true_rpm() - 60.0).abs() < 3.0);
 }
 
-/// A motor that does not obey: no setpoint is left behind, and the person is told.
+/// The motor does not obey: the bus drops the setpoint, and reports that the switch failed.
 #[test]
-fn a_ddsm400_that_cannot_be_enabled_is_said() {
+fn a_ddsm400_that_cannot_be_enabled_is_reported() {
     let mut fixture = with(|bus| bus);
     fixture.run(ms(50));
     assert!(answers(&fixture));
@@ -105,16 +105,15 @@ fn a_ddsm400_that_cannot_be_enabled_is_said() {
     fixture.drive(rpm(60)).unwrap();
     fixture.world.motor_mut(ID).unwrap().mute(true);
     fixture.run(ms(1_000));
-    let said = |event: &Event| matches!(event, Event::ModeSwitchFailed { id: ID, .. });
-    assert!(fixture.happened(said), "{:?}", fixture.events);
+    let reported = |event: &Event| matches!(event, Event::ModeSwitchFailed { id: ID, .. });
+    assert!(fixture.happened(reported), "{:?}", fixture.events);
     assert_eq!(fixture.activity(), Activity::Idle);
     fixture.world.motor_mut(ID).unwrap().mute(false);
     fixture.run(ms(3_000));
     assert!(fixture.true_rpm().abs() < 1.0);
 }
 
-/// After power-up a DDSM400 ignores drive frames until it is enabled, which the bus does by itself. It starts no
-/// motion.
+/// After power-up a DDSM400 ignores drive frames until the bus enables it. Enabling starts no motion.
 #[test]
 fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
     let mut fixture = with(|bus| bus);

@@ -38,7 +38,7 @@ fn assert_telemetry_is_true(fixture: &Fixture, seed: u64) {
 }
 
 #[test]
-fn echoes_whole_and_cut_are_told_from_replies() {
+fn whole_and_cut_echoes_are_distinguished_from_replies() {
     for echo in [Echo::Whole].into_iter().chain((1..10).map(Echo::Cut)) {
         let mut fixture = on_a_wire_with(
             WireFaults {
@@ -413,7 +413,7 @@ fn a_reply_of_unknown_age_that_reports_another_loop_takes_the_setpoint() {
 
 /// A drive frame with a byte that no drive frame has is answered like one, by a motor that does not mind.
 #[test]
-fn the_answer_to_a_raw_frame_that_nobody_can_read_is_not_read_in_the_layout_of_a_later_query() {
+fn the_answer_to_an_unknown_raw_frame_is_not_read_in_the_layout_of_a_later_query() {
     let [id, command, high, low, ..] = *fixture::drive_frame(ID, rpm(60)).bytes();
     let odd = Frame::with_crc([id, command, high, low, 0, 0, 0, 0, 1]);
     for stall in [30, 45, 65, 90] {

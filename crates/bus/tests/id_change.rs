@@ -198,7 +198,7 @@ fn a_motor_that_needs_more_frames_takes_them_after_a_verified_failure() {
 }
 
 #[test]
-fn a_motor_that_dies_meanwhile_is_told_as_lost() {
+fn a_motor_that_dies_meanwhile_is_reported_as_lost() {
     let mut fixture = scanned(WorldConfig::default());
     fixture.command(set_id(ID, 5)).unwrap();
     fixture.run_until(ms(1_000), |fixture| fixture.sent.iter().any(is_set_id));

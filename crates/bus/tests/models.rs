@@ -309,7 +309,7 @@ fn a_ddsm315_is_stopped_on_a_line_that_loses_requests() {
 
 /// A DDSM Driver HAT whose switch is not set to its plain bridge.
 #[test]
-fn a_driver_board_that_answers_in_json_is_said_once() {
+fn a_driver_board_that_answers_in_json_is_reported_once() {
     let mut fixture = Fixture::new(WorldConfig::with_ids([]));
     fixture.command(Command::Watch(ID)).unwrap();
     for _ in 0..30 {

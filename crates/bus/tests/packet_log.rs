@@ -168,7 +168,7 @@ fn a_frame_that_the_adapter_did_not_take_is_logged_as_not_sent_and_its_setpoint_
 }
 
 #[test]
-fn a_raw_frame_is_told_from_the_same_bytes_of_the_bus_and_from_its_repetitions() {
+fn a_raw_frame_is_distinguished_from_the_same_bytes_of_the_bus_and_from_its_repetitions() {
     let mut fixture = Fixture::one_motor();
     let interval = RawInterval::new(20).unwrap();
     for _ in 0..2 {

@@ -148,7 +148,7 @@ fn assert_harmless(sent: &[fixture::Sent], context: &str) {
 }
 
 #[test]
-fn stopped_means_stopped_whatever_is_pressed() {
+fn a_stopped_bus_drives_nothing_after_any_press_but_release() {
     for seed in 1..=DAYS {
         let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
         let faults = dice.faults();

@@ -42,7 +42,7 @@ fn times_sent(fixture: &Fixture, text: &str) -> Vec<motorlink_protocol::Instant>
 }
 
 #[test]
-fn a_frame_is_sent_as_it_is_and_its_reply_is_told() {
+fn a_frame_is_sent_as_it_is_and_its_reply_is_reported() {
     let mut fixture = Fixture::one_motor();
     fixture.command(raw(QUERY, Repeat::Once)).unwrap();
     fixture.run(ms(20));
@@ -66,7 +66,7 @@ fn a_frame_is_sent_as_it_is_and_its_reply_is_told() {
 }
 
 #[test]
-fn silence_is_told_and_asks_nobody_for_telemetry() {
+fn silence_is_reported_and_no_motor_is_queried_for_telemetry() {
     let mut fixture = Fixture::one_motor();
     let nobody = Request::Query { id: id(9) }.frame();
     fixture.command(raw_frame(nobody, Repeat::Once)).unwrap();
@@ -79,7 +79,7 @@ fn silence_is_told_and_asks_nobody_for_telemetry() {
 }
 
 #[test]
-fn a_frame_with_a_wrong_crc_goes_out_and_the_motor_says_nothing() {
+fn a_frame_with_a_wrong_crc_goes_out_and_the_motor_is_silent() {
     let mut fixture = Fixture::one_motor();
     let wrong = "01 74 00 00 00 00 00 00 00 05";
     fixture.command(raw(wrong, Repeat::Once)).unwrap();

@@ -61,7 +61,7 @@ fn a_full_scan_finds_every_motor_and_invents_none() {
 }
 
 #[test]
-fn motors_appear_as_they_answer_and_progress_is_told() {
+fn motors_appear_as_they_answer_and_progress_is_reported() {
     let mut fixture = unknown(&[5, 250], WireFaults::default(), 1);
     fixture.command(Command::FullScan).unwrap();
     let mut before = 0;
@@ -85,7 +85,7 @@ fn motors_appear_as_they_answer_and_progress_is_told() {
 
 /// Two motors with one ID cannot be told apart, but their replies collide.
 #[test]
-fn an_address_that_two_motors_share_is_told_as_noisy() {
+fn an_address_that_two_motors_share_is_reported_as_noisy() {
     let mut fixture = unknown(&[4, 9], WireFaults::default(), 1);
     fixture.world.add_motor(MotorConfig {
         angle_deg: 123.0,
@@ -175,7 +175,7 @@ fn a_scan_on_an_adapter_that_holds_bytes_finds_all_in_seven_seconds() {
 
 /// A reply that a busy machine hands over late is no loss, and no slow adapter.
 #[test]
-fn a_machine_that_is_held_up_now_and_then_makes_no_slow_scan() {
+fn a_machine_that_is_delayed_now_and_then_makes_no_slow_scan() {
     let mut late = 0;
     for seed in 0..10 {
         let mut fixture = unknown(&[1, 90, 254], WireFaults::default(), seed);

@@ -75,7 +75,7 @@ fn drives(fixture: &Fixture) -> usize {
 }
 
 #[test]
-fn a_wheel_driven_before_a_gap_is_stopped_whatever_comes_first_after_it() {
+fn a_wheel_driven_before_a_gap_is_stopped_by_any_first_call_after_it() {
     for first in FIRST {
         for (gap, reason) in [
             (ms(800), StopReason::LoopDelayed),

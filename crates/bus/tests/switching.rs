@@ -108,7 +108,7 @@ fn a_switch_that_the_motor_refuses_is_reported() {
 }
 
 #[test]
-fn the_position_loop_reaches_its_target_and_holds_where_it_is_told_to() {
+fn the_position_loop_reaches_its_target_and_holds_its_angle_on_command() {
     let mut fixture = Fixture::one_motor();
     fixture.switch(Mode::Position);
     fixture.drive(degrees(90.0)).unwrap();
