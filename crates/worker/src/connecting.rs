@@ -18,7 +18,7 @@ use crate::{
     port_owner::Shared,
     serial::{self, ReadEnd, ReadEvent, SharedInFlight},
     session::{AfterClosing, OpenSession, Session, Stage},
-    trial::{Shown, Superseded, answers, shown},
+    trial::{DetectedModel, Superseded, detected_model, wanted_motor_replies},
 };
 
 /// Number of tries to reopen: a replugged adapter appears before the system has set its permissions.
@@ -150,11 +150,11 @@ async fn open_any(
     let mut failure = ConnectError::PortGone;
     let alone = candidates.len() < 2 && if_no_reply == IfNoReply::TakeFirst;
     for candidate in candidates {
-        match open_as_shown(shared, generation, candidate, lost).await? {
+        match open_as_detected(shared, generation, candidate, lost).await? {
             Err(error) => failure = error,
             Ok(opened) => {
                 generation = opened;
-                if alone || answers(shared, generation, wanted).await? {
+                if alone || wanted_motor_replies(shared, generation, wanted).await? {
                     settle(shared, lost);
                     return Ok(None);
                 }
@@ -164,7 +164,7 @@ async fn open_any(
         }
     }
     if let Some(candidate) = first_that_opens.filter(|_| if_no_reply == IfNoReply::TakeFirst) {
-        match open_as_shown(shared, generation, candidate, lost).await? {
+        match open_as_detected(shared, generation, candidate, lost).await? {
             Ok(_) => {
                 settle(shared, lost);
                 return Ok(None);
@@ -221,9 +221,9 @@ fn begin(shared: &Shared, session: Session) -> u32 {
     generation
 }
 
-/// Opens one port on trial for the model that its motors show, if the person leaves that to the worker. Without an
-/// answer for the model that the person has chosen.
-async fn open_as_shown(
+/// Opens one port on trial for the model that its motors answer as, if detection is on. If it is off, or no motor
+/// answers, opens it for the model that the person has chosen.
+async fn open_as_detected(
     shared: &Shared,
     mut generation: u32,
     candidate: PortRef,
@@ -238,20 +238,20 @@ async fn open_as_shown(
             Ok(opened) => generation = opened,
         }
         tried.push(model);
-        let shown = match shown(shared, generation).await? {
-            Shown::Own => {
+        let detected = match detected_model(shared, generation).await? {
+            DetectedModel::Own => {
                 shared.borrow_mut().model.model = model;
                 return Ok(Ok(generation));
             }
-            Shown::Other(model) => Some(model),
-            Shown::Nothing => None,
+            DetectedModel::Other(model) => Some(model),
+            DetectedModel::Unknown => None,
         };
         let of_either_baud = [Model::Ddsm115, Model::Ddsm400];
         let untried = |model: &Model| {
             let same_baud = |tried: &Model| tried.spec().baud == model.spec().baud;
             !tried.iter().any(same_baud)
         };
-        next = shown
+        next = detected
             .filter(|model| !tried.contains(model))
             .or_else(|| of_either_baud.into_iter().find(untried));
         generation = close_trial(shared, lost).await;

@@ -1,16 +1,19 @@
-//! What a port on trial shows: which model its motors have, and whether the wanted one is among them.
+//! What the worker finds out about a port on trial: the model of its motors, and whether the wanted motor replies.
 
 use std::time::Duration;
 
 use gloo_timers::future::sleep;
-use motorlink_protocol::{MotorId, family::Model};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 
-use crate::{port_owner::Shared, session::Session};
+use crate::{
+    port_owner::Shared,
+    session::{OpenSession, Session},
+};
 
 /// How long the wanted motor may take to reply before the next adapter is tried: an ID query of 60 ms
 /// and three queries at 10 Hz.
 const TRIAL: Duration = Duration::from_millis(400);
-/// How long the motors may take to show their model: an ID query of 60 ms and two queries at 10 Hz.
+/// How long a motor may take to send a frame of its model: an ID query of 60 ms and two queries at 10 Hz.
 const DETECTION: Duration = Duration::from_millis(200);
 /// How often to check for a reply.
 const TRIAL_STEP: Duration = Duration::from_millis(20);
@@ -18,47 +21,54 @@ const TRIAL_STEP: Duration = Duration::from_millis(20);
 /// Another session has begun meanwhile, so this task ends.
 pub(crate) struct Superseded;
 
-/// What the motors of a port on trial have shown.
-pub(crate) enum Shown {
-    /// They answer as the model of the line.
+/// The model that the replies on a port on trial show.
+pub(crate) enum DetectedModel {
+    /// The model of the line.
     Own,
-    /// One answers as another model of the same baud rate.
+    /// Another model of the same baud rate.
     Other(Model),
-    /// None answers.
-    Nothing,
+    /// No motor has replied.
+    Unknown,
 }
 
-/// Waits until the motors of the port on trial show their model.
-pub(crate) async fn shown(shared: &Shared, generation: u32) -> Result<Shown, Superseded> {
-    let mut left = DETECTION.as_millis() / TRIAL_STEP.as_millis();
-    loop {
-        sleep(TRIAL_STEP).await;
-        let owner = shared.borrow();
-        let open = match &owner.session {
-            Session::Open(open) if owner.generation == generation => open,
-            _ => return Err(Superseded),
-        };
+/// Waits until the replies on the port on trial show the model of the motors.
+pub(crate) async fn detected_model(
+    shared: &Shared,
+    generation: u32,
+) -> Result<DetectedModel, Superseded> {
+    let of_replies = |open: &OpenSession, now: Instant| {
         if open.bus.model_known() {
-            return Ok(Shown::Own);
+            return Some(DetectedModel::Own);
         }
-        left = left.saturating_sub(1);
-        let other = open.bus.likely_model();
-        // One frame of another model is enough to try that one next: if it was noise, its own trial shows it.
-        let is_over = left == 0 || other.is_some();
-        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
-        if is_over && !open.bus.is_active(owner.now()) {
-            return Ok(other.map_or(Shown::Nothing, Shown::Other));
-        }
-    }
+        // One frame of another model is enough to try that model next: if it was noise, that trial shows it.
+        let other = open.bus.likely_model()?;
+        // To try it, the worker closes the port.
+        (!open.bus.is_active(now)).then_some(DetectedModel::Other(other))
+    };
+    let detected = wait_on_trial(shared, generation, DETECTION, of_replies).await?;
+    Ok(detected.unwrap_or(DetectedModel::Unknown))
 }
 
-/// Whether the wanted motor replies on the port that is on trial.
-pub(crate) async fn answers(
+/// Waits until the wanted motor replies on the port on trial. Returns whether it does.
+pub(crate) async fn wanted_motor_replies(
     shared: &Shared,
     generation: u32,
     wanted: MotorId,
 ) -> Result<bool, Superseded> {
-    let mut left = TRIAL.as_millis() / TRIAL_STEP.as_millis();
+    let replied = |open: &OpenSession, now: Instant| open.has_replied(now, wanted).then_some(());
+    let reply = wait_on_trial(shared, generation, TRIAL, replied).await?;
+    Ok(reply.is_some())
+}
+
+/// Waits until `found` returns a result for the port on trial. Returns `None` after `limit`, or later if the bus is
+/// still active then: closing the port would cut off a stop that was commanded meanwhile.
+async fn wait_on_trial<T>(
+    shared: &Shared,
+    generation: u32,
+    limit: Duration,
+    found: impl Fn(&OpenSession, Instant) -> Option<T>,
+) -> Result<Option<T>, Superseded> {
+    let mut left = limit.as_millis() / TRIAL_STEP.as_millis();
     loop {
         sleep(TRIAL_STEP).await;
         let owner = shared.borrow();
@@ -66,13 +76,14 @@ pub(crate) async fn answers(
             Session::Open(open) if owner.generation == generation => open,
             _ => return Err(Superseded),
         };
-        if open.has_replied(owner.now(), wanted) {
-            return Ok(true);
+        let now = owner.now();
+        let result = found(open, now);
+        if result.is_some() {
+            return Ok(result);
         }
         left = left.saturating_sub(1);
-        // Closing the port would cut off a stop that was commanded meanwhile: wait until it ends.
-        if left == 0 && !open.bus.is_active(owner.now()) {
-            return Ok(false);
+        if left == 0 && !open.bus.is_active(now) {
+            return Ok(None);
         }
     }
 }
