@@ -128,7 +128,7 @@ impl Firmware {
             self.id = self.set_id.count(id).map_or(self.id, MotorId::from);
             return None;
         }
-        // Five in a row means that any other frame on the wire restarts the count.
+        // Five set-ID frames must come in a row: any other frame on the wire restarts the count.
         self.set_id.interrupt();
         let request = received.ok()?;
         let to_all = self.obeys_all

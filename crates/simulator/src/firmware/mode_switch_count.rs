@@ -2,8 +2,8 @@
 
 use motorlink_protocol::Mode;
 
-/// Counts frames for one mode. Frames for another mode start again, other frames do not matter: hosts
-/// drive on while they switch.
+/// Counts mode switch frames in a row for one mode. A switch frame for another mode restarts the count. Other frames do
+/// not, because hosts drive on while they switch.
 #[derive(Clone, Debug)]
 pub(crate) struct ModeSwitchCount {
     needed: u8,
