@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `action` | what can happen |
 //! | `scenario` | generates a list of actions from a seed |
+//! | `generator` | draws random actions and commands |
 //! | `of_model` | the same actions for another model |
 //! | `player` | plays a scenario over virtual time and checks the rules |
 //! | `sequence_run` | runs random sequences over the bus, as a worker does |
@@ -14,6 +15,7 @@
 //! For tests and for `cargo xtask soak`: one seed gives the same run on every machine.
 
 mod action;
+mod generator;
 mod of_model;
 mod player;
 mod rule;
