@@ -7,7 +7,8 @@
 //! |---|---|
 //! | `block` | the unit of writing, with a checksum |
 //! | `content` | the content of a block |
-//! | `writer` | decides which bytes to append to which file and when, and which files to remove |
+//! | `writer` | decides when to write, and which files to remove |
+//! | `stream_writer` | the bytes to append, and to which file of its stream |
 //! | `summary` | the size and the period of a saved session |
 //! | `timeline` | the times of several runs on one clock |
 //! | `replay` | rebuilds a log and a recording |
@@ -15,15 +16,17 @@
 mod block;
 mod content;
 mod replay;
+mod stream_writer;
 mod summary;
 mod timeline;
 mod writer;
 
 pub use block::{Blocks, CONTENT_MAX};
 pub(crate) use replay::Replay;
+pub use stream_writer::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX};
 pub use summary::Summary;
 pub(crate) use timeline::Timeline;
-pub use writer::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, SessionWriter, StoreAction};
+pub use writer::{SessionWriter, StoreAction};
 
 /// A stream of blocks. Each is split into files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
