@@ -1,175 +1,24 @@
 //! A session that is saved, and restored into another recorder.
 #![cfg(test)]
 
+#[path = "saved/fixture.rs"]
+mod fixture;
 mod line;
+#[path = "saved/properties.rs"]
+mod properties;
 
-use std::{collections::BTreeMap, time::Duration};
+use std::time::Duration;
 
 use motorlink_bus::LineEventKind;
 use motorlink_messages::recorder::{Export, FromRecorder, RecordingStatus, ToRecorder};
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_recorder::{
-    LocalTime, Log, Output, Recorder, Recording, WallClock,
-    saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, StoreAction, Stream, Summary},
+    LocalTime, Output, Recorder, WallClock,
+    saved::{PACKETS_BYTES_MAX, SEGMENT_BYTES_MAX, Segment, Stream},
 };
-use proptest::prelude::*;
 
-use line::{at, driven, reply};
-
-/// 2026-11-21 13:15:00 UTC.
-const EPOCH_MS: f64 = 1_795_266_900_000.0;
-
-/// The files of a session.
-type Disk = BTreeMap<Segment, Vec<u8>>;
-
-/// A page with a recorder that saves its session.
-struct Page {
-    recorder: Recorder,
-    now: Instant,
-    disk: Disk,
-    /// What is restored.
-    kept: Vec<(Segment, Vec<u8>)>,
-    told: Vec<FromRecorder>,
-    parts: Vec<u8>,
-    file: Option<String>,
-    flushes: u32,
-}
-
-impl Page {
-    fn opened(epoch_ms: f64) -> Self {
-        let clock = WallClock::new(epoch_ms, 0);
-        let log = Log::with_capacity(1_100_000);
-        let mut page = Self {
-            recorder: Recorder::with(clock, log, Recording::default()).saving(),
-            now: Instant::ZERO,
-            disk: Disk::new(),
-            kept: Vec::new(),
-            told: Vec::new(),
-            parts: Vec::new(),
-            file: None,
-            flushes: 0,
-        };
-        page.handle(ToRecorder::Epoch { unix_ms: epoch_ms });
-        page
-    }
-
-    fn handle(&mut self, message: ToRecorder) {
-        self.recorder.handle(message);
-        self.run();
-    }
-
-    fn add_message(&mut self, millis: u64, text: &str) {
-        self.handle(ToRecorder::AddMessage {
-            at: Instant::from_millis(millis),
-            error: false,
-            text: text.to_owned(),
-        });
-    }
-
-    fn drive(&mut self, numbers: std::ops::Range<u64>) {
-        for n in numbers {
-            self.recorder.add_event(&driven(n));
-        }
-        self.run();
-    }
-
-    fn pass(&mut self, millis: u64) {
-        self.now = self.now + Duration::from_millis(millis);
-        self.run();
-    }
-
-    fn run(&mut self) -> Option<Instant> {
-        loop {
-            match self.recorder.poll(self.now) {
-                Output::Post(message) | Output::NoFile(message) => self.told.push(message),
-                Output::Part(mut bytes) => self.parts.append(&mut bytes),
-                Output::File(message) => {
-                    self.told.push(message);
-                    self.file = Some(String::from_utf8(std::mem::take(&mut self.parts)).unwrap());
-                }
-                Output::Store(action) => self.perform(action),
-                Output::NextFile => {
-                    let next = (!self.kept.is_empty()).then(|| self.kept.remove(0));
-                    let next = next.map(|(segment, bytes)| (segment.stream, bytes));
-                    self.recorder.next_file(next);
-                }
-                Output::Work => self.recorder.work(self.now, 500),
-                Output::Wait(until) => return until,
-            }
-        }
-    }
-
-    fn perform(&mut self, action: StoreAction) {
-        match action {
-            StoreAction::Append(segment, bytes) => {
-                self.disk.entry(segment).or_default().extend(bytes);
-            }
-            StoreAction::Remove(segment) => _ = self.disk.remove(&segment),
-            StoreAction::Flush => self.flushes += 1,
-            StoreAction::Adopt { packets, recorded } => {
-                for (mut segment, bytes) in std::mem::take(&mut self.disk) {
-                    segment.number += match segment.stream {
-                        Stream::Packets => packets,
-                        Stream::Recorded => recorded,
-                    };
-                    self.disk.insert(segment, bytes);
-                }
-                self.disk.extend(self.kept.iter().cloned());
-            }
-            StoreAction::Erase => {
-                self.disk.clear();
-                self.told.push(FromRecorder::Erased { all: true });
-            }
-        }
-    }
-
-    /// The page crashes; the files are left.
-    fn crash(mut self) -> Disk {
-        self.pass(300);
-        self.disk
-    }
-
-    fn restore(&mut self, disk: &Disk) {
-        self.kept = disk.clone().into_iter().collect();
-        let sizes = self.kept.iter();
-        let files: Vec<_> = sizes.map(|(file, bytes)| (*file, bytes.len())).collect();
-        self.recorder.restore(&summary(disk), &files);
-        self.run();
-    }
-
-    fn export(&mut self, what: Export) -> String {
-        self.file = None;
-        self.handle(ToRecorder::Export(what));
-        self.file.take().unwrap_or_default()
-    }
-
-    fn recording(&mut self) -> RecordingStatus {
-        self.pass(300);
-        let mut told = self.told.iter().rev();
-        told.find_map(|message| match message {
-            FromRecorder::Recording(status) => Some(*status),
-            _ => None,
-        })
-        .unwrap_or_default()
-    }
-}
-
-fn summary(disk: &Disk) -> Summary {
-    let mut summary = Summary::default();
-    for (segment, bytes) in disk {
-        summary.add(segment.stream, bytes.clone());
-    }
-    summary
-}
-
-fn restored(disk: &Disk, epoch_ms: f64) -> Page {
-    let mut page = Page::opened(epoch_ms);
-    page.restore(disk);
-    page
-}
-
-/// Half an hour later.
-const LATER_MS: f64 = EPOCH_MS + 1_800_000.0;
+use fixture::{Disk, EPOCH_MS, LATER_MS, Page, restored, summary};
+use line::{at, reply};
 
 #[test]
 fn a_session_comes_back_as_it_was() {
@@ -580,84 +429,4 @@ fn what_comes_while_a_session_is_restored_is_in_it_and_in_the_file_that_waits() 
     let log = page.file.take().unwrap();
     // The export began when the logs were exchanged, and the page was told one entry later.
     assert_eq!(log.lines().count() as u64, 1 + 5_000 + n - 1);
-}
-
-/// A random step.
-#[derive(Clone, Debug)]
-enum Step {
-    Drive(u64),
-    Message,
-    Clear,
-    EndClear { undo: bool },
-    Record(bool),
-    Pass(u64),
-}
-
-fn steps() -> impl Strategy<Value = Vec<Step>> {
-    let step = prop_oneof![
-        6 => (1..400_u64).prop_map(Step::Drive),
-        2 => Just(Step::Message),
-        1 => Just(Step::Clear),
-        1 => any::<bool>().prop_map(|undo| Step::EndClear { undo }),
-        2 => any::<bool>().prop_map(Step::Record),
-        3 => (1..600_u64).prop_map(Step::Pass),
-    ];
-    proptest::collection::vec(step, 1..30)
-}
-
-fn play(page: &mut Page, steps: &[Step]) {
-    let mut n = 0;
-    for step in steps {
-        match step {
-            Step::Drive(count) => {
-                page.drive(n..n + count);
-                n += count;
-            }
-            Step::Message => page.add_message(n, "said"),
-            Step::Clear => page.handle(ToRecorder::Clear),
-            Step::EndClear { undo } => page.handle(ToRecorder::EndClear { undo: *undo }),
-            Step::Record(on) => page.handle(ToRecorder::Record(*on)),
-            Step::Pass(millis) => page.pass(*millis),
-        }
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
-
-    #[test]
-    fn whatever_happened_comes_back(first in steps(), second in steps()) {
-        let mut page = Page::opened(EPOCH_MS);
-        play(&mut page, &first);
-        let disk = page.crash();
-        let mut page = restored(&disk, LATER_MS);
-        play(&mut page, &second);
-        let log = page.export(Export::Log);
-        let recorded = page.recording().recorded;
-        let telemetry = page.export(Export::Telemetry);
-        let plot = page.export(Export::Plot);
-        let disk = page.crash();
-        let mut again = restored(&disk, LATER_MS + LATER_MS);
-        prop_assert_eq!(again.export(Export::Log), log);
-        prop_assert_eq!(again.recording().recorded, recorded);
-        prop_assert_eq!(again.export(Export::Telemetry), telemetry);
-        prop_assert_eq!(again.export(Export::Plot), plot);
-    }
-
-    #[test]
-    fn a_torn_tail_costs_the_end_and_nothing_else(
-        entries in 1_000..6_000_u64, cut in any::<prop::sample::Index>()
-    ) {
-        let mut page = Page::opened(EPOCH_MS);
-        for start in (0..entries).step_by(100) {
-            page.drive(start..start + 100);
-            page.pass(260);
-        }
-        let whole = page.export(Export::Log);
-        let mut disk = page.crash();
-        let last = disk.last_entry().unwrap().into_mut();
-        last.truncate(cut.index(last.len()));
-        let log = restored(&disk, LATER_MS).export(Export::Log);
-        prop_assert!(whole.starts_with(&log));
-    }
 }
