@@ -27,7 +27,7 @@ pub(crate) const LATE_CALL: Duration = FRESH_FOR;
 pub(crate) const SLEEP_MIN: Duration = Duration::from_secs(5);
 
 /// A call or a reply that comes later than this counts as late ([`crate::LineStatus::late_hz`]). Timers of a
-/// browser are 0.2 ms late at most where nothing holds it up.
+/// browser that nothing delays are 0.2 ms late at most.
 pub(crate) const LATE: Duration = Duration::from_millis(1);
 
 /// The page must answer its ping within this time (safety rule 3).
@@ -100,8 +100,8 @@ pub const POSITION_SWITCH_RPM: u16 = 10;
 /// far above the 50 Hz that the brake needs.
 pub(crate) const STOP_PERIOD: Duration = Duration::from_millis(5);
 
-/// Time between two stop frames to a silent motor while others are driven, to which each reply
-/// window is a delay. It gets the brake at the 50 Hz that it needs, in case it hears.
+/// Time between two stop frames to a silent motor while others are driven, because each reply window
+/// delays their frames. The motor gets the brake at the 50 Hz that it needs, in case it receives frames.
 pub(crate) const SILENT_STOP_PERIOD: Duration = Duration::from_millis(20);
 
 /// First stop frames to silent motors between two rounds of the answering ones: with windows of 6

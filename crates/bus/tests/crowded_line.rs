@@ -198,7 +198,7 @@ fn one_of_four_that_falls_silent_costs_the_others_no_frame() {
         assert!(frames.len() >= 1_485, "{} to {address}", frames.len());
         assert!(longest_gap(&frames) <= ms(30), "{:?}", longest_gap(&frames));
     }
-    // It is asked ever more rarely, and heard when it is back.
+    // The bus queries it more and more rarely, and notices when it is back.
     fixture.forget_the_past();
     fixture.run(ms(16_000));
     assert!((1..=3).contains(&queries(&fixture, id(4))));

@@ -105,7 +105,7 @@ fn with_losses_and_flipped_bits_nothing_false_is_read_and_driving_goes_on() {
         };
         let mut fixture = on_a_wire_with(faults, seed);
         if fixture.drive(rpm(100)).is_err() {
-            continue; // it was not heard lately, and says so
+            continue; // its telemetry is not fresh, so the command is refused
         }
         fixture.run(ms(3_000));
         let withdrawn = fixture.happened(|e| matches!(e, Event::Withdrawn { .. }));

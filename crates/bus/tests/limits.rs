@@ -1,4 +1,4 @@
-//! Limits that a person sets: crossing one stops the motor, and the reason is told.
+//! Limits that a person sets: crossing one stops the motor, and the bus reports the reason.
 #![cfg(test)]
 
 mod fixture;

@@ -1,4 +1,4 @@
-//! What the packet log is told is what passed on the wire.
+//! The events for the packet log are the frames on the wire.
 #![cfg(test)]
 
 mod fixture;

@@ -1,4 +1,4 @@
-//! Days of random commands on bad lines: whatever is pressed, stopped means stopped.
+//! Days of random commands on bad lines: after a stop, only Release allows motion again.
 #![cfg(test)]
 
 mod fixture;

@@ -68,8 +68,8 @@ fn a_frame_is_sent_as_it_is_and_its_reply_is_reported() {
 #[test]
 fn silence_is_reported_and_no_motor_is_queried_for_telemetry() {
     let mut fixture = Fixture::one_motor();
-    let nobody = Request::Query { id: id(9) }.frame();
-    fixture.command(raw_frame(nobody, Repeat::Once)).unwrap();
+    let no_motor = Request::Query { id: id(9) }.frame();
+    fixture.command(raw_frame(no_motor, Repeat::Once)).unwrap();
     fixture.run(ms(100));
     assert!(matches!(
         status(&fixture).last,

@@ -9,7 +9,7 @@ use fixture::{Fixture, ID, amps, degrees, every, ms, raw, rpm, scan_report, to};
 use motorlink_bus::{Activity, Command, Event, IdChangeOutcome, Refusal, SetIdFrames, StopReason};
 use motorlink_protocol::{Mode, Request, Setpoint};
 
-/// What the bus is told first after the gap.
+/// The first call of the bus after the gap.
 #[derive(Clone, Copy, Debug)]
 enum First {
     Poll,

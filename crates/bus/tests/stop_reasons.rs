@@ -90,7 +90,7 @@ fn a_stop_before_a_scan_takes_over_none_of_all_motors() {
     assert_eq!(report(&fixture).motors.len(), 2);
 }
 
-/// A motor whose replies report the position loop, whatever is sent.
+/// A motor whose replies report the position loop after every request.
 fn in_the_position_loop_for_good() -> Fixture {
     let motor = MotorConfig {
         // It is put there as its row of switches begins.

@@ -86,7 +86,7 @@ fn the_position_loop_is_refused_to_a_turning_wheel_and_to_an_unknown_speed() {
     assert!(!fixture.sent.iter().any(fixture::Sent::is_switch));
 }
 
-/// The motor silently refuses the position loop above 10 rpm; a switch that is not confirmed is said.
+/// The motor silently refuses the position loop above 10 rpm; the bus reports a switch that is not confirmed.
 #[test]
 fn a_switch_that_the_motor_refuses_is_reported() {
     let mut fixture = Fixture::one_motor();

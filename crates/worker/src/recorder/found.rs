@@ -72,7 +72,7 @@ pub(super) async fn newest(sessions: &Dir, own: &str, now_ms: f64) -> Result<Opt
             };
             let files = files_of(&dir).await?;
             bytes += files.iter().map(|(_, size)| size).sum::<usize>();
-            // The newest one is offered whatever its size.
+            // The newest one is offered at any size.
             let exceeds_limit = bytes > BYTES_MAX && newest.is_some();
             if exceeds_limit || place >= SESSIONS_MAX {
                 drop(alive);
