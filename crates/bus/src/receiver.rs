@@ -21,19 +21,25 @@ const RESERVED: u8 = 0b1110_0000;
 /// So many replies in a row without an echo, and a frame that is identical to its request is its reply.
 const ECHO_RULED_OUT: u8 = 3;
 
+/// So many bytes of the request directly before the reply are an echo. One byte may be noise: a request and its reply
+/// begin with the same byte.
+const ECHO_LEN_MIN: usize = 2;
+
 /// The received bytes of one exchange.
 ///
 /// Every offset is tried, because a truncated echo shifts the reply by an unknown length. CRC, ID
 /// and byte 1 tell whether a window is a reply. Of a DDSM115 byte 1 is the mode, and a whole echo of a request has
 /// 64, 74 or A0 there. A reply of a DDSM210 may be identical to its request: the first such frame is the echo,
-/// until several replies have come without one.
+/// unless several replies in a row have come without a byte of one. On a line that has echoed it always is.
+///
+/// An echo that begins only later, whole at once, cannot always be told from a reply: see `Motor::contradicts`.
 #[derive(Debug)]
 pub(crate) struct Receiver {
     buffer: Vec<u8>,
     /// Bytes dropped because the buffer was full.
     overflowed: usize,
     model: Model,
-    /// Replies in a row without an echo before them; `None` once there was one.
+    /// Replies in a row without an echo before them; `None` once there was one, whole or cut.
     without_echo: Option<u8>,
 }
 
@@ -164,9 +170,12 @@ impl Receiver {
         let received = reply_at(self.model, &self.buffer, offset)?;
         let other_bytes = self.sort(offset, sent);
         if received.frame != *sent {
-            let echoed = other_bytes.echoed == FRAME_LEN;
-            let counted = self.without_echo.filter(|_| !echoed);
-            self.without_echo = counted.map(|replies| replies.saturating_add(1));
+            self.without_echo = match (other_bytes.echoed, self.without_echo) {
+                (0, counted) => counted.map(|replies| replies.saturating_add(1)),
+                (FRAME_LEN, _) => None,
+                (echoed, _) if echoed >= ECHO_LEN_MIN && echoed == offset => None,
+                (_, counted) => counted.map(|_| 0),
+            };
         }
         self.buffer.drain(..offset + FRAME_LEN);
         Some((received, other_bytes))

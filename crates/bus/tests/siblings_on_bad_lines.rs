@@ -101,6 +101,42 @@ fn an_echo_that_begins_later_is_no_reply() {
     assert!(matches!(fixture.activity(), Activity::Driven { .. }));
 }
 
+/// The adapter cuts its echoes at first. Without power the motor answers nothing, so what comes back is an echo.
+#[test]
+fn a_whole_echo_behind_cut_ones_confirms_no_stop() {
+    for cut in [1, 4, 9] {
+        let mut fixture = on(Model::Ddsm210, &[ID]);
+        fixture.world.set_faults(WireFaults {
+            echo: Echo::Cut(cut),
+            ..WireFaults::default()
+        });
+        fixture.run(ms(1_000));
+        fixture.world.motor_mut(ID).unwrap().power(false);
+        fixture.run(ms(600));
+        fixture.world.set_faults(WireFaults {
+            echo: Echo::Whole,
+            // Later than the soonest reply.
+            hold: ms(3),
+            ..WireFaults::default()
+        });
+        fixture.forget_the_past();
+        fixture
+            .command(Command::StopAll(StopReason::Operator))
+            .unwrap();
+        fixture.run(ms(8_000));
+        let ended = fixture.events.iter().find_map(|(_, event)| match event {
+            Event::StopEnded(report) => Some(report.clone()),
+            _ => None,
+        });
+        let motors = ended.unwrap().motors;
+        assert!(
+            motors.iter().all(|motor| !motor.confirmed),
+            "{cut}: {motors:?}"
+        );
+        assert_eq!(motors.len(), 1, "{cut}");
+    }
+}
+
 /// Slow replies make the reply windows long.
 #[test]
 fn the_first_stop_frames_of_silent_motors_wait_for_no_reply() {
