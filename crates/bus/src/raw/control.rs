@@ -1,6 +1,8 @@
 //! Sends raw frames under the rules of drive commands.
 
-use motorlink_protocol::{CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Rpm, Setpoint};
+use motorlink_protocol::{
+    CurrentTarget, Faults, Frame, Instant, Mode, MotorId, Rpm, Setpoint, family::Model,
+};
 
 use crate::{
     bus::Bus,
@@ -69,6 +71,10 @@ impl Bus {
         let mut seen = None;
         for motor in self.concerned(raw) {
             let (known, speed) = (motor.known(now), motor.fresh_speed(now));
+            let told_loop = motor.separate.loop_known.fresh(now, self.model);
+            if speed.is_none() && told_loop.is_none() {
+                check_model_known(self.model, raw.effect, motor.id)?;
+            }
             check_raw(
                 raw.effect,
                 motor.id,
@@ -101,6 +107,7 @@ impl Bus {
             // An unknown motor may obey it.
             let [first, ..] = *raw.frame.bytes();
             let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
+            check_model_known(self.model, raw.effect, id)?;
             check_raw(
                 raw.effect,
                 id,
@@ -269,6 +276,19 @@ impl Bus {
     pub(crate) fn is_driven_raw(&self, id: MotorId) -> bool {
         self.raw
             .is_some_and(|raw| raw.is_hazard_running() && raw.may_move(id))
+    }
+}
+
+/// Whether a drive frame may go to a motor that may be of another model: it does not answer.
+///
+/// A DDSM115 reads the tenths of rpm of the models with separate frames as rpm, and the limits do not hold. Those read
+/// its rpm as tenths, so nothing is faster than it was checked for. A zero has no unit.
+fn check_model_known(model: Model, effect: RawEffect, id: MotorId) -> Result<(), Refusal> {
+    match effect {
+        RawEffect::Drive { value, .. } if value != 0 && model.has_separate_frames() => {
+            Err(Refusal::NotAnswering(id))
+        }
+        _ => Ok(()),
     }
 }
 
