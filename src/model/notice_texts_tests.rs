@@ -144,7 +144,7 @@ fn what_is_on_the_line_instead_of_the_motor_is_said_with_what_to_do() {
         (
             other,
             "A DDSM210 answers on this line, not a DDSM115.",
-            "remove it from the line",
+            "remove it and press Release",
         ),
         (
             Notice::AnswersInJson,

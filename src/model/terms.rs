@@ -158,8 +158,8 @@ pub(crate) fn refusal(refusal: Refusal) -> String {
 /// A motor of another model answers.
 pub(crate) fn other_model(expected: Model, found: Model) -> String {
     tr!(
-        "A {found} answers on this line, not a {expected}. Choose the {found} under Model, or \
-         remove it from the line.",
+        "A {found} answers on this line, not a {expected}. Choose {found} under Model, or \
+         remove it and press Release.",
         expected,
         found
     )

@@ -60,7 +60,7 @@ impl Bus {
             self.log_received(now, &frame, asked);
             // An unknown motor may have answered too. So a broadcast tells which motors exist, not
             // their state.
-            self.evidence.own = true;
+            self.evidence.own_reply(id);
             if let (Some(_), Reading::Combined(reply)) = (only, reading) {
                 // Not `now`: the computer may have slept before the window ended.
                 let at = exchange.last_byte.unwrap_or(exchange.sent);

@@ -327,7 +327,7 @@ impl fmt::Display for Refusal {
             ),
             Self::OtherModel { expected, found } => write!(
                 f,
-                "A {found} answers on this line, not a {expected}. Choose the {found} under Model, or remove it from the line."
+                "A {found} answers on this line, not a {expected}. Choose {found} under Model, or remove it and press Release."
             ),
             Self::NotAssignable(id) => write!(
                 f,

@@ -74,7 +74,7 @@ impl Bus {
                 self.begin_stop(now, StopReason::OneMotor, |motor| motor.id == id);
             }
             Command::StopAll(reason) => self.stop_all(now, reason),
-            Command::Release => self.halted = false,
+            Command::Release => self.release(now),
         }
         Ok(())
     }

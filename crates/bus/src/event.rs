@@ -58,7 +58,7 @@ pub enum Event {
     StopBegan(StopReason),
     /// Every motor of the stop stands, or its stop window has ended.
     StopEnded(StopReport),
-    /// Replies show motors of another model. Nothing drives on this line any more.
+    /// Replies show motors of another model. All motors are stopped, and nothing drives until `Release`.
     OtherModel {
         /// The model of the line.
         expected: Model,

@@ -63,8 +63,8 @@ pub(crate) struct OtherBytes {
     pub(crate) segments: Vec<Segment>,
     /// Bytes outside any frame and echo, including dropped ones.
     pub(crate) junk_bytes: usize,
-    /// The model of a good frame that is none of the model of the line.
-    pub(crate) other_model: Option<Model>,
+    /// The motor and the model of a good frame of another model than that of the line.
+    pub(crate) other_model: Option<(MotorId, Model)>,
     /// Whether the bytes are text in JSON.
     pub(crate) is_json: bool,
 }

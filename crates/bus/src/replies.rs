@@ -231,7 +231,7 @@ impl Bus {
         let ReceivedReply { frame, reading } = received;
         let model = self.model;
         let id = reading.id();
-        self.evidence.own = true;
+        self.evidence.own_reply(id);
         let took = now.since(exchange.sent);
         let layout = layout.combined();
         let (asked, outstanding) = match self.motor_mut(id) {

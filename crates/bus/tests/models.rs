@@ -245,36 +245,6 @@ fn a_short_power_cut_in_the_position_loop_turns_no_wheel_fast() {
 }
 
 #[test]
-fn a_motor_of_another_model_ends_all_driving() {
-    let pairs = [
-        (Model::Ddsm115, Model::Ddsm210),
-        (Model::Ddsm210, Model::Ddsm115),
-    ];
-    for (expected, found) in pairs {
-        let mut config = WorldConfig::of(expected, [ID]);
-        let mut other = WorldConfig::of(found, [id(2)]).motors;
-        // At angle 0 the odometry reply of a DDSM210 is like an echo.
-        for motor in &mut other {
-            motor.angle_deg = 30.0;
-        }
-        config.motors.extend(other);
-        let mut fixture = Fixture::watching(config, &[ID]);
-        fixture.run(ms(700));
-        fixture.drive(rpm(40)).unwrap();
-        fixture.run(ms(500));
-        fixture.command(Command::Watch(id(2))).unwrap();
-        fixture.run(ms(1_500));
-        let shown = Event::OtherModel { expected, found };
-        assert!(fixture.happened(|event| *event == shown), "{expected}");
-        fixture.run(ms(3_000));
-        assert!(fixture.true_rpm().abs() < 1.0, "{expected}");
-        fixture.command(Command::Release).unwrap();
-        let refused = fixture.drive(rpm(40));
-        assert_eq!(refused, Err(Refusal::OtherModel { expected, found }));
-    }
-}
-
-#[test]
 fn a_speed_means_the_same_on_each_model() {
     let target = SpeedTarget::new(-90).unwrap();
     for model in Model::ALL {

@@ -7,49 +7,88 @@ use motorlink_protocol::{
     family::{FrameSet, Model},
 };
 
-/// This many frames in a row, each within this time of the one before, show another model. Fewer may be noise: about one in 256
-/// garbled frames has a good CRC.
+/// This many frames in a row with the ID of one motor, and none of the model of the line with that ID between them, show
+/// another model. Fewer may be noise: about one in 256 garbled frames has a good CRC.
 const FRAMES: u8 = 3;
-const WITHIN: Duration = Duration::from_secs(1);
+
+/// Each of these frames comes within this time of the one before. A silent motor is asked every 8 s while others are
+/// driven, and a DDSM115 answers only every second query for a DDSM210.
+const WITHIN: Duration = Duration::from_secs(20);
+
+/// Two texts in JSON within this time are no noise.
+const JSON_WITHIN: Duration = Duration::from_secs(1);
 
 /// What replies have told about the model of the motors.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct ModelEvidence {
     /// Whether a motor has answered as the model of the line.
     pub(crate) own: bool,
-    /// The other model that the replies show.
+    /// The other model that the replies show, until the operator releases the motors.
     pub(crate) other: Option<Model>,
-    /// The last frame of another model.
-    last: Option<(Instant, Model)>,
-    in_a_row: u8,
+    /// The model of the last frame of another model.
+    last: Option<Model>,
+    /// At most one for each ID.
+    rows: Vec<Row>,
     /// When JSON text came last, and whether it was reported.
     json: Option<Instant>,
     json_reported: bool,
 }
 
+/// Frames in a row of one motor of another model.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    id: MotorId,
+    model: Model,
+    frames: u8,
+    last: Instant,
+}
+
 impl ModelEvidence {
+    /// Records a reply of the model of the line: earlier frames of another model with this ID were noise.
+    pub(crate) fn own_reply(&mut self, id: MotorId) {
+        self.own = true;
+        self.rows.retain(|row| row.id != id);
+    }
+
     /// Records a frame of another model. Returns whether the replies show that model from now on.
-    pub(crate) fn other_reply(&mut self, now: Instant, found: Model) -> bool {
-        let before = self.last.replace((now, found));
-        let again = before.is_some_and(|(at, model)| model == found && now.since(at) <= WITHIN);
-        self.in_a_row = if again {
-            self.in_a_row.saturating_add(1)
-        } else {
-            1
-        };
-        let is_new = self.in_a_row >= FRAMES && self.other.is_none();
+    pub(crate) fn other_reply(&mut self, now: Instant, id: MotorId, found: Model) -> bool {
+        self.last = Some(found);
+        let goes_on =
+            |row: &&Row| row.id == id && row.model == found && now.since(row.last) <= WITHIN;
+        let before = self.rows.iter().find(goes_on).map_or(0, |row| row.frames);
+        let frames = before.saturating_add(1);
+        self.rows.retain(|row| row.id != id);
+        self.rows.push(Row {
+            id,
+            model: found,
+            frames,
+            last: now,
+        });
+        let is_new = frames >= FRAMES && self.other.is_none();
         if is_new {
             self.other = Some(found);
         }
         is_new
     }
 
+    /// The operator releases the motors: the other model may be gone. One more frame of a motor that has just shown
+    /// it is enough to show it again.
+    pub(crate) fn release(&mut self, now: Instant) {
+        self.other = None;
+        self.rows.retain(|row| now.since(row.last) <= WITHIN);
+        for row in &mut self.rows {
+            row.frames = row.frames.min(FRAMES - 1);
+        }
+    }
+
+    /// Whether the last frames with this ID were of another model.
+    pub(crate) fn suspects(&self, id: MotorId) -> bool {
+        self.rows.iter().any(|row| row.id == id)
+    }
+
     /// The other model that the last foreign frame has shown.
     pub(crate) const fn likely(&self) -> Option<Model> {
-        match self.last {
-            Some((_, model)) => Some(model),
-            None => None,
-        }
+        self.last
     }
 
     /// Reports JSON text again.
@@ -60,19 +99,19 @@ impl ModelEvidence {
     /// Records JSON text. Returns whether to report it: once, at the second text within a second.
     pub(crate) fn json(&mut self, now: Instant) -> bool {
         let before = self.json.replace(now);
-        let again = before.is_some_and(|at| now.since(at) <= WITHIN);
+        let again = before.is_some_and(|at| now.since(at) <= JSON_WITHIN);
         let is_new = again && !self.json_reported;
         self.json_reported |= is_new;
         is_new
     }
 }
 
-/// The other model whose reply this is, on a line of `model`. A frame with a good CRC that could be a request is
-/// not one: it may come from another host.
-pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<Model> {
+/// The motor and the other model whose reply this is, on a line of `model`. A frame with a good CRC that could be a
+/// request is not one: it may come from another host.
+pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<(MotorId, Model)> {
     let &[id, command, b2, b3, b4, b5, b6, b7, b8, _] = frame.bytes();
-    let id_is_good = MotorId::new(id).is_ok() && id != 0xC8;
-    if !id_is_good || !frame.crc_holds() {
+    let motor = MotorId::new(id).ok().filter(|_| id != 0xC8)?;
+    if !frame.crc_holds() {
         return None;
     }
     // A host sends 00 or FF in place of the temperature, and only zeros behind an odometry query.
@@ -82,13 +121,14 @@ pub(crate) fn other_model(model: Model, frame: &Frame) -> Option<Model> {
         FrameSet::Combined => None,
         FrameSet::Separate { reply_offset } => Some(reply_offset),
     };
-    match command {
+    let found = match command {
         _ if offset.is_some() && Mode::from_byte(command).is_ok() => Some(Model::Ddsm115),
         0x64 if offset != Some(0) && has_temperature => Some(Model::Ddsm210),
         0x74 if offset != Some(0) && has_angle => Some(Model::Ddsm210),
         0x65 if offset != Some(1) && has_temperature => Some(Model::Ddsm400),
         _ => None,
-    }
+    };
+    found.map(|found| (motor, found))
 }
 
 /// Whether these bytes are a whole drive frame. If the bus has not sent it, another host has.
@@ -111,6 +151,12 @@ pub(crate) fn is_json(bytes: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ID: MotorId = MotorId::FIRST;
+
+    fn at(ms: u64) -> Instant {
+        Instant::ZERO + Duration::from_millis(ms)
+    }
 
     fn frame(text: &str) -> Frame {
         let [body @ .., _] = *text.parse::<Frame>().unwrap().bytes();
@@ -135,6 +181,7 @@ mod tests {
             (Model::Ddsm400, of_400, None),
             (Model::Ddsm400, of_210, Some(Model::Ddsm210)),
         ] {
+            let other = other.map(|other| (MotorId::FIRST, other));
             assert_eq!(other_model(line, &reply), other, "{line} {reply}");
         }
     }
@@ -156,14 +203,35 @@ mod tests {
 
     #[test]
     fn three_frames_in_a_row_show_another_model_once() {
-        let at = |ms| Instant::ZERO + Duration::from_millis(ms);
         let mut evidence = ModelEvidence::default();
-        assert!(!evidence.other_reply(at(0), Model::Ddsm210));
-        assert!(!evidence.other_reply(at(1_001), Model::Ddsm210));
-        assert!(!evidence.other_reply(at(1_100), Model::Ddsm210));
+        assert!(!evidence.other_reply(at(0), ID, Model::Ddsm210));
+        assert!(!evidence.other_reply(at(20_001), ID, Model::Ddsm210));
+        assert!(!evidence.other_reply(at(40_001), ID, Model::Ddsm210));
         assert_eq!(evidence.likely(), Some(Model::Ddsm210));
-        assert!(evidence.other_reply(at(1_200), Model::Ddsm210));
-        assert!(!evidence.other_reply(at(1_300), Model::Ddsm210));
+        assert!(evidence.other_reply(at(60_001), ID, Model::Ddsm210));
+        assert!(!evidence.other_reply(at(60_002), ID, Model::Ddsm210));
+        evidence.release(at(61_000));
+        assert!(evidence.other.is_none() && evidence.suspects(ID));
+        assert!(evidence.other_reply(at(62_000), ID, Model::Ddsm210));
+        evidence.release(at(90_000));
+        assert!(!evidence.suspects(ID));
+    }
+
+    #[test]
+    fn chance_frames_show_no_other_model() {
+        let mut evidence = ModelEvidence::default();
+        let second = MotorId::new(2).unwrap();
+        for round in 0..10 {
+            assert!(!evidence.other_reply(at(round), ID, Model::Ddsm115));
+            assert!(!evidence.other_reply(at(round), second, Model::Ddsm115));
+            // The one answers, the other has another model each time.
+            evidence.own_reply(ID);
+            assert!(!evidence.other_reply(at(round), second, Model::Ddsm400));
+        }
+        for address in 3..100 {
+            let id = MotorId::new(address).unwrap();
+            assert!(!evidence.other_reply(at(20), id, Model::Ddsm115));
+        }
     }
 
     #[test]

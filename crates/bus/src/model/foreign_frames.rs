@@ -7,7 +7,7 @@ use crate::{
     bus::Bus,
     event::{Event, StopReason},
     receiver::{OtherBytes, Segment},
-    timing::OTHER_HOST_QUIET,
+    timing::{OTHER_HOST_QUIET, QUERY_PERIOD},
 };
 
 impl Bus {
@@ -25,13 +25,33 @@ impl Bus {
         {
             *from = (*from).max(now + OTHER_HOST_QUIET);
         }
-        let expected = self.model;
-        if let Some(found) = rest.other_model
-            && self.evidence.other_reply(now, found)
-        {
+        let Some((id, found)) = rest.other_model else {
+            return;
+        };
+        if self.evidence.other_reply(now, id, found) {
+            let expected = self.model;
             self.events.push_back(Event::OtherModel { expected, found });
-            if self.is_active(now) {
-                self.stop_all(now, StopReason::OtherModel);
+            // Even if none is driven: the operator's release ends it.
+            self.stop_all(now, StopReason::OtherModel);
+        } else if self.evidence.other.is_none() {
+            self.ask_suspects(now + QUERY_PERIOD);
+        }
+    }
+
+    /// The operator releases the motors. If a motor of another model still answers, that shows at once.
+    pub(crate) fn release(&mut self, now: Instant) {
+        self.halted = false;
+        self.evidence.release(now);
+        self.ask_suspects(now);
+    }
+
+    /// Asks the motors that seem to be of another model soon. They are silent, so they are asked rarely.
+    fn ask_suspects(&mut self, at: Instant) {
+        for motor in &mut self.motors {
+            if self.evidence.suspects(motor.id) {
+                motor.next_query = motor.next_query.min(at);
+                // A DDSM115 answers no query of the loop.
+                motor.separate.asks_loop = false;
             }
         }
     }
