@@ -1,4 +1,4 @@
-//! A thousand worlds that fail, and rules that hold in each.
+//! A thousand worlds of DDSM115 that fail, a hundred of each other model, and rules that hold in each.
 #![cfg(test)]
 
 use std::fmt::Write;
@@ -6,9 +6,12 @@ use std::panic::resume_unwind;
 use std::thread;
 
 use motorlink_fault_simulation::{Coverage, Rule, Scenario, play, shrink};
+use motorlink_protocol::family::Model;
 
 /// `cargo xtask reliability seeds` plays a hundred times as many.
 const SEEDS: u64 = 1_000;
+/// For each of the other models.
+const SEEDS_OF_OTHERS: u64 = 100;
 /// So many kinds of fault there are.
 const KINDS: usize = 28;
 /// Each fault happens, and each rule has something to judge, at least so often.
@@ -19,16 +22,7 @@ const FIRST: [u64; 2] = [1, 2];
 
 #[test]
 fn the_rules_hold_in_every_world() {
-    let mut coverage = Coverage::default();
-    thread::scope(|scope| {
-        let start = |first| scope.spawn(move || play_every(FIRST.len(), first));
-        // All are started before the first is waited for.
-        let threads = FIRST.map(start);
-        for thread in threads {
-            coverage += thread.join().unwrap_or_else(|panic| resume_unwind(panic));
-        }
-    });
-    let Coverage { faults, judged, .. } = coverage;
+    let Coverage { faults, judged, .. } = play_all(Model::Ddsm115, SEEDS);
     assert_eq!(faults.len(), KINDS, "{faults:?}");
     for (fault, times) in &faults {
         println!("{fault:?}: {times}");
@@ -42,11 +36,37 @@ fn the_rules_hold_in_every_world() {
     }
 }
 
-/// Plays the first world, and every `step`th behind it.
-fn play_every(step: usize, first: u64) -> Coverage {
+#[test]
+fn the_rules_hold_for_each_other_model() {
+    let others = Model::ALL.into_iter();
+    for model in others.filter(|model| *model != Model::Ddsm115) {
+        let judged = play_all(model, SEEDS_OF_OTHERS).judged;
+        for rule in Rule::ALL {
+            let times = judged.get(&rule).copied().unwrap_or(0);
+            println!("{model}, {rule:?}: {times}");
+            assert!(times > 0, "{model}, {rule:?} judged nothing");
+        }
+    }
+}
+
+fn play_all(model: Model, seeds: u64) -> Coverage {
     let mut coverage = Coverage::default();
-    for seed in (first..=SEEDS).step_by(step) {
-        let scenario = Scenario::from_seed(seed);
+    thread::scope(|scope| {
+        let start = |first| scope.spawn(move || play_every(FIRST.len(), first, model, seeds));
+        // All are started before the first is waited for.
+        let threads = FIRST.map(start);
+        for thread in threads {
+            coverage += thread.join().unwrap_or_else(|panic| resume_unwind(panic));
+        }
+    });
+    coverage
+}
+
+/// Plays the first world, and every `step`th behind it.
+fn play_every(step: usize, first: u64, model: Model, seeds: u64) -> Coverage {
+    let mut coverage = Coverage::default();
+    for seed in (first..=seeds).step_by(step) {
+        let scenario = Scenario::of(model, seed);
         if let Err(failure) = play(&scenario, &mut coverage) {
             let (short, last) = shrink(&scenario, &failure);
             let mut actions = String::new();
@@ -54,7 +74,7 @@ fn play_every(step: usize, first: u64) -> Coverage {
                 let _ = writeln!(actions, "  {action:?}");
             }
             panic!(
-                "seed {seed}, step {}: {}\nshrunk, with {:?}: {}\n{actions}",
+                "{model}, seed {seed}, step {}: {}\nshrunk, with {:?}: {}\n{actions}",
                 failure.step, failure.violation, short.motors, last.violation
             );
         }
