@@ -85,7 +85,12 @@ fn either_published_set_id_frame_is_obeyed_after_five() {
     let crc = Request::SetId {
         id: AssignableId::new(to).unwrap(),
     };
-    for model in SEPARATE {
+    // Published: `new 64 00 ..`, and `new 65 00 ..` of a DDSM400.
+    for (model, answer) in [
+        (Model::Ddsm210, "07 64 00 00 00 00 00 00 00 A3"),
+        (Model::Ddsm400, "07 65 00 00 00 00 00 00 00 E0"),
+    ] {
+        let answer: Frame = answer.parse().unwrap();
         for frame in [
             crc.frame(model).unwrap(),
             crc.frame(Model::Ddsm115).unwrap(),
@@ -93,9 +98,12 @@ fn either_published_set_id_frame_is_obeyed_after_five() {
             let mut line = Line::of(model);
             for count in 1..=5 {
                 assert_eq!(line.motor().id(), ONE, "{count}");
-                assert_eq!(line.send(frame), []);
-                if count == 5 {
+                let answered = line.send(frame);
+                if count < 5 {
+                    assert_eq!(answered, []);
+                } else {
                     assert!(line.world.motor(to).is_some(), "{model}: {frame}");
+                    assert_eq!(answered, answer.bytes());
                     break;
                 }
             }

@@ -9,10 +9,12 @@
 //! - Enabling a motor that has a loop changes nothing.
 //! - Angle 0 of the position loop is where it was entered, of a DDSM400 too, and the angle grows at positive
 //!   speed.
+//! - A set-ID frame is answered `new 64 00 ..`, or `new 65 00 ..`, when it has taken effect: no source says after
+//!   which of the five frames.
 //! - Protections trip and clear as in a DDSM115; a fault without a known bit is not reported.
 
 use motorlink_protocol::{
-    Faults, Instant, Mode, MotorId,
+    Faults, Instant, Mode,
     family::{Fault, Layout, ModeReading, Model, Request, RequestError},
 };
 
@@ -38,6 +40,8 @@ pub(crate) struct Separate {
     zero_turns: f64,
     /// Where it counts turns from, in whole turns of the wheel.
     power_up_turns: f64,
+    /// Whether its next drive reply is the answer to the set-ID frames.
+    confirms_id: bool,
 }
 
 impl Separate {
@@ -54,6 +58,7 @@ impl Separate {
             stage,
             zero_turns: 0.0,
             power_up_turns: turns.floor(),
+            confirms_id: false,
         }
     }
 
@@ -88,6 +93,11 @@ impl Firmware {
         }
     }
 
+    /// Whether its next drive reply is the answer to the set-ID frames.
+    pub(crate) const fn confirms_id(&self) -> bool {
+        self.separate.confirms_id
+    }
+
     /// Ten bytes in separate frames passed on the wire. Gives the layout to answer in, where an answer is
     /// due.
     pub(crate) fn handle_separate(
@@ -99,10 +109,12 @@ impl Firmware {
         turns: f64,
     ) -> Option<Layout> {
         if let Ok(Request::SetId { id }) = received {
-            self.id = self.set_id.count(id).map_or(self.id, MotorId::from);
-            return None;
+            self.id = self.set_id.count(id)?.into();
+            self.separate.confirms_id = true;
+            return Some(Layout::Drive);
         }
         self.set_id.interrupt();
+        self.separate.confirms_id = false;
         let request = received.ok()?;
         let to_other = request.addressee().is_some_and(|id| id != self.id);
         if to_other || !self.frame_rate.admits(now) {

@@ -55,6 +55,10 @@ impl VirtualMotor {
     /// The reply in this layout.
     pub(super) fn report_separate(&mut self, model: Model, layout: Layout) -> Option<Frame> {
         let id = self.id();
+        if layout == Layout::Drive && self.firmware()?.confirms_id() {
+            let byte_1 = if model == Model::Ddsm400 { 0x65 } else { 0x64 };
+            return Some(Frame::with_crc([id.get(), byte_1, 0, 0, 0, 0, 0, 0, 0]));
+        }
         let faults = Faults::of(model, self.fault_byte());
         let reading = match layout {
             Layout::Drive => {
