@@ -290,6 +290,21 @@ fn lowest_raw_current_needs_consent() {
     assert_eq!(fixture.bus.raw(), None);
 }
 
+/// Full scale of a DDSM400 is 4 A, that of the bus 8 A.
+#[test]
+fn raw_current_of_a_ddsm400_is_asked_about_in_its_own_amps() {
+    let mut fixture = Fixture::watching(WorldConfig::of(Model::Ddsm400, [ID]), &[ID]);
+    fixture.run(ms(700));
+    fixture.switch(Mode::Current);
+    // 3.2 A, and 4 A is all there is.
+    for within in [26_000, -26_000, 32_767, -32_768] {
+        assert_eq!(fixture.command(value(1, within)), Ok(()), "{within}");
+        fixture.command(Command::Stop(ID)).unwrap();
+        fixture.run(ms(1_500));
+        fixture.switch(Mode::Current);
+    }
+}
+
 /// Byte 8 is reserved; a firmware may ignore it.
 #[test]
 fn malformed_drive_frame_with_a_high_current_needs_consent() {

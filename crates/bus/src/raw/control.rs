@@ -10,6 +10,7 @@ use crate::{
     event::{Event, IdQueryOutcome, StopReason},
     exchange::Expects,
     limits::Limits,
+    model::units,
     motor::{Control, Motor},
     raw::frame::{Raw, RawEffect},
     raw::hazard::unassignable_id,
@@ -76,6 +77,7 @@ impl Bus {
                 check_model_known(self.model, raw.effect, motor.id)?;
             }
             check_raw(
+                self.model,
                 raw.effect,
                 motor.id,
                 known,
@@ -109,6 +111,7 @@ impl Bus {
             let id = MotorId::new(first).unwrap_or(MotorId::FIRST);
             check_model_known(self.model, raw.effect, id)?;
             check_raw(
+                self.model,
                 raw.effect,
                 id,
                 Known::NOTHING,
@@ -294,6 +297,7 @@ fn check_model_known(model: Model, effect: RawEffect, id: MotorId) -> Result<(),
 
 /// Whether a raw frame with this effect may go to a motor now.
 fn check_raw(
+    model: Model,
     effect: RawEffect,
     id: MotorId,
     known: Known,
@@ -314,8 +318,9 @@ fn check_raw(
     check_raw_speed(effect, known, limits)?;
     if matches!(known.reported, None | Some(Mode::Current)) {
         // -32768 has no positive counterpart.
-        let value = i32::from(value).max(-i32::from(i16::MAX));
-        let current = CurrentTarget::new(value).unwrap_or_default();
+        let asked = model.current_of_raw(value.max(-i16::MAX));
+        let raw = units::current(asked).raw();
+        let current = CurrentTarget::new(raw.into()).unwrap_or_default();
         let asks = needs_consent(Setpoint::Current(current)) != Consent::None;
         if asks && consent == Consent::None {
             return Err(Refusal::NeedsConsent(current));
