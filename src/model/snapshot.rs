@@ -46,6 +46,8 @@ pub(crate) struct StopRecord {
     pub(crate) reason: StopReason,
     /// The last result of every motor that had to be stopped.
     pub(crate) outcomes: Vec<StopOutcome>,
+    /// Whether it has a report. A stop whose port is closed gets none.
+    pub(crate) ended: bool,
 }
 
 /// A value and its age.
@@ -118,10 +120,11 @@ impl Session {
         for notice in &update.notices {
             match notice {
                 Notice::StopBegan(reason) if concerns_all(*reason) => {
-                    self.record_stop(*reason, &[]);
+                    self.record_stop(*reason, None);
                 }
-                Notice::StopEnded(report) if concerns_all(report.reason) => {
-                    self.record_stop(report.reason, &report.motors);
+                // A disconnect gives its reason to the stop that it joins.
+                Notice::StopEnded(report) if concerns_all(report.reason) || self.stop.is_some() => {
+                    self.record_stop(report.reason, Some(&report.motors));
                 }
                 _ => {}
             }
@@ -133,12 +136,14 @@ impl Session {
 
     /// The first stop is the cause of the standstill. Stops that follow it until Release only repeat it: they have no
     /// outcome for a motor that stands by then, and its first one stays.
-    fn record_stop(&mut self, reason: StopReason, outcomes: &[StopOutcome]) {
+    fn record_stop(&mut self, reason: StopReason, outcomes: Option<&[StopOutcome]>) {
         let stop = self.stop.get_or_insert(StopRecord {
             reason,
             outcomes: Vec::new(),
+            ended: false,
         });
-        for outcome in outcomes {
+        stop.ended = outcomes.is_some();
+        for outcome in outcomes.into_iter().flatten() {
             stop.outcomes.retain(|earlier| earlier.id != outcome.id);
             stop.outcomes.push(*outcome);
         }

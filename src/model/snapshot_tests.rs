@@ -67,7 +67,8 @@ fn a_stop_is_remembered_until_it_is_released() {
     let mut session = Session::default();
     let reason = StopReason::PageSilent;
     session.apply(&update(true, vec![Notice::StopBegan(reason)]));
-    assert_eq!(session.stop.as_ref().unwrap().outcomes, []);
+    let begun = session.stop.as_ref().unwrap();
+    assert_eq!((begun.ended, &begun.outcomes), (false, &vec![]));
 
     let outcome = StopOutcome {
         id: ID,
@@ -86,6 +87,25 @@ fn a_stop_is_remembered_until_it_is_released() {
 
     session.apply(&update(false, vec![]));
     assert_eq!(session.stop, None);
+}
+
+/// Disconnect joins a stop of all motors, and then the report has its reason.
+#[test]
+fn the_outcomes_of_a_stop_that_a_disconnect_ended_are_kept() {
+    let mut session = Session::default();
+    let begun = Notice::StopBegan(StopReason::Operator);
+    session.apply(&update(true, vec![begun]));
+    let motors = vec![StopOutcome {
+        id: ID,
+        confirmed: false,
+        speed: None,
+    }];
+    let reason = StopReason::Disconnect;
+    let ended = Notice::StopEnded(StopReport { reason, motors });
+    session.apply(&update(true, vec![ended]));
+    let stop = session.stop.unwrap();
+    assert_eq!(stop.reason, StopReason::Operator);
+    assert_eq!((stop.outcomes.len(), stop.ended), (1, true));
 }
 
 #[test]

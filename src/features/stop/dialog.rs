@@ -3,7 +3,10 @@
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use motorlink_messages::bus::Command;
-use motorlink_messages::{bus::Activity, protocol::MotorId};
+use motorlink_messages::{
+    bus::{Activity, MotorStatus},
+    protocol::MotorId,
+};
 
 use crate::{
     model::{
@@ -32,7 +35,12 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
             reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
         })
     };
-    let rows = move || page.shown.with(|session| table_rows(&stop_lines(session)));
+    let rows = move || {
+        page.shown.with(|session| {
+            let has_ended = session.stop.as_ref().is_some_and(|stop| stop.ended);
+            table_rows(&stop_lines(session), has_ended)
+        })
+    };
     view! {
         <div
             class="stopped"
@@ -65,9 +73,14 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
 }
 
 /// The rows of the table as HTML.
-fn table_rows(lines: &[StopLine]) -> String {
+fn table_rows(lines: &[StopLine], has_ended: bool) -> String {
     if lines.is_empty() {
-        let none = tr!("No motor was running.");
+        // A port that is closed during a stop leaves no outcome.
+        let none = if has_ended {
+            tr!("No motor was running.").to_owned()
+        } else {
+            format::capitalized(tr!("stop not confirmed"))
+        };
         return format!("<tr><td class=\"quiet\">{none}</td></tr>");
     }
     lines.iter().copied().map(table_row).collect()
@@ -79,6 +92,7 @@ fn table_row(line: StopLine) -> String {
         Standstill::Braking => ("", tr!("braking")),
         Standstill::NotConfirmed => ("bad", tr!("not confirmed")),
         Standstill::NotDriven => ("good", tr!("not running")),
+        Standstill::Turning => ("", tr!("turning, not driven")),
     };
     let speed = line
         .speed_rpm
@@ -98,6 +112,8 @@ enum Standstill {
     Confirmed,
     NotConfirmed,
     NotDriven,
+    /// It stood, or did not have to be stopped, but its wheel turns now: pushed by hand, for example.
+    Turning,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,30 +124,37 @@ struct StopLine {
     state: Standstill,
 }
 
-/// Every motor that has answered or had to be stopped.
+/// Every motor that has answered or had to be stopped. The worker reports no motors while a port is on trial or
+/// closed; then the outcomes remain.
 fn stop_lines(session: &Session) -> Vec<StopLine> {
-    let outcome = |id| {
-        let outcomes = &session.stop.as_ref()?.outcomes;
-        outcomes.iter().find(|outcome| outcome.id == id)
-    };
-    let state = |id, activity| match (activity, outcome(id)) {
-        (Activity::Stopping { confirmed: false }, _) => Standstill::Braking,
-        (Activity::Stopping { confirmed: true }, _) => Standstill::Confirmed,
-        (_, Some(outcome)) if outcome.confirmed => Standstill::Confirmed,
-        (_, Some(_)) => Standstill::NotConfirmed,
-        (_, None) => Standstill::NotDriven,
-    };
-    let motors = session.motors.iter();
-    motors
-        .filter(|motor| motor.last.is_some() || outcome(motor.id).is_some())
-        .map(|motor| StopLine {
-            id: motor.id,
-            speed_rpm: session
-                .speed(motor.id)
-                .filter(Reading::is_fresh)
-                .map(|speed| speed.value.rpm()),
-            state: state(motor.id, motor.activity),
+    let stop = session.stop.as_ref();
+    let outcomes = stop.map_or(&[][..], |stop| &stop.outcomes);
+    let line = |id, motor: Option<&MotorStatus>| {
+        let confirmed = outcomes.iter().find(|outcome| outcome.id == id);
+        let confirmed = confirmed.map(|outcome| outcome.confirmed);
+        let speed = session.speed(id).filter(Reading::is_fresh);
+        let speed_rpm = speed.map(|speed| speed.value.rpm());
+        let state = match (motor.map(|motor| motor.activity), confirmed) {
+            (Some(Activity::Stopping { confirmed: false }), _) => Standstill::Braking,
+            (Some(Activity::Stopping { confirmed: true }), _) => Standstill::Confirmed,
+            (_, Some(false)) => Standstill::NotConfirmed,
+            _ if speed_rpm.is_some_and(|rpm| rpm != 0) => Standstill::Turning,
+            (_, Some(true)) => Standstill::Confirmed,
+            (_, None) => Standstill::NotDriven,
+        };
+        let is_shown = confirmed.is_some() || motor.is_some_and(|motor| motor.last.is_some());
+        is_shown.then_some(StopLine {
+            id,
+            speed_rpm,
+            state,
         })
+    };
+    let motors = session.motors.iter().map(|motor| (motor.id, Some(motor)));
+    let unlisted = outcomes.iter().map(|outcome| (outcome.id, None));
+    let unlisted = unlisted.filter(|(id, _)| session.motor(*id).is_none());
+    motors
+        .chain(unlisted)
+        .filter_map(|(id, motor)| line(id, motor))
         .collect()
 }
 
@@ -149,17 +172,26 @@ mod tests {
     };
 
     fn line(activity: Activity, confirmed: Option<bool>, now_ms: u64) -> StopLine {
-        let mut session = session(now_ms, status(1_000, Mode::Velocity, 40));
+        line_at(40, activity, confirmed, now_ms)
+    }
+
+    fn line_at(rpm: i16, activity: Activity, confirmed: Option<bool>, now_ms: u64) -> StopLine {
+        let mut session = session(now_ms, status(1_000, Mode::Velocity, rpm));
         session.motors[0].activity = activity;
         session.stop = Some(StopRecord {
             reason: StopReason::Operator,
-            outcomes: Vec::from_iter(confirmed.map(|confirmed| StopOutcome {
-                id: ID,
-                confirmed,
-                speed: None,
-            })),
+            outcomes: Vec::from_iter(confirmed.map(outcome)),
+            ended: true,
         });
         stop_lines(&session)[0]
+    }
+
+    fn outcome(confirmed: bool) -> StopOutcome {
+        StopOutcome {
+            id: ID,
+            confirmed,
+            speed: None,
+        }
     }
 
     #[test]
@@ -173,19 +205,60 @@ mod tests {
             (Activity::Idle, Some(false), Standstill::NotConfirmed),
             (Activity::Idle, None, Standstill::NotDriven),
         ] {
-            assert_eq!(line(activity, confirmed, 1_000).state, state);
+            assert_eq!(line_at(0, activity, confirmed, 1_000).state, state);
         }
+    }
+
+    /// A wheel that is pushed by hand turns, but no stop is needed and none failed.
+    #[test]
+    fn a_wheel_that_turns_after_its_stop_is_not_called_stopped() {
+        for confirmed in [Some(true), None] {
+            let row = table_rows(&[line(Activity::Idle, confirmed, 1_000)], true);
+            assert!(row.contains("turning, not driven"), "{row}");
+            // An old speed says nothing about now.
+            let row = table_rows(&[line(Activity::Idle, confirmed, 1_600)], true);
+            assert!(!row.contains("turning"), "{row}");
+        }
+        let failed = line(Activity::Idle, Some(false), 1_000);
+        assert_eq!(failed.state, Standstill::NotConfirmed);
+    }
+
+    /// The port is on trial or closed: the worker reports no motors.
+    #[test]
+    fn an_outcome_is_shown_without_its_motor() {
+        let mut session = Session {
+            stop: Some(StopRecord {
+                reason: StopReason::Operator,
+                outcomes: vec![outcome(false)],
+                ended: true,
+            }),
+            ..Session::default()
+        };
+        let unconfirmed = StopLine {
+            id: ID,
+            speed_rpm: None,
+            state: Standstill::NotConfirmed,
+        };
+        assert_eq!(stop_lines(&session), [unconfirmed]);
+        session.stop.as_mut().unwrap().outcomes = vec![outcome(true)];
+        assert_eq!(stop_lines(&session)[0].state, Standstill::Confirmed);
+    }
+
+    #[test]
+    fn a_stop_that_has_not_ended_does_not_say_that_nothing_was_running() {
+        assert!(table_rows(&[], true).contains("No motor was running."));
+        let unplugged = table_rows(&[], false);
+        assert!(unplugged.contains("Stop not confirmed"), "{unplugged}");
     }
 
     #[test]
     fn a_row_says_speed_and_state() {
         let line = line(Activity::Stopping { confirmed: false }, None, 1_000);
         assert_eq!(
-            table_rows(&[line]),
+            table_rows(&[line], true),
             "<tr><th scope=\"row\">Motor 0x01</th><td class=\"stop-speed\">+40 rpm</td>\
              <td class=\"stop-state \">braking</td></tr>"
         );
-        assert!(table_rows(&[]).contains("No motor was running."));
     }
 
     #[test]
