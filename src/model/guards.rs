@@ -68,7 +68,10 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
     if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
-    if let Some(reason) = blocked_by_activity(id, session.motor(id)?.activity) {
+    let activity = session.motor(id)?.activity;
+    // The bus sends the setpoint once the motor has switched.
+    let is_next = activity == Activity::Switching { to: mode };
+    if let Some(reason) = blocked_by_activity(id, activity).filter(|_| !is_next) {
         return Some(reason);
     }
     let faults = session.faults(id)?.value;
@@ -76,7 +79,7 @@ pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Op
         return Some(terms::refusal(Refusal::FaultActive { id, faults }));
     }
     let reported = session.mode(id)?.value;
-    if reported == mode {
+    if reported == mode || is_next {
         return None;
     }
     // A disabled button is no advice.
@@ -108,7 +111,10 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
         return Some(terms::not_together(GroupError::TooMany));
     }
     members.iter().find_map(|(id, _)| {
-        let reason = drive_blocked_by(session, *id, Mode::Velocity)?;
+        let activity = session.motor(*id).map(|motor| motor.activity);
+        // The bus starts no group with a motor that switches.
+        let reason = drive_blocked_by(session, *id, Mode::Velocity)
+            .or_else(|| blocked_by_activity(*id, activity?))?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason

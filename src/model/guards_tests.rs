@@ -81,6 +81,22 @@ fn nothing_drives_while_it_must_not() {
     }
 }
 
+/// The bus sends the setpoint as soon as the motor has switched. It starts no group before that.
+#[test]
+fn a_motor_that_switches_takes_a_setpoint_of_its_new_loop() {
+    let mut session = session(1_000, status(1_000, Mode::Current, 0));
+    let switching = |to| Activity::Switching { to };
+    session.motors[0].activity = switching(Mode::Velocity);
+    assert_eq!(drive_blocked_by(&session, ID, Mode::Velocity), None);
+    let other = drive_blocked_by(&session, ID, Mode::Current).unwrap();
+    assert!(other.contains("switching to the velocity loop"), "{other}");
+    let group = group_drive_blocked_by(&session, &vec![(ID, Side::Left)]).unwrap();
+    assert!(group.contains("switching to the velocity loop"), "{group}");
+    session.motors[0].last.as_mut().unwrap().reply.faults = Faults::from_byte(8);
+    let fault = drive_blocked_by(&session, ID, Mode::Velocity).unwrap();
+    assert!(fault.contains("stall"), "{fault}");
+}
+
 #[test]
 fn a_setup_is_taken_in_while_no_motor_is_in_use() {
     let mut session = session(1_000, status(1_000, Mode::Velocity, 0));
