@@ -51,6 +51,11 @@ impl Point {
         }
     }
 
+    /// `None` in odometry, which has no current. That of a driven motor repeats the one of its last drive reply.
+    pub(crate) fn current(&self) -> Option<Current> {
+        (!matches!(self.detail, Kept::Odometry(_))).then_some(self.current)
+    }
+
     pub(crate) fn temperature(&self) -> Option<Celsius> {
         match self.detail {
             Kept::Coarse(temperature, _) | Kept::Temperature(temperature) => Some(temperature),

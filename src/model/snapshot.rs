@@ -251,8 +251,16 @@ impl Session {
         Some(self.last_reply(id)?.map(|reply| reply.speed))
     }
 
+    /// `None` while only odometry is reported, which has no current. The odometry of a driven motor has that of its
+    /// last drive reply.
     pub(crate) fn current(&self, id: MotorId) -> Option<Reading<Current>> {
-        Some(self.last_reply(id)?.map(|reply| reply.current))
+        let reading = self.last_reply(id)?;
+        let is_driven = matches!(
+            self.motor(id)?.activity,
+            Activity::Driven { .. } | Activity::Stopping { .. }
+        );
+        let is_odometry = matches!(reading.value.detail, Detail::Odometry { .. });
+        (is_driven || !is_odometry).then(|| reading.map(|reply| reply.current))
     }
 
     /// Whether the unit of reported currents is certain. If not, the raw number is shown.

@@ -108,6 +108,25 @@ fn the_outcomes_of_a_stop_that_a_disconnect_ended_are_kept() {
     assert_eq!((stop.outcomes.len(), stop.ended), (1, true));
 }
 
+/// Odometry has no current, and a motor that is not driven gets no drive frames.
+#[test]
+fn a_motor_that_tells_odometry_only_has_no_known_current() {
+    let mut motor = status(1_000, Mode::Velocity, 0);
+    motor.last.as_mut().unwrap().reply.detail = Detail::Odometry {
+        turns: 0,
+        position: Position::from_raw(0),
+    };
+    let current = |activity| session(1_000, MotorStatus { activity, ..motor }).current(ID);
+    assert_eq!(current(Activity::Idle), None);
+    let to = Mode::Velocity;
+    assert_eq!(current(Activity::Switching { to }), None);
+    // Between two odometry replies, drive replies report it.
+    let setpoint = Setpoint::velocity(SpeedTarget::clamped(100));
+    assert!(current(Activity::Driven { setpoint }).is_some());
+    // The bus repeats no current for a raw frame.
+    assert_eq!(current(Activity::DrivenRaw), None);
+}
+
 #[test]
 fn the_first_cause_of_a_stop_and_the_last_outcome_of_each_motor_stay_until_release() {
     let mut session = Session::default();

@@ -116,10 +116,10 @@ enum Quantity {
 impl Quantity {
     const CURRENT: Self = Self::Current { is_certain: true };
 
-    fn of(self, report: &Report, mirror: Mirror) -> i32 {
+    fn of(self, report: &Report, mirror: Mirror) -> Option<i32> {
         match self {
-            Self::Speed => mirror.speed(report.speed).rpm().into(),
-            Self::Current { .. } => mirror.current(report.current).raw().into(),
+            Self::Speed => Some(mirror.speed(report.speed).rpm().into()),
+            Self::Current { .. } => Some(mirror.current(report.current?).raw().into()),
         }
     }
 
@@ -158,7 +158,7 @@ impl Spark {
     fn draw(&mut self, recent: &Recent, mirror: Mirror, now_ms: f64) {
         let reports = recent
             .iter()
-            .map(|report| (report.at_ms, self.quantity.of(report, mirror)));
+            .filter_map(|report| Some((report.at_ms, self.quantity.of(report, mirror)?)));
         let columns = sparkline::columns(reports, now_ms, COLUMNS);
         self.scale.fit(sparkline::peak(&columns));
         let limit = self.scale.limit();

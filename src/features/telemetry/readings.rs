@@ -55,7 +55,8 @@ impl Readings {
                 recent.push(Report {
                     at_ms: clock.page_ms(sample.at),
                     speed: sample.reply.speed,
-                    current: sample.reply.current,
+                    current: (!matches!(sample.reply.detail, Detail::Odometry { .. }))
+                        .then_some(sample.reply.current),
                 });
             }
         });

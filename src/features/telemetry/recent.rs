@@ -10,7 +10,8 @@ pub(crate) struct Report {
     /// When, in milliseconds of the page's `performance.now()`.
     pub(crate) at_ms: f64,
     pub(crate) speed: Rpm,
-    pub(crate) current: Current,
+    /// `None` in odometry, which has none.
+    pub(crate) current: Option<Current>,
 }
 
 /// The last reports, oldest first.
@@ -52,7 +53,7 @@ mod tests {
         Report {
             at_ms,
             speed: Rpm::new(0),
-            current: Current::from_raw(0),
+            current: Some(Current::from_raw(0)),
         }
     }
 

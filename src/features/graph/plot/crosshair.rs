@@ -37,7 +37,7 @@ pub(crate) fn values(track: &Track, mirror: Mirror, model: Model, at: Instant) -
     Values {
         model,
         speed: reported.map(|point| mirror.speed(point.speed)),
-        current: reported.map(|point| mirror.current(point.current)),
+        current: nearest(track, at, Point::current).map(|it| mirror.current(it)),
         goal: track.goal_at(at).map(|goal| mirror.setpoint(goal)),
         temperature: nearest(track, at, Point::temperature),
         angle: nearest(track, at, Point::degrees),

@@ -108,7 +108,7 @@ impl Trace {
     pub(crate) fn value(self, point: &Point, mirror: Mirror) -> Option<f32> {
         match self {
             Self::Speed => Some(f32::from(mirror.speed(point.speed).rpm())),
-            Self::Current => Some(mirror.current(point.current).amps()),
+            Self::Current => point.current().map(|it| mirror.current(it).amps()),
             Self::Goal => None,
             Self::Temperature => point.temperature().map(|it| f32::from(it.degrees())),
             Self::Position => point.degrees(),
@@ -189,8 +189,8 @@ impl Traces {
 #[cfg(test)]
 mod tests {
     use motorlink_messages::protocol::{
-        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Instant, PositionTarget, Rpm,
-        SpeedTarget,
+        Celsius, CoarsePosition, Current, CurrentTarget, Detail, Instant, Position, PositionTarget,
+        Rpm, SpeedTarget,
     };
 
     use super::*;
@@ -224,6 +224,15 @@ mod tests {
             None
         );
         assert_eq!(Trace::Position.value(&undetermined, Mirror::Straight), None);
+        let odometry = Detail::Odometry {
+            turns: 0,
+            position: Position::from_raw(0),
+        };
+        let odometry = Point {
+            detail: odometry.into(),
+            ..point
+        };
+        assert_eq!(Trace::Current.value(&odometry, Mirror::Straight), None);
     }
 
     #[test]
