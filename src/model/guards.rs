@@ -65,13 +65,23 @@ fn blocked_by_activity(id: MotorId, activity: Activity) -> Option<String> {
 
 /// Why this motor cannot be driven in this loop now.
 pub(crate) fn drive_blocked_by(session: &Session, id: MotorId, mode: Mode) -> Option<String> {
+    // The bus sends the setpoint once the motor has switched.
+    blocked_by_motor(session, id, mode, Some(mode))
+}
+
+/// The same, of a motor that may be switching to the loop `next`.
+fn blocked_by_motor(
+    session: &Session,
+    id: MotorId,
+    mode: Mode,
+    next: Option<Mode>,
+) -> Option<String> {
     if let Some(reason) = request_blocked_by(session, id) {
         return Some(reason);
     }
     let activity = session.motor(id)?.activity;
-    // The bus sends the setpoint once the motor has switched.
-    let is_next = activity == Activity::Switching { to: mode };
-    if let Some(reason) = blocked_by_activity(id, activity).filter(|_| !is_next) {
+    let is_next = matches!(activity, Activity::Switching { to } if next == Some(to));
+    if !is_next && let Some(reason) = blocked_by_activity(id, activity) {
         return Some(reason);
     }
     let faults = session.faults(id)?.value;
@@ -111,10 +121,8 @@ pub(crate) fn group_drive_blocked_by(session: &Session, members: &GroupMembers) 
         return Some(terms::not_together(GroupError::TooMany));
     }
     members.iter().find_map(|(id, _)| {
-        let activity = session.motor(*id).map(|motor| motor.activity);
         // The bus starts no group with a motor that switches.
-        let reason = drive_blocked_by(session, *id, Mode::Velocity)
-            .or_else(|| blocked_by_activity(*id, activity?))?;
+        let reason = blocked_by_motor(session, *id, Mode::Velocity, None)?;
         let named = reason.contains(&id.to_string());
         Some(if named {
             reason

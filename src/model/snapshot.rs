@@ -143,7 +143,7 @@ impl Session {
             ended: false,
         });
         stop.ended = outcomes.is_some();
-        for outcome in outcomes.into_iter().flatten() {
+        for outcome in outcomes.unwrap_or_default() {
             stop.outcomes.retain(|earlier| earlier.id != outcome.id);
             stop.outcomes.push(*outcome);
         }

@@ -3,10 +3,7 @@
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use motorlink_messages::bus::Command;
-use motorlink_messages::{
-    bus::{Activity, MotorStatus},
-    protocol::MotorId,
-};
+use motorlink_messages::{bus::Activity, protocol::MotorId};
 
 use crate::{
     model::{
@@ -35,12 +32,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
             reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
         })
     };
-    let rows = move || {
-        page.shown.with(|session| {
-            let has_ended = session.stop.as_ref().is_some_and(|stop| stop.ended);
-            table_rows(&stop_lines(session), has_ended)
-        })
-    };
+    let rows = move || page.shown.with(table_rows);
     view! {
         <div
             class="stopped"
@@ -73,17 +65,17 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
 }
 
 /// The rows of the table as HTML.
-fn table_rows(lines: &[StopLine], has_ended: bool) -> String {
-    if lines.is_empty() {
-        // A port that is closed during a stop leaves no outcome.
-        let none = if has_ended {
-            tr!("No motor was running.").to_owned()
-        } else {
-            format::capitalized(tr!("stop not confirmed"))
-        };
-        return format!("<tr><td class=\"quiet\">{none}</td></tr>");
+fn table_rows(session: &Session) -> String {
+    let rows: String = stop_lines(session).map(table_row).collect();
+    if !rows.is_empty() {
+        return rows;
     }
-    lines.iter().copied().map(table_row).collect()
+    // A port that is closed during a stop leaves no outcome.
+    let none = match &session.stop {
+        Some(stop) if stop.ended => tr!("No motor was running."),
+        _ => tr!("Stop not confirmed."),
+    };
+    format!("<tr><td class=\"quiet\">{none}</td></tr>")
 }
 
 fn table_row(line: StopLine) -> String {
@@ -126,36 +118,34 @@ struct StopLine {
 
 /// Every motor that has answered or had to be stopped. The worker reports no motors while a port is on trial or
 /// closed; then the outcomes remain.
-fn stop_lines(session: &Session) -> Vec<StopLine> {
+fn stop_lines(session: &Session) -> impl Iterator<Item = StopLine> {
     let stop = session.stop.as_ref();
     let outcomes = stop.map_or(&[][..], |stop| &stop.outcomes);
-    let line = |id, motor: Option<&MotorStatus>| {
-        let confirmed = outcomes.iter().find(|outcome| outcome.id == id);
-        let confirmed = confirmed.map(|outcome| outcome.confirmed);
+    let mut ids = session.found();
+    for outcome in outcomes {
+        if !ids.contains(&outcome.id) {
+            ids.push(outcome.id);
+        }
+    }
+    ids.into_iter().map(move |id| {
         let speed = session.speed(id).filter(Reading::is_fresh);
         let speed_rpm = speed.map(|speed| speed.value.rpm());
-        let state = match (motor.map(|motor| motor.activity), confirmed) {
+        let activity = session.motor(id).map(|motor| motor.activity);
+        let outcome = outcomes.iter().find(|outcome| outcome.id == id);
+        let state = match (activity, outcome) {
             (Some(Activity::Stopping { confirmed: false }), _) => Standstill::Braking,
             (Some(Activity::Stopping { confirmed: true }), _) => Standstill::Confirmed,
-            (_, Some(false)) => Standstill::NotConfirmed,
-            _ if speed_rpm.is_some_and(|rpm| rpm != 0) => Standstill::Turning,
-            (_, Some(true)) => Standstill::Confirmed,
+            (_, Some(outcome)) if !outcome.confirmed => Standstill::NotConfirmed,
+            _ if speed_rpm.unwrap_or(0) != 0 => Standstill::Turning,
+            (_, Some(_)) => Standstill::Confirmed,
             (_, None) => Standstill::NotDriven,
         };
-        let is_shown = confirmed.is_some() || motor.is_some_and(|motor| motor.last.is_some());
-        is_shown.then_some(StopLine {
+        StopLine {
             id,
             speed_rpm,
             state,
-        })
-    };
-    let motors = session.motors.iter().map(|motor| (motor.id, Some(motor)));
-    let unlisted = outcomes.iter().map(|outcome| (outcome.id, None));
-    let unlisted = unlisted.filter(|(id, _)| session.motor(*id).is_none());
-    motors
-        .chain(unlisted)
-        .filter_map(|(id, motor)| line(id, motor))
-        .collect()
+        }
+    })
 }
 
 #[cfg(test)]
@@ -183,7 +173,7 @@ mod tests {
             outcomes: Vec::from_iter(confirmed.map(outcome)),
             ended: true,
         });
-        stop_lines(&session)[0]
+        stop_lines(&session).next().unwrap()
     }
 
     fn outcome(confirmed: bool) -> StopOutcome {
@@ -213,10 +203,10 @@ mod tests {
     #[test]
     fn a_wheel_that_turns_after_its_stop_is_not_called_stopped() {
         for confirmed in [Some(true), None] {
-            let row = table_rows(&[line(Activity::Idle, confirmed, 1_000)], true);
+            let row = table_row(line(Activity::Idle, confirmed, 1_000));
             assert!(row.contains("turning, not driven"), "{row}");
             // An old speed says nothing about now.
-            let row = table_rows(&[line(Activity::Idle, confirmed, 1_600)], true);
+            let row = table_row(line(Activity::Idle, confirmed, 1_600));
             assert!(!row.contains("turning"), "{row}");
         }
         let failed = line(Activity::Idle, Some(false), 1_000);
@@ -239,23 +229,33 @@ mod tests {
             speed_rpm: None,
             state: Standstill::NotConfirmed,
         };
-        assert_eq!(stop_lines(&session), [unconfirmed]);
+        assert_eq!(stop_lines(&session).collect::<Vec<_>>(), [unconfirmed]);
         session.stop.as_mut().unwrap().outcomes = vec![outcome(true)];
-        assert_eq!(stop_lines(&session)[0].state, Standstill::Confirmed);
+        let line = stop_lines(&session).next().unwrap();
+        assert_eq!(line.state, Standstill::Confirmed);
     }
 
     #[test]
     fn a_stop_that_has_not_ended_does_not_say_that_nothing_was_running() {
-        assert!(table_rows(&[], true).contains("No motor was running."));
-        let unplugged = table_rows(&[], false);
-        assert!(unplugged.contains("Stop not confirmed"), "{unplugged}");
+        let mut session = Session::default();
+        let rows = |ended| {
+            session.stop = Some(StopRecord {
+                reason: StopReason::Operator,
+                outcomes: vec![],
+                ended,
+            });
+            table_rows(&session)
+        };
+        let [ended, unplugged] = [true, false].map(rows);
+        assert!(ended.contains("No motor was running."), "{ended}");
+        assert!(unplugged.contains("Stop not confirmed."), "{unplugged}");
     }
 
     #[test]
     fn a_row_says_speed_and_state() {
         let line = line(Activity::Stopping { confirmed: false }, None, 1_000);
         assert_eq!(
-            table_rows(&[line], true),
+            table_row(line),
             "<tr><th scope=\"row\">Motor 0x01</th><td class=\"stop-speed\">+40 rpm</td>\
              <td class=\"stop-state \">braking</td></tr>"
         );
