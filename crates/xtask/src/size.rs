@@ -62,7 +62,7 @@ const PARTS: [Part; 15] = [
     ),
     part("style", When::First, &["style-"], 9_600),
     // Its bus drives every model (4,300), and its virtual motors have the firmware of each (4,000).
-    part("worker", When::Driving, &["worker-"], 96_000),
+    part("worker", When::Driving, &["worker-"], 98_500),
     // With the notices and the tour, which were part of the first style, and the names of motors.
     part("later style", When::Behind, &["later-style-"], 11_000),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
@@ -112,13 +112,14 @@ const fn part(
 /// Bound of what is fetched before the page can be used.
 pub const FIRST_GZIP_BYTES_MAX: usize = 260_000;
 /// Bound of what is fetched before the virtual motor turns. The goal is 340,000. The frames of four models in the bus, and
-/// the firmware of each in the virtual motors, take 15,000.
-pub const DRIVING_GZIP_BYTES_MAX: usize = 355_500;
+/// the firmware of each in the virtual motors, take 15,000; what the bus does when a motor of separate frames restarts,
+/// or another model answers late, takes 2,500.
+pub const DRIVING_GZIP_BYTES_MAX: usize = 358_000;
 /// Bound of all parts together in one language. The goal is 560,000: three programs each bring the code that they
 /// share (60,000), and the parts of the page each their own seam. The rover from above takes 20,000, the four models
-/// 32,000, a log that can be undone, opened and translated 10,000, names and sides in every list 3,000, the setup of the wheels
-/// 33,000.
-pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 713_000;
+/// 32,000, what the bus does when a motor restarts 2,500, a log that can be undone, opened and translated 10,000, names
+/// and sides in every list 3,000, the setup of the wheels 33,000.
+pub const ONE_LANGUAGE_GZIP_BYTES_MAX: usize = 715_500;
 
 /// The parts of a site with their sizes.
 #[derive(Debug)]
