@@ -85,8 +85,8 @@ fn nothing_drives_while_it_must_not() {
 #[test]
 fn a_motor_that_switches_takes_a_setpoint_of_its_new_loop() {
     let mut session = session(1_000, status(1_000, Mode::Current, 0));
-    let switching = |to| Activity::Switching { to };
-    session.motors[0].activity = switching(Mode::Velocity);
+    let to = Mode::Velocity;
+    session.motors[0].activity = Activity::Switching { to };
     assert_eq!(drive_blocked_by(&session, ID, Mode::Velocity), None);
     let other = drive_blocked_by(&session, ID, Mode::Current).unwrap();
     assert!(other.contains("switching to the velocity loop"), "{other}");
