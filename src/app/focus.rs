@@ -161,11 +161,13 @@ fn is_focus_dropped() -> bool {
     })
 }
 
-/// Gives the focus to a panel that does not have it. Where the pad is pressed at once, it has the focus, and losing it
+/// Gives the focus to a panel, unless it or a dialog has it already. Where the pad is pressed at once, losing the focus
 /// would end the hold.
 fn enter(panel: &Element) {
-    let focused = document().active_element();
-    if !panel.contains(focused.as_deref()) {
+    let opened = document()
+        .active_element()
+        .map(|focused| focused.closest(OPENED));
+    if !matches!(opened, Some(Ok(Some(_)))) {
         focus_on(panel);
     }
 }
