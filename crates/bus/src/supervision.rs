@@ -38,6 +38,10 @@ impl Bus {
             if let Control::Switching(switch) = motor.control {
                 match switch.progress(now) {
                     Progress::Underway => {}
+                    // A reply before the last frame has reported the loop: until the reply to the query behind it, no
+                    // command of this loop would be accepted.
+                    Progress::Confirmed
+                        if motor.loop_is_unconfirmed() && now < switch.fails_at() => {}
                     Progress::Confirmed => {
                         let reported = motor.fresh_faults(now);
                         let faulty = reported.is_some_and(Faults::any_named);

@@ -130,8 +130,8 @@ fn a_stop_asked_for_again_has_its_whole_window_again() {
 
 /// The page's Stop in the current loop is 0 A, and it counts on a line that loses replies too.
 #[test]
-fn rest_is_never_refused_to_a_driven_motor_whose_loop_is_not_certain() {
-    let mut uncertain = 0;
+fn rest_is_never_refused_to_a_motor_that_is_driven_behind_a_switch() {
+    let mut driven_behind_a_switch = 0;
     for seed in 0..200 {
         let mut fixture = Fixture::watching(
             WorldConfig {
@@ -157,11 +157,11 @@ fn rest_is_never_refused_to_a_driven_motor_whose_loop_is_not_certain() {
         for _ in 0..400 {
             fixture.run(ms(1));
             if matches!(fixture.activity(), Activity::Driven { .. }) {
-                uncertain += u32::from(fixture.drive(amps(0.2)).is_err());
+                driven_behind_a_switch += 1;
                 assert_eq!(fixture.drive(amps(0.0)), Ok(()), "seed {seed}");
                 break;
             }
         }
     }
-    assert!(uncertain > 0, "the loop was certain each time");
+    assert!(driven_behind_a_switch > 50, "{driven_behind_a_switch}");
 }

@@ -134,3 +134,18 @@ fn a_ddsm400_is_enabled_again_after_a_power_cut_and_driven_only_when_asked() {
     fixture.run(ms(1_500));
     assert!((fixture.true_rpm().abs() - 60.0).abs() < 3.0);
 }
+
+/// The bus enables and switches it just when a person may press Start.
+#[test]
+fn start_at_any_time_around_the_enabling_of_a_ddsm400_drives_it() {
+    for delay in 0..300 {
+        let mut fixture = with(Bus::on_trial);
+        fixture.run(ms(300));
+        let now = fixture.now;
+        fixture.bus.end_trial(now);
+        fixture.run(ms(delay));
+        assert_eq!(fixture.drive(rpm(60)), Ok(()), "{delay} ms");
+        fixture.run(ms(1_500));
+        assert!((fixture.true_rpm() - 60.0).abs() < 3.0, "{delay} ms");
+    }
+}
