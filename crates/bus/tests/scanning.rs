@@ -3,11 +3,13 @@
 
 mod fixture;
 
+use std::time::Duration;
+
 use fixture::{Fixture, ID, id, ms, rpm, to};
 use motorlink_bus::{
     Activity, Command, Event, JobStatus, Refusal, ScanReport, SetIdFrames, StopReason,
 };
-use motorlink_protocol::{MotorId, Request};
+use motorlink_protocol::{MotorId, Request, family::Model};
 use motorlink_simulator::{Echo, MotorConfig, WireFaults, WorldConfig};
 
 /// A bus without any exchange yet.
@@ -338,4 +340,30 @@ fn scan_in_steady_noise_ends_and_finds_no_false_motor() {
     assert!(report.complete, "{report:?}");
     assert!(report.found.iter().all(|found| *found == ID), "{report:?}");
     assert!(report.noisy.len() > 200, "{report:?}");
+}
+
+/// The rest of a late reply comes right behind the ID query.
+#[test]
+fn late_bytes_behind_the_id_query_shorten_no_reply_window() {
+    let mut fixture = Fixture::watching(WorldConfig::of(Model::Ddsm400, [ID, id(2)]), &[ID]);
+    fixture.run(ms(1_000));
+    fixture.forget_the_past();
+    fixture.command(Command::FullScan).unwrap();
+    let is_id_query = |fixture: &Fixture| {
+        let last = fixture.sent.last();
+        last.is_some_and(|sent| sent.frame.bytes()[..2] == [0xC8, 0x64])
+    };
+    fixture.run_until(ms(1_000), is_id_query);
+    // All other bytes of the ID query are lost.
+    fixture.world.motor_mut(ID).unwrap().mute(true);
+    fixture.world.motor_mut(id(2)).unwrap().mute(true);
+    let now = fixture.now + Duration::from_micros(240);
+    fixture.now = now;
+    fixture.bus.receive(now, &[0x1C, 0x00, 0x02]);
+    fixture.run(ms(5));
+    fixture.world.motor_mut(ID).unwrap().mute(false);
+    fixture.world.motor_mut(id(2)).unwrap().mute(false);
+    let ended = |fixture: &Fixture| scan_ended(fixture).is_some();
+    fixture.run_until(ms(60_000), ended);
+    assert_eq!(scan_ended(&fixture).unwrap().found, [ID, id(2)]);
 }

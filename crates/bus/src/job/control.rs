@@ -16,6 +16,7 @@ use crate::{
     motor::{Control, Motor},
     probe::ProbeResult,
     schedule::{DueFrame, Turn},
+    timing::{SCAN_MARGIN, earliest_reply},
 };
 
 impl Bus {
@@ -119,7 +120,11 @@ impl Bus {
     /// Reply window of the job.
     pub(crate) fn job_window(&self) -> Option<Duration> {
         match self.job.as_ref()? {
-            Job::Scan(scan) => Some(scan.window()),
+            // Late bytes behind the ID query look like a reply that no motor can give so soon.
+            Job::Scan(scan) => {
+                let least = earliest_reply(self.model) + SCAN_MARGIN;
+                Some(scan.window().max(least))
+            }
             Job::IdChange(_) => None,
         }
     }
