@@ -14,6 +14,10 @@ use crate::workspace::Workspace;
 /// Number of browsers among which the tests of the page are divided.
 const SHARES: usize = 2;
 
+/// These tests follow the focus, to which the pages of earlier tests in the same document react too. So they have a
+/// browser to themselves.
+const ALONE: &str = "names";
+
 /// Runs all of them, in several browsers at the same time.
 pub fn run(workspace: &Workspace) -> Result<()> {
     let runner = tools::ensure_wasm_bindgen(workspace)?.test_runner;
@@ -33,15 +37,24 @@ pub fn run(workspace: &Workspace) -> Result<()> {
         Ok(command)
     };
     let mut commands = vec![test(&["--lib", "--bins"])?];
-    let modules = modules(workspace)?;
-    for share in 0..SHARES {
+    let without = |skipped: &[String]| -> Result<Command> {
         let mut command = test(&["--test", "page", "--"])?;
-        for other in left_out(&modules, share) {
-            command.args(["--skip", &format!("{other}::")]);
+        for module in skipped {
+            command.args(["--skip", &format!("{module}::")]);
         }
-        commands.push(command);
+        Ok(command)
+    };
+    let (alone, shared): (Modules, Modules) = modules(workspace)?
+        .into_iter()
+        .partition(|(name, _)| name == ALONE);
+    for share in 0..SHARES {
+        let mut skipped = left_out(&shared, share);
+        skipped.extend(alone.iter().map(|(name, _)| name.clone()));
+        commands.push(without(&skipped)?);
     }
-    process::run_all(&mut commands)
+    process::run_all(&mut commands)?;
+    let others: Vec<String> = shared.into_iter().map(|(name, _)| name).collect();
+    process::run(&mut without(&others)?)
 }
 
 /// Modules of the page's tests, with how many tests are in each.
