@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
 use motorlink_protocol::{Faults, Instant, MotorId, Reply};
 
 use crate::{
@@ -88,6 +88,11 @@ impl Writer {
 
     /// Adds an event of the bus.
     pub fn line(&mut self, event: &LineEvent) {
+        if let LineEventKind::ModelSelected(model) = event.kind {
+            self.flush();
+            self.batch.set_model(model);
+            return;
+        }
         if let Some(second) = self.meter.add_event(event) {
             self.flush();
             self.second(&second);

@@ -6,7 +6,7 @@
 use std::time::Duration;
 
 use motorlink_bus::{JunkBytes, LineEvent, LineEventKind};
-use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId};
+use motorlink_protocol::{Frame, Instant, Layout, Mode, MotorId, family::Model};
 use motorlink_recorder::digits::{push_decimal, push_hex_digits};
 use nojson::{RawJson, RawJsonValue};
 
@@ -24,9 +24,15 @@ pub(crate) struct Batch {
     events: usize,
     first: Instant,
     last: Instant,
+    model: Model,
 }
 
 impl Batch {
+    /// Sets the model of the motors for the following messages. The present message has to be ended before.
+    pub(crate) const fn set_model(&mut self, model: Model) {
+        self.model = model;
+    }
+
     /// Whether an event at this time has to go into the next message.
     pub(crate) fn is_full_for(&self, at: Instant) -> bool {
         let fits = self.events < EVENTS_MAX && at >= self.last && at.since(self.first) < SPAN;
@@ -34,7 +40,7 @@ impl Batch {
     }
 
     pub(crate) fn push(&mut self, event: &LineEvent) {
-        if !event.kind.is_on_the_wire() {
+        if let LineEventKind::ModelSelected(_) = event.kind {
             return;
         }
         let out = &mut self.json;
@@ -43,6 +49,11 @@ impl Batch {
             out.clear();
             out.push_str("{\"mono_us\":");
             push_decimal(out, event.at.as_micros());
+            if self.model != Model::default() {
+                out.push_str(",\"model\":\"");
+                out.push_str(self.model.spec().key);
+                out.push('"');
+            }
             out.push_str(",\"frames\":[");
         } else {
             out.push(',');
@@ -74,17 +85,23 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
         | LineEventKind::RepeatedByHand { frame, mode } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":true");
             push_id(out, frame);
-            if let Some(mode) = mode {
-                out.push_str(",\"mode\":\"");
-                out.push_str(mode_name(*mode));
-                out.push('"');
-            }
+            push_mode(out, *mode);
             hex = frame.bytes();
         }
-        // Not on the wire.
-        LineEventKind::Commanded { .. }
-        | LineEventKind::Reading { .. }
-        | LineEventKind::ModelSelected(_) => {}
+        LineEventKind::Commanded { frame, mode } => {
+            out.push_str(",\"direction\":\"tx\",\"derived\":true");
+            push_id(out, frame);
+            push_mode(out, *mode);
+            hex = frame.bytes();
+        }
+        LineEventKind::Reading { frame, asked } => {
+            out.push_str(",\"direction\":\"rx\",\"derived\":true");
+            push_id(out, frame);
+            push_layout(out, *asked);
+            hex = frame.bytes();
+        }
+        // It is a member of the message.
+        LineEventKind::ModelSelected(_) => {}
         LineEventKind::NotSent { frame } => {
             out.push_str(",\"direction\":\"tx\",\"sent\":false");
             push_id(out, frame);
@@ -93,11 +110,7 @@ fn push_kind(out: &mut String, kind: &LineEventKind) {
         LineEventKind::Received { frame, asked } => {
             out.push_str(",\"direction\":\"rx\"");
             push_id(out, frame);
-            out.push_str(match asked {
-                Some(Layout::Drive) => ",\"layout\":\"drive\"",
-                Some(Layout::Query) => ",\"layout\":\"query\"",
-                None => "",
-            });
+            push_layout(out, *asked);
             hex = frame.bytes();
         }
         LineEventKind::Junk(junk) => {
@@ -126,6 +139,22 @@ fn push_id(out: &mut String, frame: &Frame) {
     push_decimal(out, first.into());
 }
 
+fn push_mode(out: &mut String, mode: Option<Mode>) {
+    if let Some(mode) = mode {
+        out.push_str(",\"mode\":\"");
+        out.push_str(mode_name(mode));
+        out.push('"');
+    }
+}
+
+fn push_layout(out: &mut String, asked: Option<Layout>) {
+    out.push_str(match asked {
+        Some(Layout::Drive) => ",\"layout\":\"drive\"",
+        Some(Layout::Query) => ",\"layout\":\"query\"",
+        None => "",
+    });
+}
+
 pub(crate) const fn mode_name(mode: Mode) -> &'static str {
     match mode {
         Mode::OpenLoop => "open loop",
@@ -145,24 +174,40 @@ fn mode_of(name: &str) -> Option<Mode> {
     modes.into_iter().find(|mode| mode_name(*mode) == name)
 }
 
-/// Parses the events of a message, and returns whether all of its frames could be parsed.
-pub(crate) fn read(data: &[u8]) -> Option<(Vec<LineEvent>, bool)> {
+/// The content of a message.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Content {
+    /// The model of the motors.
+    pub(crate) model: Model,
+    pub(crate) events: Vec<LineEvent>,
+    /// Whether all frames could be parsed.
+    pub(crate) is_complete: bool,
+}
+
+/// Parses a message.
+pub(crate) fn read(data: &[u8]) -> Option<Content> {
     let json = RawJson::parse(std::str::from_utf8(data).ok()?).ok()?;
     let message = json.value();
     let mut at = Instant::from_micros(integer(message, "mono_us")?);
+    let model = message.to_member("model").ok()?.optional();
+    let model = model.and_then(|model| model.as_raw_str().trim_matches('"').parse().ok());
     let frames = message.to_member("frames").ok()?.optional()?;
-    let mut events = Vec::new();
-    let mut complete = true;
+    let mut content = Content {
+        // Files from before there were several models have none.
+        model: model.unwrap_or_default(),
+        events: Vec::new(),
+        is_complete: true,
+    };
     for frame in frames.to_array().ok()? {
         match read_event(frame) {
             Some((after, kind)) => {
                 at = at + after;
-                events.push(LineEvent { at, kind });
+                content.events.push(LineEvent { at, kind });
             }
-            None => complete = false,
+            None => content.is_complete = false,
         }
     }
-    Some((events, complete))
+    Some(content)
 }
 
 /// The members of one frame, collected in a single pass: an hour has millions of them.
@@ -171,6 +216,7 @@ struct Members<'a> {
     after_us: u64,
     tx: Option<bool>,
     not_sent: bool,
+    derived: bool,
     junk: bool,
     id: Option<u8>,
     silent_us: Option<u32>,
@@ -194,6 +240,7 @@ fn read_event(frame: RawJsonValue<'_, '_>) -> Option<(Duration, LineEventKind)> 
                 }
             }
             "\"sent\"" => members.not_sent = raw == "false",
+            "\"derived\"" => members.derived = raw == "true",
             "\"junk\"" => members.junk = raw == "true",
             "\"id\"" => members.id = raw.parse().ok(),
             "\"silent_us\"" => members.silent_us = raw.parse().ok(),
@@ -224,16 +271,13 @@ impl Members<'_> {
             return Some(LineEventKind::Junk(JunkBytes::new(bytes.get(..length)?)));
         }
         let frame = Frame::new((length == bytes.len()).then_some(bytes)?);
-        Some(match (self.tx?, self.not_sent) {
-            (true, true) => LineEventKind::NotSent { frame },
-            (true, false) => LineEventKind::Sent {
-                frame,
-                mode: self.mode,
-            },
-            (false, _) => LineEventKind::Received {
-                frame,
-                asked: self.layout,
-            },
+        let (mode, asked) = (self.mode, self.layout);
+        Some(match (self.tx?, self.derived) {
+            (true, true) => LineEventKind::Commanded { frame, mode },
+            (true, false) if self.not_sent => LineEventKind::NotSent { frame },
+            (true, false) => LineEventKind::Sent { frame, mode },
+            (false, true) => LineEventKind::Reading { frame, asked },
+            (false, false) => LineEventKind::Received { frame, asked },
         })
     }
 }

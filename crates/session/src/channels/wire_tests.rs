@@ -54,6 +54,30 @@ fn a_message_is_json_that_says_everything() {
 }
 
 #[test]
+fn another_model_is_named_and_what_is_derived_is_marked() {
+    let mut batch = Batch::default();
+    batch.set_model(Model::Ddsm210);
+    let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+    let asked = Some(Layout::Drive);
+    let reading = LineEvent {
+        at: Instant::from_micros(7),
+        kind: LineEventKind::Reading { frame, asked },
+    };
+    batch.push(&reading);
+    let (_, json) = batch.end().unwrap();
+    let expected = concat!(
+        r#"{"mono_us":7,"model":"ddsm210","frames":["#,
+        r#"{"after_us":0,"direction":"rx","derived":true,"id":1,"layout":"drive","hex":"010202CD006417CF008F"}]}"#,
+    );
+    assert_eq!(json, expected);
+    let content = read(json.as_bytes()).unwrap();
+    assert_eq!(
+        (content.model, content.events),
+        (Model::Ddsm210, vec![reading])
+    );
+}
+
+#[test]
 fn a_message_spans_a_tenth_of_a_second_at_most() {
     let of = |at| LineEvent {
         at: Instant::from_micros(at),
@@ -78,7 +102,8 @@ fn what_cannot_be_read_is_said() {
         r#"{"after_us":-1,"direction":"rx","hex":"0164006400000000004F"}"#,
     ] {
         let message = format!(r#"{{"mono_us":1,"frames":[{frame}]}}"#);
-        assert_eq!(read(message.as_bytes()), Some((vec![], false)), "{frame}");
+        let content = read(message.as_bytes()).unwrap();
+        assert!(content.events.is_empty() && !content.is_complete, "{frame}");
     }
     for message in ["", "{}", "[]", r#"{"mono_us":1}"#, r#"{"frames":[]}"#] {
         assert_eq!(read(message.as_bytes()), None, "{message}");
@@ -98,8 +123,11 @@ fn kind() -> impl Strategy<Value = LineEventKind> {
         Just(Some(Layout::Query))
     ];
     prop_oneof![
-        (frame.clone(), mode).prop_map(|(frame, mode)| LineEventKind::Sent { frame, mode }),
-        (frame.clone(), layout).prop_map(|(frame, asked)| LineEventKind::Received { frame, asked }),
+        (frame.clone(), mode.clone()).prop_map(|(frame, mode)| LineEventKind::Sent { frame, mode }),
+        (frame.clone(), mode).prop_map(|(frame, mode)| LineEventKind::Commanded { frame, mode }),
+        (frame.clone(), layout.clone())
+            .prop_map(|(frame, asked)| LineEventKind::Received { frame, asked }),
+        (frame.clone(), layout).prop_map(|(frame, asked)| LineEventKind::Reading { frame, asked }),
         frame.prop_map(|frame| LineEventKind::NotSent { frame }),
         prop::collection::vec(any::<u8>(), 0..10)
             .prop_map(|junk| LineEventKind::Junk(JunkBytes::new(&junk))),
@@ -121,9 +149,9 @@ proptest! {
             .collect();
         let mut again = Vec::new();
         for message in written(&events) {
-            let (read, complete) = read(message.as_bytes()).unwrap();
-            prop_assert!(complete);
-            again.extend(read);
+            let content = read(message.as_bytes()).unwrap();
+            prop_assert!(content.is_complete);
+            again.extend(content.events);
         }
         prop_assert_eq!(again, events);
     }

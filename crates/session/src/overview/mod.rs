@@ -103,7 +103,7 @@ impl Overview {
     }
 
     fn line(&mut self, after: Duration, kind: &LineEventKind) {
-        self.line_events += 1;
+        self.line_events += u64::from(kind.is_on_the_wire());
         match kind {
             LineEventKind::Sent { frame, .. }
             | LineEventKind::SentByHand { frame, .. }

@@ -5,7 +5,8 @@ use std::{
     ops::Range,
 };
 
-use motorlink_bus::LineEvent;
+use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_protocol::family::Model;
 
 use super::{Problem, Problems, Session};
 use crate::{
@@ -38,6 +39,8 @@ pub struct Cursor {
     /// Records before this time are skipped, up to the first one at or after it.
     from_ns: Option<u64>,
     topics: BTreeMap<u16, Topic>,
+    /// The model of the motors in the last message.
+    model: Model,
     problems: Problems,
 }
 
@@ -63,6 +66,7 @@ impl Cursor {
             records: VecDeque::new(),
             from_ns: None,
             topics: session.topics.clone(),
+            model: Model::default(),
             problems: Problems::default(),
         }
     }
@@ -91,6 +95,10 @@ impl Cursor {
     pub fn next(&mut self, session: &Session) -> Next {
         loop {
             while let Some(record) = self.records.pop_front() {
+                // The model is needed for every record behind it.
+                if let What::Line(LineEventKind::ModelSelected(_)) = record.what {
+                    return Next::Record(record);
+                }
                 if self.from_ns.is_none_or(|from| record.utc_ns >= from) {
                     self.from_ns = None;
                     return Next::Record(record);
@@ -147,8 +155,8 @@ impl Cursor {
             match head {
                 Some((((channel, _sequence), log_ns), _published)) => {
                     let topic = self.topics.get(&channel).copied();
-                    let records = read(topic, log_ns, fields.0, self.from_ns);
-                    self.take(records);
+                    let content = read(topic, log_ns, fields.0, self.from_ns);
+                    self.take(content);
                 }
                 None => self.problems.add(Problem::MessageDamaged),
             }
@@ -156,54 +164,80 @@ impl Cursor {
         true
     }
 
-    fn take(&mut self, records: Option<(Vec<Record>, bool)>) {
-        match records {
-            Some((records, complete)) => {
-                self.records.extend(records);
-                self.problems
-                    .add_all(Problem::MessageDamaged, u64::from(!complete));
-            }
-            None => self.problems.add(Problem::MessageDamaged),
+    fn take(&mut self, content: Option<Content>) {
+        let Some(Content {
+            model,
+            records,
+            is_complete,
+        }) = content
+        else {
+            return self.problems.add(Problem::MessageDamaged);
+        };
+        if let (Some(model), Some(first)) = (model, records.first())
+            && model != self.model
+        {
+            self.model = model;
+            self.records.push_back(Record {
+                what: What::Line(LineEventKind::ModelSelected(model)),
+                ..first.clone()
+            });
         }
+        self.records.extend(records);
+        self.problems
+            .add_all(Problem::MessageDamaged, u64::from(!is_complete));
     }
 }
 
-/// Parses the records of a message, and returns whether all could be parsed; `None` if it is damaged.
-fn read(
-    topic: Option<Topic>,
-    log_ns: u64,
-    data: &[u8],
-    from_ns: Option<u64>,
-) -> Option<(Vec<Record>, bool)> {
+/// The content of a message.
+#[derive(Default)]
+struct Content {
+    /// The model of the motors, if it has frames.
+    model: Option<Model>,
+    records: Vec<Record>,
+    /// Whether all records could be parsed.
+    is_complete: bool,
+}
+
+/// Parses a message; `None` if it is damaged.
+fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) -> Option<Content> {
     let is_before = from_ns.is_some_and(|from| log_ns.saturating_add(SPAN_NS) < from);
+    let mut content = Content {
+        is_complete: true,
+        ..Content::default()
+    };
     let Some(topic) = topic.filter(|_| !is_before) else {
-        return Some((Vec::new(), true));
+        return Some(content);
     };
     if data.len() > MESSAGE_BYTES_MAX {
         return None;
     }
     match topic {
         Topic::Wire => {
-            let (frames, complete) = wire::read(data)?;
-            let first = frames.first().map(|event| event.at);
+            let wire = wire::read(data)?;
+            let first = wire.events.first().map(|event| event.at);
             let zero_us = zero_unix_us(first.unwrap_or_default(), log_ns);
-            let records = frames.into_iter().map(|LineEvent { at, kind }| Record {
-                at,
-                utc_ns: utc_ns(zero_us, at),
-                what: What::Line(kind),
-            });
-            Some((records.collect(), complete))
+            let records = wire
+                .events
+                .into_iter()
+                .map(|LineEvent { at, kind }| Record {
+                    at,
+                    utc_ns: utc_ns(zero_us, at),
+                    what: What::Line(kind),
+                });
+            content.records = records.collect();
+            content.is_complete = wire.is_complete;
+            content.model = Some(wire.model);
         }
         Topic::Events => {
             let (at, event) = events::read(data)?;
-            let record = Record {
+            content.records.push(Record {
                 at,
                 utc_ns: log_ns,
                 what: What::Event(event),
-            };
-            Some((vec![record], true))
+            });
         }
     }
+    Some(content)
 }
 
 fn decompressed(record: &[u8]) -> Result<Vec<u8>, Problem> {
