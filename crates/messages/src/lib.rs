@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 mod adapter;
 mod awake_clock;
 pub mod recorder;
+pub mod sessions;
 mod virtual_line;
 mod virtual_wire;
 

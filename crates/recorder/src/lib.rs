@@ -15,6 +15,7 @@
 //! | `recording` | samples of telemetry: ten minutes always, more when recorded |
 //! | `commanded` | what each motor was told |
 //! | `saved` | the saved session: its files, how they are written and read |
+//! | `kept` | everything that is kept, as one sequence for a session file |
 //! | `restoring` | restores a saved session in slices |
 //! | `csv_file`, `charset` | CSV files, written in slices |
 //! | `wall_clock`, `local_time` | the time of day |
@@ -26,6 +27,7 @@ mod commanded;
 mod csv_file;
 pub mod digits;
 mod entry;
+mod kept;
 mod local_time;
 mod log;
 mod meaning;

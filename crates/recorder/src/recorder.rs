@@ -4,13 +4,15 @@ use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::LineEvent;
 use motorlink_i18n::Language;
-use motorlink_messages::recorder::{
-    Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window,
+use motorlink_messages::{
+    recorder::{Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window},
+    sessions::Kept,
 };
 use motorlink_protocol::Instant;
 
 use crate::{
     csv_file::CsvFile,
+    kept::KeptReader,
     local_time::LocalTime,
     log::Log,
     recording::Recording,
@@ -80,6 +82,8 @@ pub struct Recorder {
     /// The requested files; the first is being written.
     files: VecDeque<CsvFile>,
     progress_sent_at: Option<Instant>,
+    /// Reads what is kept, for a session file.
+    kept: Option<KeptReader>,
     /// Outputs that are due at once.
     outgoing: VecDeque<Output>,
 }
@@ -112,6 +116,7 @@ impl Recorder {
             postponed_exports: Vec::new(),
             files: VecDeque::new(),
             progress_sent_at: None,
+            kept: None,
             outgoing: VecDeque::new(),
         }
     }
@@ -196,6 +201,7 @@ impl Recorder {
         (self.log, self.recording, self.timeline, past) =
             restoring.finish(&mut self.log, &self.recording, &self.filter);
         self.past = Some(past);
+        self.kept = None;
         self.page_changed = true;
         self.outgoing
             .push_back(Output::Post(FromRecorder::Restored));
@@ -214,6 +220,7 @@ impl Recorder {
         self.past = None;
         self.postponed_exports.clear();
         self.cancel_exports();
+        self.kept = None;
         self.log.clear();
         self.log.forget_cleared();
         self.recording = Recording::with_capacity(self.recording.capacity());
@@ -265,6 +272,7 @@ impl Recorder {
             ToRecorder::EndClear { undo: true } if self.restoring.is_none() => {
                 // Entries get other numbers.
                 self.cancel_exports();
+                self.kept = None;
                 if self.log.undo_clear(&self.filter)
                     && let Some(writer) = &mut self.writer
                 {
@@ -329,6 +337,32 @@ impl Recorder {
     fn no_file(&mut self, what: Export, cancelled: bool) {
         let message = FromRecorder::NotExported { what, cancelled };
         self.outgoing.push_back(Output::NoFile(message));
+    }
+
+    /// The next part of what is kept, of at most this number of entries and samples. `first` begins again, with all
+    /// that is kept now.
+    pub fn kept(&mut self, first: bool, most: u64) -> Kept {
+        if self.restoring.is_some() {
+            return Kept::Restoring;
+        }
+        if first {
+            self.kept = Some(KeptReader::new(&mut self.log, &self.recording));
+        }
+        let Some(reader) = &mut self.kept else {
+            return Kept::Changed;
+        };
+        let mut records = Vec::new();
+        let is_last = !reader.read(&self.log, &self.recording, most, &mut records);
+        let progress = reader.progress();
+        if is_last {
+            self.kept = None;
+        }
+        Kept::Part {
+            zero_us: self.log.clock().zero_us(),
+            progress,
+            records,
+            is_last,
+        }
     }
 
     /// What to do next. Call it until it returns [`Output::Wait`].

@@ -12,6 +12,7 @@
 //! | `export` | CSV tables and a report |
 //! | `import` | CSV files as sessions |
 //! | `overview` | a summary of the whole session over time |
+//! | `page_messages` | messages of the page as events |
 //! | `channels` | the messages of each channel, as JSON |
 //! | `mcap` | the container |
 //!
@@ -44,6 +45,7 @@ mod format;
 mod import;
 mod mcap;
 mod overview;
+mod page_messages;
 mod reader;
 mod record;
 mod writer;

@@ -20,8 +20,9 @@ use std::{collections::BTreeMap, ops::Range};
 
 pub use blocking::{Source, for_each_record, open, overview};
 pub use cursor::{Cursor, Next};
-pub use opening::{NotASession, Opening, Step};
-pub use problems::{Problem, Problems};
+pub use motorlink_messages::sessions::{NotASession, Problem};
+pub use opening::{Opening, Step};
+pub use problems::Problems;
 
 use crate::{
     channels::Topic,

@@ -1,6 +1,8 @@
 //! Opens a file as a [`Session`]: requests parts of the file until the index is complete.
 
-use std::{fmt, ops::Range};
+use std::ops::Range;
+
+use motorlink_messages::sessions::NotASession;
 
 use super::{
     Problem, Session,
@@ -48,41 +50,6 @@ pub enum Step {
     /// Nothing: see [`Opening::finish`].
     Done,
 }
-
-/// Why a file is not a session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotASession {
-    /// The file is empty.
-    Empty,
-    /// It is a ZIP archive.
-    Zip,
-    /// It is an MCAP file of a later major version.
-    NewerContainer,
-    /// It is a text: it may be a CSV file, see [`Import`](crate::Import).
-    Text,
-    /// It is something else.
-    Other,
-}
-
-impl fmt::Display for NotASession {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Empty => "The file is empty. Choose another file.",
-            Self::Zip => "This is a ZIP archive. Unpack it, then open the file that was in it.",
-            Self::NewerContainer => {
-                "This MCAP file has a later version of the format. Update MotorLink to open it."
-            }
-            Self::Text => {
-                "This text file has no columns of a known export. Choose a session (.mcap) or a CSV file of MotorLink."
-            }
-            Self::Other => {
-                "This is no session. Choose a session (.mcap) or a CSV file of MotorLink."
-            }
-        })
-    }
-}
-
-impl std::error::Error for NotASession {}
 
 impl Opening {
     /// Starts to open a file of `len` bytes.

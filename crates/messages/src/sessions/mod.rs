@@ -1,0 +1,251 @@
+//! The messages of the worker that writes and reads session files.
+//!
+//! The page starts that worker when a session is saved or opened. What is saved does not pass through the page: the
+//! worker requests it from the recorder, part by part, over a channel between both.
+
+mod problems;
+
+use motorlink_bus::LineEvent;
+use motorlink_protocol::{Faults, Instant, MotorId};
+use serde::{Deserialize, Serialize};
+
+pub use problems::{NotASession, Problem};
+
+/// From the page to the session worker.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ToSessions {
+    /// Save what the recorder keeps. Posted with the channel to the recorder, and with the handle of the file to
+    /// write, if the browser has such handles.
+    Save {
+        /// The version of the page.
+        version: String,
+        /// The setup as JSON.
+        setup: String,
+    },
+    /// Cancel the saving.
+    CancelSave,
+    /// Open a file, and close the one before. Posted with the `File`.
+    Open {
+        /// Its name.
+        name: String,
+    },
+    /// Write the open session as another file.
+    Export(SessionExport),
+    /// Cancel opening and exporting.
+    CancelReading,
+}
+
+/// Another file of an open session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SessionExport {
+    /// The packet log as CSV.
+    Log,
+    /// Every reply in the columns of the article, as CSV.
+    Telemetry,
+    /// Every reply for plotting, as CSV.
+    Plot,
+    /// A report, as HTML.
+    Report,
+}
+
+/// From the session worker to the page.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum FromSessions {
+    /// The progress of saving.
+    Saving(Progress),
+    /// The session is saved. Posted with a `Blob` if the worker had no file to write.
+    Saved {
+        /// Bytes of the file.
+        bytes: u64,
+        /// Entries of the packet log and samples in it.
+        records: u64,
+    },
+    /// No session was saved.
+    NotSaved(NotSaved),
+    /// The progress of opening or exporting.
+    Reading(Progress),
+    /// A file is open.
+    Opened(Box<SessionInfo>),
+    /// The file is no session, or, without a reason, the browser cannot read it.
+    NotOpened(Option<NotASession>),
+    /// An export is complete. Posted with a `Blob`.
+    Exported {
+        /// Which.
+        what: SessionExport,
+        /// Problems that reading every record has found, and how often.
+        problems: Vec<(Problem, u64)>,
+    },
+    /// Opening or exporting was cancelled.
+    Cancelled,
+    /// The worker has failed.
+    Died,
+}
+
+/// A part of a whole.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Progress {
+    /// The completed part.
+    pub done: u64,
+    /// The whole.
+    pub of: u64,
+}
+
+impl Progress {
+    /// The completed part, in per mille.
+    #[must_use]
+    pub fn per_mille(self) -> u64 {
+        (self.done.saturating_mul(1000))
+            .checked_div(self.of)
+            .unwrap_or(0)
+            .min(1000)
+    }
+}
+
+/// Why no session was saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum NotSaved {
+    /// The recorder keeps nothing.
+    Nothing,
+    /// The previous session is being restored.
+    Restoring,
+    /// The log was restored or erased meanwhile.
+    Changed,
+    /// The user cancelled it.
+    Cancelled,
+    /// The disk is full.
+    NoRoom,
+    /// The file cannot be written.
+    Failed,
+}
+
+/// What is in an open session.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SessionInfo {
+    /// The name of the file.
+    pub name: String,
+    /// Bytes of the file.
+    pub bytes: u64,
+    /// The version of the page that wrote it; empty if it is unknown.
+    pub version: String,
+    /// The time of the first record, in microseconds since 1970, UTC.
+    pub from_unix_us: i64,
+    /// Time from the first to the last record, in microseconds.
+    pub duration_us: u64,
+    /// Length of a bucket of time, in microseconds.
+    pub bucket_us: u64,
+    /// Frames sent.
+    pub sent: u64,
+    /// Valid frames received.
+    pub received: u64,
+    /// Requests without a reply.
+    pub lost: u64,
+    /// Pieces of invalid bytes.
+    pub junk: u64,
+    /// Every motor that was sent a frame or replied.
+    pub motors: Vec<SessionMotor>,
+    /// Events, in their order.
+    pub marks: Vec<SessionMark>,
+    /// Events that are in the file but not in `marks`.
+    pub marks_left_out: u64,
+    /// What is missing or unreadable, and how often.
+    pub problems: Vec<(Problem, u64)>,
+}
+
+/// A motor in a session.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SessionMotor {
+    /// Its ID.
+    pub id: MotorId,
+    /// Valid replies.
+    pub replies: u64,
+    /// Requests without a reply.
+    pub lost: u64,
+    /// Every fault that it reported.
+    pub faults: Faults,
+    /// The highest temperature, in degrees Celsius.
+    pub temperature_max_c: Option<u8>,
+    /// Least and greatest speed in rpm, then least and greatest current in raw units, of each bucket of time;
+    /// `None` without a reply.
+    pub buckets: Vec<Option<[i16; 4]>>,
+}
+
+/// An event of a session.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SessionMark {
+    /// Microseconds since the first record.
+    pub after_us: u64,
+    /// Its kind.
+    pub kind: MarkKind,
+    /// Whether it is an error.
+    pub error: bool,
+    /// Its text, in English.
+    pub text: String,
+}
+
+/// Kinds of events that look different on a timeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MarkKind {
+    /// A port was opened, closed or lost.
+    Connection,
+    /// A stop began or ended.
+    Stop,
+    /// A limit stopped a motor.
+    Limit,
+    /// The faults of a motor changed.
+    Fault,
+    /// A note of the user.
+    Bookmark,
+    /// Anything else.
+    Notice,
+}
+
+/// The answer of the recorder to a request for the next part of what it keeps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Kept {
+    /// The next part.
+    Part {
+        /// The wall clock at [`Instant::ZERO`], in microseconds since 1970.
+        zero_us: i64,
+        /// How much was answered, this part included.
+        progress: Progress,
+        /// The records, oldest first.
+        records: Vec<KeptRecord>,
+        /// Whether there are no more.
+        is_last: bool,
+    },
+    /// There is none: a previous session is being restored.
+    Restoring,
+    /// There is none: the log was restored or erased meanwhile.
+    Changed,
+}
+
+/// An entry of the packet log or a sample.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum KeptRecord {
+    /// An event of the line.
+    Line(LineEvent),
+    /// A message of the page.
+    Message {
+        /// When.
+        at: Instant,
+        /// Whether it is an error.
+        error: bool,
+        /// Its text as it is stored: see `motorlink_i18n::untranslated`.
+        text: String,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_a_share_of_the_whole() {
+        let per_mille = |done, of| Progress { done, of }.per_mille();
+        assert_eq!(
+            [per_mille(0, 0), per_mille(1, 2), per_mille(3, 2)],
+            [0, 500, 1000]
+        );
+        assert_eq!(per_mille(u64::MAX, u64::MAX), 1);
+    }
+}

@@ -1,0 +1,155 @@
+//! What the recorder keeps, as one sequence in order of time: for a session file.
+//!
+//! The packet log has every frame, of a quarter of an hour at least. The recording goes further back, but has only
+//! replies. So the sequence begins with the samples from before the log, as readings that are not on the line any
+//! more. Behind that come the entries of the log; of models with separate frames also their samples, which have no
+//! entries.
+
+use std::ops::Range;
+
+use motorlink_bus::{LineEvent, LineEventKind};
+use motorlink_messages::sessions::{KeptRecord, Progress};
+use motorlink_protocol::{Instant, family::Model};
+
+use crate::{
+    chunks::Chunks,
+    commanded::Commands,
+    entry::{Entry, EntryContent},
+    log::Log,
+    recording::{Recording, Sample, SampleSet},
+};
+
+/// Reads what is kept, part by part. What is added meanwhile is not in it, and what is dropped meanwhile is skipped.
+#[derive(Debug)]
+pub(crate) struct KeptReader {
+    entries: Range<u64>,
+    samples: [(SampleSet, Range<u64>); 2],
+    /// The last commands of the motors in the sequence.
+    commands: Commands,
+    model: Model,
+    /// The time of the first entry; samples from there on repeat entries.
+    log_from: Option<Instant>,
+    progress: Progress,
+}
+
+impl KeptReader {
+    /// Everything that is kept now.
+    pub(crate) fn new(log: &mut Log, recording: &Recording) -> Self {
+        let range = |which| {
+            let samples = recording.samples(which);
+            (which, samples.first()..samples.end())
+        };
+        let mut reader = Self {
+            entries: log.settle(),
+            samples: [range(SampleSet::Recorded), range(SampleSet::Rolling)],
+            commands: Commands::new(),
+            model: Model::default(),
+            log_from: log.entries().oldest().map(|entry| entry.at),
+            progress: Progress::default(),
+        };
+        reader.progress.of = reader.left();
+        reader
+    }
+
+    fn left(&self) -> u64 {
+        let samples = self.samples.iter().map(|(_, range)| range);
+        let ranges = samples.chain([&self.entries]);
+        ranges
+            .map(|range| range.end.saturating_sub(range.start))
+            .sum()
+    }
+
+    /// How much has been read.
+    pub(crate) const fn progress(&self) -> Progress {
+        self.progress
+    }
+
+    /// Adds the records of at most this number of further entries and samples. Returns whether there are more.
+    pub(crate) fn read(
+        &mut self,
+        log: &Log,
+        recording: &Recording,
+        most: u64,
+        out: &mut Vec<KeptRecord>,
+    ) -> bool {
+        let has_more = (0..most).all(|_| self.step(log, recording, out));
+        self.progress.done = self.progress.of.saturating_sub(self.left());
+        has_more
+    }
+
+    /// Takes the oldest entry or sample. Returns whether there was one.
+    fn step(&mut self, log: &Log, recording: &Recording, out: &mut Vec<KeptRecord>) -> bool {
+        let entry = next(log.entries(), &mut self.entries);
+        let [recorded, rolling] = &mut self.samples;
+        let one = next(recording.samples(recorded.0), &mut recorded.1);
+        let other = next(recording.samples(rolling.0), &mut rolling.1);
+        let sample = match (one, other) {
+            (Some(one), Some(other)) if other.at < one.at => Some(other),
+            (one, other) => one.or(other),
+        };
+        // An entry goes before the sample that was made of it.
+        let sample = sample.filter(|sample| entry.is_none_or(|entry| sample.at < entry.at));
+        match (sample, entry) {
+            (Some(sample), _) => {
+                // The recording and the last ten minutes have the same samples.
+                recorded.1.start += u64::from(one == Some(sample));
+                rolling.1.start += u64::from(other == Some(sample));
+                self.sample(sample, out);
+            }
+            (None, Some(entry)) => {
+                self.entries.start += 1;
+                self.entry(&entry, log, out);
+            }
+            (None, None) => return false,
+        }
+        true
+    }
+
+    fn entry(&mut self, entry: &Entry, log: &Log, out: &mut Vec<KeptRecord>) {
+        let at = entry.at;
+        if entry.model != self.model {
+            self.model = entry.model;
+            let kind = LineEventKind::ModelSelected(entry.model);
+            out.push(KeptRecord::Line(LineEvent { at, kind }));
+        }
+        out.push(match entry.content {
+            EntryContent::Line(kind) => KeptRecord::Line(LineEvent { at, kind }),
+            EntryContent::Message { error, text } => KeptRecord::Message {
+                at,
+                error,
+                text: log.texts().get(text).to_owned(),
+            },
+        });
+    }
+
+    fn sample(&mut self, sample: Sample, out: &mut Vec<KeptRecord>) {
+        let is_entry = self.log_from.is_some_and(|from| sample.at >= from)
+            && !self.model.has_separate_frames();
+        if is_entry {
+            return;
+        }
+        let Sample {
+            at, frame, asked, ..
+        } = sample;
+        if let Some(LineEvent {
+            kind: LineEventKind::Sent { frame, mode },
+            ..
+        }) = self.commands.mark(sample.address(), at, sample.commanded)
+        {
+            let kind = LineEventKind::Commanded { frame, mode };
+            out.push(KeptRecord::Line(LineEvent { at, kind }));
+        }
+        let kind = LineEventKind::Reading { frame, asked };
+        out.push(KeptRecord::Line(LineEvent { at, kind }));
+    }
+}
+
+/// The oldest value of a range that is still kept.
+fn next<T: Copy>(values: &Chunks<T>, range: &mut Range<u64>) -> Option<T> {
+    range.start = range.start.max(values.first()).min(range.end);
+    values.get(range.start).filter(|_| !range.is_empty())
+}
+
+#[cfg(test)]
+#[path = "kept_tests.rs"]
+mod tests;
