@@ -13,8 +13,18 @@ const CONTEXT_END: char = '\u{4}';
 /// Between two messages; no message holds it.
 const MESSAGE_END: &str = "\0";
 
+/// The folders whose texts load with their part, when it is asked for. A text that other files have too is not among
+/// them.
+const LATER: [&str; 2] = ["src/features/session/", "src/features/wheel_setup/"];
+
 /// Every message with its translation, sorted by message.
-type Messages = BTreeMap<String, String>;
+type Messages = BTreeMap<String, Message>;
+
+struct Message {
+    text: String,
+    /// Whether it loads later: see [`LATER`].
+    is_later: bool,
+}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let top = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("../../locales");
@@ -27,21 +37,41 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("zh.po and de.po hold other messages: run `cargo xtask translations`".into());
     }
 
+    // The messages of the first program, then those of parts that load when they are asked for.
+    let keys = || {
+        let of = |later| {
+            chinese
+                .iter()
+                .filter(move |(_, message)| message.is_later == later)
+        };
+        of(false).chain(of(true)).map(|(key, _)| key.as_str())
+    };
+    let first = chinese.values().filter(|message| !message.is_later).count();
     let mut table = String::new();
+    writeln!(table, "/// Number of the messages in the first program.")?;
+    writeln!(table, "const FIRST: usize = {first};")?;
     writeln!(table, "static KEYS: [&str; {}] = [", chinese.len())?;
-    for key in chinese.keys() {
+    for key in keys() {
         writeln!(table, "    {key:?},")?;
     }
     writeln!(table, "];")?;
     let out = PathBuf::from(env::var("OUT_DIR")?);
     fs::write(out.join("keys.rs"), table)?;
-    let texts: [(&str, Vec<&str>); 3] = [
-        ("en", chinese.keys().map(|key| english(key)).collect()),
-        ("zh", chinese.values().map(String::as_str).collect()),
-        ("de", german.values().map(String::as_str).collect()),
+    let translated = |messages: &Messages| -> Vec<String> {
+        let texts = keys().filter_map(|key| messages.get(key));
+        texts.map(|message| message.text.clone()).collect()
+    };
+    let all: Vec<String> = keys().map(|key| english(key).to_owned()).collect();
+    let (now, later) = all.split_at(first);
+    let texts: [(&str, &[String]); 5] = [
+        ("en", &all),
+        ("en-first", now),
+        ("en-later", later),
+        ("zh", &translated(&chinese)),
+        ("de", &translated(&german)),
     ];
-    for (language, texts) in texts {
-        let file = out.join(format!("{language}.txt"));
+    for (name, texts) in texts {
+        let file = out.join(format!("{name}.txt"));
         fs::write(file, texts.join(MESSAGE_END))?;
     }
     Ok(())
@@ -82,7 +112,10 @@ fn read(path: &Path, is_released: bool) -> Result<Messages, Box<dyn Error>> {
             || msgid.to_owned(),
             |context| format!("{context}{CONTEXT_END}{msgid}"),
         );
-        messages.insert(key, text.to_owned());
+        let mut sources = message.source().split_whitespace();
+        let is_later = sources.all(|source| LATER.iter().any(|folder| source.starts_with(folder)));
+        let text = text.to_owned();
+        messages.insert(key, Message { text, is_later });
     }
     Ok(messages)
 }

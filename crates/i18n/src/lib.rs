@@ -27,7 +27,7 @@ pub use language::{Language, current_language, set_language};
 pub use table::file;
 #[doc(hidden)]
 pub use table::{check_places, number_of, text, translated};
-pub use table::{has, load_texts, loaded_texts};
+pub use table::{has, load_later_texts, load_texts, loaded_texts};
 use untranslated::{BEGIN, END, VALUE, is_untranslated};
 pub use untranslated::{translate, untranslated};
 

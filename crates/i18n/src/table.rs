@@ -7,7 +7,10 @@ use crate::language::{Language, current_language};
 include!(concat!(env!("OUT_DIR"), "/keys.rs"));
 
 /// The messages in the order of their numbers, separated by NUL.
+#[cfg(feature = "embedded")]
 const ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en.txt"));
+#[cfg(not(feature = "embedded"))]
+const ENGLISH: &str = include_str!(concat!(env!("OUT_DIR"), "/en-first.txt"));
 
 thread_local! {
     /// The messages of each language, by its index in `Language::ALL`.
@@ -63,6 +66,23 @@ pub fn loaded_texts(language: Language) -> Option<String> {
         return None;
     }
     TEXTS.with_borrow(|texts| Some(texts.get(language as usize)?.as_ref()?.join("\0")))
+}
+
+/// Makes the English texts known of the parts that load later. Such a part calls this first; the texts are in its file.
+/// The files of other languages have them.
+#[inline(never)]
+pub fn load_later_texts() {
+    #[cfg(not(feature = "embedded"))]
+    {
+        let later = include_str!(concat!(env!("OUT_DIR"), "/en-later.txt"));
+        let is_known = TEXTS.with_borrow(|texts| {
+            let english = texts.first().and_then(Option::as_ref);
+            english.is_some_and(|english| english.len() == KEYS.len())
+        });
+        if !is_known {
+            store(Language::English, [ENGLISH, later].join("\0").leak());
+        }
+    }
 }
 
 fn store(language: Language, file: &'static str) {
@@ -123,20 +143,36 @@ pub fn translated(english: &str) -> &str {
 #[must_use]
 #[allow(
     clippy::panic,
-    clippy::indexing_slicing,
     reason = "evaluated by the compiler, whose error it becomes"
 )]
 pub const fn number_of(key: &str) -> usize {
-    let (mut from, mut to) = (0, KEYS.len());
+    // Both parts are sorted.
+    if let Some(number) = found_in(key, 0, FIRST) {
+        return number;
+    }
+    match found_in(key, FIRST, KEYS.len()) {
+        Some(number) => number,
+        None => panic!(
+            "locales/*.po do not hold this message: run `cargo xtask translations` and translate it"
+        ),
+    }
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "evaluated by the compiler, whose error it becomes"
+)]
+/// The number of a message in a sorted part of the keys.
+const fn found_in(key: &str, mut from: usize, mut to: usize) -> Option<usize> {
     while from < to {
         let middle = usize::midpoint(from, to);
         match compared(key.as_bytes(), KEYS[middle].as_bytes()) {
-            0 => return middle,
+            0 => return Some(middle),
             1.. => from = middle + 1,
             _ => to = middle,
         }
     }
-    panic!("locales/*.po do not hold this message: run `cargo xtask translations` and translate it")
+    None
 }
 
 #[allow(
