@@ -7,7 +7,7 @@ use motorlink_messages::{
     recorder::{FromRecorder, ToRecorder},
 };
 use wasm_bindgen::{JsCast, JsValue};
-use web_sys::{Blob, MessageChannel};
+use web_sys::{Blob, MessageChannel, MessagePort};
 
 use crate::link::{
     started_worker::{NoWorker, Program, StartedWorker},
@@ -56,6 +56,11 @@ impl RecorderLink {
             }
             Err(error) => logging::error!("there is no line between the workers: {error:?}"),
         }
+    }
+
+    /// Posts it a port on which the session worker requests what it keeps.
+    pub(crate) fn hand_over(&self, port: &MessagePort) {
+        self.0.hand_over(port);
     }
 
     /// Terminates it, which frees its memory.

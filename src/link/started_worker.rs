@@ -23,6 +23,8 @@ pub(crate) enum Program {
     Worker,
     /// Keeps the packet log and the recording.
     Recorder,
+    /// Writes and reads session files.
+    Sessions,
 }
 
 impl Program {
@@ -30,6 +32,7 @@ impl Program {
         match self {
             Self::Worker => "worker",
             Self::Recorder => "recorder",
+            Self::Sessions => "sessions",
         }
     }
 
@@ -89,6 +92,18 @@ impl StartedWorker {
     /// Posts it a port to another worker.
     pub(crate) fn hand_over(&self, port: &MessagePort) {
         post_with(&self.worker, port, port);
+    }
+
+    /// Sends the bytes of a message with other objects, of which these are handed over.
+    pub(crate) fn post_with(&self, message: &[u8], objects: &[JsValue], handed_over: &[JsValue]) {
+        let all = Array::of1(&Uint8Array::from(message));
+        for object in objects.iter().chain(handed_over) {
+            all.push(object);
+        }
+        let handed_over: Array = handed_over.iter().collect();
+        if let Err(error) = self.worker.post_message_with_transfer(&all, &handed_over) {
+            logging::error!("a message to a worker was not taken: {error:?}");
+        }
     }
 
     /// Terminates the worker at once. Messages that have not arrived yet are dropped.

@@ -1,10 +1,10 @@
-//! The web workers: the one that owns the port and the bus, and the recorder.
+//! The web workers: the one that owns the port and the bus, the recorder, and the one for session files.
 //!
 //! The first one controls the motors, not the page: browsers slow down the timers of a hidden page, and
 //! a busy page is late, but a worker's loop is not affected. The recorder keeps the packet log and the
-//! recording in a second worker, so that slow work there delays neither frames nor the screen. Both are
-//! separate programs (`src/bin/`), so that the page loads first. The messages between the page and the
-//! workers are in `motorlink-messages`.
+//! recording in a second worker, so that slow work there delays neither frames nor the screen. A third one
+//! writes and reads session files; it is started when it is used. They are separate programs (`src/bin/`), so
+//! that the page loads first. The messages between the page and the workers are in `motorlink-messages`.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -19,9 +19,12 @@
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
 //! | `scope` | the worker's global object: clock, messages |
-//! | `recorder` | the other worker: `motorlink-recorder` in the browser |
+//! | `recorder` | the second worker: `motorlink-recorder` in the browser |
+//! | `sessions` | the third worker: `motorlink-session` in the browser |
+//! | `blob_parts` | files that are written part by part |
 
 mod alarm;
+mod blob_parts;
 mod claim;
 mod connecting;
 mod forwarding;
@@ -32,6 +35,7 @@ mod recorder;
 mod scope;
 mod serial;
 mod session;
+mod sessions;
 mod start;
 mod traffic;
 mod trial;
@@ -49,6 +53,12 @@ pub fn start_worker() {
 pub fn start_recorder() {
     on_panic(recorder::died);
     recorder::start();
+}
+
+/// Starts the session worker. Called in the scope of a dedicated worker.
+pub fn start_sessions() {
+    on_panic(sessions::died);
+    sessions::start();
 }
 
 fn on_panic(report: impl Fn() + Send + Sync + 'static) {

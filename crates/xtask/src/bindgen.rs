@@ -24,6 +24,8 @@ pub enum Program {
     Worker,
     /// The worker that keeps the packet log and the recording.
     Recorder,
+    /// The worker that writes and reads session files.
+    Sessions,
 }
 
 impl Program {
@@ -33,6 +35,7 @@ impl Program {
             Self::Page => "motorlink",
             Self::Worker => "worker",
             Self::Recorder => "recorder",
+            Self::Sessions => "sessions",
         }
     }
 }
@@ -43,6 +46,7 @@ pub struct Programs {
     pub page: Module,
     pub worker: Module,
     pub recorder: Module,
+    pub sessions: Module,
 }
 
 /// The output of wasm-bindgen.
@@ -72,6 +76,7 @@ pub fn build(workspace: &Workspace, profile: Profile) -> Result<Programs> {
         page: bind(Program::Page)?,
         worker: bind(Program::Worker)?,
         recorder: bind(Program::Recorder)?,
+        sessions: bind(Program::Sessions)?,
     })
 }
 

@@ -118,6 +118,13 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &parts.programs.recorder,
         &[],
     )?;
+    let sessions_boot = files.add_boot(
+        "sessions",
+        &parts.worker_boot,
+        Program::Sessions,
+        &parts.programs.sessions,
+        &[],
+    )?;
     let [german, chinese] = [Language::German, Language::Chinese].map(|language| {
         let stem = format!("texts-{}", language.key());
         files.add_hashed(&stem, "txt", motorlink_i18n::file(language).as_bytes())
@@ -129,6 +136,7 @@ fn assemble(parts: &Parts) -> Result<Vec<SiteFile>> {
         &[
             ("worker", &worker_boot),
             ("recorder", &recorder_boot),
+            ("sessions", &sessions_boot),
             ("german", &german),
             ("chinese", &chinese),
             ("style", &style),
@@ -285,6 +293,7 @@ mod tests {
             "page-boot-",
             "worker-boot-",
             "recorder-boot-",
+            "sessions-boot-",
             "installed-",
             "style-",
         ] {
@@ -303,6 +312,7 @@ mod tests {
             ("page-boot-", "motorlink-"),
             ("worker-boot-", "worker-"),
             ("recorder-boot-", "recorder-"),
+            ("sessions-boot-", "sessions-"),
         ] {
             let text = starting(&files, boot).1;
             assert!(text.contains(".wasm") && text.contains(&format!("{stem}glue-")));

@@ -2,7 +2,6 @@
 //! short enough for both.
 
 mod disk;
-mod files;
 mod found;
 mod saving;
 mod state;
@@ -15,23 +14,28 @@ use js_sys::Uint8Array;
 use motorlink_messages::{
     decode, encode,
     recorder::{FromRecorder, ToRecorder, traffic},
+    sessions::Kept,
 };
 use motorlink_recorder::{Output, Recorder, WallClock};
 use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
 use self::{
-    files::Parts,
     state::{RecorderWorker, Saving, Shared, local_time, post},
     store::Job,
     turn_scheduler::TurnScheduler,
 };
-use crate::scope::{self, Clock, Incoming, report};
+use crate::{
+    blob_parts::{CSV, Parts},
+    scope::{self, Clock, Incoming, report},
+};
 
 /// A turn ends after this time, so that messages and line events are received.
 const TURN: Duration = Duration::from_millis(8);
 /// Entries between two readings of the clock: half a millisecond of work, two on a slow machine.
 const STEP: u64 = 500;
+/// Entries and samples in one answer to the session worker: a millisecond of work, five on a slow machine.
+const KEPT_STEP: u64 = 2_000;
 /// Summer time begins and ends on the minute.
 const UTC_OFFSET_PERIOD: Duration = Duration::from_secs(60);
 
@@ -85,7 +89,7 @@ pub(crate) fn died() {
 /// Posts a file to the page, or reports that there is none if the browser has no room for it.
 fn post_file(parts: &mut Parts, message: &FromRecorder) {
     let encoded = encode(message).map_err(|error| error.to_string().into());
-    if let Err(error) = encoded.and_then(|bytes| parts.post_as_file(&bytes)) {
+    if let Err(error) = encoded.and_then(|bytes| parts.post_as_file(&bytes, CSV)) {
         report("a file could not be posted to the page", &error);
         if let FromRecorder::Exported { what, .. } = *message {
             let cancelled = false;
@@ -94,10 +98,15 @@ fn post_file(parts: &mut Parts, message: &FromRecorder) {
     }
 }
 
-/// Receives the line events on this port until the worker ends.
+/// Receives the line events on this port, or requests of the session worker, until the worker ends.
 fn receive_traffic(shared: &Shared, port: &MessagePort) {
     let shared = Rc::clone(shared);
+    let answers = port.clone();
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        if let Some(first) = event.data().as_bool() {
+            let kept = shared.borrow_mut().recorder.kept(first, KEPT_STEP);
+            return answer(&answers, &kept);
+        }
         let bytes = Uint8Array::new(&event.data()).to_vec();
         {
             let recorder = &mut shared.borrow_mut().recorder;
@@ -107,6 +116,17 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
     });
     port.set_onmessage(Some(handler.as_ref().unchecked_ref()));
     handler.forget();
+}
+
+/// Answers the session worker.
+fn answer(port: &MessagePort, kept: &Kept) {
+    let posted = match encode(kept) {
+        Ok(bytes) => port.post_message(&Uint8Array::from(bytes.as_slice())),
+        Err(error) => Err(error.to_string().into()),
+    };
+    if let Err(error) = posted {
+        report("the session worker got no answer", &error);
+    }
 }
 
 /// Does as much as fits into one turn, and schedules another for the rest.

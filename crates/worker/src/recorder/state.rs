@@ -9,12 +9,14 @@ use motorlink_recorder::{LocalTime, Recorder, saved::Segment};
 
 use super::{
     disk::Dir,
-    files::Parts,
     found::Found,
     store::{Jobs, Store},
     turn_scheduler::TurnScheduler,
 };
-use crate::scope::{self, Clock, report};
+use crate::{
+    blob_parts::Parts,
+    scope::{self, Clock, report},
+};
 
 /// The state of this worker. Each callback of the browser borrows it once, briefly.
 pub(super) struct RecorderWorker {

@@ -1,4 +1,4 @@
-//! Exported files as blobs of the browser: outside of our memory, and on disk if they are large.
+//! Files as blobs of the browser: outside of our memory, and on disk if they are large.
 
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::JsValue;
@@ -7,14 +7,14 @@ use web_sys::{Blob, BlobPropertyBag};
 use crate::scope::{global, report};
 
 /// The media type of CSV: RFC 7111.
-const MEDIA_TYPE: &str = "text/csv;charset=utf-8";
+pub(crate) const CSV: &str = "text/csv;charset=utf-8";
 
 /// The parts of the file that is being written, each a `Blob`.
 #[derive(Debug, Default)]
-pub(super) struct Parts(Array);
+pub(crate) struct Parts(Array);
 
 impl Parts {
-    pub(super) fn push(&mut self, bytes: &[u8]) {
+    pub(crate) fn push(&mut self, bytes: &[u8]) {
         let bytes = Array::of1(&Uint8Array::from(bytes));
         match Blob::new_with_u8_array_sequence(&bytes) {
             Ok(part) => _ = self.0.push(&part),
@@ -22,19 +22,20 @@ impl Parts {
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.0 = Array::new();
     }
 
     /// Posts the file to the page, with the message that names it.
-    pub(super) fn post_as_file(&mut self, message: &[u8]) -> Result<(), JsValue> {
-        let file = self.take_file()?;
+    pub(crate) fn post_as_file(&mut self, message: &[u8], media_type: &str) -> Result<(), JsValue> {
+        let file = self.take_file(media_type)?;
         global().post_message(&Array::of2(&Uint8Array::from(message), &file))
     }
 
-    fn take_file(&mut self) -> Result<Blob, JsValue> {
+    /// The file. The next one starts empty.
+    pub(crate) fn take_file(&mut self, media_type: &str) -> Result<Blob, JsValue> {
         let options = BlobPropertyBag::new();
-        options.set_type(MEDIA_TYPE);
+        options.set_type(media_type);
         let file = Blob::new_with_blob_sequence_and_options(&self.0, &options);
         self.clear();
         file
@@ -55,10 +56,10 @@ mod tests {
         parts.clear();
         parts.push(b"time,id\r\n");
         parts.push("66.96°\r\n".as_bytes());
-        let file = parts.take_file().unwrap();
+        let file = parts.take_file(CSV).unwrap();
         let text = JsFuture::from(file.text()).await.unwrap();
         assert_eq!(text.as_string().unwrap(), "time,id\r\n66.96°\r\n");
-        assert_eq!(file.type_(), MEDIA_TYPE);
-        assert!(parts.take_file().unwrap().size() < 1.0);
+        assert_eq!(file.type_(), CSV);
+        assert!(parts.take_file(CSV).unwrap().size() < 1.0);
     }
 }

@@ -1,0 +1,76 @@
+//! What the page shows of an open session.
+
+use std::time::Duration;
+
+use motorlink_messages::sessions::{MarkKind, SessionInfo, SessionMark, SessionMotor};
+use motorlink_protocol::MotorId;
+use motorlink_session::{EventKind, Extent, Mark, MotorOverview};
+
+use super::open_session::OpenSession;
+
+/// The content of an open session.
+pub(super) fn info(open: &OpenSession) -> SessionInfo {
+    let overview = &open.overview;
+    let from_ns = overview.span_ns().map(|(from, _)| from);
+    SessionInfo {
+        name: open.name.clone(),
+        bytes: open.source.len(),
+        version: open
+            .session
+            .about()
+            .get("page")
+            .cloned()
+            .unwrap_or_default(),
+        from_unix_us: i64::try_from(from_ns.unwrap_or_default() / 1_000).unwrap_or_default(),
+        duration_us: micros(overview.duration()),
+        bucket_us: micros(overview.bucket()),
+        sent: overview.sent,
+        received: overview.received,
+        lost: overview.lost,
+        junk: overview.junk,
+        motors: overview.motors().map(motor).collect(),
+        marks: overview.marks().iter().map(mark).collect(),
+        marks_left_out: overview.marks_left_out,
+        problems: open.problems.iter().collect(),
+    }
+}
+
+fn motor((id, motor): (MotorId, &MotorOverview)) -> SessionMotor {
+    let bucket = |extent: Extent| {
+        let (speed, current) = (extent.speed, extent.current);
+        [
+            speed.0.rpm(),
+            speed.1.rpm(),
+            current.0.raw(),
+            current.1.raw(),
+        ]
+    };
+    SessionMotor {
+        id,
+        replies: motor.replies,
+        lost: motor.lost,
+        faults: motor.faults,
+        temperature_max_c: motor.temperature_max_c,
+        buckets: motor.buckets().iter().map(|one| one.map(bucket)).collect(),
+    }
+}
+
+fn mark(mark: &Mark) -> SessionMark {
+    SessionMark {
+        after_us: micros(mark.after),
+        kind: match mark.kind {
+            EventKind::Connected | EventKind::Disconnected => MarkKind::Connection,
+            EventKind::StopBegan | EventKind::StopEnded => MarkKind::Stop,
+            EventKind::Limit => MarkKind::Limit,
+            EventKind::Fault => MarkKind::Fault,
+            EventKind::Bookmark => MarkKind::Bookmark,
+            EventKind::Run | EventKind::Notice => MarkKind::Notice,
+        },
+        error: mark.error,
+        text: mark.text.clone(),
+    }
+}
+
+fn micros(duration: Duration) -> u64 {
+    u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
+}

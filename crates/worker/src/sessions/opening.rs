@@ -1,0 +1,110 @@
+//! Opens a session file, or a CSV file that becomes one.
+
+use motorlink_messages::sessions::{FromSessions, Progress};
+use motorlink_session::{Import, NotASession, Opening, Overview, Problems, Session, Step};
+use web_sys::{Blob, File};
+
+use super::{
+    info::info,
+    open_session::{NotOpened, OpenSession},
+    reading::for_each_record,
+    source::Source,
+    state::{Reporter, Shared, is_ended, post},
+};
+use crate::blob_parts::Parts;
+
+/// Bytes of a CSV file that are read at once.
+const CSV_PIECE: u64 = 1 << 20;
+
+/// Opens a file, and posts what is in it.
+pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
+    match try_open(shared, task, name, file).await {
+        Ok(open) => {
+            let about = info(&open);
+            shared.borrow_mut().open = Some(open.into());
+            post(&FromSessions::Opened(Box::new(about)));
+        }
+        Err(NotOpened::NotASession(why)) => post(&FromSessions::NotOpened(Some(why))),
+        Err(NotOpened::Unreadable) => post(&FromSessions::NotOpened(None)),
+        Err(NotOpened::Ended) => {}
+    }
+}
+
+async fn try_open(
+    shared: &Shared,
+    task: u32,
+    name: String,
+    file: File,
+) -> Result<OpenSession, NotOpened> {
+    post(&FromSessions::Reading(Progress::default()));
+    let file: Blob = file.into();
+    let mut source = Source::new(file);
+    let mut problems = Problems::default();
+    let session = match index(&source).await {
+        Err(NotOpened::NotASession(NotASession::Text)) => {
+            (source, problems) = import(shared, task, &source).await?;
+            index(&source).await?
+        }
+        session => session?,
+    };
+    let mut overview = None;
+    if let Some(range) = session.overview_range() {
+        let bytes = source.read(range).await;
+        let bytes = bytes.map_err(|_| NotOpened::Unreadable)?;
+        overview = Session::stored_overview(&bytes);
+    }
+    problems = problems.and(session.problems());
+    let overview = if let Some(overview) = overview {
+        overview
+    } else {
+        let mut overview = Overview::default();
+        let read = for_each_record(shared, task, &source, &session, |record| {
+            overview.add(&record);
+        });
+        problems = problems.and(&read.await?);
+        overview
+    };
+    if is_ended(shared, task) {
+        return Err(NotOpened::Ended);
+    }
+    Ok(OpenSession {
+        name,
+        session,
+        source,
+        overview,
+        problems,
+    })
+}
+
+/// Reads the index of a session file.
+async fn index(source: &Source) -> Result<Session, NotOpened> {
+    let mut opening = Opening::new(source.len());
+    while let Step::Read(range) = opening.step() {
+        let bytes = source.read(range).await;
+        opening.supply(&bytes.map_err(|_| NotOpened::Unreadable)?);
+    }
+    opening.finish().map_err(NotOpened::NotASession)
+}
+
+/// Converts a CSV file to a session, in memory of the browser.
+async fn import(shared: &Shared, task: u32, csv: &Source) -> Result<(Source, Problems), NotOpened> {
+    let mut reporter = Reporter::new(shared, FromSessions::Reading);
+    let mut import = Import::default();
+    let mut parts = Parts::default();
+    let mut at = 0;
+    while at < csv.len() && !import.is_unknown() {
+        let end = csv.len().min(at + CSV_PIECE);
+        let bytes = csv.read(at..end).await;
+        import.feed(&bytes.map_err(|_| NotOpened::Unreadable)?);
+        parts.push(&import.take());
+        at = end;
+        reporter.report(at, csv.len());
+        if is_ended(shared, task) {
+            return Err(NotOpened::Ended);
+        }
+    }
+    let (rest, problems) = import.finish().map_err(NotOpened::NotASession)?;
+    parts.push(&rest);
+    let session = parts.take_file("").map_err(|_| NotOpened::Unreadable)?;
+    Ok((Source::new(session), problems))
+}

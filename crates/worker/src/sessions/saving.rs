@@ -1,0 +1,163 @@
+//! From the recorder to a session file.
+//!
+//! The worker requests the next part when it has written the one before, so at most one part waits. Between two parts
+//! it receives messages, such as the one that cancels.
+
+use js_sys::{Promise, Uint8Array};
+use motorlink_bus::LineEvent;
+use motorlink_messages::{
+    decode,
+    sessions::{FromSessions, Kept, KeptRecord, NotSaved},
+};
+use motorlink_session::{Event, Writer};
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
+use web_sys::{FileSystemFileHandle, MessageEvent, MessagePort};
+
+use super::{
+    state::{Reporter, Shared, post, post_file},
+    target::Target,
+};
+
+/// Bytes per write: a chunk of the file.
+const PIECE: usize = 256 << 10;
+
+/// The media type of MCAP files, which is not registered.
+const MCAP: &str = "application/octet-stream";
+
+/// Saves what the recorder keeps, and posts the outcome.
+pub(super) async fn save(
+    shared: &Shared,
+    recorder: MessagePort,
+    handle: Option<FileSystemFileHandle>,
+    version: &str,
+    setup: &str,
+) {
+    let kept = KeptParts {
+        shared: shared.clone(),
+        port: recorder,
+    };
+    let outcome = write(&kept, handle, version, setup).await;
+    kept.port.close();
+    {
+        let worker = &mut *shared.borrow_mut();
+        worker.is_saving = false;
+        worker.wake = None;
+    }
+    if let Err(reason) = outcome {
+        post(&FromSessions::NotSaved(reason));
+    }
+}
+
+/// What the recorder keeps, part by part.
+struct KeptParts {
+    shared: Shared,
+    port: MessagePort,
+}
+
+impl KeptParts {
+    /// Requests the next part, or all from the beginning.
+    async fn next(&self, first: bool) -> Result<Kept, NotSaved> {
+        if !self.shared.borrow().is_saving {
+            return Err(NotSaved::Cancelled);
+        }
+        let answer = Promise::new(&mut |resolve, _| {
+            self.port.set_onmessage(Some(&resolve));
+            self.shared.borrow_mut().wake = Some(resolve);
+        });
+        let posted = self.port.post_message(&JsValue::from_bool(first));
+        posted.map_err(|_| NotSaved::Failed)?;
+        let answer = JsFuture::from(answer).await.ok();
+        let event = answer.and_then(|answer| answer.dyn_into::<MessageEvent>().ok());
+        // Without a message it was woken.
+        let event = event.ok_or(NotSaved::Cancelled)?;
+        let bytes = Uint8Array::new(&event.data()).to_vec();
+        decode(&bytes).map_err(|_| NotSaved::Failed)
+    }
+}
+
+async fn write(
+    kept: &KeptParts,
+    handle: Option<FileSystemFileHandle>,
+    version: &str,
+    setup: &str,
+) -> Result<(), NotSaved> {
+    let mut part = kept.next(true).await?;
+    if let Kept::Part {
+        records,
+        is_last: true,
+        ..
+    } = &part
+        && records.is_empty()
+    {
+        return Err(NotSaved::Nothing);
+    }
+    let mut target = Target::open(handle).await?;
+    match write_to(kept, &mut part, &mut target, version, setup).await {
+        Ok(message) => {
+            if let Some(mut parts) = target.complete().await? {
+                return post_file(&message, &mut parts, MCAP).map_err(|_| NotSaved::NoRoom);
+            }
+            post(&message);
+            Ok(())
+        }
+        Err(reason) => {
+            target.discard().await;
+            Err(reason)
+        }
+    }
+}
+
+/// Writes the whole file. Returns the message about it.
+async fn write_to(
+    kept: &KeptParts,
+    part: &mut Kept,
+    target: &mut Target,
+    version: &str,
+    setup: &str,
+) -> Result<FromSessions, NotSaved> {
+    let mut reporter = Reporter::new(&kept.shared, FromSessions::Saving);
+    let mut writer: Option<Writer> = None;
+    let (mut bytes, mut records) = (0, 0);
+    loop {
+        let (zero_us, progress, slice, is_last) = match std::mem::replace(part, Kept::Changed) {
+            Kept::Part {
+                zero_us,
+                progress,
+                records,
+                is_last,
+            } => (zero_us, progress, records, is_last),
+            Kept::Restoring => return Err(NotSaved::Restoring),
+            Kept::Changed => return Err(NotSaved::Changed),
+        };
+        let writer = writer.get_or_insert_with(|| Writer::new(zero_us, &[("page", version)]));
+        records += slice.len() as u64;
+        for record in slice {
+            add(writer, record);
+        }
+        if writer.written() >= PIECE {
+            let piece = writer.take();
+            bytes += piece.len() as u64;
+            target.write(&piece).await?;
+        }
+        reporter.report(progress.done, progress.of);
+        if is_last {
+            break;
+        }
+        *part = kept.next(false).await?;
+    }
+    if let Some(mut writer) = writer {
+        writer.attach("setup.json", "application/json", setup.as_bytes());
+        let rest = writer.finish();
+        bytes += rest.len() as u64;
+        target.write(&rest).await?;
+    }
+    Ok(FromSessions::Saved { bytes, records })
+}
+
+fn add(writer: &mut Writer, record: KeptRecord) {
+    match record {
+        KeptRecord::Line(LineEvent { at, kind }) => writer.line(&LineEvent { at, kind }),
+        KeptRecord::Message { at, error, text } => writer.event(at, &Event::of_page(&text, error)),
+    }
+}
