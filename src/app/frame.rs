@@ -59,8 +59,8 @@ pub(crate) fn frame(
 fn title(drawer: Drawer) -> &'static str {
     match drawer {
         Drawer::Link => tr!("Link"),
-        // The setup of the wheels comes with the part that can open it, and has no placeholder.
-        Drawer::Together | Drawer::WheelSetup => tr!("Drive together"),
+        // The setup of the wheels and the session file come with the panel Drive together, and have no placeholder.
+        Drawer::Together | Drawer::WheelSetup | Drawer::Session => tr!("Drive together"),
         Drawer::Settings => tr!("Settings"),
         Drawer::VirtualMotors => tr!("Virtual motors"),
     }

@@ -6,14 +6,14 @@
     allow(unsafe_code, reason = "the call into a part, made by wasm_split")
 )]
 
-use leptos::{html::Div, prelude::*, task::spawn_local, wasm_split::SplitLoaderError};
-use motorlink_i18n::tr;
+use leptos::{prelude::*, wasm_split::SplitLoaderError};
+use motorlink_i18n::{load_later_texts, tr};
 
 use crate::{
     app::{
-        absent::{Absent, notice},
         features::Features,
         focus,
+        later_panel::{Load, later_panel},
         mount::{Hosts, Mounted},
         question_dialog::QuestionDialog,
         tab_bar::TabBar,
@@ -34,16 +34,14 @@ use crate::{
         recording::Recording,
         rover::{geometry_fields::GeometryFields, panel::RoverPanel, state::Rover},
         saved_session::view::{SavedSessionNotice, is_hidden},
+        session::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
         settings::panel::{InstallButton, SettingsPanel},
         wheel_setup::{
             actions::{IdManagerActions, WheelSetup},
             panel::WheelSetupSteps,
         },
     },
-    ui::{
-        drawer::{Drawer, panel_of_drawer},
-        reactive::effect,
-    },
+    ui::drawer::Drawer,
 };
 
 /// A part. More and smaller parts would be larger in total: code that several parts use is a file per set of parts.
@@ -59,7 +57,7 @@ pub(crate) enum Part {
 }
 
 /// The sections of a part, mounted.
-type Sections = Vec<Option<Mounted>>;
+pub(crate) type Sections = Vec<Option<Mounted>>;
 
 impl Part {
     /// All, in the order in which they are fetched.
@@ -86,14 +84,18 @@ impl Part {
 /// Moves the code of a function, and all code that only it uses, into a part. Without the feature `parts`, as in
 /// tests, all code is in one program.
 macro_rules! in_part {
-    ($part:ident: fn $name:ident($hosts:ident, $features:ident) $sections:expr) => {
+    ($part:ident: fn $name:ident($hosts:ident, $features:ident $(, $which:ident)?) $sections:expr) => {
         #[cfg(feature = "parts")]
         #[::leptos::wasm_split::wasm_split(
-                                                            $part,
-                                                            wasm_split_path = ::leptos::wasm_split,
-                                                            fallible
-                                                        )]
-        fn $name(hosts: Hosts, $features: Features) -> Result<Sections, SplitLoaderError> {
+            $part,
+            wasm_split_path = ::leptos::wasm_split,
+            fallible
+        )]
+        fn $name(
+            hosts: Hosts,
+            $features: Features
+            $(, $which: Drawer)?
+        ) -> Result<Sections, SplitLoaderError> {
             let mut $hosts = hosts;
             Ok($sections.into())
         }
@@ -101,7 +103,8 @@ macro_rules! in_part {
         #[cfg(not(feature = "parts"))]
         async fn $name(
             mut $hosts: Hosts,
-            $features: Features,
+            $features: Features
+            $(, $which: Drawer)?
         ) -> Result<Sections, SplitLoaderError> {
             Ok($sections.into())
         }
@@ -120,7 +123,13 @@ in_part!(desk: fn mount_desk(hosts, features) [
     hosts.mount(move || notices(features)),
     hosts.mount(move || view! { <PacketLog log=features.log /> }),
     hosts.mount(move || view! { <Graph chart=features.chart /> }),
-    hosts.mount(Recording),
+    {
+        let incoming = Incoming::of_page(&hosts.owner);
+        hosts.mount(move || {
+            incoming.listen(features.page);
+            Recording()
+        })
+    },
     hosts.mount(MotorStrip),
     hosts.mount(TabBar),
     hosts.mount(move || {
@@ -143,18 +152,33 @@ in_part!(tools: fn mount_tools(hosts, features) [
         let owner = hosts.owner.downgrade();
         features.ids.listen();
         hosts.mount(move || {
+            let owner = StoredValue::new(owner);
             let measures = view! { <GeometryFields rover /> };
+            let panel = |which, title| {
+                let load: Load =
+                    |hosts, features, which| Box::pin(mount_seldom(hosts, features, which));
+                later_panel(which, title, features, owner, load)
+            };
+            let wheels = panel(Drawer::WheelSetup, tr!("Set up the wheels of a rover"));
+            let session = panel(Drawer::Session, tr!("Session file"));
             view! {
                 <TogetherPanel groups=features.groups measures />
-                <WheelSetupPanel features owner />
+                {wheels}
+                {session}
             }
         })
     },
     hosts.mount(move || settings_panel(features)),
 ]);
 
-in_part!(wheels: fn mount_wheels(hosts, features) [
-    {
+// One function for both panels: each function, and each part, adds to the first program.
+in_part!(seldom: fn mount_seldom(hosts, features, which) [{
+    load_later_texts();
+    if which == Drawer::Session {
+        let incoming = Incoming::of_page(&hosts.owner);
+        let files = SessionFiles::of_page(&hosts.owner, features.page);
+        hosts.mount(move || view! { <SessionPanel files incoming /> })
+    } else {
         let ids = features.ids;
         let actions = move || IdManagerActions {
             progress: Box::new(move || ids.manager.with(IdManager::progress)),
@@ -165,55 +189,12 @@ in_part!(wheels: fn mount_wheels(hosts, features) [
         };
         let setup = WheelSetup::of_page(&hosts.owner, features.page, actions);
         hosts.mount(move || view! { <WheelSetupSteps setup /> })
-    },
-]);
+    }
+}]);
 
 in_part!(help: fn mount_help(hosts, features) [
     hosts.mount(move || view! { <HelpDialog tour=features.tour /> }),
 ]);
-
-/// Panel `Set up the wheels of a rover`. Few users need it, so its part loads when the panel is first opened.
-#[component]
-fn WheelSetupPanel(
-    features: Features,
-    /// The owner of the page.
-    owner: WeakOwner,
-) -> impl IntoView {
-    let page = features.page;
-    let place = NodeRef::<Div>::new();
-    let mounted: StoredValue<Sections, LocalStorage> = StoredValue::new_local(Vec::new());
-    let owner = StoredValue::new(owner);
-    let state = RwSignal::new(Absent::Loading);
-    let load = move || {
-        let element = place.get_untracked();
-        let owner = owner.get_value().upgrade();
-        let (Some(element), Some(owner)) = (element, owner) else {
-            return;
-        };
-        state.set(Absent::Loading);
-        spawn_local(async move {
-            let elements = vec![element.into()];
-            let sections = mount_wheels(Hosts { owner, elements }, features).await;
-            match sections {
-                // In another language meanwhile, they are dropped.
-                Ok(sections) => drop(mounted.try_set_value(sections)),
-                Err(_) => drop(state.try_set(Absent::Missing)),
-            }
-        });
-    };
-    effect(move || {
-        let is_open = page.drawer.get() == Some(Drawer::WheelSetup);
-        if is_open && mounted.with_value(Vec::is_empty) {
-            load();
-        }
-    });
-    panel_of_drawer(
-        page.drawer,
-        Drawer::WheelSetup,
-        tr!("Set up the wheels of a rover"),
-        view! { <div node_ref=place>{notice(state, load)}</div> },
-    )
-}
 
 fn settings_panel(features: Features) -> impl IntoView {
     let install = Box::leak(Box::new(InstallButton {

@@ -17,6 +17,7 @@ pub mod raw;
 pub(crate) mod recording;
 pub(crate) mod rover;
 pub(crate) mod saved_session;
+pub(crate) mod session;
 pub(crate) mod settings;
 pub(crate) mod stop;
 pub mod telemetry;

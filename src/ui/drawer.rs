@@ -18,6 +18,8 @@ pub(crate) enum Drawer {
     VirtualMotors,
     /// The setup of the wheels of a rover, one motor after the other.
     WheelSetup,
+    /// Saves and opens session files.
+    Session,
 }
 
 /// Opens a panel of the drawer, or closes it.

@@ -23,9 +23,10 @@ use web_sys::{
 /// Passes on what it is received, and says what it is bidden: as the worker that owns the port, or as the
 /// recorder.
 const WORKER: &str = r"
-    const bench = new BroadcastChannel('CHANNEL' + (self.name === 'recorder' ? '-recorder' : ''));
-    self.onmessage = (event) => {
-        bench.postMessage(event.data instanceof MessagePort ? 'line' : event.data);
+    const bench = new BroadcastChannel('CHANNEL' + (self.name === 'worker' ? '' : '-' + self.name));
+    const plain = (data) => data instanceof MessagePort ? 'line' : data;
+    self.onmessage = ({ data }) => {
+        bench.postMessage(Array.isArray(data) ? data.map(plain) : plain(data));
     };
     bench.onmessage = (event) => {
         if (event.data === 'fail') throw new Error('as it was asked to');
@@ -40,7 +41,7 @@ pub struct Bench {
     received: Rc<RefCell<Vec<ToWorker>>>,
     up: Rc<RefCell<bool>>,
     root: HtmlElement,
-    programs: [Element; 2],
+    programs: [Element; 3],
     _on_message: Closure<dyn FnMut(MessageEvent)>,
     _page: Box<dyn std::any::Any>,
 }
@@ -77,7 +78,7 @@ impl Bench {
             left.unchecked_into::<Element>().remove();
         }
         let url = Url::create_object_url_with_blob(&blob).unwrap();
-        let programs = ["worker", "recorder"].map(|program| {
+        let programs = ["worker", "recorder", "sessions"].map(|program| {
             let meta = document().create_element("meta").unwrap();
             let name = format!("motorlink-{program}");
             meta.set_attribute("name", &name).unwrap();
@@ -345,6 +346,7 @@ fn role_of(element: &HtmlElement) -> String {
         ("SELECT", _) => "combobox",
         ("TEXTAREA", _) | ("INPUT", "text") => "textbox",
         ("SECTION", _) => "region",
+        ("UL", _) => "list",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",
         ("INPUT", "radio") => "radio",

@@ -22,6 +22,7 @@ mod operating;
 mod raw_hex;
 mod remembering;
 mod saved_session;
+mod session_file;
 mod setup;
 mod together;
 mod tools;

@@ -26,6 +26,7 @@ mod rover;
 mod scanning;
 mod security;
 mod session;
+mod session_files;
 mod setup;
 mod starting;
 mod stopping;

@@ -1,0 +1,291 @@
+//! What the buttons of the panel do, and the messages of the session worker.
+
+use std::rc::Rc;
+
+use js_sys::Reflect;
+use leptos::{prelude::*, task::spawn_local};
+use motorlink_i18n::tr;
+use motorlink_messages::sessions::{
+    FromSessions, NotSaved, Progress, SessionExport, SessionInfo, ToSessions,
+};
+use wasm_bindgen::JsValue;
+use web_sys::{Blob, MessageChannel};
+
+use crate::{
+    features::session::{
+        incoming::Incoming,
+        save_picker::{Picked, pick},
+        texts,
+    },
+    link::sessions_link::SessionsLink,
+    model::page::Page,
+    ui::{
+        clock::{local_date, local_time, page_now_ms, page_origin_ms},
+        download::save_blob,
+        reactive::effect,
+    },
+};
+
+/// What the panel says: a text, and whether it is an error.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Said {
+    pub(super) error: bool,
+    pub(super) text: String,
+}
+
+/// Session files.
+#[derive(Clone, Copy)]
+pub(crate) struct SessionFiles {
+    pub(super) page: Page,
+    link: StoredValue<Option<SessionsLink>, LocalStorage>,
+    /// The progress of saving, in per mille.
+    pub(super) saving: RwSignal<Option<u64>>,
+    /// The progress of opening or exporting, in per mille.
+    pub(super) reading: RwSignal<Option<u64>>,
+    /// The content of the open file.
+    pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
+    pub(super) said: RwSignal<Said>,
+    /// The name of the file that is being saved.
+    saved_as: StoredValue<String>,
+}
+
+impl SessionFiles {
+    /// Of this page: made at the first call, for the owner of the page.
+    pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
+        owner.with(|| {
+            use_context().unwrap_or_else(|| {
+                let new = Self {
+                    page,
+                    link: StoredValue::new_local(None),
+                    saving: RwSignal::new(None),
+                    reading: RwSignal::new(None),
+                    open: RwSignal::new_local(None),
+                    said: RwSignal::default(),
+                    saved_as: StoredValue::default(),
+                };
+                provide_context(new);
+                new
+            })
+        })
+    }
+
+    /// Takes the files that are dropped onto the page, and cancels saving when the recorder fails.
+    pub(super) fn follow(self, incoming: Incoming) {
+        effect(move || {
+            if let Some(file) = incoming.file.get() {
+                incoming.file.set(None);
+                self.open_file(&file);
+            }
+        });
+        let alive = self.page.recorder().alive;
+        effect(move || {
+            if !alive.get() && self.saving.get_untracked().is_some() {
+                self.post(&ToSessions::CancelSave, &[], &[]);
+            }
+        });
+    }
+
+    fn say(self, error: bool, text: impl Into<String>) {
+        let text = text.into();
+        self.said.set(Said { error, text });
+    }
+
+    /// Starts the worker, unless it runs. Returns whether it runs.
+    fn start_worker(self) -> bool {
+        if self.link.with_value(Option::is_some) {
+            return true;
+        }
+        let started = SessionsLink::spawn(
+            move |message, file| self.on_message(message, file.as_ref()),
+            move || self.worker_lost(),
+        );
+        let link = started.ok();
+        let runs = link.is_some();
+        self.link.set_value(link);
+        if !runs {
+            self.say(true, tr!("Session files do not work in this browser."));
+        }
+        runs
+    }
+
+    fn post(self, message: &ToSessions, file: &[JsValue], channel: &[JsValue]) {
+        self.link.with_value(|link| {
+            if let Some(link) = link {
+                link.post(message, file, channel);
+            }
+        });
+    }
+
+    /// Ends the worker. The next action starts another.
+    fn worker_lost(self) {
+        // The link is in use while it calls this.
+        spawn_local(async move {
+            let link = self.link.try_update_value(Option::take).flatten();
+            if let Some(link) = link {
+                link.end();
+                self.saving.set(None);
+                self.reading.set(None);
+                self.open.set(None);
+                self.say(true, tr!("Session files have stopped. Try again."));
+            }
+        });
+    }
+
+    /// Saves what the recorder keeps, or cancels that.
+    pub(super) fn save_or_cancel(self) {
+        if self.saving.get_untracked().is_some() {
+            return self.post(&ToSessions::CancelSave, &[], &[]);
+        }
+        if !self.start_worker() {
+            return;
+        }
+        self.saving.set(Some(0));
+        self.say(false, "");
+        let name = file_name();
+        spawn_local(async move {
+            // The dialog takes the keys, and on some systems covers the page: nobody could press STOP.
+            let picked = if self.page.is_anything_driven() {
+                Picked::NoDialog
+            } else {
+                pick(&name, tr!("Session")).await
+            };
+            let handle = match picked {
+                Picked::File(handle) => Some(handle),
+                Picked::NoDialog => None,
+                Picked::Cancelled => return self.not_saved(NotSaved::Cancelled),
+            };
+            self.saved_as.set_value(name);
+            if !self.save_to(handle.as_slice()) {
+                self.not_saved(NotSaved::Failed);
+            }
+        });
+    }
+
+    /// Connects the worker to the recorder, and lets it save, to the file of this handle if there is one. Returns whether
+    /// that was possible.
+    fn save_to(self, handle: &[JsValue]) -> bool {
+        let Ok(channel) = MessageChannel::new() else {
+            return false;
+        };
+        let connected = self.page.recorder().link.with_value(|recorder| {
+            let recorder = recorder.as_ref();
+            recorder.map(|recorder| recorder.hand_over(&channel.port1()))
+        });
+        let message = ToSessions::Save {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            setup: self.page.setup().to_json(),
+        };
+        self.post(&message, handle, &[channel.port2().into()]);
+        connected.is_some()
+    }
+
+    fn not_saved(self, why: NotSaved) {
+        self.saving.set(None);
+        self.say(why != NotSaved::Cancelled, texts::of_not_saved(why));
+    }
+
+    /// Opens a file.
+    pub(super) fn open_file(self, file: &JsValue) {
+        if !self.start_worker() {
+            return;
+        }
+        let name = Reflect::get(file, &"name".into()).ok();
+        let name = name.and_then(|name| name.as_string()).unwrap_or_default();
+        self.open.set(None);
+        self.reading.set(Some(0));
+        self.say(false, tr!("Opening {name}", name = name.clone()));
+        let message = ToSessions::Open { name };
+        self.post(&message, std::slice::from_ref(file), &[]);
+    }
+
+    /// Closes the open file. Its worker ends, which frees its memory, unless a session is being saved.
+    pub(super) fn close(self) {
+        self.open.set(None);
+        self.say(false, "");
+        if self.saving.get_untracked().is_some() {
+            return self.cancel_reading();
+        }
+        self.reading.set(None);
+        let link = self.link.try_update_value(Option::take).flatten();
+        if let Some(link) = link {
+            link.end();
+        }
+    }
+
+    /// Writes the open session as another file.
+    pub(super) fn export(self, what: SessionExport) {
+        self.reading.set(Some(0));
+        self.say(false, "");
+        self.post(&ToSessions::Export(what), &[], &[]);
+    }
+
+    /// Cancels opening or exporting.
+    pub(super) fn cancel_reading(self) {
+        if self.reading.get_untracked().is_some() {
+            self.post(&ToSessions::CancelReading, &[], &[]);
+        }
+    }
+
+    fn on_message(self, message: FromSessions, file: Option<&Blob>) {
+        match message {
+            FromSessions::Saving(progress) => show(self.saving, progress),
+            FromSessions::Saved { bytes, records } => {
+                self.saving.set(None);
+                let name = self.saved_as.get_value();
+                if let Some(file) = file {
+                    save_blob(file, &name);
+                }
+                let said = texts::of_saved(&name, bytes, records);
+                self.say(false, said);
+            }
+            FromSessions::NotSaved(why) => self.not_saved(why),
+            FromSessions::Reading(progress) => show(self.reading, progress),
+            FromSessions::Opened(info) => {
+                self.reading.set(None);
+                self.say(false, tr!("Opened {name}", name = info.name.clone()));
+                self.open.set(Some(Rc::new(*info)));
+            }
+            FromSessions::NotOpened(why) => {
+                self.reading.set(None);
+                self.say(true, texts::of_not_opened(why));
+            }
+            FromSessions::Exported { what, problems } => {
+                self.reading.set(None);
+                let name = self.open.with_untracked(|open| {
+                    open.as_ref()
+                        .map(|info| texts::export_name(what, &info.name))
+                });
+                let (Some(name), Some(file)) = (name, file) else {
+                    return;
+                };
+                save_blob(file, &name);
+                let lines = problems
+                    .iter()
+                    .map(|(one, times)| texts::of_problem(*one, *times));
+                let mut said = vec![tr!("Exported {name}", name)];
+                said.extend(lines);
+                self.say(!problems.is_empty(), said.join(" "));
+            }
+            FromSessions::Cancelled => {
+                self.reading.set(None);
+                self.say(false, tr!("Cancelled"));
+            }
+            FromSessions::Died => self.worker_lost(),
+        }
+    }
+}
+
+/// Shows progress, unless it was cancelled meanwhile.
+fn show(of: RwSignal<Option<u64>>, progress: Progress) {
+    if of.get_untracked().is_some() {
+        of.set(Some(progress.per_mille()));
+    }
+}
+
+/// `motorlink-session-20261123-235959.mcap`, in local time as the names of other exports.
+fn file_name() -> String {
+    let now_ms = page_origin_ms() + page_now_ms();
+    let digits = |text: String| text.replace(['-', ':'], "");
+    let (date, time) = (digits(local_date(now_ms)), digits(local_time(now_ms)));
+    ["motorlink-session-", &date, "-", &time, ".mcap"].concat()
+}

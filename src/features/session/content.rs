@@ -1,0 +1,188 @@
+//! What is in an open file: what is missing, figures, a picture, events, and exports.
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::{
+    protocol::{Current, Rpm},
+    sessions::{SessionExport, SessionInfo, SessionMark, SessionMotor},
+};
+
+use crate::{
+    features::session::{actions::SessionFiles, texts, timeline::timeline},
+    model::terms,
+    ui::{
+        button::PressButton,
+        clock::{local_date, local_time},
+        format::{self, grouped},
+    },
+};
+
+/// Events in the list, so that it stays short. The report has more.
+const EVENTS_MAX: usize = 200;
+
+/// The content of an open file.
+pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView + use<> {
+    let problems: Vec<_> = info
+        .problems
+        .iter()
+        .map(|(problem, times)| view! { <li>{texts::of_problem(*problem, *times)}</li> })
+        .collect();
+    let has_no_problems = problems.is_empty();
+    let facts: Vec<_> = facts(info)
+        .into_iter()
+        .map(|(name, value)| view! { <dt>{name}</dt> <dd>{value}</dd> })
+        .collect();
+    let motors: Vec<_> = info.motors.iter().map(motor_row).collect();
+    let events: Vec<_> = info.marks.iter().take(EVENTS_MAX).map(event_row).collect();
+    let left_out = info.marks.len().saturating_sub(EVENTS_MAX) as u64 + info.marks_left_out;
+    let more = (left_out > 0).then(|| {
+        tr!(
+            "{count} more events are in the file.",
+            count = grouped(left_out)
+        )
+    });
+    let export = move |what, label, hint| {
+        let reads = move || {
+            files
+                .reading
+                .get()
+                .map(|_| tr!("Another file is being read.").to_owned())
+        };
+        view! {
+            <PressButton
+                label=label
+                class="button small"
+                hint=hint
+                disabled_reason=Signal::derive(reads)
+                on_press=move || files.export(what)
+            />
+        }
+    };
+    view! {
+        <div class="session-content">
+            <div class="session-head">
+                <h3>{info.name.clone()}</h3>
+                <PressButton
+                    label=tr!("Close file")
+                    class="button small"
+                    on_press=move || files.close()
+                />
+            </div>
+            <ul class="session-problems" aria-label=tr!("Missing in the file") hidden=has_no_problems>
+                {problems}
+            </ul>
+            <dl>{facts}</dl>
+            <div class="session-pictures">{timeline(info)}</div>
+            <table class="session-motors">
+                <thead>
+                    <tr>
+                        <th scope="col">{tr!("Motor")}</th>
+                        <th scope="col">{tr!("Speed")} " (" {format::rpm()} ")"</th>
+                        <th scope="col">{tr!("Current" as "electric")} " (A)"</th>
+                        <th scope="col">"°C"</th>
+                        <th scope="col">{tr!("Lost")}</th>
+                    </tr>
+                </thead>
+                <tbody>{motors}</tbody>
+            </table>
+            <h4>{tr!("Events")}</h4>
+            <ol class="session-events" tabindex="0" aria-label=tr!("Events")>
+                {events}
+            </ol>
+            <p class="quiet">{more}</p>
+            <div class="button-row">
+                {export(
+                    SessionExport::Report,
+                    tr!("Report"),
+                    tr!("One HTML file: duration, motors, faults, stops, losses, extremes, graphs"),
+                )}
+                {export(
+                    SessionExport::Plot,
+                    tr!("Export plot CSV"),
+                    tr!("Every reply with elapsed seconds, for PlotJuggler"),
+                )}
+                {export(
+                    SessionExport::Telemetry,
+                    tr!("Export replies"),
+                    tr!("Every reply as CSV, in the columns of the article"),
+                )}
+                {export(
+                    SessionExport::Log,
+                    tr!("Export log"),
+                    tr!("The packet log as CSV"),
+                )}
+            </div>
+        </div>
+    }
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "milliseconds since 1970 are exact in a double"
+)]
+fn facts(info: &SessionInfo) -> Vec<(&'static str, String)> {
+    let from_ms = info.from_unix_us as f64 / 1_000.0;
+    let from = format!("{} {}", local_date(from_ms), local_time(from_ms));
+    let mut facts = vec![
+        (tr!("From"), from),
+        (tr!("Duration"), texts::elapsed(info.duration_us)),
+        (tr!("Sent"), grouped(info.sent)),
+        (tr!("Received"), grouped(info.received)),
+        (tr!("Lost"), grouped(info.lost)),
+        (tr!("Invalid bytes, in pieces"), grouped(info.junk)),
+        (tr!("File size"), texts::size(info.bytes)),
+    ];
+    if !info.version.is_empty() {
+        facts.push((tr!("Written by MotorLink"), info.version.clone()));
+    }
+    facts
+}
+
+fn motor_row(motor: &SessionMotor) -> impl IntoView + use<> {
+    let extreme = |place: usize, pick: fn(i16, i16) -> i16| {
+        let values = motor
+            .buckets
+            .iter()
+            .flatten()
+            .filter_map(|bucket| bucket.get(place));
+        values.copied().reduce(pick)
+    };
+    let speed = extreme(0, i16::min).zip(extreme(1, i16::max));
+    let speed = speed.map(|(least, most)| {
+        range(
+            &format::speed(Rpm::new(least)),
+            &format::speed(Rpm::new(most)),
+        )
+    });
+    let current = extreme(2, i16::min).zip(extreme(3, i16::max));
+    let amps = |raw| format::current(Current::from_raw(raw));
+    let current = current.map(|(least, most)| range(&amps(least), &amps(most)));
+    let unknown = || format::UNKNOWN.to_owned();
+    let faults = (!motor.faults.is_none()).then(|| terms::faults(motor.faults));
+    view! {
+        <tr>
+            <th scope="row">{motor.id.to_string()} <span class="bad">{faults}</span></th>
+            <td>{speed.unwrap_or_else(unknown)}</td>
+            <td>{current.unwrap_or_else(unknown)}</td>
+            <td>{motor.temperature_max_c.map_or_else(unknown, |degrees| degrees.to_string())}</td>
+            <td>{grouped(motor.lost)}</td>
+        </tr>
+    }
+}
+
+fn range(least: &str, most: &str) -> String {
+    if least == most {
+        return least.to_owned();
+    }
+    tr!("{least} to {most}", least, most)
+}
+
+fn event_row(mark: &SessionMark) -> impl IntoView + use<> {
+    let class = if mark.error { "bad" } else { "" };
+    view! {
+        <li>
+            <span class="session-time">{texts::elapsed(mark.after_us)}</span>
+            <span class=class>{mark.text.clone()}</span>
+        </li>
+    }
+}

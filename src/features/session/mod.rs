@@ -1,0 +1,18 @@
+//! Session files: saves what the recorder keeps, and opens such files.
+//!
+//! | file | idea |
+//! |---|---|
+//! | `incoming` | files that are dropped onto the page, or opened with the installed app |
+//! | `actions` | what the buttons do, and the messages of the session worker |
+//! | `save_picker` | the browser's dialog for a file to write |
+//! | `panel` | the panel `Session file` |
+//! | `content` | what is in an open file |
+//! | `timeline` | the whole session in one picture |
+
+pub(crate) mod actions;
+mod content;
+pub(crate) mod incoming;
+pub(crate) mod panel;
+mod save_picker;
+mod texts;
+mod timeline;

@@ -1,0 +1,172 @@
+//! The whole session in one picture: for each motor the range of its speed and current over time, and all events.
+
+use std::fmt::Write;
+
+use leptos::prelude::*;
+use motorlink_i18n::tr;
+use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
+
+/// Width and height of the picture of a motor, in its own units.
+const SIZE: (u64, u64) = (1_000, 60);
+
+/// Marks that are drawn: more are no wider apart than a pixel.
+const MARKS_MAX: usize = 500;
+
+/// A value in a bucket: its places of least and greatest, as in `SessionMotor::buckets`.
+type Places = (usize, usize);
+const SPEED: Places = (0, 1);
+const CURRENT: Places = (2, 3);
+
+/// A longer time without a reply is empty, as in the graph. A standing motor is queried ten times a second, so in a
+/// short session most buckets between two replies are empty.
+const GAP_US: u64 = 1_000_000;
+
+/// The pictures of all motors, one below the other.
+pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
+    let marks: Vec<_> = info
+        .marks
+        .iter()
+        .take(MARKS_MAX)
+        .map(|mark| (x(mark.after_us, info.duration_us), class_of(mark)))
+        .collect();
+    let motors: Vec<_> = info
+        .motors
+        .iter()
+        .map(|motor| {
+            let speed = area(motor, SPEED, info.bucket_us, info.duration_us);
+            let current = area(motor, CURRENT, info.bucket_us, info.duration_us);
+            let marks = marks.iter().map(|(x, class)| {
+                view! { <path class=*class d=format!("M{x} 0V{}", SIZE.1) /> }
+            });
+            let name = tr!("Motor {id}: speed and current over time", id = motor.id);
+            view! {
+                <figure class="session-motor">
+                    <figcaption>{motor.id.to_string()}</figcaption>
+                    <svg
+                        role="img"
+                        aria-label=name
+                        viewBox=format!("0 0 {} {}", SIZE.0, SIZE.1)
+                        preserveAspectRatio="none"
+                    >
+                        <path class="session-zero" d=format!("M0 {0}H{1}", SIZE.1 / 2, SIZE.0) />
+                        <path class="session-current" d=current />
+                        <path class="session-speed" d=speed />
+                        {marks.collect::<Vec<_>>()}
+                    </svg>
+                </figure>
+            }
+        })
+        .collect();
+    motors
+}
+
+fn class_of(mark: &SessionMark) -> &'static str {
+    if mark.error {
+        "session-mark bad"
+    } else {
+        "session-mark"
+    }
+}
+
+fn x(at_us: u64, duration_us: u64) -> u64 {
+    let share = u128::from(at_us.min(duration_us)) * u128::from(SIZE.0);
+    u64::try_from(share / u128::from(duration_us.max(1))).unwrap_or(SIZE.0)
+}
+
+/// The outline of a value between its least and greatest, as a path: each stretch of time with replies is a closed
+/// area. The zero is in the middle, and the greatest magnitude of the session reaches an edge.
+fn area(motor: &SessionMotor, places: Places, bucket_us: u64, duration_us: u64) -> String {
+    let value =
+        |bucket: &[i16; 4], place: usize| i64::from(bucket.get(place).copied().unwrap_or(0));
+    let buckets = motor.buckets.iter().flatten();
+    let greatest = buckets
+        .flat_map(|bucket| [value(bucket, places.0), value(bucket, places.1)])
+        .map(i64::abs)
+        .max();
+    let greatest = greatest.unwrap_or(0).max(1);
+    let middle = i64::try_from(SIZE.1 / 2).unwrap_or(0);
+    let y = |value: i64| middle - value * (middle - 1) / greatest;
+    let mut path = String::new();
+    let mut stretch: Vec<(u64, u64, i64, i64)> = Vec::new();
+    let mut close = |stretch: &mut Vec<(u64, u64, i64, i64)>| {
+        // Writing to a string cannot fail.
+        for (place, (from, to, _, high)) in stretch.iter().enumerate() {
+            let begin = if place == 0 { 'M' } else { 'L' };
+            let _ = write!(path, "{begin}{from} {high}H{to}");
+        }
+        for (from, to, low, _) in stretch.iter().rev() {
+            // At least a pixel high, so that a constant value is seen.
+            let _ = write!(path, "L{to} {}H{from}", low + 1);
+        }
+        if !stretch.is_empty() {
+            path.push('Z');
+        }
+        stretch.clear();
+    };
+    let mut empty_us = 0;
+    for (number, bucket) in (0_u64..).zip(&motor.buckets) {
+        let Some(bucket) = bucket else {
+            empty_us += bucket_us;
+            continue;
+        };
+        if std::mem::take(&mut empty_us) > GAP_US {
+            close(&mut stretch);
+        }
+        let from = x(number.saturating_mul(bucket_us), duration_us);
+        let to = x((number + 1).saturating_mul(bucket_us), duration_us);
+        let (least, most) = (value(bucket, places.0), value(bucket, places.1));
+        stretch.push((from, to.max(from + 1), y(least), y(most)));
+    }
+    close(&mut stretch);
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use motorlink_messages::protocol::{Faults, MotorId};
+
+    use super::*;
+
+    fn motor(buckets: Vec<Option<[i16; 4]>>) -> SessionMotor {
+        SessionMotor {
+            id: MotorId::FIRST,
+            replies: 0,
+            lost: 0,
+            faults: Faults::NONE,
+            temperature_max_c: None,
+            buckets,
+        }
+    }
+
+    #[test]
+    fn a_value_reaches_the_edge_at_its_greatest_and_gaps_stay_empty() {
+        let motor = motor(vec![
+            Some([0, 100, 0, 0]),
+            Some([100, 100, 0, 0]),
+            None,
+            Some([-50, -50, 0, 0]),
+        ]);
+        let path = area(&motor, SPEED, 2 * GAP_US, 8 * GAP_US);
+        assert_eq!(
+            path,
+            "M0 1H250L250 1H500L500 2H250L250 31H0ZM750 44H1000L1000 45H750Z"
+        );
+        let is_split = |bucket_us| {
+            area(&motor, CURRENT, bucket_us, 4 * bucket_us)
+                .matches('Z')
+                .count()
+                == 2
+        };
+        assert_eq!([GAP_US, GAP_US + 1].map(is_split), [false, true]);
+    }
+
+    #[test]
+    fn no_replies_and_no_time_draw_nothing_outside() {
+        assert_eq!(area(&motor(vec![]), SPEED, 0, 0), "");
+        assert_eq!(
+            area(&motor(vec![Some([i16::MIN, i16::MAX, 0, 0])]), SPEED, 1, 0),
+            "M0 2H1L1 60H0Z"
+        );
+        assert_eq!([x(7, 0), x(u64::MAX, u64::MAX)], [0, 1_000]);
+    }
+}

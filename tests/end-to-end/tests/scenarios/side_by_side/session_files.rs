@@ -1,0 +1,111 @@
+//! A session is saved while a motor drives, and opened again.
+
+use std::fs;
+
+use crate::fixture::{Scenario, assert_quiet_console, spin};
+use anyhow::{Result, ensure};
+use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
+use motorlink_messages::bus::LineEventKind;
+use motorlink_session::{Record, for_each_record, open};
+
+/// Makes the browser's dialog give a file of the page's private file system.
+const DIALOG: &str = "window.showSaveFilePicker = async () => {
+    const folder = await navigator.storage.getDirectory();
+    return (window.chosen = await folder.getFileHandle('chosen.mcap', { create: true }));
+}, true";
+
+/// The bytes of that file, as numbers.
+const CHOSEN: &str = "(async () => {
+    if (!window.chosen) return [];
+    const file = await window.chosen.getFile();
+    return Array.from(new Uint8Array(await file.arrayBuffer()));
+})()";
+
+/// No drive frame is later than this behind the one before: the page stops a motor after 500 ms.
+const GAP_US_MAX: u64 = 250_000;
+
+fn records(file: &[u8]) -> Result<Vec<Record>> {
+    let mut source = file;
+    let session = open(&mut source)??;
+    let mut records = Vec::new();
+    let problems = for_each_record(&mut source, &session, |record| records.push(record))?;
+    ensure!(problems.is_empty(), "{problems}");
+    Ok(records)
+}
+
+/// The frames that the page sent, as hex.
+fn sent(records: &[Record]) -> Vec<String> {
+    let lines = records.iter().filter_map(Record::line);
+    let frames = lines.filter_map(|line| match line.kind {
+        LineEventKind::Sent { frame, .. } => Some(frame.to_string()),
+        _ => None,
+    });
+    frames.collect()
+}
+
+#[test]
+fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
+    let scenario = Scenario::connected(Line::default())?;
+    let page = &scenario.page;
+    spin(page, "+100", 97..=103)?;
+    page.click("button", "Session file")?;
+    let from_us = now_us();
+    // Without the browser's dialog, which would cover STOP.
+    let saved = page.download("Save session")?;
+    page.wait_for_text("status", "Session file", |text| text.contains("Saved"))?;
+    let drives = scenario.since(from_us)?.drives();
+    let times = drives.frames.iter().map(|frame| frame.at_us);
+    let gap_us = times.clone().zip(times.skip(1)).map(|(a, b)| b - a).max();
+    assert!(
+        gap_us.is_some_and(|gap| gap < GAP_US_MAX),
+        "{gap_us:?} us without a frame"
+    );
+    page.press("Escape")?;
+    page.wait_for_text("alertdialog", "Stopped", |text| {
+        text.to_lowercase().contains("confirmed")
+    })?;
+    page.click("button", "Release")?;
+
+    assert_eq!(saved.extension(), "mcap");
+    let file = saved.bytes()?;
+    let in_file = sent(&records(&file)?);
+    let wire = scenario.adapter.wire()?.from_host();
+    let on_wire: Vec<String> = wire
+        .frames
+        .iter()
+        .map(crate::fixture::exports::hex)
+        .collect();
+    assert!(in_file.len() > 20, "{} frames", in_file.len());
+    assert_eq!(in_file, on_wire[..in_file.len()]);
+
+    page.evaluate(DIALOG)?;
+    page.click("button", "Save session")?;
+    wait_until("the chosen file", WAIT_MAX, || {
+        let bytes: Vec<u8> = serde_json::from_value(page.evaluate(CHOSEN)?)?;
+        let frames = records(&bytes).map(|records| sent(&records).len());
+        Ok(match frames {
+            Ok(frames) if frames >= in_file.len() => Ok(()),
+            other => Err(format!("{other:?}")),
+        })
+    })?;
+
+    page.upload("Open session", &saved.path)?;
+    page.wait_for_text("status", "Session file", |text| text.contains("Opened"))?;
+    let content = page.text("region", "Session file")?;
+    for text in ["Duration", "0x01", "Connected to"] {
+        assert!(content.contains(text), "no {text:?} in {content}");
+    }
+    let cut = saved.path.with_file_name("cut.mcap");
+    fs::write(&cut, &file[..file.len() / 2])?;
+    page.upload("Open session", &cut)?;
+    page.wait_for_text("list", "Missing in the file", |text| {
+        text.contains("The end of the file is missing")
+    })?;
+    fs::write(&cut, b"PK\x03\x04 a ZIP archive")?;
+    page.upload("Open session", &cut)?;
+    page.wait_for_text("status", "Session file", |text| {
+        text.contains("ZIP archive")
+    })?;
+    assert_quiet_console(page);
+    Ok(())
+}

@@ -1,0 +1,231 @@
+//! The panel `Session file`, with a session worker that does what the test says.
+
+use std::{cell::RefCell, rc::Rc};
+
+use js_sys::{Array, Function, Uint8Array};
+use motorlink_messages::{
+    decode, encode,
+    protocol::{Faults, Mode, MotorId},
+    sessions::{
+        FromSessions, MarkKind, NotASession, NotSaved, Problem, Progress, SessionExport,
+        SessionInfo, SessionMark, SessionMotor, ToSessions,
+    },
+};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen_test::wasm_bindgen_test;
+use web_sys::{BroadcastChannel, MessageEvent};
+
+use crate::bench::{Bench, document, pause};
+
+struct FakeSessions {
+    channel: BroadcastChannel,
+    /// Each message, and the number of objects that came with it.
+    received: Rc<RefCell<Vec<(ToSessions, u32)>>>,
+    _on_message: Closure<dyn FnMut(MessageEvent)>,
+}
+
+impl FakeSessions {
+    fn new(name: &str) -> Self {
+        let channel = BroadcastChannel::new(&format!("{name}-sessions")).unwrap();
+        let received: Rc<RefCell<Vec<_>>> = Rc::default();
+        let keep = received.clone();
+        let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+            // Its first message says that it runs.
+            let Ok(parts) = event.data().dyn_into::<Array>() else {
+                return;
+            };
+            let message = decode(&Uint8Array::new(&parts.get(0)).to_vec()).unwrap();
+            keep.borrow_mut().push((message, parts.length() - 1));
+        });
+        channel.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+        Self {
+            channel,
+            received,
+            _on_message: on_message,
+        }
+    }
+
+    /// The next message, and the number of objects that came with it.
+    async fn next(&self) -> (ToSessions, u32) {
+        for _ in 0..150 {
+            if !self.received.borrow().is_empty() {
+                return self.received.borrow_mut().remove(0);
+            }
+            pause(20).await;
+        }
+        panic!("the session worker was sent nothing");
+    }
+
+    fn post(&self, message: &FromSessions) {
+        let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
+        self.channel.post_message(&bytes).unwrap();
+    }
+}
+
+impl Drop for FakeSessions {
+    fn drop(&mut self) {
+        self.channel.close();
+    }
+}
+
+fn run(script: &str) {
+    let run = Function::new_no_args(script);
+    run.call0(&JsValue::UNDEFINED).unwrap();
+}
+
+/// The open panel.
+async fn panel(name: &str) -> (FakeSessions, Bench) {
+    run("window.showSaveFilePicker = undefined");
+    let sessions = FakeSessions::new(name);
+    let bench = Bench::with_motor(name, Mode::Velocity).await;
+    bench.open("Session file").await;
+    let is_loaded = || !bench.find_all("button", "Save session").is_empty();
+    bench.until("the panel", is_loaded).await;
+    (sessions, bench)
+}
+
+async fn until_said(bench: &Bench, text: &str) {
+    let says = || bench.text("status", "Session file").contains(text);
+    bench.until(text, says).await;
+}
+
+fn info() -> SessionInfo {
+    SessionInfo {
+        name: "run <b>.mcap".to_owned(),
+        bytes: 1_200_000,
+        version: "0.1.0".to_owned(),
+        from_unix_us: 1_795_266_900_000_000,
+        duration_us: 65_250_000,
+        bucket_us: 1_000_000,
+        sent: 6_000,
+        received: 5_990,
+        lost: 10,
+        junk: 0,
+        motors: vec![SessionMotor {
+            id: MotorId::FIRST,
+            replies: 5_990,
+            lost: 10,
+            faults: Faults::from_byte(8),
+            temperature_max_c: Some(41),
+            buckets: vec![Some([-100, 200, 0, 3_000]); 65],
+        }],
+        marks: vec![SessionMark {
+            after_us: 2_000_000,
+            kind: MarkKind::Stop,
+            error: true,
+            text: "Standstill not confirmed".to_owned(),
+        }],
+        marks_left_out: 3,
+        problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],
+    }
+}
+
+#[wasm_bindgen_test]
+async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
+    let (sessions, bench) = panel("session-saved").await;
+    bench.click("Save session");
+    let (message, objects) = sessions.next().await;
+    let ToSessions::Save { setup, .. } = message else {
+        panic!("{message:?}")
+    };
+    assert!(setup.contains("motorlink"), "{setup}");
+    assert_eq!(objects, 1, "the channel to the recorder, and no file");
+    sessions.post(&FromSessions::Saving(Progress { done: 1, of: 4 }));
+    let progress = || {
+        let bars = bench.find_all("progressbar", "Export");
+        bars.iter()
+            .any(|bar| bar.get_attribute("value").as_deref() == Some("250"))
+    };
+    bench.until("the progress", progress).await;
+    bench.click("Cancel export");
+    assert_eq!(sessions.next().await.0, ToSessions::CancelSave);
+    sessions.post(&FromSessions::NotSaved(NotSaved::Cancelled));
+    until_said(&bench, "Saving cancelled").await;
+    bench.click("Save session");
+    sessions.next().await;
+    let (bytes, records) = (12_345_678, 3_000);
+    sessions.post(&FromSessions::Saved { bytes, records });
+    until_said(&bench, "12.4 MB").await;
+    assert!(bench.commands().await.is_empty(), "nothing is driven");
+}
+
+#[wasm_bindgen_test]
+async fn a_chosen_file_is_handed_to_the_worker() {
+    let (sessions, bench) = panel("session-chosen").await;
+    run("window.showSaveFilePicker = async ({ suggestedName }) => {
+        const folder = await navigator.storage.getDirectory();
+        return folder.getFileHandle(suggestedName, { create: true });
+    }");
+    bench.click("Save session");
+    let (_, objects) = sessions.next().await;
+    assert_eq!(objects, 2, "the channel and the handle of the file");
+    sessions.post(&FromSessions::NotSaved(NotSaved::NoRoom));
+    until_said(&bench, "the disk is full").await;
+    run("window.showSaveFilePicker = async () => { throw new DOMException('', 'AbortError'); }");
+    bench.click("Save session");
+    until_said(&bench, "Saving cancelled").await;
+    assert!(sessions.received.borrow().is_empty());
+}
+
+#[wasm_bindgen_test]
+async fn a_dropped_file_is_opened_and_shown_with_what_is_missing() {
+    let sessions = FakeSessions::new("session-dropped");
+    let bench = Bench::with_motor("session-dropped", Mode::Velocity).await;
+    run("const transfer = new DataTransfer();
+        transfer.items.add(new File(['x'], 'run.mcap'));
+        const drop = new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true });
+        document.body.dispatchEvent(drop);
+        if (!drop.defaultPrevented) throw new Error('the browser would leave the page');");
+    let (message, objects) = sessions.next().await;
+    let name = "run.mcap".to_owned();
+    assert_eq!((message, objects), (ToSessions::Open { name }, 1));
+    sessions.post(&FromSessions::Opened(Box::new(info())));
+    until_said(&bench, "Opened").await;
+    let shown = bench.text("region", "Session file");
+    for text in [
+        "run <b>.mcap",
+        "1:05.250",
+        "−100 to +200",
+        "Standstill not confirmed",
+        "3 more events",
+    ] {
+        assert!(shown.contains(text), "no {text:?} in {shown}");
+    }
+    let missing = bench.text("list", "Missing in the file");
+    assert!(
+        missing.contains("The end of the file is missing"),
+        "{missing}"
+    );
+    assert!(missing.contains("(2 times)"), "{missing}");
+    let picture = document().query_selector("svg[aria-label^='Motor 0x01']");
+    assert!(picture.unwrap().is_some());
+
+    bench.click("Report");
+    let report = ToSessions::Export(SessionExport::Report);
+    assert_eq!(sessions.next().await.0, report);
+    sessions.post(&FromSessions::Reading(Progress { done: 1, of: 2 }));
+    bench.click("Cancel");
+    assert_eq!(sessions.next().await.0, ToSessions::CancelReading);
+    sessions.post(&FromSessions::Cancelled);
+    until_said(&bench, "Cancelled").await;
+    bench.click("Close file");
+    let is_closed = || bench.find_all("button", "Close file").is_empty();
+    bench.until("the file to be closed", is_closed).await;
+    assert!(bench.commands().await.is_empty(), "nothing is driven");
+}
+
+#[wasm_bindgen_test]
+async fn a_file_that_is_no_session_is_an_error_where_it_was_given() {
+    let (sessions, bench) = panel("session-zip").await;
+    run("const transfer = new DataTransfer();
+        transfer.items.add(new File(['x'], 'run.zip'));
+        document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true }));");
+    sessions.next().await;
+    sessions.post(&FromSessions::NotOpened(Some(NotASession::Zip)));
+    until_said(&bench, "Unpack it").await;
+    sessions.post(&FromSessions::Died);
+    until_said(&bench, "have stopped. Try again.").await;
+    bench.click("Save session");
+    // Another worker starts.
+    assert!(matches!(sessions.next().await.0, ToSessions::Save { .. }));
+}
