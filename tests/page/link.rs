@@ -50,7 +50,7 @@ fn silent(bench: &Bench, requests: u64) {
 #[wasm_bindgen_test]
 async fn the_line_is_shown_and_the_doctor_says_what_is_wrong() {
     let bench = open("link-doctor").await;
-    let doctor = || bench.text("", "Link diagnosis");
+    let doctor = || bench.text("list", "Link diagnosis");
     bench
         .until("nothing said", || doctor().starts_with("Connect"))
         .await;
