@@ -142,7 +142,7 @@ impl Features {
                 }
             }
             Notice::ModeSwitched { id, mode } if *id == selected => self.page.follow(*mode),
-            Notice::MotorSilent(id) => self.readings.end_faults_of_silent(Some(*id)),
+            Notice::MotorSilent { id, .. } => self.readings.end_faults_of_silent(Some(*id)),
             // It may be back before the page learned of the loss.
             Notice::AdapterLost { .. } => self.page.withdraw_question(),
             // The bus ends a stop in the velocity loop.

@@ -285,7 +285,10 @@ mod tests {
                 reason: StopReason::Operator,
                 motors: vec![outcome(None), outcome(Some(Rpm::new(-12)))],
             }),
-            Notice::MotorSilent(ID),
+            Notice::MotorSilent {
+                id: ID,
+                garbled: false,
+            },
             Notice::ModeSwitched {
                 id: ID,
                 mode: Mode::Current,

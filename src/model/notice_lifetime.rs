@@ -21,7 +21,7 @@ const STANDSTILL_REPLIES: u8 = 3;
 pub(crate) fn until(notice: &Notice, session: &Session) -> Until {
     match notice {
         Notice::IdQueryEnded(IdQueryOutcome::NoReply) => Until::AnyAnswer,
-        Notice::MotorSilent(id) => Until::Answers(silent(session, *id)),
+        Notice::MotorSilent { id, .. } => Until::Answers(silent(session, *id)),
         Notice::ModeSwitchFailed { id, asked, .. } => Until::Loop(*id, *asked),
         Notice::Withdrawn { id, reason } => Until::AtRest {
             motors: stopping(session, *id),
@@ -46,7 +46,10 @@ pub(crate) fn review(until: &mut Until, update: &Update) -> Review {
             let is_silent = |id: &MotorId| motor(id).is_some_and(|motor| motor.silent);
             let left: Vec<MotorId> = ids.iter().copied().filter(is_silent).collect();
             if !left.is_empty() && left != *ids {
-                return Review::Replace(notice_texts::of_silence(&left), Until::Answers(left));
+                return Review::Replace(
+                    notice_texts::of_silence(&left, false),
+                    Until::Answers(left),
+                );
             }
             left.is_empty()
         }

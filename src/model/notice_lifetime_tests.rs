@@ -100,12 +100,18 @@ fn silent_motors_are_all_named_and_each_until_it_answers() {
     let mut scenario = Scenario::new();
     scenario.motor(2).silent = true;
     assert_eq!(
-        scenario.update(&[Notice::MotorSilent(id(2))]),
+        scenario.update(&[Notice::MotorSilent {
+            id: id(2),
+            garbled: false
+        }]),
         ["No reply from motor 0x02 for 2 s"]
     );
     scenario.motor(4).silent = true;
     assert_eq!(
-        scenario.update(&[Notice::MotorSilent(id(4))]),
+        scenario.update(&[Notice::MotorSilent {
+            id: id(4),
+            garbled: false
+        }]),
         ["No reply from motors 0x02, 0x04 for 2 s"]
     );
     scenario.motor(2).silent = false;

@@ -72,7 +72,9 @@ pub(crate) fn of_notice_in(notice: &Notice, session: &Session) -> Option<NoticeT
                  directly."
             )],
         ),
-        Notice::MotorSilent(id) => of_silence(&affected::silent(session, *id)),
+        Notice::MotorSilent { id, garbled } => {
+            of_silence(&affected::silent(session, *id), *garbled)
+        }
         Notice::StopEnded(report) => of_stop(report)?,
         Notice::AdapterLost { driven } => of_lost_adapter(driven),
         Notice::AdapterBack => NoticeText::new(
@@ -106,7 +108,7 @@ pub(crate) fn settled_by(notice: &Notice) -> Option<Topic> {
         // A silent motor is identified by its ID.
         Notice::IdQueryEnded(IdQueryOutcome::One(_))
         | Notice::ScanEnded(_)
-        | Notice::MotorSilent(_) => Some(Topic::Answer),
+        | Notice::MotorSilent { .. } => Some(Topic::Answer),
         _ => None,
     }
 }
@@ -143,12 +145,19 @@ fn of_refusal(command: CommandKind, refusal: Refusal) -> Option<NoticeText> {
     })
 }
 
-/// Motors do not answer.
-pub(crate) fn of_silence(ids: &[MotorId]) -> NoticeText {
+/// Motors do not answer. `garbled`: bytes come from the newest of them, but no valid reply.
+pub(crate) fn of_silence(ids: &[MotorId], garbled: bool) -> NoticeText {
     let title = match ids {
+        [id] if garbled => tr!("No valid reply from motor {id} for 2 s", id),
         [id] => tr!("No reply from motor {id} for 2 s", id),
         ids => tr!("No reply from motors {ids} for 2 s", ids = named(ids)),
     };
+    if garbled && ids.len() == 1 {
+        let advice =
+            tr!("It replies, but the bytes are corrupted. The panel Link names the likely cause.");
+        return NoticeText::new(Topic::Silence, Tone::Warning, title, &[advice])
+            .explained_at(HelpTopic::DamagedBytes);
+    }
     NoticeText::new(Topic::Silence, Tone::Warning, title, &wiring())
         .explained_at(HelpTopic::NoAnswer)
 }

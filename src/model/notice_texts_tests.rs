@@ -23,7 +23,10 @@ fn refused(command: Command) -> Notice {
 #[test]
 fn a_silent_motor_gets_the_checklist() {
     for notice in [
-        Notice::MotorSilent(ID),
+        Notice::MotorSilent {
+            id: ID,
+            garbled: false,
+        },
         Notice::IdQueryEnded(IdQueryOutcome::NoReply),
     ] {
         let said = said(&notice).unwrap();
@@ -31,6 +34,20 @@ fn a_silent_motor_gets_the_checklist() {
             assert!(said.contains(check), "{said}");
         }
     }
+}
+
+#[test]
+fn a_motor_whose_replies_are_corrupted_is_not_called_without_power() {
+    let said = said(&Notice::MotorSilent {
+        id: ID,
+        garbled: true,
+    })
+    .unwrap();
+    assert!(
+        said.contains("corrupted") && said.contains("Link"),
+        "{said}"
+    );
+    assert!(!said.contains("supply"), "{said}");
 }
 
 #[test]

@@ -60,7 +60,7 @@ pub(crate) fn spin(path: &str) -> Result<(), Box<dyn Error>> {
                 let all_stand = report.motors.iter().all(|motor| motor.confirmed);
                 return all_stand.then_some(()).ok_or("no standstill".into());
             }
-            Output::Event(Event::MotorSilent(_)) if stop_at.is_none() => {
+            Output::Event(Event::MotorSilent { .. }) if stop_at.is_none() => {
                 return Err("no answer".into());
             }
             Output::Event(_) => {}

@@ -51,7 +51,12 @@ pub enum Event {
         reason: WithdrawReason,
     },
     /// A motor has not answered for two seconds.
-    MotorSilent(MotorId),
+    MotorSilent {
+        /// Which motor.
+        id: MotorId,
+        /// Whether invalid bytes came in most of its reply windows since.
+        garbled: bool,
+    },
     /// A motor that was silent answers again.
     MotorBack(MotorId),
     /// A stop has begun.

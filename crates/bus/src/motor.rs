@@ -109,6 +109,8 @@ pub(crate) struct Motor {
     pub(crate) unanswered_in_a_row: u32,
     /// The same, without the requests to other motors that stood for its drive frames.
     pub(crate) lost_in_a_row: u32,
+    /// Those of them with invalid bytes in the reply window.
+    pub(crate) garbled_in_a_row: u32,
     /// The loop of a mode switch that no reply has confirmed yet.
     switched_to: Option<Switched>,
     /// The loop that a reply of unknown age has reported since the last reading, if it is another one.
@@ -144,6 +146,7 @@ impl Motor {
             torque: Torque::default(),
             unanswered_in_a_row: 0,
             lost_in_a_row: 0,
+            garbled_in_a_row: 0,
             switched_to: None,
             other_loop: None,
             next_query: now,
@@ -166,6 +169,7 @@ impl Motor {
         }
         self.unanswered_in_a_row = 0;
         self.lost_in_a_row = 0;
+        self.garbled_in_a_row = 0;
         self.other_loop = None;
         self.count_reply();
         match reply.detail {

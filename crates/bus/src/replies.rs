@@ -178,6 +178,9 @@ impl Bus {
                     exchange.sent,
                 );
                 motor.loss.count(true);
+                if !rest.is_silence() {
+                    motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);
+                }
                 if let Control::Stopping(stop) = &mut motor.control {
                     stop.unanswered(now);
                 }
@@ -329,6 +332,7 @@ impl Bus {
         // It answers, even if it tells nothing of the wheel.
         motor.unanswered_in_a_row = 0;
         motor.lost_in_a_row = 0;
+        motor.garbled_in_a_row = 0;
         motor.count_reply();
         match (&mut motor.control, named) {
             (Control::Switching(switch), Some(mode)) => switch.record_mode(mode),

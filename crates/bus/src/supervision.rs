@@ -28,7 +28,10 @@ impl Bus {
         for motor in &mut self.motors {
             if !motor.silent && now >= motor.silent_at() {
                 motor.silent = true;
-                self.events.push_back(Event::MotorSilent(motor.id));
+                self.events.push_back(Event::MotorSilent {
+                    id: motor.id,
+                    garbled: motor.garbled_in_a_row > motor.lost_in_a_row / 2,
+                });
             }
             if may_enable && matches!(motor.control, Control::Idle) && motor.needs_enable(now) {
                 // This starts no motion: the motor gets no drive frame.

@@ -183,7 +183,12 @@ fn a_motor_that_falls_silent_loses_its_setpoint_and_is_not_started_again_when_it
     let silent = fixture
         .events
         .iter()
-        .find(|(_, e)| *e == Event::MotorSilent(ID))
+        .find(|(_, e)| {
+            *e == (Event::MotorSilent {
+                id: ID,
+                garbled: false,
+            })
+        })
         .unwrap();
     assert!(silent.0.since(cut) >= ms(1_900) && silent.0.since(cut) <= ms(2_100));
     fixture.world.motor_mut(ID).unwrap().power(true);
@@ -192,6 +197,19 @@ fn a_motor_that_falls_silent_loses_its_setpoint_and_is_not_started_again_when_it
     assert!(fixture.happened(|e| *e == Event::MotorBack(ID)));
     assert!(fixture.drive_times(ID).is_empty());
     assert!(fixture.true_rpm().abs() < 1.0);
+}
+
+#[test]
+fn a_motor_whose_replies_are_all_corrupted_is_told_from_one_without_power() {
+    let mut fixture = Fixture::one_motor();
+    fixture.run(ms(500));
+    fixture.world.set_faults(WireFaults {
+        corrupt_reply: 1.0,
+        ..WireFaults::default()
+    });
+    fixture.run(ms(3_000));
+    let garbled = true;
+    assert!(fixture.happened(|e| *e == Event::MotorSilent { id: ID, garbled }));
 }
 
 /// A machine that holds the worker up for a while is no silent motor.

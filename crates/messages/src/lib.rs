@@ -243,7 +243,12 @@ pub enum Notice {
     /// A driver board answers in JSON.
     AnswersInJson,
     /// A motor has not answered for two seconds.
-    MotorSilent(MotorId),
+    MotorSilent {
+        /// Which motor.
+        id: MotorId,
+        /// Whether invalid bytes came in most of its reply windows since.
+        garbled: bool,
+    },
     /// A silent motor answers again.
     MotorBack(MotorId),
     /// A stop has begun.

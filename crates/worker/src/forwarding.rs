@@ -45,7 +45,7 @@ pub(crate) fn forward(outbox: &mut Outbox, open: &mut OpenSession, event: Event)
         Event::Withdrawn { id, reason } => Notice::Withdrawn { id, reason },
         Event::OtherModel { expected, found } => Notice::OtherModel { expected, found },
         Event::AnswersInJson => Notice::AnswersInJson,
-        Event::MotorSilent(id) => Notice::MotorSilent(id),
+        Event::MotorSilent { id, garbled } => Notice::MotorSilent { id, garbled },
         Event::MotorBack(id) => Notice::MotorBack(id),
         Event::StopBegan(reason) => Notice::StopBegan(reason),
         Event::StopEnded(report) => Notice::StopEnded(report),
