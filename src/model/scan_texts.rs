@@ -329,9 +329,12 @@ fn tenths_of_a_second(millis: u32) -> String {
 /// What to check if no motor answers, the most frequent cause first.
 pub(crate) fn wiring() -> [&'static str; 4] {
     [
-        tr!("Is the motor's 18 V supply on?"),
-        tr!("Is the brown wire tied to GND?"),
-        tr!("Swap orange and white: some adapters label A and B the other way round."),
+        tr!("Is the motor's supply on? A DDSM115 needs 18 V."),
+        tr!(
+            "DDSM115: is the brown wire tied to GND? Swap orange and white: some adapters label A and B \
+             the other way round."
+        ),
+        tr!("Another model: compare its bus and wires with Help (?)."),
         tr!("Is the ID correct? Select another one in the Motor list."),
     ]
 }

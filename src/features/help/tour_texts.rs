@@ -48,14 +48,14 @@ pub(crate) fn advice(step: Step, id: MotorId) -> String {
     let words = match step {
         Step::PlugIn => {
             tr!(
-                "Signal plug to the adapter, power plug to 18 V, adapter to this computer. No \
+                "Signal plug to the adapter, power plug to the supply, adapter to this computer. No \
                  hardware? Use the virtual motor."
             )
         }
         Step::PickPort => {
             tr!("Select the adapter in the browser's list, or use the virtual motor.")
         }
-        Step::Answer => return tr!("Waiting for motor {id}. Is its 18 V supply on?", id),
+        Step::Answer => return tr!("Waiting for motor {id}. Is its supply on?", id),
         Step::Free => tr!("2 N·m direct drive: fasten the motor, lift the wheel, then tick."),
         Step::Spin => tr!("The button starts the wheel. Space stops it."),
         Step::Stop => tr!("The wheel is turning. Stop it here, with STOP or with Space."),

@@ -84,7 +84,16 @@ pub(crate) fn panel() -> String {
             &["<option value=\"", &place, "\">", name, "</option>"],
         );
     }
-    push(&mut html, &["</select></label>"]);
+    push(
+        &mut html,
+        &[
+            "</select></label><p class=\"quiet\">",
+            tr!(
+                "Two motors with one ID: the page stops the motor first, because both obey its frames."
+            ),
+            "</p>",
+        ],
+    );
     html
 }
 

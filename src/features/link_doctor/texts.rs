@@ -88,7 +88,7 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
                 "Whole frames are missing: a contact opens, the motor restarts, or the adapter drops bytes."
             ),
             tr!(
-                "Check plugs and terminals for a loose wire, and the 18 V supply for dips. Connect \
+                "Check plugs and terminals for a loose wire, and the supply for dips. Connect \
                  the adapter without a USB hub."
             ),
         ],
@@ -105,8 +105,8 @@ pub(crate) fn remedy(diagnosis: Diagnosis) -> Vec<&'static str> {
         ],
         Diagnosis::Silent(_) => vec![
             tr!(
-                "Other motors reply, so the adapter and bus work. Check this motor's plug, 18 V \
-                 supply and brown wire."
+                "Other motors reply, so the adapter and bus work. Check this motor's plugs, supply and \
+                 signal wires."
             ),
             tr!("Is the ID correct? Full scan in the ID Manager tab lists every motor on the bus."),
         ],

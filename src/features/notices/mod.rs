@@ -142,8 +142,8 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
     let steps: &[&str] = match session.connection {
         Connection::Disconnected | Connection::Failed(_) => &[
             tr!(
-                "1. Wire the motor: signal plug to the RS485 adapter, power plug to 18 V. Help (?) shows \
-             each colour."
+                "1. Wire the motor: signal plug to the adapter, power plug to the supply. Help (?) shows \
+                 each wire."
             ),
             tr!("2. Press Connect and select the adapter. No hardware? Press Virtual motor."),
             tr!("3. Keep fingers clear of the wheel and press +50."),
