@@ -122,10 +122,10 @@ fn ThemeButton() -> impl IntoView {
     let page = use_page();
     let theme = move || page.preferences.with(|chosen| chosen.theme);
     let title = move || match theme() {
-        Theme::Light => tr!("Light theme. Press for dark."),
-        Theme::Dark => tr!("Dark theme. Press for high contrast."),
-        Theme::Contrast => tr!("High contrast theme. Press for system."),
-        Theme::System => tr!("System theme. Press for light."),
+        Theme::Light => tr!("Light theme"),
+        Theme::Dark => tr!("Dark theme"),
+        Theme::Contrast => tr!("High contrast theme"),
+        Theme::System => tr!("Theme of the system"),
     };
     // A sun, a moon, a half of each.
     let shape = move || match theme() {
@@ -144,7 +144,11 @@ fn ThemeButton() -> impl IntoView {
             class="button icon-button"
             aria-label=tr!("Theme")
             title=dynamic(title)
-            on:click=handler(move |_| page.prefer(|preferences| preferences.theme = preferences.theme.next()))
+            on:click=handler(move |_| {
+                let dark = window().match_media("(prefers-color-scheme: dark)").ok().flatten();
+                let dark = dark.is_some_and(|dark| dark.matches());
+                page.prefer(|preferences| preferences.theme = preferences.theme.next(dark));
+            })
             inner_html=dynamic(move || glyph(shape()))
         ></button>
     }

@@ -32,14 +32,14 @@ impl Theme {
         }
     }
 
-    /// The next theme of the theme button.
+    /// The next theme of the theme button. From the system's theme, the first press changes what is seen.
     #[must_use]
-    pub const fn next(self) -> Self {
-        match self {
-            Self::Light => Self::Dark,
-            Self::Dark => Self::Contrast,
-            Self::Contrast => Self::System,
-            Self::System => Self::Light,
+    pub const fn next(self, system_is_dark: bool) -> Self {
+        match (self, system_is_dark) {
+            (Self::System, false) | (Self::Contrast, true) => Self::Dark,
+            (Self::System, true) | (Self::Contrast, false) => Self::Light,
+            (Self::Dark, false) | (Self::Light, true) => Self::Contrast,
+            (Self::Light, false) | (Self::Dark, true) => Self::System,
         }
     }
 
@@ -285,15 +285,16 @@ mod tests {
     }
 
     #[test]
-    fn the_theme_button_goes_round() {
-        let mut theme = Theme::Light;
-        let round = [0; 4].map(|_| {
-            theme = theme.next();
-            theme
-        });
-        assert_eq!(
-            round,
-            [Theme::Dark, Theme::Contrast, Theme::System, Theme::Light]
-        );
+    fn the_theme_button_shows_every_theme_and_first_the_opposite_of_the_system() {
+        let round = |system_is_dark| {
+            let mut theme = Theme::System;
+            [0; 4].map(|_| {
+                theme = theme.next(system_is_dark);
+                theme
+            })
+        };
+        let (light, dark) = (Theme::Light, Theme::Dark);
+        assert_eq!(round(false), [dark, Theme::Contrast, light, Theme::System]);
+        assert_eq!(round(true), [light, Theme::Contrast, dark, Theme::System]);
     }
 }

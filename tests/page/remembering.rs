@@ -45,6 +45,11 @@ async fn what_is_saved_is_there_after_a_reload() {
     bench
         .until("high contrast", || theme().as_deref() == Some("contrast"))
         .await;
+    // The browser of the tests has a light system.
+    bench.click("Theme");
+    bench
+        .until("the light page", || theme().as_deref() == Some("light"))
+        .await;
     bench.click("Theme");
     bench
         .until("the system's colours", || theme().is_none())
