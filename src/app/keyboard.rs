@@ -132,6 +132,7 @@ fn focus() -> Focus {
         "TEXTAREA" => Focus::Text,
         // In an open list that the page draws itself, the focus is on an option.
         "SELECT" | "OPTION" => Focus::List,
+        "INPUT" if focused.get_attribute("role").as_deref() == Some("spinbutton") => Focus::Number,
         "INPUT" => match focused.dyn_ref::<HtmlInputElement>() {
             Some(input) => match input.type_().as_str() {
                 "range" => Focus::Free,

@@ -11,7 +11,9 @@ pub(crate) enum Focus {
     Button,
     /// On a list, open or closed: Space opens it and letters pick from it.
     List,
-    /// On something that one types into.
+    /// On a field for a number.
+    Number,
+    /// On something that one types a text into.
     Text,
 }
 
@@ -91,7 +93,7 @@ impl StopKeys {
             StopKey::Escape => !scene.at_rest,
             StopKey::Space => match scene.focus {
                 Focus::Free => true,
-                Focus::Button | Focus::List => scene.driven,
+                Focus::Button | Focus::List | Focus::Number => scene.driven,
                 Focus::Text => false,
             },
         };
@@ -172,7 +174,7 @@ impl KeyAction {
 /// The function of a key at this focus; `modified` if Ctrl, Alt or Meta is down.
 pub(crate) fn key_action(key: &str, modified: bool, focus: Focus) -> Option<KeyAction> {
     // Ctrl+C copies, Ctrl+F finds.
-    if modified || matches!(focus, Focus::List | Focus::Text) {
+    if modified || matches!(focus, Focus::List | Focus::Number | Focus::Text) {
         return None;
     }
     Some(match key {
@@ -197,7 +199,13 @@ pub(crate) fn key_action(key: &str, modified: bool, focus: Focus) -> Option<KeyA
 mod tests {
     use super::*;
 
-    const EVERYWHERE: [Focus; 4] = [Focus::Free, Focus::Button, Focus::List, Focus::Text];
+    const EVERYWHERE: [Focus; 5] = [
+        Focus::Free,
+        Focus::Button,
+        Focus::List,
+        Focus::Number,
+        Focus::Text,
+    ];
 
     fn scene(focus: Focus, driven: bool) -> Scene {
         Scene {
@@ -256,7 +264,7 @@ mod tests {
 
     #[test]
     fn space_at_a_standstill_is_left_to_the_focused_control() {
-        for focus in [Focus::Button, Focus::List, Focus::Text] {
+        for focus in [Focus::Button, Focus::List, Focus::Number, Focus::Text] {
             let mut keys = StopKeys::default();
             let scene = scene(focus, false);
             assert_eq!(keys.down(StopKey::Space, false, scene), Reaction::Pass);
@@ -321,6 +329,7 @@ mod tests {
         for key in ["f", "B", "s", "k", "1", "5", "v", "c", "p", "?"] {
             assert!(key_action(key, false, Focus::Free).is_some(), "{key}");
             assert!(key_action(key, false, Focus::Button).is_some(), "{key}");
+            assert_eq!(key_action(key, false, Focus::Number), None, "{key}");
             assert_eq!(key_action(key, false, Focus::Text), None, "{key}");
             assert_eq!(key_action(key, false, Focus::List), None, "{key}");
             assert_eq!(key_action(key, true, Focus::Free), None, "{key}");

@@ -49,13 +49,15 @@ async fn space_while_driven_stops_whatever_has_the_focus() {
         ("checkbox", "Auto-scroll"),
         ("combobox", "Motor"),
         ("slider", "Target speed"),
+        ("spinbutton", "Target speed"),
+        ("spinbutton", "Command rate"),
     ] {
         focus(&bench, role, name);
         assert!(!dispatch_key("keydown", " ", false), "{name}");
         assert!(!dispatch_key("keyup", " ", false), "{name}");
         assert_eq!(bench.commands().await, [STOP_ALL], "{name}");
     }
-    focus(&bench, "spinbutton", "Target speed");
+    focus(&bench, "searchbox", "Filter");
     assert!(dispatch_key("keydown", " ", false));
     assert!(dispatch_key("keyup", " ", false));
     assert_eq!(bench.commands().await, []);
@@ -135,4 +137,23 @@ async fn letters_in_a_list_drive_nothing() {
         assert!(dispatch_key("keydown", key, false), "{key}");
     }
     assert_eq!(bench.commands().await, []);
+}
+
+#[wasm_bindgen_test]
+async fn what_was_refused_because_of_a_stop_is_withdrawn_by_release() {
+    let bench = Bench::with_motor("refused-release", Mode::Velocity).await;
+    bench.report(motor(Mode::Velocity, Activity::Idle), true);
+    bench
+        .until("Stopped", || {
+            !bench.find_all("alertdialog", "Stopped").is_empty()
+        })
+        .await;
+    press("f");
+    let is_told = || {
+        let text = document().body().unwrap().inner_text();
+        text.contains("Motor 0x01 not started")
+    };
+    bench.until("the refusal", is_told).await;
+    bench.click("Release");
+    bench.until("no refusal", || !is_told()).await;
 }

@@ -4,13 +4,13 @@ use motorlink::Preferences;
 use motorlink_messages::{
     Notice, ToPage,
     bus::{BusSettings, Command, ExceededLimit, Limits, WithdrawReason},
-    protocol::{Celsius, Mode, MotorId},
+    protocol::{Celsius, Mode, MotorId, Setpoint, SpeedTarget},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, FocusEvent};
 
 use crate::{
-    bench::{Bench, performance},
+    bench::{Bench, performance, press},
     tools::report,
 };
 
@@ -74,4 +74,33 @@ async fn the_limit_that_was_crossed_is_told() {
             received().contains("76 °C, above your limit of 75 °C")
         })
         .await;
+}
+
+#[wasm_bindgen_test]
+async fn a_key_for_a_speed_above_the_limit_drives_nothing_and_keeps_the_target() {
+    let limits = Limits::try_from([120, 2_700, 75]).unwrap();
+    let chosen = Preferences {
+        limits,
+        ..Preferences::default()
+    };
+    chosen.save();
+    let bench = Bench::with_motor("limits-key", Mode::Velocity).await;
+    bench.commands().await;
+    let target = || {
+        bench
+            .find("spinbutton", "Target speed")
+            .get_attribute("aria-valuenow")
+    };
+    let before = target();
+    press("3");
+    assert_eq!(bench.commands().await, []);
+    assert_eq!(target(), before);
+    press("2");
+    let speed = SpeedTarget::new(100).unwrap();
+    let driven = bench.commands().await;
+    assert!(
+        matches!(driven.as_slice(), [Command::Drive { setpoint: Setpoint::Velocity { speed: driven, .. }, .. }] if *driven == speed),
+        "{driven:?}"
+    );
+    Preferences::default().save();
 }

@@ -1,7 +1,7 @@
 //! Turns actions of the operator into commands.
 
 use crate::{
-    features::drive::one_stop::stop_of,
+    features::drive::{limit::speed_refused, one_stop::stop_of},
     model::{
         drive_settings::FIRST_SPEED_RPM,
         guards::{drive_blocked_by, stop_blocked_by, switch_blocked_by},
@@ -135,18 +135,32 @@ impl Drive {
         self.drive(self.targets.setpoint(mode));
     }
 
+    /// Drives the selected motor at this speed. A refused speed does not become the target.
     pub(crate) fn drive_at(self, rpm: i32) {
+        let before = self.targets.speed.get_untracked();
         self.targets.speed.set(rpm);
-        self.start(Mode::Velocity);
+        let refused = untrack(|| speed_refused(self.page, rpm));
+        let setpoint = self.targets.setpoint(Mode::Velocity);
+        if self.drive_unless(refused, setpoint) {
+            self.targets.remember();
+        } else {
+            self.targets.speed.set(before);
+        }
     }
 
     /// Drives the selected motor. Asks first if the setpoint needs consent, and shows the reason if it cannot be
     /// driven.
     pub(crate) fn drive(self, setpoint: Setpoint) {
+        self.drive_unless(None, setpoint);
+    }
+
+    /// Returns whether it drives, or asks first.
+    fn drive_unless(self, refused: Option<String>, setpoint: Setpoint) -> bool {
         let id = self.page.selected.get_untracked();
-        if let Some(reason) = drive_blocked_by(&self.page.present(), id, setpoint.mode()) {
+        let blocked = drive_blocked_by(&self.page.present(), id, setpoint.mode());
+        if let Some(reason) = blocked.or(refused) {
             self.page.refuse(tr!("Motor {id} not started", id), reason);
-            return;
+            return false;
         }
         if let (Setpoint::Current(target), Consent::HighCurrent) =
             (setpoint, needs_consent(setpoint))
@@ -154,9 +168,10 @@ impl Drive {
             self.page
                 .dialog
                 .set(Some(Dialog::HighCurrent { id, target }));
-            return;
+            return true;
         }
         self.drive_with(id, setpoint, Consent::None);
+        true
     }
 
     pub(crate) fn drive_with(self, id: MotorId, setpoint: Setpoint, consent: Consent) {

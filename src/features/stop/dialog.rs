@@ -7,6 +7,7 @@ use motorlink_messages::{bus::Activity, protocol::MotorId};
 
 use crate::{
     model::{
+        notice_board::Topic,
         notice_texts,
         page::use_page,
         snapshot::{Reading, Session},
@@ -57,7 +58,11 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
                 <PressButton
                     label=tr!("Release")
                     class="button primary"
-                    on_press=move || page.command(Command::Release)
+                    on_press=move || {
+                        page.command(Command::Release);
+                        // What was refused because of the stop is so no longer.
+                        page.notices.update(|board| board.withdraw(Topic::Command));
+                    }
                 />
             </div>
         </div>
