@@ -55,8 +55,14 @@ pub(crate) fn CurrentTab(drive: Drive) -> impl IntoView {
     let mirrored = page.of_motor(|session, id| session.mirror(id).is_mirrored());
     let hint = Signal::derive(move || {
         let max_ma = page.current_max_ma();
+        let (limit, amps) = current_limit(page);
         if current.get().unsigned_abs() > HIGH_CURRENT_RAW.into() {
             tr!("Above 6.1 A: confirm on Start").to_owned()
+        } else if current.get().abs() > limit && limit < raw_of(max_ma) {
+            tr!(
+                "Above your limit: a motor that draws more than {amps} A is stopped",
+                amps
+            )
         } else if max_ma < FULL_SCALE_MA {
             tr!(
                 "±{raw} = ±{amps} A; the motor's own raw numbers differ",
