@@ -181,6 +181,41 @@ fn a_file_of_nothing_but_empty_records_ends() {
     assert!(read.is_empty() && !problems.is_empty());
 }
 
+/// An index that names one chunk again and again must not have it read as often.
+#[test]
+fn a_chunk_that_the_index_names_many_times_is_read_once() {
+    let file = file_of(&records());
+    let (all, _) = read_file(&file).unwrap();
+    let number = |at: usize| {
+        usize::try_from(u64::from_le_bytes(file[at..at + 8].try_into().unwrap())).unwrap()
+    };
+    // The footer: a byte, its length, the start of the summary, the start of its offsets, the CRC. Then the magic bytes.
+    let footer = file.len() - 8 - 29;
+    let summary = number(footer + 9);
+    let mut chunks = Vec::new();
+    let mut at = summary;
+    while at < footer {
+        let end = at + 9 + number(at + 1);
+        if file[at] == 0x08 {
+            chunks.push(&file[at..end]);
+        }
+        at = end;
+    }
+    let mut hostile = file[..summary].to_vec();
+    for _ in 0..1_000 {
+        chunks.iter().for_each(|chunk| hostile.extend(*chunk));
+    }
+    hostile.extend(&file[footer..footer + 17]);
+    // No offsets and no CRC.
+    hostile.extend([0; 12]);
+    hostile.extend(&file[file.len() - 8..]);
+    let (read, problems) = read_file(&hostile).unwrap();
+    assert_eq!(read, all);
+    let named_again = u64::try_from(chunks.len() * 999).unwrap();
+    assert!(named_again > 0);
+    assert_eq!(problems.times(Problem::ChunkDamaged), named_again);
+}
+
 #[test]
 fn garbage_of_any_kind_is_never_a_panic() {
     let mut seed = 3_u64;

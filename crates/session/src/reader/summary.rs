@@ -5,7 +5,7 @@ use crate::{
     channels::Topic,
     format,
     mcap::{
-        CHUNK_BYTES_MAX, CRC, MAGIC,
+        CHUNK_BYTES_MAX, CRC, MAGIC, RECORD_HEAD_LEN,
         fields::Fields,
         op,
         summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
@@ -54,6 +54,7 @@ pub(super) fn read_summary(
     }
     // The order in the file is the order of the monotonic clock, even if the wall clock changed.
     session.chunks.sort_by_key(|chunk| chunk.offset);
+    session.remove_overlapping_chunks();
     records.0.is_empty().then_some(metadata)
 }
 
@@ -69,6 +70,23 @@ impl Session {
         } else {
             self.chunks.push(chunk);
         }
+    }
+
+    /// Removes chunks that overlap the one before. Otherwise a small file could name one chunk 200,000 times, and reading
+    /// it would take hours.
+    fn remove_overlapping_chunks(&mut self) {
+        let mut end = 0;
+        let mut removed = 0;
+        self.chunks.retain(|chunk| {
+            let follows = chunk.offset >= end && chunk.length > RECORD_HEAD_LEN;
+            if follows {
+                end = chunk.offset + chunk.length;
+            } else {
+                removed += 1;
+            }
+            follows
+        });
+        self.problems.add_all(Problem::ChunkDamaged, removed);
     }
 
     pub(super) fn add_attachment(&mut self, attachment: AttachmentIndex) {
