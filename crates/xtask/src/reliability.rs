@@ -19,9 +19,15 @@ use crate::workspace::Workspace;
 pub const PARTS: [&str; 5] = ["seeds", "sabotage", "fuzz", "browser", "hidden"];
 
 /// The fuzz targets: the programs in `fuzz/fuzz_targets`.
-const FUZZED: [&str; 4] = ["decode", "resynchronise", "raw_editor", "setup_file"];
-/// Longest input in bytes; a setup file may be longer, but not deeper.
-const INPUT_MAX: &str = "4096";
+const FUZZED: [&str; 5] = [
+    "decode",
+    "resynchronise",
+    "raw_editor",
+    "setup_file",
+    "session_file",
+];
+/// Longest input in bytes: that of the longest session in the corpus. A file may be longer, but not deeper.
+const INPUT_MAX: &str = "16384";
 
 /// The modules of `end-to-end` with scenarios under faults.
 const SCENARIOS: [&str; 10] = [

@@ -7,6 +7,7 @@
 //! | [`resynchronise`] | any bytes of a wire, in any pieces | the next good reply but one is read |
 //! | [`raw_editor`] | what a person types as a frame | a frame, or where it is wrong; a frame reads as itself |
 //! | [`setup_file`] | a file that a person chooses | a setup that is written as the same, or a refusal in words |
+//! | [`session_file`] | a file that a person opens as a session | records in bounded time and memory, or a refusal |
 //!
 //! `fuzz/` feeds them with what `cargo-fuzz` invents (`cargo xtask reliability fuzz`), `tests/corpus.rs` with
 //! what is kept in `fuzz/corpus`.
@@ -17,7 +18,11 @@
     reason = "a promise that is broken is told by a panic"
 )]
 
+mod session;
+
 use std::time::Duration;
+
+pub use session::session_file;
 
 use motorlink::{
     raw_editor::{Entered, Outcome},
