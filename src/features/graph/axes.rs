@@ -1,27 +1,27 @@
 //! The axes and their grid lines, on a canvas under the traces. They change seldom, so they have a canvas of their
 //! own.
 
+use leptos::prelude::GetUntracked;
 use motorlink_messages::protocol::family::Model;
-use plotters::{
-    coord::Shift,
-    drawing::{DrawingArea, IntoDrawingArea},
-    element::Rectangle,
-    style::{Color, RGBAColor, RGBColor},
-};
-use plotters_canvas::CanvasBackend;
 use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 
-use crate::features::graph::plot::{
-    layout::Layout,
-    palette::{Colour, Palette, css},
-    scale::{self, Scale},
-    ticks::Tick,
-    trace::{Trace, Traces},
+use crate::features::graph::{
+    plot::{
+        columns::Grid,
+        layout::Layout,
+        palette::{Colour, Palette, css},
+        scale::{self, Scales},
+        surface::{Align, AxesSurface, Opacity},
+        ticks::{self, Tick},
+        trace::{Trace, Traces},
+        view::View,
+    },
+    state::Chart,
 };
 
 /// Font size of the labels, in CSS pixels.
-const TEXT: f64 = 11.0;
+pub(crate) const TEXT: f64 = 11.0;
 /// Gap between a line and its label, in CSS pixels.
 const LABEL_OFFSET: f64 = 6.0;
 /// Distance from a label to the unit below it, in CSS pixels.
@@ -33,8 +33,6 @@ const ANGLE_LABELS_WIDTH: f64 = 46.0;
 pub(crate) struct Axes {
     pub(crate) canvas: HtmlCanvasElement,
     context: CanvasRenderingContext2d,
-    /// `None` before the canvas has a size.
-    area: Option<DrawingArea<CanvasBackend, Shift>>,
     font: String,
     drawn: Option<Picture>,
 }
@@ -45,8 +43,7 @@ pub(crate) struct Picture {
     pub(crate) layout: Layout,
     pub(crate) palette: Palette,
     pub(crate) traces: Traces,
-    pub(crate) scales: [Scale; 2],
-    pub(crate) temperature_end: u16,
+    pub(crate) scales: Scales,
     pub(crate) marks: Vec<Tick>,
     pub(crate) model: Model,
 }
@@ -69,7 +66,6 @@ impl Axes {
         Some(Self {
             canvas,
             context,
-            area: None,
             font: String::new(),
             drawn: None,
         })
@@ -85,10 +81,20 @@ impl Axes {
         format!("{}px {}", TEXT * ratio, self.font)
     }
 
+    /// Its family.
+    pub(crate) fn family(&self) -> &str {
+        &self.font
+    }
+
+    /// The width of a text in this font, in device pixels.
+    pub(crate) fn width_of(&self, text: &str, ratio: f64) -> f64 {
+        self.context.set_font(&self.font(ratio));
+        let measured = self.context.measure_text(text);
+        measured.map_or(0.0, |measured| measured.width())
+    }
+
     pub(crate) fn resize(&mut self, layout: Layout) {
         resize(&self.canvas, layout);
-        let backend = CanvasBackend::with_canvas_object(self.canvas.clone());
-        self.area = backend.map(IntoDrawingArea::into_drawing_area);
         self.drawn = None;
     }
 
@@ -99,137 +105,183 @@ impl Axes {
                 .clear_rect(0.0, 0.0, layout.width.into(), layout.height.into());
             self.context.set_font(&self.font(layout.ratio));
             self.context.set_text_baseline("middle");
-            self.mesh(&picture);
-            self.labels(&picture);
+            picture.draw(&mut Canvas(&self.context));
             self.drawn = Some(picture);
         }
     }
+}
 
-    /// Draws the grid lines: one device pixel wide and aligned to pixels.
-    fn mesh(&self, picture: &Picture) {
-        let Some(area) = &self.area else {
-            return;
+/// A canvas whose font and baseline are set.
+pub(crate) struct Canvas<'a>(pub(crate) &'a CanvasRenderingContext2d);
+
+impl AxesSurface for Canvas<'_> {
+    fn fill(&mut self, [left, top, width, height]: [f64; 4], colour: Colour, opacity: Opacity) {
+        let (red, green, blue) = colour;
+        self.0.set_fill_style_str(&match opacity {
+            Opacity::Full => css(colour),
+            Opacity::Weak => format!("rgba({red},{green},{blue},0.45)"),
+        });
+        self.0.fill_rect(left, top, width, height);
+    }
+
+    fn write(&mut self, text: &str, (x, y): (f64, f64), align: Align, colour: Colour) {
+        self.0.set_fill_style_str(&css(colour));
+        self.0.set_text_align(match align {
+            Align::Left => "left",
+            Align::Center => "center",
+            Align::Right => "right",
+        });
+        // It fails for invalid coordinates only.
+        let _ = self.0.fill_text(text, x, y);
+    }
+}
+
+impl Picture {
+    /// The axes of this view.
+    pub(crate) fn of(
+        chart: Chart,
+        view: View,
+        grid: Grid,
+        layout: Layout,
+        palette: Palette,
+        scales: Scales,
+    ) -> Self {
+        let marks = layout.marks(view.is_live());
+        let marks = if view.is_live() {
+            ticks::ago(view.span_us, marks)
+        } else {
+            let right_us = chart.day_us(grid.right_us());
+            ticks::of_day(right_us, grid.span_us(), marks)
         };
-        let (plot, palette) = (picture.layout.plot, picture.palette);
-        let line = |from: (i32, i32), size: (i32, i32), style: RGBAColor| {
-            let to = (from.0 + size.0, from.1 + size.1);
-            // Drawing a line on a canvas cannot fail.
-            let _ = area.draw(&Rectangle::new([from, to], style.filled()));
-        };
-        let thin = rgb(palette.line).to_rgba();
-        let width = pixels(picture.layout.ratio).max(1);
-        for mark in &picture.marks {
-            let x = plot.left + at(mark.place, plot.width);
-            line((x, plot.top), (width, plot.height), thin);
-        }
-        let from_zero = picture.traces.compared.is_some_and(Trace::is_from_zero);
-        for row in 0..5 {
-            // The zero line is stronger.
-            let style = if row == 2 && !from_zero {
-                rgb(palette.text).mix(0.45)
-            } else {
-                thin
-            };
-            let y = plot.top + plot.height * row / 4;
-            line((plot.left, y), (plot.width, width), style);
+        Self {
+            layout,
+            palette,
+            traces: chart.traces.get_untracked(),
+            scales,
+            marks,
+            model: chart.page.model.get_untracked(),
         }
     }
 
-    fn labels(&self, picture: &Picture) {
-        let Picture {
+    /// Draws grid lines and labels.
+    pub(crate) fn draw(&self, surface: &mut dyn AxesSurface) {
+        self.mesh(surface);
+        self.labels(surface);
+    }
+
+    /// Draws the grid lines: one device pixel wide and aligned to pixels.
+    fn mesh(&self, surface: &mut dyn AxesSurface) {
+        let (plot, palette) = (self.layout.plot, self.palette);
+        let mut line = |rectangle: [i32; 4], colour, opacity| {
+            surface.fill(rectangle.map(f64::from), colour, opacity);
+        };
+        let width = pixels(self.layout.ratio).max(1);
+        for mark in &self.marks {
+            let x = plot.left + at(mark.place, plot.width);
+            let rectangle = [x, plot.top, width, plot.height];
+            line(rectangle, palette.line, Opacity::Full);
+        }
+        let from_zero = self.traces.compared.is_some_and(Trace::is_from_zero);
+        for row in 0..5 {
+            let y = plot.top + plot.height * row / 4;
+            let rectangle = [plot.left, y, plot.width, width];
+            // The zero line is stronger.
+            if row == 2 && !from_zero {
+                line(rectangle, palette.text, Opacity::Weak);
+            } else {
+                line(rectangle, palette.line, Opacity::Full);
+            }
+        }
+    }
+
+    fn labels(&self, surface: &mut dyn AxesSurface) {
+        let Self {
             layout,
             palette,
             traces,
+            scales,
+            model,
             ..
-        } = *picture;
+        } = *self;
         // The compared trace has the only axis.
         let shows = |trace| traces.compared.is_none() && traces.has(trace);
-        let [speed, current] = picture.scales;
         let plot = layout.plot;
         let (left, right) = (f64::from(plot.left), f64::from(plot.left + plot.width));
         let (top, height) = (f64::from(plot.top), f64::from(plot.height));
         let offset = LABEL_OFFSET * layout.ratio;
         let rows = |row: usize| top + height * [0.0, 0.25, 0.5, 0.75, 1.0].get(row).unwrap_or(&0.0);
         let below = UNIT_OFFSET * layout.ratio;
+        let mut axis = |trace: Trace, labels: [String; 5], x, align, colour| {
+            for (row, label) in labels.iter().enumerate() {
+                if row % 2 == 0 || layout.has_quarters() {
+                    surface.write(label, (x, rows(row)), align, colour);
+                }
+            }
+            surface.write(trace.unit(model), (x, top + below), align, colour);
+        };
+        if let Some(trace) = traces.compared {
+            let labels = compared_labels(trace, scales);
+            axis(trace, labels, left - offset, Align::Right, palette.text);
+        }
         for (trace, scale, x, align, colour) in [
-            (Trace::Speed, speed, left - offset, "right", palette.speed),
+            (
+                Trace::Speed,
+                scales.speed,
+                left - offset,
+                Align::Right,
+                palette.speed,
+            ),
             (
                 Trace::Current,
-                current,
+                scales.current,
                 right + offset,
-                "left",
+                Align::Left,
                 palette.current,
             ),
         ] {
             if shows(trace) {
-                self.write_in(colour, align);
-                for (row, label) in scale.labels().iter().enumerate() {
-                    if row % 2 == 0 || layout.has_quarters() {
-                        self.write(label, x, rows(row));
-                    }
-                }
-                self.write(trace.unit(picture.model), x, top + below);
+                axis(trace, scale.labels(), x, align, colour);
             }
-        }
-        if let Some(trace) = traces.compared {
-            self.write_in(palette.text, "right");
-            for (row, label) in compared_labels(trace, picture).iter().enumerate() {
-                if row % 2 == 0 || layout.has_quarters() {
-                    self.write(label, left - offset, rows(row));
-                }
-            }
-            self.write(trace.unit(picture.model), left - offset, top + below);
         }
         let mut x = right - offset;
         for (trace, colour, end) in [
             (
                 Trace::Temperature,
                 palette.temperature,
-                picture.temperature_end,
+                scales.temperature_end,
             ),
             (Trace::Position, palette.position, 360),
         ] {
             if shows(trace) {
-                self.write_in(colour, "right");
+                let mut write = |text: &str, y| surface.write(text, (x, y), Align::Right, colour);
                 let space = if trace == Trace::Temperature { " " } else { "" };
-                let upper = format!("{end}{space}{}", trace.unit(picture.model));
-                self.write(&upper, x, top + below * 0.75);
-                self.write(&(end / 2).to_string(), x, rows(2) - below * 0.75);
-                self.write("0", x, rows(4) - below * 0.75);
+                let upper = format!("{end}{space}{}", trace.unit(model));
+                write(&upper, top + below * 0.75);
+                write(&(end / 2).to_string(), rows(2) - below * 0.75);
+                write("0", rows(4) - below * 0.75);
                 x -= ANGLE_LABELS_WIDTH * layout.ratio;
             }
         }
-        self.write_in(palette.text, "center");
-        for mark in &picture.marks {
+        for mark in &self.marks {
             let x = left + mark.place * f64::from(plot.width);
-            self.write(&mark.label, x, rows(4) + below);
+            surface.write(
+                &mark.label,
+                (x, rows(4) + below),
+                Align::Center,
+                palette.text,
+            );
         }
-    }
-
-    fn write_in(&self, colour: Colour, align: &str) {
-        self.context.set_fill_style_str(&css(colour));
-        self.context.set_text_align(align);
-    }
-
-    fn write(&self, text: &str, x: f64, y: f64) {
-        // It fails for invalid coordinates only.
-        let _ = self.context.fill_text(text, x, y);
     }
 }
 
 /// The labels of the five lines of the only axis, from the top.
-fn compared_labels(trace: Trace, picture: &Picture) -> [String; 5] {
-    let [speed, current] = picture.scales;
+fn compared_labels(trace: Trace, scales: Scales) -> [String; 5] {
     match trace {
-        Trace::Speed | Trace::Goal => speed.labels(),
-        Trace::Current => current.labels(),
-        Trace::Temperature => scale::labels_from_zero(picture.temperature_end),
+        Trace::Speed | Trace::Goal => scales.speed.labels(),
+        Trace::Current => scales.current.labels(),
+        Trace::Temperature => scale::labels_from_zero(scales.temperature_end),
         Trace::Position => scale::labels_from_zero(360),
     }
-}
-
-fn rgb((red, green, blue): Colour) -> RGBColor {
-    RGBColor(red, green, blue)
 }
 
 /// The pixel at a position from 0 to 1; 1 is the last pixel.

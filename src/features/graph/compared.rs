@@ -9,9 +9,11 @@ use crate::{
             comparison::Comparison,
             end_labels::spread,
             lines::trace_lines,
-            palette::{Colour, Palette, css},
+            palette::Colour,
+            scale::Ends,
+            surface::{FINE, Pen},
         },
-        traces::{BOLD, Ends, FINE, Pen, TraceCanvas},
+        traces::{BOLD, Tracing},
     },
     model::history::History,
 };
@@ -29,17 +31,11 @@ struct Line {
     colour: Colour,
 }
 
-impl TraceCanvas {
+impl Tracing<'_> {
     /// Draws what each motor reported in these columns. All motors share a bus of 576 replies a second, so many
     /// motors have no more replies to draw than one. Each line has at most two dots per column.
-    pub(crate) fn draw_compared(
-        &mut self,
-        history: &History,
-        comparison: &Comparison,
-        grid: Grid,
-        palette: Palette,
-        font: &str,
-    ) {
+    pub(crate) fn draw_compared(&mut self, history: &History, comparison: &Comparison, grid: Grid) {
+        let palette = self.palette;
         let mut lines = Vec::new();
         for (place, id, mirror) in comparison.motors() {
             if let Some(track) = history.track(id) {
@@ -51,19 +47,22 @@ impl TraceCanvas {
             }
         }
         let extent = lines.iter().map(|line| extent(&line.parts));
-        let ends = self.fit(comparison.trace, extent.fold(0.0, f64::max));
+        let ends = self
+            .scales
+            .fit(comparison.trace, extent.fold(0.0, f64::max));
         for line in &lines {
             let pen = Pen {
                 colour: line.colour,
                 width: BOLD,
+                dashed: false,
             };
             self.draw_lines(&line.parts, ends, &pen);
         }
-        self.label(&lines, ends, font);
+        self.label(&lines, ends);
     }
 
     /// Labels each line, so that motors can be told apart without colours.
-    fn label(&self, lines: &[Line], ends: Ends, font: &str) {
+    fn label(&mut self, lines: &[Line], ends: Ends) {
         let coordinates = self.coordinates(ends);
         let mut labelled = Vec::new();
         let mut heights = Vec::new();
@@ -79,18 +78,9 @@ impl TraceCanvas {
         let top = f64::from(plot.top) + half;
         let bottom = f64::from(plot.top + plot.height) - half;
         let x = f64::from(plot.left + plot.width) + PLOT_GAP * pixel;
-        let context = &self.context;
-        // Text is drawn in device pixels.
-        context.save();
-        // It fails for invalid numbers only.
-        let _ = context.set_transform(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
-        context.set_font(font);
-        context.set_text_baseline("middle");
         let places = spread(&heights, LABEL_GAP * pixel, top, bottom);
         for (line, y) in labelled.into_iter().zip(places) {
-            context.set_fill_style_str(&css(line.colour));
-            let _ = context.fill_text(&line.label, x, y);
+            self.surface.label(&line.label, (x, y), line.colour);
         }
-        context.restore();
     }
 }

@@ -102,6 +102,13 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     hint=tr!("Saves the graph as a PNG image.")
                     on_press=move || picture::save(chart, stage)
                 />
+                <PressButton
+                    class="button small"
+                    label="SVG"
+                    name=tr!("Save SVG")
+                    hint=tr!("Saves the graph as an SVG drawing in light colours.")
+                    on_press=move || picture::save_svg(chart, stage)
+                />
             </div>
         </div>
     }

@@ -13,7 +13,7 @@
 //! | `overlay` | the crosshair and its values |
 //! | `description` | the values in words |
 //! | `watchers` | size, visibility and theme |
-//! | `picture` | the PNG |
+//! | `picture` | the PNG image and the SVG drawing |
 //!
 //! The parts that need no browser are in [`crate::features::graph::plot`].
 

@@ -18,12 +18,11 @@ use crate::{
             comparison::{Comparison, Subject},
             layout::Layout,
             palette::{Palette, parse_colour},
-            scale::Scale,
-            ticks,
+            scale::Scales,
             view::View,
         },
         state::Chart,
-        traces::TraceCanvas,
+        traces::{TraceCanvas, Tracing},
         watchers::{self, Watchers},
     },
     model::history::History,
@@ -62,6 +61,7 @@ pub(crate) struct Stage {
     plot: HtmlElement,
     pub(crate) axes: Axes,
     pub(crate) lines: TraceCanvas,
+    pub(crate) scales: Scales,
     pub(crate) overlay: Overlay,
     legend: Legend,
     description: Description,
@@ -137,6 +137,7 @@ impl Stage {
         Some(Self {
             axes: Axes::of(canvas(".graph-axes")?)?,
             lines: TraceCanvas::of(canvas(".graph-lines")?)?,
+            scales: Scales::new(),
             overlay: Overlay::of(place)?,
             legend: Legend::of(&place.parent_element()?)?,
             description: Description::of(find("#graph-words")?),
@@ -279,48 +280,19 @@ impl Stage {
     }
 
     fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
-        self.lines.clear();
-        match subject {
-            Subject::Motor { id, mirror, traces } => {
-                if let Some(track) = history.track(*id) {
-                    self.lines.draw_motor(
-                        history,
-                        track,
-                        (*mirror, *traces),
-                        grid,
-                        now_us,
-                        self.palette,
-                    );
-                }
-            }
-            Subject::Compared(comparison) => {
-                let font = self.axes.font(self.layout.ratio);
-                self.lines
-                    .draw_compared(history, comparison, grid, self.palette, &font);
-            }
-        }
+        self.lines.clear(self.axes.font(self.layout.ratio));
+        let mut tracing = Tracing {
+            surface: &mut self.lines,
+            scales: &mut self.scales,
+            layout: self.layout,
+            palette: self.palette,
+        };
+        tracing.draw(history, subject, grid, now_us);
     }
 
     fn draw_axes(&mut self, chart: Chart, view: View, grid: Grid) {
-        let marks = self.layout.marks(view.is_live());
-        let marks = if view.is_live() {
-            ticks::ago(view.span_us, marks)
-        } else {
-            let right_us = chart.day_us(grid.right_us());
-            ticks::of_day(right_us, grid.span_us(), marks)
-        };
-        let scales: [Scale; 2] = self.lines.scales();
-        let hot = self.lines.temperature_end();
-        let traces = chart.traces.get_untracked();
-        self.axes.draw(Picture {
-            layout: self.layout,
-            palette: self.palette,
-            traces,
-            scales,
-            temperature_end: hot,
-            marks,
-            model: chart.page.model.get_untracked(),
-        });
+        let picture = Picture::of(chart, view, grid, self.layout, self.palette, self.scales);
+        self.axes.draw(picture);
     }
 }
 

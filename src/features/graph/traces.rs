@@ -1,4 +1,4 @@
-//! Draws the lines with plotters on their own canvas, over the axes.
+//! Draws the lines: on the screen with plotters, on their own canvas over the axes.
 
 use plotters::{
     coord::{CoordTranslate, Shift, types::RangedCoordf64},
@@ -14,11 +14,13 @@ use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 use crate::{
     features::graph::plot::{
         columns::{Dot, Grid, extent},
+        comparison::Subject,
         layout::{Layout, Rectangle},
         lines::{goal_lines, trace_lines},
         palette::{Colour, Palette, css},
-        scale::{self, Scale},
+        scale::{Ends, Scales},
         strokes::{Pixel, Strokes, strokes},
+        surface::{DASH, FINE, LineSurface, Pen},
         trace::{Trace, Traces},
     },
     model::{
@@ -27,16 +29,10 @@ use crate::{
     },
 };
 
-/// Subpixels per device pixel. plotters draws at whole pixels, which turns a gentle slope into steps. So it gets
-/// coordinates eight times as large, and the canvas scales them down.
-pub(crate) const FINE: i32 = 8;
-
 /// Line width of a motor's reports, in CSS pixels.
 pub(crate) const BOLD: f64 = 1.75;
 /// Line width of the other lines.
 const THIN: f64 = 1.25;
-/// The dashes of the goal and their gaps, in CSS pixels.
-const DASH: [f64; 2] = [5.0, 4.0];
 /// How far lines may exceed the edge of the plot, so that a line at the end of its scale is not cut in half
 /// lengthwise.
 const BLEED: f64 = 2.0;
@@ -44,28 +40,99 @@ const BLEED: f64 = 2.0;
 /// The canvas with the lines.
 pub(crate) struct TraceCanvas {
     pub(crate) canvas: HtmlCanvasElement,
-    pub(crate) context: CanvasRenderingContext2d,
+    context: CanvasRenderingContext2d,
     /// `None` before the canvas has a size.
     area: Option<DrawingArea<CanvasBackend, Shift>>,
-    pub(crate) layout: Layout,
-    speed: Scale,
-    current: Scale,
-    /// The upper end of the temperature's scale, in degrees.
-    temperature_end: u16,
+    layout: Layout,
+    /// The font of the labels.
+    font: String,
 }
 
-/// The style of a line.
-pub(crate) struct Pen {
-    pub(crate) colour: Colour,
-    /// In CSS pixels.
-    pub(crate) width: f64,
+/// Draws lines on a surface, and fits the scales to them.
+pub(crate) struct Tracing<'a> {
+    pub(crate) surface: &'a mut dyn LineSurface,
+    pub(crate) scales: &'a mut Scales,
+    pub(crate) layout: Layout,
+    pub(crate) palette: Palette,
 }
 
 /// Converts columns and values to subpixels.
 pub(crate) type Coordinates = Cartesian2d<RangedCoordf64, RangedCoordf64>;
 
-/// The values at the lower and the upper end of the plot.
-pub(crate) type Ends = (f64, f64);
+impl Tracing<'_> {
+    /// Draws what was reported in these columns, and setpoints up to now.
+    pub(crate) fn draw(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
+        match subject {
+            Subject::Motor { id, mirror, traces } => {
+                if let Some(track) = history.track(*id) {
+                    self.draw_motor(history, track, (*mirror, *traces), grid, now_us);
+                }
+            }
+            Subject::Compared(comparison) => self.draw_compared(history, comparison, grid),
+        }
+    }
+
+    /// Draws the reports of a motor in these columns, and its setpoints up to now.
+    fn draw_motor(
+        &mut self,
+        history: &History,
+        track: &Track,
+        (mirror, traces): (Mirror, Traces),
+        grid: Grid,
+        now_us: u64,
+    ) {
+        // The most important trace comes last, on top.
+        for trace in [
+            Trace::Position,
+            Trace::Temperature,
+            Trace::Current,
+            Trace::Speed,
+        ] {
+            if !traces.has(trace) {
+                continue;
+            }
+            let lines = trace_lines(history, track, trace, mirror, grid);
+            let goals = if traces.has(Trace::Goal) {
+                goal_lines(track, trace, mirror, grid, now_us)
+            } else {
+                Vec::new()
+            };
+            let extent = extent(&lines).max(extent(&goals));
+            let ends = self.scales.fit(trace, extent);
+            let colour = match trace {
+                Trace::Current => self.palette.current,
+                Trace::Temperature => self.palette.temperature,
+                Trace::Position => self.palette.position,
+                Trace::Speed | Trace::Goal => self.palette.speed,
+            };
+            let pen = |width, dashed| Pen {
+                colour,
+                width,
+                dashed,
+            };
+            self.draw_lines(&goals, ends, &pen(THIN, true));
+            let width = if trace == Trace::Speed { BOLD } else { THIN };
+            self.draw_lines(&lines, ends, &pen(width, false));
+        }
+    }
+
+    /// The positions of dots in the plot, in subpixels.
+    pub(crate) fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
+        let plot = self.layout.plot;
+        let across = FINE * plot.left..FINE * (plot.left + plot.width);
+        let up = FINE * (plot.top + plot.height)..FINE * plot.top;
+        let columns = 0.0..f64::from(self.layout.columns());
+        Cartesian2d::new(columns, lower..upper, (across, up))
+    }
+
+    pub(crate) fn draw_lines(&mut self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
+        let coordinates = self.coordinates(ends);
+        for line in lines {
+            let points = line.iter().map(|dot| coordinates.translate(dot));
+            self.surface.line(points.collect(), pen);
+        }
+    }
+}
 
 impl TraceCanvas {
     /// `None` if the browser has no 2D context for the canvas.
@@ -76,20 +143,8 @@ impl TraceCanvas {
             context,
             area: None,
             layout: Layout::default(),
-            speed: Scale::of_speed(),
-            current: Scale::of_current(),
-            temperature_end: 100,
+            font: String::new(),
         })
-    }
-
-    /// The scales of speed and current in the last drawing.
-    pub(crate) fn scales(&self) -> [Scale; 2] {
-        [self.speed, self.current]
-    }
-
-    /// The upper end of the scale of the temperature, in degrees.
-    pub(crate) fn temperature_end(&self) -> u16 {
-        self.temperature_end
     }
 
     pub(crate) fn resize(&mut self, layout: Layout) {
@@ -122,77 +177,30 @@ impl TraceCanvas {
         });
     }
 
-    /// Clears all lines.
-    pub(crate) fn clear(&self) {
+    /// Clears all lines. The next labels have this font.
+    pub(crate) fn clear(&mut self, font: String) {
+        self.font = font;
         let (width, height) = (self.layout.width, self.layout.height);
         let fine = f64::from(FINE);
         self.context
             .clear_rect(0.0, 0.0, f64::from(width) * fine, f64::from(height) * fine);
     }
 
-    /// Draws the reports of a motor in these columns, and its setpoints up to now.
-    pub(crate) fn draw_motor(
-        &mut self,
-        history: &History,
-        track: &Track,
-        (mirror, traces): (Mirror, Traces),
-        grid: Grid,
-        now_us: u64,
-        palette: Palette,
-    ) {
-        // The most important trace comes last, on top.
-        for trace in [
-            Trace::Position,
-            Trace::Temperature,
-            Trace::Current,
-            Trace::Speed,
-        ] {
-            if !traces.has(trace) {
-                continue;
-            }
-            let lines = trace_lines(history, track, trace, mirror, grid);
-            let goals = if traces.has(Trace::Goal) {
-                goal_lines(track, trace, mirror, grid, now_us)
-            } else {
-                Vec::new()
-            };
-            let ends = self.fit(trace, extent(&lines).max(extent(&goals)));
-            let colour = match trace {
-                Trace::Current => palette.current,
-                Trace::Temperature => palette.temperature,
-                Trace::Position => palette.position,
-                Trace::Speed | Trace::Goal => palette.speed,
-            };
-            self.set_dashed(true);
-            self.draw_goals(
-                &goals,
-                ends,
-                &Pen {
-                    colour,
-                    width: THIN,
-                },
-            );
-            self.set_dashed(false);
-            let width = if trace == Trace::Speed { BOLD } else { THIN };
-            self.draw_lines(&lines, ends, &Pen { colour, width });
+    /// A path through whole strokes, and steep ones as bars.
+    fn draw_solid(&self, points: &[Pixel], pen: &Pen) {
+        let thickness = (pen.width * self.layout.ratio).round().max(1.0) * f64::from(FINE);
+        self.context.set_fill_style_str(&css(pen.colour));
+        let Strokes { bars, paths, .. } = strokes(points, FINE);
+        for bar in bars {
+            // Aligned to whole pixels, which are the cheapest to draw.
+            let left = on_pixel(f64::from(bar.x) - thickness / 2.0);
+            let top = on_pixel(f64::from(bar.top) - thickness / 2.0);
+            let bottom = on_pixel(f64::from(bar.bottom) + thickness / 2.0);
+            self.context.fill_rect(left, top, thickness, bottom - top);
         }
-    }
-
-    /// The scale of a trace for values up to this distance from zero.
-    pub(crate) fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
-        let scale = match trace {
-            Trace::Speed | Trace::Goal => &mut self.speed,
-            Trace::Current => &mut self.current,
-            Trace::Temperature | Trace::Position => {
-                let (lower, upper) = scale::ends(trace, extent);
-                if trace == Trace::Temperature {
-                    self.temperature_end = upper;
-                }
-                return (f64::from(lower), f64::from(upper));
-            }
-        };
-        *scale = scale.fitted(extent);
-        (-scale.limit(), scale.limit())
+        for path in paths {
+            self.draw_path(path, pen);
+        }
     }
 
     fn set_dashed(&self, dashed: bool) {
@@ -207,43 +215,6 @@ impl TraceCanvas {
         let _ = self.context.set_line_dash(&lengths);
     }
 
-    /// The positions of dots in the plot, in subpixels.
-    pub(crate) fn coordinates(&self, (lower, upper): Ends) -> Coordinates {
-        let plot = self.layout.plot;
-        let across = FINE * plot.left..FINE * (plot.left + plot.width);
-        let up = FINE * (plot.top + plot.height)..FINE * plot.top;
-        let columns = 0.0..f64::from(self.layout.columns());
-        Cartesian2d::new(columns, lower..upper, (across, up))
-    }
-
-    pub(crate) fn draw_lines(&self, lines: &[Vec<Dot>], ends: Ends, pen: &Pen) {
-        let coordinates = self.coordinates(ends);
-        let thickness = (pen.width * self.layout.ratio).round().max(1.0) * f64::from(FINE);
-        self.context.set_fill_style_str(&css(pen.colour));
-        for line in lines {
-            let points: Vec<Pixel> = line.iter().map(|dot| coordinates.translate(dot)).collect();
-            let Strokes { bars, paths, .. } = strokes(&points, FINE);
-            for bar in bars {
-                // Aligned to whole pixels, which are the cheapest to draw.
-                let left = on_pixel(f64::from(bar.x) - thickness / 2.0);
-                let top = on_pixel(f64::from(bar.top) - thickness / 2.0);
-                let bottom = on_pixel(f64::from(bar.bottom) + thickness / 2.0);
-                self.context.fill_rect(left, top, thickness, bottom - top);
-            }
-            for path in paths {
-                self.draw_path(path, pen);
-            }
-        }
-    }
-
-    fn draw_goals(&self, goals: &[Vec<Dot>], ends: Ends, pen: &Pen) {
-        let coordinates = self.coordinates(ends);
-        for goal in goals {
-            let path = goal.iter().map(|dot| coordinates.translate(dot));
-            self.draw_path(path.collect(), pen);
-        }
-    }
-
     fn draw_path(&self, path: Vec<Pixel>, pen: &Pen) {
         let (red, green, blue) = pen.colour;
         let style = ShapeStyle {
@@ -255,6 +226,31 @@ impl TraceCanvas {
             // Drawing a line on a canvas cannot fail.
             let _ = area.draw(&PathElement::new(path, style));
         }
+    }
+}
+
+impl LineSurface for TraceCanvas {
+    fn line(&mut self, points: Vec<Pixel>, pen: &Pen) {
+        if pen.dashed {
+            self.set_dashed(true);
+            self.draw_path(points, pen);
+            self.set_dashed(false);
+        } else {
+            self.draw_solid(&points, pen);
+        }
+    }
+
+    fn label(&mut self, text: &str, (x, y): (f64, f64), colour: Colour) {
+        let context = &self.context;
+        // Text is drawn in device pixels.
+        context.save();
+        // These fail for invalid numbers only.
+        let _ = context.set_transform(1.0, 0.0, 0.0, 1.0, 0.0, 0.0);
+        context.set_font(&self.font);
+        context.set_text_baseline("middle");
+        context.set_fill_style_str(&css(colour));
+        let _ = context.fill_text(text, x, y);
+        context.restore();
     }
 }
 

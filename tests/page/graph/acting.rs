@@ -1,17 +1,12 @@
 //! What a person does with the graph.
 
-use js_sys::Promise;
 use motorlink_messages::bus::{Command, StopReason};
-use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
-use wasm_bindgen_futures::JsFuture;
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::{Blob, Element, Event, HtmlCanvasElement, ImageBitmap, Response};
+use web_sys::Element;
 
-use super::{
-    bench, canvas, colour_of, context, graph, is_drawn, name, pixels, report, rows_of, steady,
-};
+use super::{bench, canvas, graph, is_drawn, name, report, steady};
 use crate::{
-    bench::{document, pause, press},
+    bench::{pause, press},
     language::choose,
 };
 
@@ -27,7 +22,7 @@ async fn the_graph_and_its_controls_are_found_by_their_names() {
     for trace in ["speed", "current", "target", "temperature", "position"] {
         bench.find("checkbox", &format!("Show {trace}"));
     }
-    for button in ["Pause", "Now", "PNG"] {
+    for button in ["Pause", "Now", "PNG", "Save SVG"] {
         bench.find("button", button);
     }
     bench.find("status", "Crosshair");
@@ -134,60 +129,4 @@ async fn the_newest_values_are_there_in_words() {
         }
     }
     panic!("{:?}", words.text_content());
-}
-
-#[wasm_bindgen_test]
-async fn the_picture_is_a_png_with_a_background() {
-    let bench = bench("graph-png").await;
-    report(&bench, steady(9_000, 100));
-    let canvas = canvas(&bench);
-    bench.until("a line", || is_drawn(&canvas)).await;
-
-    // The link that the page presses is not followed: a test saves no files.
-    let pressed = Promise::new(&mut |resolve, _| {
-        let heard = Closure::<dyn FnMut(Event)>::new(move |event: Event| {
-            let link: Element = event.target().unwrap().unchecked_into();
-            if link.has_attribute("download") {
-                event.prevent_default();
-                resolve.call1(&JsValue::NULL, &link).unwrap();
-            }
-        });
-        let heard = heard.into_js_value();
-        document()
-            .add_event_listener_with_callback("click", heard.unchecked_ref())
-            .unwrap();
-    });
-    bench.click("PNG");
-    let link: Element = JsFuture::from(pressed).await.unwrap().unchecked_into();
-    let file = link.get_attribute("download").unwrap();
-    let time = file.strip_prefix("motorlink-graph-20");
-    let time = time.and_then(|rest| rest.strip_suffix(".png"));
-    assert_eq!(time.map(str::len), Some(13), "{file}");
-
-    let window = web_sys::window().unwrap();
-    let fetched = window.fetch_with_str(&link.get_attribute("href").unwrap());
-    let response: Response = JsFuture::from(fetched).await.unwrap().unchecked_into();
-    let blob: Blob = JsFuture::from(response.blob().unwrap())
-        .await
-        .unwrap()
-        .unchecked_into();
-    assert_eq!(blob.type_(), "image/png");
-    let bitmap = window.create_image_bitmap_with_blob(&blob).unwrap();
-    let bitmap: ImageBitmap = JsFuture::from(bitmap).await.unwrap().unchecked_into();
-    assert!(bitmap.width() >= 1_600 && bitmap.height() > 900);
-    assert!(canvas.width() < 1_600, "the graph has its size again");
-
-    let copy: HtmlCanvasElement = document()
-        .create_element("canvas")
-        .unwrap()
-        .unchecked_into();
-    copy.set_width(bitmap.width());
-    copy.set_height(bitmap.height());
-    context(&copy)
-        .draw_image_with_image_bitmap(&bitmap, 0.0, 0.0)
-        .unwrap();
-    assert!(pixels(&copy).iter().all(|[.., opacity]| *opacity == 255));
-    let speed = colour_of(&bench, "--speed");
-    assert!(!rows_of(&copy, speed, 20).is_empty(), "the line");
-    assert_eq!(pixels(&copy)[0][..3], colour_of(&bench, "--surface"));
 }

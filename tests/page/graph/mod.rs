@@ -4,6 +4,7 @@ mod acting;
 mod comparing;
 mod drawing;
 mod restored;
+mod saving;
 
 use std::ops::Deref;
 

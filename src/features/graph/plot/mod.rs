@@ -8,6 +8,7 @@
 //! | `columns` | decimation to the least and greatest value of each pixel column |
 //! | `lines` | traces and goals as lines |
 //! | `strokes` | splits a line into parts that are cheap to draw |
+//! | `surface`, `svg` | what the graph is drawn on, and a vector picture as such |
 //! | `end_labels` | labels at the ends of lines |
 //! | `scale` | the range of an axis, with hysteresis |
 //! | `ticks` | the marks of the time axis and their labels |
@@ -29,6 +30,8 @@ pub(crate) mod lines;
 pub(crate) mod palette;
 pub(crate) mod scale;
 pub(crate) mod strokes;
+pub(crate) mod surface;
+pub(crate) mod svg;
 pub(crate) mod texts;
 pub(crate) mod ticks;
 pub(crate) mod trace;

@@ -90,8 +90,48 @@ impl Scale {
     }
 }
 
+/// The values at the lower and the upper end of the plot.
+pub(crate) type Ends = (f64, f64);
+
+/// The scales of all traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Scales {
+    pub(crate) speed: Scale,
+    pub(crate) current: Scale,
+    /// The upper end of the temperature's scale, in degrees.
+    pub(crate) temperature_end: u16,
+}
+
+impl Scales {
+    /// The scales before the first drawing.
+    pub(crate) const fn new() -> Self {
+        Self {
+            speed: Scale::of_speed(),
+            current: Scale::of_current(),
+            temperature_end: 100,
+        }
+    }
+
+    /// Fits the scale of a trace to values up to this distance from zero.
+    pub(crate) fn fit(&mut self, trace: Trace, extent: f64) -> Ends {
+        let scale = match trace {
+            Trace::Speed | Trace::Goal => &mut self.speed,
+            Trace::Current => &mut self.current,
+            Trace::Temperature | Trace::Position => {
+                let (lower, upper) = ends(trace, extent);
+                if trace == Trace::Temperature {
+                    self.temperature_end = upper;
+                }
+                return (f64::from(lower), f64::from(upper));
+            }
+        };
+        *scale = scale.fitted(extent);
+        (-scale.limit(), scale.limit())
+    }
+}
+
 /// The lower and upper end of the scale of a trace without an axis.
-pub(crate) fn ends(trace: Trace, extent: f64) -> (u16, u16) {
+fn ends(trace: Trace, extent: f64) -> (u16, u16) {
     match trace {
         // A motor switches off at 80; a byte holds up to 255.
         Trace::Temperature if extent > 100.0 => (0, 260),

@@ -100,9 +100,12 @@ pub(crate) fn ago(us: u64) -> String {
 /// Local year, month, day, hour, minute, second.
 pub(crate) type LocalTime = [u32; 6];
 
-/// `motorlink-graph-20251121-131536.png`
-pub(crate) fn file_name([year, month, day, hour, minute, second]: LocalTime) -> String {
-    format!("motorlink-graph-{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}.png")
+/// `motorlink-graph-20251121-131536.png`, with `png` or another ending.
+pub(crate) fn file_name(
+    [year, month, day, hour, minute, second]: LocalTime,
+    ending: &str,
+) -> String {
+    format!("motorlink-graph-{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}.{ending}")
 }
 
 /// `2025-11-21 13:15:36`
@@ -210,7 +213,10 @@ mod tests {
     #[test]
     fn a_picture_has_its_time_in_its_name() {
         let time = [2025, 1, 9, 3, 15, 6];
-        assert_eq!(file_name(time), "motorlink-graph-20250109-031506.png");
+        assert_eq!(
+            file_name(time, "png"),
+            "motorlink-graph-20250109-031506.png"
+        );
         assert_eq!(date_and_time(time), "2025-01-09 03:15:06");
     }
 }
