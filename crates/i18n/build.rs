@@ -15,7 +15,11 @@ const MESSAGE_END: &str = "\0";
 
 /// The folders whose texts load with their part, when it is asked for. A text that other files have too is not among
 /// them.
-const LATER: [&str; 2] = ["src/features/session/", "src/features/wheel_setup/"];
+const LATER: [&str; 3] = [
+    "src/features/session/",
+    "src/features/setup_link/",
+    "src/features/wheel_setup/",
+];
 
 /// Every message with its translation, sorted by message.
 type Messages = BTreeMap<String, Message>;

@@ -36,6 +36,10 @@ use crate::{
         saved_session::view::{SavedSessionNotice, is_hidden},
         session::{actions::SessionFiles, incoming::Incoming, panel::SessionPanel},
         settings::panel::{InstallButton, SettingsPanel},
+        setup_link::{
+            self,
+            panel::{SetupLink, SetupLinkPanel},
+        },
         wheel_setup::{
             actions::{IdManagerActions, WheelSetup},
             panel::WheelSetupSteps,
@@ -161,23 +165,29 @@ in_part!(tools: fn mount_tools(hosts, features) [
             };
             let wheels = panel(Drawer::WheelSetup, tr!("Set up the wheels of a rover"));
             let session = panel(Drawer::Session, tr!("Session file"));
+            let setup_link = panel(Drawer::SetupLink, tr!("Setup link"));
+            setup_link::address::watch(features.page);
             view! {
                 <TogetherPanel groups=features.groups measures />
                 {wheels}
                 {session}
+                {setup_link}
             }
         })
     },
     hosts.mount(move || settings_panel(features)),
 ]);
 
-// One function for both panels: each function, and each part, adds to the first program.
+// One function for all panels: each function, and each part, adds to the first program.
 in_part!(seldom: fn mount_seldom(hosts, features, which) [{
     load_later_texts();
     if which == Drawer::Session {
         let incoming = Incoming::of_page(&hosts.owner);
         let files = SessionFiles::of_page(&hosts.owner, features.page);
         hosts.mount(move || view! { <SessionPanel files incoming /> })
+    } else if which == Drawer::SetupLink {
+        let of = SetupLink::of_page(&hosts.owner, features.page);
+        hosts.mount(move || view! { <SetupLinkPanel of /> })
     } else {
         let ids = features.ids;
         let actions = move || IdManagerActions {

@@ -19,6 +19,7 @@ pub(crate) mod rover;
 pub(crate) mod saved_session;
 pub(crate) mod session;
 pub(crate) mod settings;
+pub(crate) mod setup_link;
 pub(crate) mod stop;
 pub mod telemetry;
 pub(crate) mod wheel_setup;

@@ -33,6 +33,7 @@ pub(crate) mod recorder_texts;
 pub(crate) mod scan_texts;
 pub mod setup;
 pub(crate) mod setup_actions;
+pub(crate) mod setup_texts;
 pub(crate) mod snapshot;
 pub(crate) mod tab;
 pub(crate) mod terms;

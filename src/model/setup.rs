@@ -118,4 +118,4 @@ impl Setup {
 #[cfg(test)]
 #[cfg(not(target_arch = "wasm32"))]
 #[path = "setup_tests.rs"]
-mod tests;
+pub(crate) mod tests;

@@ -2,7 +2,15 @@
 
 use leptos::prelude::*;
 
-use crate::model::{page::Page, setup::Setup};
+use motorlink_i18n::tr;
+
+use crate::model::{
+    guards::import_blocked_by,
+    log_lines,
+    page::Page,
+    setup::{Setup, SetupError},
+    setup_texts,
+};
 
 impl Page {
     /// The current setup.
@@ -19,6 +27,29 @@ impl Page {
             temperature_limit: Some(preferences.limits.temperature_c()),
             names: Some(self.motors.names.get_untracked()),
         }
+    }
+
+    /// Applies a setup completely or not at all. Returns the result in words, which is in the log too.
+    pub(crate) fn import_setup(self, read: Result<Setup, SetupError>) -> String {
+        // Driving may have begun while the file was chosen and read, or the question was open.
+        let pad_is_held = self.motors.steered.get_untracked();
+        let reason = import_blocked_by(&self.present(), pad_is_held);
+        let reason = reason.or_else(|| self.side_changes_blocked_by());
+        self.log_setup(match (reason, read) {
+            (Some(reason), _) => setup_texts::of_refusal(&reason),
+            (None, Ok(setup)) => {
+                let words = setup_texts::of_taken(&setup);
+                self.take_setup(setup);
+                words
+            }
+            (None, Err(error)) => setup_texts::of_misfit(&error),
+        })
+    }
+
+    /// Adds the result of an import to the log.
+    pub(crate) fn log_setup(self, words: String) -> String {
+        self.log_now(&|| log_lines::calm(tr!("Setup: {words}", words)));
+        words
     }
 
     /// Applies a setup. That starts and stops no wheel.

@@ -270,7 +270,7 @@ fn the_ranges_that_are_told_are_those_that_hold() {
     }
 }
 
-fn any_setup() -> impl Strategy<Value = Setup> {
+pub(crate) fn any_setup() -> impl Strategy<Value = Setup> {
     let name = "[\\PC]{0,16}".prop_map(|name| name.trim().to_owned());
     let member = (name, select(Side::ALL.to_vec()), any::<bool>());
     (

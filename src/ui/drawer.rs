@@ -20,6 +20,8 @@ pub(crate) enum Drawer {
     WheelSetup,
     /// Saves and opens session files.
     Session,
+    /// The setup as a link.
+    SetupLink,
 }
 
 /// Opens a panel of the drawer, or closes it.

@@ -24,6 +24,7 @@ mod remembering;
 mod saved_session;
 mod session_file;
 mod setup;
+mod setup_link;
 mod together;
 mod tools;
 mod truth;

@@ -7,13 +7,14 @@ use wasm_bindgen_futures::JsFuture;
 use web_sys::{Blob, File};
 
 use crate::{
-    features::settings::texts::{self, of_erased},
+    features::settings::texts::of_erased,
     model::{
         guards::import_blocked_by,
         log_lines,
         page::{Dialog, Page},
         recorder_texts::no_recorder,
         setup::{SETUP_BYTES_MAX, Setup, SetupError},
+        setup_texts,
         snapshot::Session,
     },
     ui::download::save_blob,
@@ -53,29 +54,11 @@ impl Settings {
 
     /// Imports a file, and shows the result.
     pub(crate) async fn import_setup(self, file: &File) -> String {
-        let words = match read(file).await {
-            Some(read) => self.take_file(read),
-            None => texts::of_refusal(tr!("The file cannot be read. Select it again.")),
-        };
-        self.page
-            .log_now(&|| log_lines::calm(tr!("Setup: {words}", words)));
-        words
-    }
-
-    fn take_file(self, read: Result<Setup, SetupError>) -> String {
-        // Driving may have begun while the file was chosen and read.
-        let pad_is_held = self.page.motors.steered.get_untracked();
-        let reason = import_blocked_by(&self.page.present(), pad_is_held);
-        if let Some(reason) = reason.or_else(|| self.page.side_changes_blocked_by()) {
-            return texts::of_refusal(&reason);
-        }
-        match read {
-            Ok(setup) => {
-                let words = texts::of_taken(&setup);
-                self.page.take_setup(setup);
-                words
-            }
-            Err(error) => texts::of_misfit(&error),
+        match read(file).await {
+            Some(read) => self.page.import_setup(read),
+            None => self.page.log_setup(setup_texts::of_refusal(tr!(
+                "The file cannot be read. Select it again."
+            ))),
         }
     }
 

@@ -21,6 +21,7 @@ use crate::{
 
 const EXPORT: &str = "export-setup";
 const IMPORT: &str = "import-setup";
+const LINK: &str = "setup-link";
 const CHOOSER: &str = "setup-file";
 const ERASE: &str = "erase-kept";
 const INSTALL: &str = "install-page";
@@ -35,7 +36,7 @@ fn limits_head() -> String {
     format!("<h3>{head}</h3><p>{words}</p>")
 }
 
-/// Buttons `Export setup`, `Import setup`, `Delete all data` and `Install`, the browser's own chooser of files that
+/// Buttons `Export setup`, `Import setup`, `Setup link`, `Delete all data` and `Install`, the browser's own chooser of files that
 /// the second one opens, and status `Setup`.
 fn files() -> String {
     [
@@ -46,6 +47,7 @@ fn files() -> String {
         r#"<div class="button-row two">"#.to_owned(),
         button(EXPORT, tr!("Export setup")),
         button(IMPORT, tr!("Import setup")),
+        button(LINK, tr!("Setup link")),
         format!(r#"</div><input type="file" accept=".json" id="{CHOOSER}" hidden>"#),
         heading(tr!("Stored in this browser")),
         paragraph(tr!(
@@ -220,6 +222,7 @@ fn on_event(settings: Settings, install: &InstallButton, event: &Event) {
         ("click", IMPORT) => Asked::ToChoose,
         ("click", ERASE) => Asked::ToErase,
         // At once: the browser opens its question only during the press.
+        ("click", LINK) => return settings.page.drawer.set(Some(Drawer::SetupLink)),
         ("click", INSTALL) => return (install.on_press)(),
         ("change", CHOOSER) => Asked::ToTakeIn,
         _ => return,

@@ -1,0 +1,166 @@
+//! What a setup would change, one line per setting.
+
+use motorlink_i18n::tr;
+use motorlink_messages::protocol::MotorId;
+
+use crate::{
+    model::{
+        names_and_sides::{NameAndSide, NamesAndSides},
+        setup::Setup,
+    },
+    ui::format,
+};
+
+/// The settings that would change, with their present and their new value. Higher limits come first and say so.
+pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
+    let mut raised = Vec::new();
+    let mut others = Vec::new();
+    let rpm = |value: u16| format!("{value} {}", format::rpm());
+    let amps = |value: u16| format!("{} A", format::milliamps(value));
+    let degrees = |value: u16| format!("{value} °C");
+    let limits: [(&str, Option<u16>, Option<u16>, &dyn Fn(u16) -> String); 3] = [
+        (tr!("Speed limit"), now.speed_limit, new.speed_limit, &rpm),
+        (
+            tr!("Current limit"),
+            now.current_limit,
+            new.current_limit,
+            &amps,
+        ),
+        (
+            tr!("Temperature limit"),
+            now.temperature_limit,
+            new.temperature_limit,
+            &degrees,
+        ),
+    ];
+    for (what, from, to, words) in limits {
+        let (Some(from), Some(to)) = (from, to) else {
+            continue;
+        };
+        let change = line(what, &words(from), &words(to));
+        if to > from {
+            raised.push(tr!("{change} (higher limit)", change));
+        } else if to < from {
+            others.push(change);
+        }
+    }
+    let model = |setup: &Setup| setup.model.map(|model| model.spec().name.to_owned());
+    let hertz = |setup: &Setup| setup.rate.map(|rate| format!("{} Hz", rate.hertz()));
+    let ramp = |setup: &Setup| {
+        let ramp = setup.ramp?;
+        Some(format!("{ramp} {}/s", format::rpm()))
+    };
+    let yes = |value: Option<bool>| {
+        let words = |yes| if yes { tr!("yes") } else { tr!("no") };
+        value.map(|yes| words(yes).to_owned())
+    };
+    for (what, from, to) in [
+        (tr!("Model"), model(now), model(new)),
+        (
+            tr!("Detect the model"),
+            yes(now.detect_model),
+            yes(new.detect_model),
+        ),
+        (tr!("Command rate"), hertz(now), hertz(new)),
+        (tr!("Ramp"), ramp(now), ramp(new)),
+        (
+            tr!("Keep driving while hidden"),
+            yes(now.keep_driving),
+            yes(new.keep_driving),
+        ),
+    ] {
+        if let (Some(from), Some(to)) = (from, to)
+            && from != to
+        {
+            others.push(line(what, &from, &to));
+        }
+    }
+    if let (Some(from), Some(to)) = (&now.names, &new.names) {
+        // All of them are replaced: a motor that the setup does not name loses its name and side.
+        for id in MotorId::all() {
+            let (from, to) = (of_motor(from, id), of_motor(to, id));
+            if from != to {
+                others.push(line(&tr!("Motor {id}", id), &from, &to));
+            }
+        }
+    }
+    raised.extend(others);
+    raised
+}
+
+/// `Ramp: 0 rpm/s → 300 rpm/s`
+fn line(what: &str, from: &str, to: &str) -> String {
+    format!("{what}: {from} → {to}")
+}
+
+/// `Port, left, in the group`
+fn of_motor(names: &NamesAndSides, id: MotorId) -> String {
+    let none = NameAndSide::default();
+    let member = names.member(id).unwrap_or(&none);
+    let group = if member.drives {
+        tr!("in the group")
+    } else {
+        ""
+    };
+    let parts = [member.name().trim(), member.side.words(), group];
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOW: &str = r#"{"motorlink_setup": 1, "model": "ddsm115", "detect_model": true,
+        "command_rate_hz": 50, "keep_driving_while_hidden": true, "ramp_rpm_per_s": 0,
+        "speed_limit_rpm": 100, "current_limit_ma": 2700, "temperature_limit_c": 60,
+        "motors": [{"id": 1, "name": "Port", "side": "left", "drives_together": true},
+        {"id": 5, "name": "Old"}]}"#;
+
+    fn of(new: &str) -> Vec<String> {
+        let read = |file: &str| Setup::from_json(file.as_bytes()).unwrap();
+        changes(&read(NOW), &read(new))
+    }
+
+    #[test]
+    fn what_stays_is_not_listed() {
+        assert!(of(NOW).is_empty());
+        assert!(of(r#"{"motorlink_setup": 1}"#).is_empty());
+        assert!(of(r#"{"motorlink_setup": 1, "speed_limit_rpm": 100}"#).is_empty());
+    }
+
+    #[test]
+    fn a_raised_limit_comes_first_and_says_so() {
+        let new = r#"{"motorlink_setup": 1, "model": "ddsm400", "speed_limit_rpm": 60,
+            "current_limit_ma": 8000, "temperature_limit_c": 80}"#;
+        assert_eq!(
+            of(new),
+            [
+                "Current limit: 2.7 A → 8.0 A (higher limit)",
+                "Temperature limit: 60 °C → 80 °C (higher limit)",
+                "Speed limit: 100 rpm → 60 rpm",
+                "Model: DDSM115 → DDSM400",
+            ]
+        );
+    }
+
+    #[test]
+    fn each_motor_says_what_it_was_and_becomes() {
+        let new = r#"{"motorlink_setup": 1, "detect_model": false, "command_rate_hz": 500,
+            "keep_driving_while_hidden": false, "ramp_rpm_per_s": 300,
+            "motors": [{"id": 2, "name": "<b>", "side": "right", "drives_together": true},
+            {"id": 1, "name": "Port", "side": "left"}]}"#;
+        assert_eq!(
+            of(new),
+            [
+                "Detect the model: yes → no",
+                "Command rate: 50 Hz → 500 Hz",
+                "Ramp: 0 rpm/s → 300 rpm/s",
+                "Keep driving while hidden: yes → no",
+                "Motor 0x01: Port, left, in the group → Port, left",
+                "Motor 0x02: no side → <b>, right, in the group",
+                "Motor 0x05: Old, no side → no side",
+            ]
+        );
+    }
+}

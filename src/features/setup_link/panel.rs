@@ -1,0 +1,195 @@
+//! Panel `Setup link`: the present setup as a link, and the question about the setup of a link that was opened.
+
+use js_sys::{Function, Reflect};
+use leptos::{prelude::*, task::spawn_local};
+use motorlink_i18n::tr;
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
+
+use crate::{
+    features::setup_link::{
+        address::{IN_ADDRESS, part},
+        changes::changes,
+        encoding::{LinkError, from_link, to_link},
+    },
+    model::{guards::import_blocked_by, page::Page, setup::Setup, setup_texts},
+    ui::{button::PressButton, listener::on_window, reactive::dynamic},
+};
+
+/// The state of the panel. It stays through a change of language.
+#[derive(Clone, Copy)]
+pub(crate) struct SetupLink {
+    page: Page,
+    /// The setup of the link that was opened, as a file, until the user has answered; else nothing. It is text: a signal
+    /// of another type is code of its own.
+    linked: RwSignal<String>,
+    said: RwSignal<String>,
+}
+
+impl SetupLink {
+    /// Of this page: made at the first call, for the owner of the page.
+    pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
+        owner.with(|| {
+            use_context().unwrap_or_else(|| {
+                let new = Self {
+                    page,
+                    linked: RwSignal::new(String::new()),
+                    said: RwSignal::new(String::new()),
+                };
+                provide_context(new);
+                new
+            })
+        })
+    }
+
+    /// Takes the setup out of the address, now and whenever the address changes.
+    fn listen(self) {
+        self.take();
+        on_window("hashchange", move |_| self.take());
+    }
+
+    fn take(self) {
+        let fragment = part("hash");
+        if let Some(text) = fragment.strip_prefix(IN_ADDRESS) {
+            // A reload must not ask again, and no copy of the address may have a setup that is not the present one.
+            remove_fragment();
+            let said = self.offer(text);
+            let said = said.unwrap_or_else(|error| setup_texts::of_refusal(&error.to_string()));
+            self.said.set(said);
+        }
+    }
+
+    /// Shows the question, unless there is nothing to ask. Returns what the page says.
+    fn offer(self, text: &str) -> Result<String, LinkError> {
+        self.linked.set(String::new());
+        let setup = from_link(text)?;
+        if changes(&self.page.setup(), &setup).is_empty() {
+            return Ok(tr!("The link has the present setup. Nothing was changed.").to_owned());
+        }
+        self.linked.set(setup.to_json());
+        Ok(String::new())
+    }
+
+    /// The lines of the question.
+    fn changes(self) -> String {
+        self.track_setup();
+        let setup = self.linked.with(|file| Setup::from_json(file.as_bytes()));
+        let lines = setup.map(|setup| changes(&self.page.setup(), &setup));
+        lines.unwrap_or_default().join("\n")
+    }
+
+    /// Applies the setup, as an import does.
+    fn apply(self) {
+        let setup = self
+            .linked
+            .with_untracked(|file| Setup::from_json(file.as_bytes()));
+        self.linked.set(String::new());
+        self.said.set(self.page.import_setup(setup));
+    }
+
+    fn discard(self) {
+        self.linked.set(String::new());
+        self.said.set(tr!("Nothing was changed.").to_owned());
+    }
+
+    /// A link to this page with the present setup.
+    fn link(self) -> String {
+        self.track_setup();
+        part("origin") + &part("pathname") + IN_ADDRESS + &to_link(&self.page.setup())
+    }
+
+    /// The setup itself is read without signals.
+    fn track_setup(self) {
+        self.page.preferences.track();
+        self.page.motors.names.track();
+        let targets = self.page.settings;
+        for target in [
+            targets.rate,
+            targets.ramp,
+            targets.speed_limit,
+            targets.current_limit,
+            targets.temperature_limit,
+        ] {
+            target.get();
+        }
+    }
+
+    fn copy(self) {
+        let link = untrack(|| self.link());
+        spawn_local(async move {
+            // Over plain HTTP there is no clipboard.
+            let is_copied = window().is_secure_context()
+                && JsFuture::from(window().navigator().clipboard().write_text(&link))
+                    .await
+                    .is_ok();
+            let said = if is_copied {
+                tr!("Link copied. The page that opens it asks before it changes anything.")
+            } else {
+                tr!("The browser does not allow this. Select the link and copy it.")
+            };
+            let _ = self.said.try_set(said.to_owned());
+        });
+    }
+}
+
+/// The panel without its frame.
+#[component]
+pub(crate) fn SetupLinkPanel(of: SetupLink) -> impl IntoView {
+    of.listen();
+    let page = of.page;
+    let blocked_by = move || {
+        let pad_is_held = page.motors.steered.get();
+        page.shown
+            .with(|session| import_blocked_by(session, pad_is_held))
+    };
+    view! {
+        <div class="settings-panel">
+            <div
+                role="group"
+                aria-label=tr!("Setup from a link")
+                hidden=dynamic(move || of.linked.with(String::is_empty))
+            >
+                <h3>{tr!("Setup from a link")}</h3>
+                <p>{tr!("Applying it changes the following. No motor starts.")}</p>
+                <p class="setup-changes">{dynamic(move || of.changes())}</p>
+                <div class="button-row two">
+                    <PressButton
+                        label=tr!("Apply setup")
+                        disabled_reason=Signal::derive(blocked_by)
+                        on_press=move || of.apply()
+                    />
+                    <PressButton label=tr!("Discard") on_press=move || of.discard() />
+                </div>
+            </div>
+            <p class="setup-words" role="status" aria-label=tr!("Setup link")>
+                {dynamic(move || of.said.get())}
+            </p>
+            <h3>{tr!("Link with this setup")}</h3>
+            <p>
+                {tr!(
+                    "It has names, sides, groups, model, ramp, rate and limits, in a part of the address that is sent to no server."
+                )}
+            </p>
+            <input
+                type="text"
+                class="setup-address"
+                readonly=true
+                aria-label=tr!("Link")
+                prop:value=dynamic(move || of.link())
+            />
+            <PressButton label=tr!("Copy link") on_press=move || of.copy() />
+        </div>
+    }
+}
+
+/// Removes the fragment from the address, without another entry in the history.
+fn remove_fragment() {
+    let address = part("pathname") + &part("search");
+    let replace = || {
+        let history = Reflect::get(&window(), &"history".into())?;
+        let replace: Function = Reflect::get(&history, &"replaceState".into())?.dyn_into()?;
+        replace.call3(&history, &JsValue::NULL, &"".into(), &address.into())
+    };
+    // It fails for addresses of other pages only.
+    let _ = replace();
+}
