@@ -13,7 +13,7 @@ use motorlink_messages::{
 };
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::{BroadcastChannel, MessageEvent};
+use web_sys::{Blob, BroadcastChannel, MessageEvent};
 
 use crate::bench::{Bench, document, pause};
 
@@ -59,6 +59,18 @@ impl FakeSessions {
     fn post(&self, message: &FromSessions) {
         let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
         self.channel.post_message(&bytes).unwrap();
+    }
+}
+
+impl FakeSessions {
+    /// The same with a file of this content.
+    fn post_file(&self, message: &FromSessions, content: &str) {
+        let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
+        let parts = Array::of1(&content.into());
+        let file = Blob::new_with_str_sequence(&parts).unwrap();
+        self.channel
+            .post_message(&Array::of2(&bytes, &file))
+            .unwrap();
     }
 }
 
@@ -211,6 +223,96 @@ async fn a_dropped_file_is_opened_and_shown_with_what_is_missing() {
     bench.click("Close file");
     let is_closed = || bench.find_all("button", "Close file").is_empty();
     bench.until("the file to be closed", is_closed).await;
+    assert!(bench.commands().await.is_empty(), "nothing is driven");
+}
+
+/// Has the browser say that it shares files, and note with `answer` what it is asked to share.
+fn let_share(answer: &str) {
+    run(&format!(
+        "Object.assign(navigator, {{
+            canShare: ({{ files }}) => files.length === 1,
+            share: async ({{ files }}) => {{ window.shared = files[0]; {answer} }},
+        }});"
+    ));
+}
+
+fn shared(what: &str) -> Option<String> {
+    let read = Function::new_no_args(&format!("return window.shared?.{what}"));
+    read.call0(&JsValue::UNDEFINED).unwrap().as_string()
+}
+
+async fn save(sessions: &FakeSessions, bench: &Bench) {
+    bench.click("Save session");
+    sessions.next().await;
+    let (bytes, records) = (1_000, 3);
+    sessions.post_file(&FromSessions::Saved { bytes, records }, "content");
+    until_said(bench, "Saved").await;
+}
+
+#[wasm_bindgen_test]
+async fn a_saved_session_is_shared_where_the_browser_can() {
+    let_share("");
+    let (sessions, bench) = panel("session-shared").await;
+    let has_button = || !bench.find_all("button", "Share").is_empty();
+    assert!(!has_button(), "nothing is saved yet");
+    save(&sessions, &bench).await;
+    bench.until("the button", has_button).await;
+    bench.click("Share");
+    until_said(&bench, "Shared motorlink-session-").await;
+    let name = shared("name").unwrap();
+    assert!(name.ends_with(".mcap"), "{name}");
+
+    let_share("throw new DOMException('', 'AbortError')");
+    bench.click("Share");
+    until_said(&bench, "Not shared").await;
+    // Chromium shares no file of an ending that it does not know.
+    let_share("throw new DOMException('', 'NotAllowedError')");
+    bench.click("Share");
+    until_said(&bench, "Press Share again").await;
+    let_share("");
+    bench.click("Share");
+    until_said(&bench, ".mcap.txt").await;
+    assert_eq!(shared("type").as_deref(), Some("text/plain"));
+    assert_eq!(shared("name"), Some(name + ".txt"));
+    let_share("throw new DOMException('', 'NotAllowedError')");
+    bench.click("Share");
+    until_said(&bench, "the browser refused").await;
+
+    bench.click("Save session");
+    bench.until("the button to go", || !has_button()).await;
+    run("delete navigator.canShare; delete navigator.share; delete window.shared;");
+}
+
+#[wasm_bindgen_test]
+async fn without_a_share_dialog_there_is_no_button() {
+    run("navigator.canShare = () => false");
+    let (sessions, bench) = panel("session-not-shared").await;
+    save(&sessions, &bench).await;
+    bench.received().await;
+    assert!(bench.find_all("button", "Share").is_empty());
+    run("delete navigator.canShare");
+}
+
+/// What the system does when a file is opened with the installed app.
+#[wasm_bindgen_test]
+async fn a_file_that_the_system_opens_with_the_app_is_opened() {
+    run(
+        "Object.defineProperty(window, 'launchQueue', { configurable: true, value: {
+        setConsumer(consumer) { window.launch = consumer; },
+    } })",
+    );
+    let sessions = FakeSessions::new("session-launched");
+    let bench = Bench::with_motor("session-launched", Mode::Velocity).await;
+    // A launch without a file, by the icon of the app.
+    run("window.launch({ files: [] });");
+    bench.received().await;
+    assert!(bench.find_all("region", "Session file").is_empty());
+    run("window.launch({ files: [{ getFile: async () => new File(['x'], 'launched.mcap') }] });");
+    let (message, objects) = sessions.next().await;
+    let name = "launched.mcap".to_owned();
+    assert_eq!((message, objects), (ToSessions::Open { name }, 1));
+    bench.find("region", "Session file");
+    run("delete window.launchQueue; delete window.launch;");
     assert!(bench.commands().await.is_empty(), "nothing is driven");
 }
 

@@ -15,6 +15,7 @@ use crate::{
     features::session::{
         incoming::Incoming,
         save_picker::{Picked, pick},
+        share::Shareable,
         texts,
     },
     link::sessions_link::SessionsLink,
@@ -45,8 +46,11 @@ pub(crate) struct SessionFiles {
     /// The content of the open file.
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     pub(super) said: RwSignal<Said>,
-    /// The name of the file that is being saved.
-    saved_as: StoredValue<String>,
+    /// The name of the file that is being saved, or was saved last.
+    pub(super) saved_as: StoredValue<String>,
+    /// The handle of that file, if the browser gave one.
+    saved_to: StoredValue<Option<JsValue>, LocalStorage>,
+    pub(super) shareable: Shareable,
 }
 
 impl SessionFiles {
@@ -62,6 +66,8 @@ impl SessionFiles {
                     open: RwSignal::new_local(None),
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
+                    saved_to: StoredValue::new_local(None),
+                    shareable: Shareable::new(),
                 };
                 provide_context(new);
                 new
@@ -85,7 +91,7 @@ impl SessionFiles {
         });
     }
 
-    fn say(self, error: bool, text: impl Into<String>) {
+    pub(super) fn say(self, error: bool, text: impl Into<String>) {
         let text = text.into();
         self.said.set(Said { error, text });
     }
@@ -140,6 +146,7 @@ impl SessionFiles {
             return;
         }
         self.saving.set(Some(0));
+        self.shareable.forget();
         self.say(false, "");
         let name = file_name();
         spawn_local(async move {
@@ -155,6 +162,7 @@ impl SessionFiles {
                 Picked::Cancelled => return self.not_saved(NotSaved::Cancelled),
             };
             self.saved_as.set_value(name);
+            self.saved_to.set_value(handle.clone());
             if !self.save_to(handle.as_slice()) {
                 self.not_saved(NotSaved::Failed);
             }
@@ -234,6 +242,10 @@ impl SessionFiles {
                 let name = self.saved_as.get_value();
                 if let Some(file) = file {
                     save_blob(file, &name);
+                }
+                let content = file.map(JsValue::from).or(self.saved_to.get_value());
+                if let Some(content) = content {
+                    self.shareable.offer(content);
                 }
                 let said = texts::of_saved(&name, bytes, records);
                 self.say(false, said);

@@ -5,6 +5,7 @@
 //! | `incoming` | files that are dropped onto the page, or opened with the installed app |
 //! | `actions` | what the buttons do, and the messages of the session worker |
 //! | `save_picker` | the browser's dialog for a file to write |
+//! | `share` | the saved session for another app |
 //! | `panel` | the panel `Session file` |
 //! | `content` | what is in an open file |
 //! | `timeline` | the whole session in one picture |
@@ -14,5 +15,6 @@ mod content;
 pub(crate) mod incoming;
 pub(crate) mod panel;
 mod save_picker;
+mod share;
 mod texts;
 mod timeline;

@@ -42,6 +42,10 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             chooser.click();
         }
     };
+    let share = move || {
+        let say = move |error, text| files.say(error, text);
+        files.shareable.share(files.saved_as.get_value(), say);
+    };
     let chosen = move |event: web_sys::Event| {
         let input = event
             .target()
@@ -104,6 +108,14 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             >
                 {dynamic(move || files.said.with(|said| said.text.clone()))}
             </p>
+            <div class="session-share" hidden=dynamic(move || !files.shareable.is_ready())>
+                <PressButton
+                    label=tr!("Share")
+                    class="button small"
+                    hint=tr!("Opens the share dialog of the system for the saved session.")
+                    on_press=share
+                />
+            </div>
             {move || files.open.get().map(|info| content(files, &info))}
         </div>
     }
