@@ -13,6 +13,8 @@ pub enum Adapter {
     Virtual(VirtualLine),
     /// A serial port; `None` where the browser names no USB device behind it.
     Serial(Option<UsbId>),
+    /// A recorded session that is replayed: no port is open, and no command is sent.
+    Recording,
 }
 
 impl Adapter {
@@ -24,7 +26,7 @@ impl Adapter {
     pub const fn virtual_line(self) -> Option<VirtualLine> {
         match self {
             Self::Virtual(line) => Some(line),
-            Self::Serial(_) => None,
+            Self::Serial(_) | Self::Recording => None,
         }
     }
 }
@@ -78,6 +80,7 @@ impl fmt::Display for Adapter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Virtual(_) => f.write_str("Virtual motor"),
+            Self::Recording => f.write_str("Recording"),
             Self::Serial(None) => f.write_str("Serial port"),
             Self::Serial(Some(usb)) => match usb.chip() {
                 Some(chip) => write!(f, "{chip} · {usb}"),

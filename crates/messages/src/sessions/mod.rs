@@ -4,12 +4,14 @@
 //! worker requests it from the recorder, part by part, over a channel between both.
 
 mod problems;
+mod replay;
 
 use motorlink_bus::LineEvent;
 use motorlink_protocol::{Faults, Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
 pub use problems::{NotASession, Problem};
+pub use replay::{FromReplay, Place, PlaySpeed, ToReplay};
 
 /// From the page to the session worker.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -33,6 +35,8 @@ pub enum ToSessions {
     Export(SessionExport),
     /// Cancel opening and exporting.
     CancelReading,
+    /// Replay the open session.
+    Replay(ToReplay),
 }
 
 /// Another file of an open session.
@@ -77,6 +81,8 @@ pub enum FromSessions {
     },
     /// Opening or exporting was cancelled.
     Cancelled,
+    /// The replay of the open session.
+    Replay(FromReplay),
     /// The worker has failed.
     Died,
 }
