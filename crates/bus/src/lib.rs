@@ -13,6 +13,7 @@
 //! | find motors, set an ID | [`Command::FullScan`], [`ScanReport`], [`Command::SetId`], [`IdChangeOutcome`] |
 //! | know what a line carries | [`Bus::line_status`], [`LineStatus`] |
 //! | bound what waits in a port | [`InFlight`] |
+//! | know a recorded line | [`Observer`] |
 //!
 //! Safety decisions are pure functions of the known state, tested as tables: [`stop_plan`],
 //! [`check_position_switch`], [`needs_consent`] and others.
@@ -44,6 +45,7 @@ mod model;
 mod motor;
 mod motor_status;
 mod next_request;
+mod observer;
 mod packet_log;
 mod pending_transmit;
 mod probe;
@@ -80,6 +82,7 @@ pub use limits::{ExceededLimit, LimitOutOfRange, Limits, OVERCURRENT_FOR};
 pub use line_event::{JunkBytes, LineEvent, LineEventKind};
 pub use line_use::LineStatus;
 pub use motor_status::{Activity, MotorStatus};
+pub use observer::Observer;
 pub use ramp::{Ramp, RampOutOfRange};
 pub use rate::{CommandRate, RateOutOfRange};
 pub use raw::hazard::{is_hazardous, unassignable_id};

@@ -312,7 +312,7 @@ fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame) -> Option<
 }
 
 /// Byte 1 of a reply in this layout, if it has a fixed one.
-const fn reply_byte(model: Model, layout: Layout) -> Option<u8> {
+pub(crate) const fn reply_byte(model: Model, layout: Layout) -> Option<u8> {
     let FrameSet::Separate { reply_offset } = model.spec().frames else {
         return None;
     };

@@ -142,7 +142,7 @@ impl Bus {
     }
 
     /// The reply window of one motor has ended without its reply.
-    fn unanswered(
+    pub(crate) fn unanswered(
         &mut self,
         now: Instant,
         exchange: &Exchange,
@@ -231,12 +231,9 @@ impl Bus {
         layout: Layout,
         received: ReceivedReply,
     ) {
-        let ReceivedReply { frame, reading } = received;
-        let model = self.model;
-        let id = reading.id();
-        self.evidence.own_reply(id);
-        let took = now.since(exchange.sent);
+        let reading = received.reading;
         let layout = layout.combined();
+        let id = reading.id();
         let (asked, outstanding) = match self.motor_mut(id) {
             Some(motor) => {
                 let outstanding = motor.late.may_come(now);
@@ -250,6 +247,23 @@ impl Bus {
             }
             None => (layout, false),
         };
+        self.reply_taken(now, exchange, received, asked, outstanding);
+    }
+
+    /// The reply to a request, read in the layout `asked`. `outstanding` if a reply to an earlier request may still come.
+    pub(crate) fn reply_taken(
+        &mut self,
+        now: Instant,
+        exchange: &Exchange,
+        received: ReceivedReply,
+        asked: Option<motorlink_protocol::Layout>,
+        outstanding: bool,
+    ) {
+        let ReceivedReply { frame, reading } = received;
+        let model = self.model;
+        let id = reading.id();
+        self.evidence.own_reply(id);
+        let took = now.since(exchange.sent);
         self.log_received(now, &frame, asked);
         let own_reply = exchange.sent + self.round_trip.usual().min(MIN_WINDOW);
         if outstanding && own_reply > now {
@@ -344,7 +358,7 @@ impl Bus {
 
     /// Processes a good frame outside its window. The request is uncertain, so bytes 6 and 7 stay
     /// undetermined.
-    fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
+    pub(crate) fn receive_late_reply(&mut self, now: Instant, received: ReceivedReply) {
         let ReceivedReply { frame, reading } = received;
         let id = reading.id();
         self.log_received(now, &frame, None);

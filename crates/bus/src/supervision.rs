@@ -127,7 +127,12 @@ impl Bus {
 
 /// The control state after a switch. A driven motor stays driven at zero if both loops know a
 /// neutral zero; else it is idle until the operator asks.
-fn after_switch(now: Instant, switch: &Switch, speed: Option<Rpm>, faulty: bool) -> Control {
+pub(crate) fn after_switch(
+    now: Instant,
+    switch: &Switch,
+    speed: Option<Rpm>,
+    faulty: bool,
+) -> Control {
     let zero = match switch.to {
         Mode::Velocity => Some(Setpoint::velocity(SpeedTarget::ZERO)),
         Mode::Current => Some(Setpoint::Current(CurrentTarget::ZERO)),

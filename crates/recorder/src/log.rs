@@ -247,6 +247,19 @@ impl Log {
         }
     }
 
+    /// The time of a row; `None` if there is no such row.
+    #[must_use]
+    pub fn time_of_row(&self, row: u64) -> Option<Instant> {
+        let number = self.view.entry_of(&self.entries, row)?;
+        self.entries.get(number).map(|entry| entry.at)
+    }
+
+    /// Puts this log in the place of another, under this filter. The rows of `before` are of an older generation.
+    pub fn replace(&mut self, before: &Self, filter: &Filter) {
+        self.view.continue_from(&before.view);
+        self.filter(filter);
+    }
+
     /// Entries that memory is allocated for: at most two chunks of 1,024 more than the capacity.
     #[must_use]
     pub fn reserved(&self) -> usize {

@@ -282,7 +282,7 @@ impl View {
     }
 
     /// The entry of this row.
-    fn entry_of(&self, entries: &Chunks<Entry>, row: u64) -> Option<u64> {
+    pub(crate) fn entry_of(&self, entries: &Chunks<Entry>, row: u64) -> Option<u64> {
         let mut rows_before = row.checked_sub(self.oldest_row)?;
         let mut place = self.filtered_from;
         while place < entries.end() {

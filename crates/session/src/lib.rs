@@ -9,6 +9,7 @@
 //! | `record` | the records of a session |
 //! | `writer` | records in, bytes of a file out |
 //! | `reader` | bytes of a file in, records out |
+//! | `replay` | plays records: what the page shows at a place of the session |
 //! | `export` | CSV tables and a report |
 //! | `import` | CSV files as sessions |
 //! | `overview` | a summary of the whole session over time |
@@ -48,6 +49,7 @@ mod overview;
 mod page_messages;
 mod reader;
 mod record;
+mod replay;
 mod writer;
 
 pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
@@ -59,4 +61,5 @@ pub use reader::{
     for_each_record, open, overview,
 };
 pub use record::{Event, EventKind, Record, What};
+pub use replay::{LookBack, Player, Todo};
 pub use writer::Writer;

@@ -21,6 +21,8 @@
 //! | `scope` | the worker's global object: clock, messages |
 //! | `recorder` | the second worker: `motorlink-recorder` in the browser |
 //! | `sessions` | the third worker: `motorlink-session` in the browser |
+//! | `turn_scheduler` | the turns of a worker with much to do |
+//! | `local_time` | the local time of the browser |
 //! | `blob_parts` | files that are written part by part |
 
 mod alarm;
@@ -29,6 +31,7 @@ mod claim;
 mod connecting;
 mod forwarding;
 mod line;
+mod local_time;
 mod outbox;
 mod port_owner;
 mod recorder;
@@ -39,6 +42,7 @@ mod sessions;
 mod start;
 mod traffic;
 mod trial;
+mod turn_scheduler;
 
 use motorlink_messages::ToPage;
 

@@ -167,6 +167,12 @@ impl Overview {
         }
     }
 
+    /// The time of the first record on the monotonic clock, and in nanoseconds since 1970, UTC.
+    #[must_use]
+    pub const fn begins(&self) -> Option<(Instant, u64)> {
+        self.first
+    }
+
     /// The times of the first and the last record, in nanoseconds since 1970, UTC.
     #[must_use]
     pub fn span_ns(&self) -> Option<(u64, u64)> {

@@ -16,7 +16,7 @@ mod problems;
 mod scan;
 mod summary;
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{collections::BTreeMap, ops::Range, time::Duration};
 
 pub use blocking::{Source, for_each_record, open, overview};
 pub use cursor::{Cursor, Next};
@@ -80,6 +80,28 @@ impl Session {
         let from = self.chunks.iter().map(|chunk| chunk.from_ns).min()?;
         let to = self.chunks.iter().map(|chunk| chunk.to_ns).max()?;
         Some((from, to))
+    }
+
+    /// From when on to read in order to know what was before `utc_ns`: at least this time before it, and further back
+    /// while the chunks have together no more than `bytes`, decompressed. Nanoseconds since 1970; 0 is the beginning
+    /// of the file.
+    #[must_use]
+    pub fn look_back(&self, utc_ns: u64, least: Duration, bytes: u64) -> u64 {
+        let least = u64::try_from(least.as_nanos()).unwrap_or(u64::MAX);
+        let from_ns = utc_ns.saturating_sub(least);
+        let is_before = |chunk: &&ChunkIndex| chunk.to_ns < utc_ns;
+        let until = self.chunks.iter().take_while(is_before).count() + 1;
+        let chunks = self.chunks.get(..until).unwrap_or(&self.chunks);
+        let mut sum = 0_u64;
+        let mut start_ns = utc_ns;
+        for chunk in chunks.iter().rev() {
+            sum = sum.saturating_add(chunk.size);
+            if sum > bytes && chunk.to_ns < from_ns {
+                return start_ns.min(from_ns);
+            }
+            start_ns = start_ns.min(chunk.from_ns);
+        }
+        0
     }
 
     /// Number of chunks in the index.

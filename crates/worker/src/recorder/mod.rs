@@ -6,7 +6,6 @@ mod found;
 mod saving;
 mod state;
 mod store;
-mod turn_scheduler;
 
 use std::{cell::RefCell, rc::Rc, time::Duration};
 
@@ -21,13 +20,14 @@ use wasm_bindgen::{JsCast, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
 use self::{
-    state::{RecorderWorker, Saving, Shared, local_time, post},
+    state::{RecorderWorker, Saving, Shared, post},
     store::Job,
-    turn_scheduler::TurnScheduler,
 };
 use crate::{
     blob_parts::{CSV, Parts},
+    local_time::local_time,
     scope::{self, Clock, Incoming, report},
+    turn_scheduler::TurnScheduler,
 };
 
 /// A turn ends after this time, so that messages and line events are received.

@@ -9,9 +9,10 @@ use wasm_bindgen_futures::spawn_local;
 use super::{
     disk::{Dir, why},
     found,
-    state::{RecorderWorker, Saving, Shared, local_time, post},
+    state::{RecorderWorker, Saving, Shared, post},
     store::{Done, Job, Jobs, Store},
 };
+use crate::local_time::local_time;
 
 impl Saving {
     /// Queues a job.

@@ -2,20 +2,19 @@
 
 use std::{cell::RefCell, collections::VecDeque, rc::Rc};
 
-use js_sys::Date;
 use motorlink_messages::{encode, recorder::FromRecorder};
 use motorlink_protocol::Instant;
-use motorlink_recorder::{LocalTime, Recorder, saved::Segment};
+use motorlink_recorder::{Recorder, saved::Segment};
 
 use super::{
     disk::Dir,
     found::Found,
     store::{Jobs, Store},
-    turn_scheduler::TurnScheduler,
 };
 use crate::{
     blob_parts::Parts,
     scope::{self, Clock, report},
+    turn_scheduler::TurnScheduler,
 };
 
 /// The state of this worker. Each callback of the browser borrows it once, briefly.
@@ -53,16 +52,4 @@ pub(super) fn post(message: &FromRecorder) {
         Ok(bytes) => scope::post_bytes(&bytes),
         Err(error) => report("a message could not be encoded", &error.to_string().into()),
     }
-}
-
-/// Local time from this moment until now, in milliseconds since 1970.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "milliseconds since 1970 are exact in a double, and no place is a day ahead"
-)]
-pub(super) fn local_time(from_ms: i64) -> LocalTime {
-    LocalTime::between(from_ms, Date::now() as i64, |unix_ms| {
-        -Date::new(&(unix_ms as f64).into()).get_timezone_offset() as i32
-    })
 }

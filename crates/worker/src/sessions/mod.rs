@@ -7,6 +7,7 @@
 //! | `opening` | opens a file |
 //! | `open_session` | a file that is open |
 //! | `reading` | reads its records, and writes other files from them |
+//! | `replay`, `replaying` | the replay of an open file |
 //! | `source` | the bytes of an open file |
 //! | `state` | the state of the worker, and its messages to the page |
 //! | `info` | what the page shows of an open file |
@@ -15,6 +16,8 @@ mod info;
 mod open_session;
 mod opening;
 mod reading;
+mod replay;
+mod replaying;
 mod saving;
 mod source;
 mod state;
@@ -42,6 +45,7 @@ pub(crate) fn start() {
         wake: None,
         reading: 0,
         open: None,
+        replay: None,
     }));
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let parts: Array = event.data().unchecked_into();
@@ -95,7 +99,10 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             let Ok(file) = parts.get(1).dyn_into::<File>() else {
                 return post(&FromSessions::Cancelled);
             };
-            shared.borrow_mut().open = None;
+            {
+                let worker = &mut *shared.borrow_mut();
+                (worker.open, worker.replay) = (None, None);
+            }
             let (shared, task) = (Rc::clone(shared), begin_reading(shared));
             spawn_local(async move { opening::open(&shared, task, name, file).await });
         }
@@ -110,5 +117,6 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             begin_reading(shared);
             post(&FromSessions::Cancelled);
         }
+        ToSessions::Replay(message) => replaying::handle(shared, message),
     }
 }

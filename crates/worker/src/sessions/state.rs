@@ -10,7 +10,7 @@ use motorlink_messages::{
 use motorlink_protocol::Instant;
 use wasm_bindgen::JsValue;
 
-use super::open_session::OpenSession;
+use super::{open_session::OpenSession, replay::Replay};
 use crate::{
     blob_parts::Parts,
     scope::{self, Clock, report},
@@ -20,7 +20,6 @@ use crate::{
 const PROGRESS_PERIOD: Duration = Duration::from_millis(100);
 
 /// The state of this worker. Each callback and each step of a task borrows it once, briefly.
-#[derive(Debug)]
 pub(super) struct SessionWorker {
     pub(super) clock: Clock,
     /// Whether a session is being saved.
@@ -30,6 +29,8 @@ pub(super) struct SessionWorker {
     /// The number of the present task that reads. A task whose number is not the present one ends.
     pub(super) reading: u32,
     pub(super) open: Option<Rc<OpenSession>>,
+    /// The replay of the open session.
+    pub(super) replay: Option<Replay>,
 }
 
 pub(super) type Shared = Rc<RefCell<SessionWorker>>;

@@ -8,7 +8,7 @@ use web_sys::{MessageChannel, MessagePort};
 
 use crate::scope::report;
 
-pub(super) struct TurnScheduler {
+pub(crate) struct TurnScheduler {
     turn: Rc<dyn Fn()>,
     /// A channel to this worker. Unlike a timeout, which takes at least 4 ms, a message arrives at once and
     /// in order with the other messages.
@@ -18,7 +18,7 @@ pub(super) struct TurnScheduler {
 }
 
 impl TurnScheduler {
-    pub(super) fn new(turn: impl Fn() + 'static) -> Self {
+    pub(crate) fn new(turn: impl Fn() + 'static) -> Self {
         let turn: Rc<dyn Fn()> = Rc::new(turn);
         let is_scheduled: Rc<Cell<bool>> = Rc::default();
         let own_port = MessageChannel::new().map(|channel| {
@@ -40,13 +40,13 @@ impl TurnScheduler {
     }
 
     /// Schedules a turn after the messages that have arrived.
-    pub(super) fn soon(&mut self) {
+    pub(crate) fn soon(&mut self) {
         if self.is_scheduled.replace(true) {
             return;
         }
         if let Some(port) = &self.own_port {
             if let Err(error) = port.post_message(&JsValue::UNDEFINED) {
-                report("the recorder could not schedule its next turn", &error);
+                report("a worker could not schedule its next turn", &error);
             }
         } else {
             self.is_scheduled.set(false);
@@ -55,7 +55,7 @@ impl TurnScheduler {
     }
 
     /// Schedules a turn after this delay, instead of any earlier delayed one.
-    pub(super) fn after(&mut self, delay: Duration) {
+    pub(crate) fn after(&mut self, delay: Duration) {
         // Rounded up: a turn that is too early would only schedule another one.
         let millis = delay.as_micros().div_ceil(1000);
         let turn = Rc::clone(&self.turn);

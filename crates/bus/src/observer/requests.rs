@@ -1,0 +1,272 @@
+//! Frames that were sent: what they show that the bus does with a motor.
+
+use motorlink_protocol::{
+    CurrentTarget, Drive, Frame, Instant, Mode, MotorId, OpenLoopTarget, PositionTarget, Setpoint,
+    SpeedTarget,
+    family::{Model, Request},
+};
+
+use super::Observer;
+use crate::{
+    event::StopReason,
+    exchange::{Expects, Purpose},
+    mode_switch::Switch,
+    model::units::in_bus_units,
+    motor::{Control, Driven, Motor},
+    next_request::Sent,
+    pending_transmit::{Effect, PendingTransmit},
+    schedule::DueFrame,
+    stop::{ActiveStop, Stopping},
+    timing::STOP_PERIOD,
+};
+
+/// No effect beside the exchange itself.
+const NONE: Effect = Effect::Job(DueFrame::IdQuery);
+
+impl Observer {
+    /// A stop has begun. The event may come a few frames after the first stop frame.
+    pub fn stop_began(&mut self, at: Instant) {
+        self.advance(at);
+        self.bus
+            .stop
+            .get_or_insert(ActiveStop::new(StopReason::Operator));
+        for motor in &mut self.bus.motors {
+            if is_stopped_now(&motor.control) {
+                begin_stop(motor, at);
+            }
+        }
+    }
+
+    /// The stop has ended.
+    pub fn stop_ended(&mut self, at: Instant) {
+        self.advance(at);
+        self.bus.stop = None;
+        for motor in &mut self.bus.motors {
+            if let Control::Stopping(_) = motor.control {
+                motor.control = Control::Idle;
+            }
+        }
+    }
+
+    pub(super) fn sent(&mut self, at: Instant, frame: Frame, mode: Option<Mode>) {
+        self.exchange_ended(at);
+        self.has_requests = true;
+        let pending = self.pending(at, frame, mode);
+        self.bus.pending_transmit = Some(pending);
+        self.bus.commit_transmit();
+        if let Ok(Request::Drive { id, .. }) = Request::parse(self.bus.model, &frame) {
+            self.repeated = Some((at, id));
+        }
+        self.forget_those_not_asked(at);
+    }
+
+    pub(super) fn not_sent(&mut self, at: Instant, frame: Frame) {
+        self.exchange_ended(at);
+        let expects = Expects::Nothing;
+        let (mode, effect, purpose) = (None, NONE, Purpose::Control);
+        self.bus.pending_transmit = Some(PendingTransmit {
+            at,
+            frame,
+            expects,
+            purpose,
+            mode,
+            effect,
+        });
+        // A sequence of refused frames has no other effect here: the bus is never polled.
+        self.bus.refused_in_a_row = 0;
+        self.bus.transmit_failed();
+        self.bus.job_retry = None;
+    }
+
+    /// A drive frame in units of the bus. Beside its frame on the line it says nothing new.
+    pub(super) fn commanded(
+        &mut self,
+        at: Instant,
+        frame: &Frame,
+        mode: Option<Mode>,
+        repeated: Option<(Instant, MotorId)>,
+    ) {
+        if let Ok(Request::Drive { id, drive }) = Request::parse(Model::Ddsm115, frame)
+            && repeated != Some((at, id))
+        {
+            self.hear(at, id).drove = at;
+            let (control, _) = self.driven(at, id, drive, mode);
+            if let Some(motor) = self.bus.motor_mut(id) {
+                motor.control = control;
+            }
+        }
+    }
+
+    fn pending(&mut self, at: Instant, frame: Frame, mode: Option<Mode>) -> PendingTransmit {
+        let model = self.bus.model;
+        let request = Request::parse(model, &frame);
+        let addressee = request.ok().and_then(|request| request.addressee());
+        let enabled = self.enabled.take();
+        let (expects, purpose) = match request {
+            Ok(request) => (Expects::of(model, request), Purpose::Control),
+            Err(_) => (Expects::of_raw(model, &frame), Purpose::Raw),
+        };
+        let mut pending = PendingTransmit {
+            at,
+            frame,
+            expects,
+            purpose,
+            mode,
+            effect: NONE,
+        };
+        let Some(id) = addressee else {
+            return pending;
+        };
+        let (control, sent) = match request {
+            Ok(Request::Drive { drive, .. }) => {
+                self.hear(at, id).drove = at;
+                let drive = in_units(model, &frame, mode).unwrap_or(drive);
+                self.driven(at, id, drive, mode)
+            }
+            Ok(Request::SwitchMode { mode, .. }) => {
+                self.hear(at, id);
+                self.switched(at, id, mode, enabled == Some(id))
+            }
+            Ok(Request::Enable { on: true, .. }) => {
+                self.hear(at, id);
+                self.enabled = Some(id);
+                let (control, _) = self.switched(at, id, Mode::Velocity, false);
+                if let Some(motor) = self.bus.motor_mut(id) {
+                    motor.control = control;
+                }
+                return pending;
+            }
+            _ => {
+                // A query of an unknown motor may be the probe of a scan. Its answer shows whether there is a motor.
+                if self.knows(id) {
+                    self.hear(at, id);
+                } else {
+                    pending.purpose = Purpose::Job;
+                }
+                return pending;
+            }
+        };
+        pending.effect = Effect::Motor { id, control, sent };
+        pending
+    }
+
+    /// What a drive frame in units of the bus shows.
+    fn driven(
+        &mut self,
+        at: Instant,
+        id: MotorId,
+        drive: Drive,
+        mode: Option<Mode>,
+    ) -> (Control, Sent) {
+        let is_stop = self.bus.stop.is_some();
+        let model = self.bus.model;
+        let Some(motor) = self.bus.motor_mut(id) else {
+            return (Control::Idle, Sent::Drive(None));
+        };
+        let goal = mode.map(|mode| setpoint(drive, mode));
+        let brakes = goal == Some(Setpoint::Brake);
+        if brakes && is_stop {
+            begin_stop(motor, at);
+        }
+        match (motor.control, goal) {
+            (Control::Stopping(mut stop), Some(Setpoint::Brake)) => {
+                stop.sent(at, model, Request::Drive { id, drive }, STOP_PERIOD, true);
+                (Control::Stopping(stop), Sent::Stop)
+            }
+            // The neutral frame of a switch.
+            (switching @ Control::Switching(_), _) if drive.signed() == 0 => {
+                (switching, Sent::Drive(None))
+            }
+            (Control::Driven(driven), Some(goal)) => {
+                let control = Control::Driven(Driven { goal, ..driven });
+                (control, Sent::Drive(Some(goal)))
+            }
+            (_, Some(goal)) => {
+                let speed = motor.fresh_speed(at);
+                let driven = Driven::begin(at, goal, speed);
+                (Control::Driven(driven), Sent::Drive(Some(goal)))
+            }
+            // Without its loop, the value has no unit.
+            (control, None) => (control, Sent::Drive(None)),
+        }
+    }
+
+    /// What a mode switch shows. `goes_on` if the frame before it enabled the motor for it.
+    fn switched(&mut self, at: Instant, id: MotorId, to: Mode, goes_on: bool) -> (Control, Sent) {
+        let is_stop = self.bus.stop.is_some() && to == Mode::Velocity;
+        let model = self.bus.model;
+        let Some(motor) = self.bus.motor_mut(id) else {
+            return (Control::Idle, Sent::Stop);
+        };
+        if is_stop {
+            begin_stop(motor, at);
+        }
+        let begin = |driven_in| Switch::begin(at, to, driven_in);
+        let mut switch = match motor.control {
+            Control::Stopping(mut stop) if to == Mode::Velocity => {
+                let request = Request::SwitchMode { id, mode: to };
+                stop.sent(at, model, request, STOP_PERIOD, true);
+                return (Control::Stopping(stop), Sent::Stop);
+            }
+            Control::Switching(switch)
+                if (switch.to == to || goes_on) && switch.next_frame().is_some() =>
+            {
+                let mut goes_on = switch;
+                goes_on.to = to;
+                goes_on
+            }
+            Control::Driven(driven) => begin(Some(driven.goal.mode())),
+            Control::Switching(_) | Control::Idle | Control::Stopping(_) => begin(None),
+        };
+        switch.frame_sent(at);
+        let is_last = switch.next_frame().is_none();
+        (Control::Switching(switch), Sent::Switch { to, is_last })
+    }
+}
+
+/// The motor is being stopped from now on, if it is not already.
+fn begin_stop(motor: &mut Motor, at: Instant) {
+    if !matches!(motor.control, Control::Stopping(_)) {
+        let (fresh, last) = motor.known_loop(at);
+        motor.stops(Stopping::begin(at, fresh, last, 0));
+    }
+}
+
+fn in_units(model: Model, frame: &Frame, mode: Option<Mode>) -> Option<Drive> {
+    if !model.has_separate_frames() {
+        return None;
+    }
+    let frame = in_bus_units(model, frame, mode)?;
+    match Request::parse(Model::Ddsm115, &frame) {
+        Ok(Request::Drive { drive, .. }) => Some(drive),
+        _ => None,
+    }
+}
+
+/// The setpoint of a drive frame in units of the bus, read in this loop.
+fn setpoint(drive: Drive, mode: Mode) -> Setpoint {
+    match mode {
+        Mode::Velocity if drive.brakes() && drive.signed() == 0 => Setpoint::Brake,
+        Mode::Velocity => Setpoint::Velocity {
+            speed: SpeedTarget::clamped(drive.signed().into()),
+            acceleration: drive.acceleration,
+        },
+        Mode::Current => {
+            Setpoint::Current(CurrentTarget::new(drive.signed().into()).unwrap_or_default())
+        }
+        Mode::Position => {
+            Setpoint::Position(PositionTarget::new(drive.unsigned().into()).unwrap_or_default())
+        }
+        Mode::OpenLoop => Setpoint::OpenLoop(OpenLoopTarget::nearest(drive.signed())),
+    }
+}
+
+/// Whether what a motor does belongs to a stop that has just begun: it is braked, or switched to the loop that can
+/// brake.
+const fn is_stopped_now(control: &Control) -> bool {
+    match control {
+        Control::Driven(driven) => matches!(driven.goal, Setpoint::Brake),
+        Control::Switching(switch) => matches!(switch.to, Mode::Velocity) && switch.was_driven,
+        Control::Idle | Control::Stopping(_) => false,
+    }
+}
