@@ -26,6 +26,7 @@ impl Observer {
         let before = self.bus.events.len();
         match self.bus.line {
             Line::Busy(exchange) if self.answers(at, &exchange, &received, asked) => {
+                self.junk_before = 0;
                 self.answered(at, &exchange, received, asked);
             }
             Line::Busy(Exchange {
@@ -78,6 +79,8 @@ impl Observer {
         match self.bus.line {
             Line::Busy(exchange) if expects(&exchange) == Some(id) => {
                 self.adopt(exchange.sent, id);
+                // There were none at the end of the window.
+                self.junk_before = 0;
                 self.lost(at, &exchange, waited, 0);
             }
             _ => {
@@ -99,7 +102,10 @@ impl Observer {
         let Some((at, bytes)) = junk else { return };
         match next.kind {
             LineEventKind::Junk(_) if next.at == at => self.junk = junk,
-            LineEventKind::Received { .. } if next.at == at => self.count_junk(bytes),
+            LineEventKind::Received { .. } if next.at == at => {
+                self.count_junk(bytes);
+                self.junk_before += bytes;
+            }
             _ => self.junk_ends(at, bytes),
         }
     }
@@ -151,7 +157,7 @@ impl Observer {
         self.bus.line_use.add(at, Use::Waiting, waited);
         self.bus.freed_at = at;
         let rest = OtherBytes {
-            junk_bytes,
+            junk_bytes: junk_bytes + std::mem::take(&mut self.junk_before),
             ..OtherBytes::default()
         };
         self.bus.unanswered(at, exchange, id, layout, &rest);

@@ -48,19 +48,23 @@ pub struct Observer {
     has_requests: bool,
     /// Invalid bytes of the exchange in flight: when, and how many. What follows tells whether it was answered.
     junk: Option<(Instant, usize)>,
-    /// The motor whose last frame enabled it: the loop of its switch follows.
-    enabled: Option<MotorId>,
+    /// Invalid bytes of the exchange in flight that were followed by a late reply.
+    junk_before: usize,
     /// The last frame on the line, if the event behind it repeats it in units of the bus.
     repeated: Option<(Instant, MotorId)>,
 }
 
 /// When a motor last got frames.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Heard {
     id: MotorId,
     /// Any frame, or the last reading if no requests were recorded.
     asked: Instant,
     drove: Instant,
+    /// The last drive frames, if they brake: when a stop is known to have begun, they belong to it.
+    brakes: Vec<Instant>,
+    /// Whether it was enabled for a mode switch: the loop follows.
+    is_enabled: bool,
 }
 
 impl Observer {
@@ -74,7 +78,7 @@ impl Observer {
             heard: Vec::new(),
             has_requests: false,
             junk: None,
-            enabled: None,
+            junk_before: 0,
             repeated: None,
         }
     }
@@ -135,6 +139,8 @@ impl Observer {
                 id,
                 asked: at,
                 drove: at,
+                brakes: Vec::new(),
+                is_enabled: false,
             });
             self.heard.len() - 1
         });

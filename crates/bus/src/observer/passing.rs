@@ -18,9 +18,6 @@ use crate::{
 /// the rest is for a delayed line.
 const DRIVES_FOR: Duration = Duration::from_millis(1_500);
 
-/// The page reports the end of a stop within this time.
-const REPORTED_WITHIN: Duration = Duration::from_secs(1);
-
 /// A motor that gets no frame for this long, while others get some, is not watched any more: a silent motor is queried
 /// every eight seconds.
 const FORGOTTEN_AFTER: Duration = Duration::from_secs(20);
@@ -49,8 +46,20 @@ impl Observer {
             let drove = drove.map_or(Instant::ZERO, |heard| heard.drove);
             motor.control = control_at(now, motor, drove);
         }
-        let stops = |motor: &Motor| matches!(motor.control, Control::Stopping(_));
-        if !self.bus.motors.iter().any(stops)
+        // All motors of a stop are braked until the last one stands.
+        let is_under_way = |motor: &Motor| match motor.control {
+            Control::Stopping(stop) => !stop.is_over(now),
+            _ => false,
+        };
+        if self.bus.motors.iter().any(is_under_way) {
+            return;
+        }
+        for motor in &mut self.bus.motors {
+            if let Control::Stopping(_) = motor.control {
+                motor.control = Control::Idle;
+            }
+        }
+        if self.bus.stop.is_some()
             && self
                 .heard
                 .iter()
@@ -97,7 +106,6 @@ fn control_at(now: Instant, motor: &Motor, drove: Instant) -> Control {
             _ if now >= switch.fails_at() => Control::Idle,
             _ => motor.control,
         },
-        Control::Stopping(stop) if now >= stop.window_ends() + REPORTED_WITHIN => Control::Idle,
         control => control,
     }
 }

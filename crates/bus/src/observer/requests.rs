@@ -23,6 +23,9 @@ use crate::{
 /// No effect beside the exchange itself.
 const NONE: Effect = Effect::Job(DueFrame::IdQuery);
 
+/// A stop is known to have begun after at most so many brake frames: the page notices it within a tenth of a second.
+const BRAKES_MAX: usize = 20;
+
 impl Observer {
     /// A stop has begun. The event may come a few frames after the first stop frame.
     pub fn stop_began(&mut self, at: Instant) {
@@ -30,9 +33,29 @@ impl Observer {
         self.bus
             .stop
             .get_or_insert(ActiveStop::new(StopReason::Operator));
-        for motor in &mut self.bus.motors {
-            if is_stopped_now(&motor.control) {
-                begin_stop(motor, at);
+        let stopped = self
+            .bus
+            .motors
+            .iter()
+            .filter(|motor| is_stopped_now(&motor.control));
+        let stopped: Vec<MotorId> = stopped.map(|motor| motor.id).collect();
+        for id in stopped {
+            self.stops(at, id);
+        }
+    }
+
+    /// The motor is being stopped from now on. Its last brake frames were not commands.
+    fn stops(&mut self, at: Instant, id: MotorId) {
+        let heard = self.heard.iter_mut().find(|heard| heard.id == id);
+        if let (Some(motor), Some(heard)) = (self.bus.motor_mut(id), heard) {
+            let switched = match motor.control {
+                Control::Switching(switch) => switch.began,
+                _ => at,
+            };
+            let braked = heard.brakes.first().copied().unwrap_or(at);
+            begin_stop(motor, switched.min(braked));
+            for sent in heard.brakes.drain(..) {
+                motor.drive_frames.take_back(sent);
             }
         }
     }
@@ -101,7 +124,6 @@ impl Observer {
         let model = self.bus.model;
         let request = Request::parse(model, &frame);
         let addressee = request.ok().and_then(|request| request.addressee());
-        let enabled = self.enabled.take();
         let (expects, purpose) = match request {
             Ok(request) => (Expects::of(model, request), Purpose::Control),
             Err(_) => (Expects::of_raw(model, &frame), Purpose::Raw),
@@ -121,15 +143,21 @@ impl Observer {
             Ok(Request::Drive { drive, .. }) => {
                 self.hear(at, id).drove = at;
                 let drive = in_units(model, &frame, mode).unwrap_or(drive);
-                self.driven(at, id, drive, mode)
+                let (control, sent) = self.driven(at, id, drive, mode);
+                let brakes = &mut self.hear(at, id).brakes;
+                if !drive.brakes() || !matches!(sent, Sent::Drive(_)) {
+                    brakes.clear();
+                } else if brakes.len() < BRAKES_MAX {
+                    brakes.push(at);
+                }
+                (control, sent)
             }
             Ok(Request::SwitchMode { mode, .. }) => {
-                self.hear(at, id);
-                self.switched(at, id, mode, enabled == Some(id))
+                let goes_on = std::mem::take(&mut self.hear(at, id).is_enabled);
+                self.switched(at, id, mode, goes_on)
             }
             Ok(Request::Enable { on: true, .. }) => {
-                self.hear(at, id);
-                self.enabled = Some(id);
+                self.hear(at, id).is_enabled = true;
                 let (control, _) = self.switched(at, id, Mode::Velocity, false);
                 if let Some(motor) = self.bus.motor_mut(id) {
                     motor.control = control;
@@ -160,14 +188,16 @@ impl Observer {
     ) -> (Control, Sent) {
         let is_stop = self.bus.stop.is_some();
         let model = self.bus.model;
+        let goal = mode.map(|mode| setpoint(drive, mode));
+        let motor = self.bus.motors.iter().find(|motor| motor.id == id);
+        let switches = motor.is_some_and(|motor| matches!(motor.control, Control::Switching(_)));
+        // The neutral frames of a switch do not brake.
+        if goal == Some(Setpoint::Brake) && (is_stop || switches) {
+            self.stops(at, id);
+        }
         let Some(motor) = self.bus.motor_mut(id) else {
             return (Control::Idle, Sent::Drive(None));
         };
-        let goal = mode.map(|mode| setpoint(drive, mode));
-        let brakes = goal == Some(Setpoint::Brake);
-        if brakes && is_stop {
-            begin_stop(motor, at);
-        }
         match (motor.control, goal) {
             (Control::Stopping(mut stop), Some(Setpoint::Brake)) => {
                 stop.sent(at, model, Request::Drive { id, drive }, STOP_PERIOD, true);
@@ -195,12 +225,12 @@ impl Observer {
     fn switched(&mut self, at: Instant, id: MotorId, to: Mode, goes_on: bool) -> (Control, Sent) {
         let is_stop = self.bus.stop.is_some() && to == Mode::Velocity;
         let model = self.bus.model;
+        if is_stop {
+            self.stops(at, id);
+        }
         let Some(motor) = self.bus.motor_mut(id) else {
             return (Control::Idle, Sent::Stop);
         };
-        if is_stop {
-            begin_stop(motor, at);
-        }
         let begin = |driven_in| Switch::begin(at, to, driven_in);
         let mut switch = match motor.control {
             Control::Stopping(mut stop) if to == Mode::Velocity => {
@@ -266,7 +296,7 @@ fn setpoint(drive: Drive, mode: Mode) -> Setpoint {
 const fn is_stopped_now(control: &Control) -> bool {
     match control {
         Control::Driven(driven) => matches!(driven.goal, Setpoint::Brake),
-        Control::Switching(switch) => matches!(switch.to, Mode::Velocity) && switch.was_driven,
+        Control::Switching(switch) => matches!(switch.to, Mode::Velocity),
         Control::Idle | Control::Stopping(_) => false,
     }
 }

@@ -1,6 +1,6 @@
 //! What the page shows, from records.
 
-use motorlink_bus::{LineEvent, Observer, Sample};
+use motorlink_bus::{LineEvent, LineEventKind, MotorStatus, Observer, Sample};
 use motorlink_messages::{Adapter, Connection, Update};
 use motorlink_protocol::{Instant, family::Model};
 
@@ -32,7 +32,7 @@ impl State {
     pub(super) fn add(&mut self, at: Instant, what: &What) {
         match what {
             What::Line(kind) => {
-                if let motorlink_bus::LineEventKind::ModelSelected(model) = kind {
+                if let LineEventKind::ModelSelected(model) = kind {
                     self.model = *model;
                 }
                 self.is_connected = true;
@@ -59,11 +59,14 @@ impl State {
     /// The state at this time, which is not before the last record, and the replies since the last update.
     pub(super) fn update(&mut self, now: Instant) -> Update {
         let line = self.observer.line_status(now);
+        // In one order, wherever the replay has begun to read.
+        let mut motors: Vec<MotorStatus> = self.observer.motors(now).collect();
+        motors.sort_unstable_by_key(|motor| motor.id);
         Update {
             now,
             connection: Connection::Connected(Adapter::Recording),
             halted: false,
-            motors: self.observer.motors(now).collect(),
+            motors,
             job: None,
             raw: None,
             line: self.is_connected.then_some(line),

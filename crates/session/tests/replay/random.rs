@@ -1,0 +1,107 @@
+//! Random sessions, as users and bad lines make them.
+
+use motorlink_bus::{Command, Consent, StopReason};
+use motorlink_protocol::family::Model;
+use motorlink_simulator::{Echo, WireFaults};
+
+use crate::{
+    compared::differences,
+    live::{Live, Shown, amps, degrees, id, ms, rpm},
+};
+
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=6;
+
+/// Marsaglia's xorshift: the same seed gives the same session.
+pub struct Dice(u64);
+
+impl Dice {
+    pub const fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15))
+    }
+
+    pub const fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % end
+    }
+
+    fn small(&mut self, end: u16) -> u16 {
+        u16::try_from(self.below(end.into())).unwrap()
+    }
+
+    fn faults(&mut self) -> WireFaults {
+        match self.below(4) {
+            0 => WireFaults {
+                lose_reply: 0.1,
+                stray: 0.1,
+                ..WireFaults::default()
+            },
+            1 => WireFaults {
+                echo: Echo::Whole,
+                ..WireFaults::default()
+            },
+            2 => WireFaults {
+                corrupt_reply: 0.1,
+                corrupt_request: 0.05,
+                ..WireFaults::default()
+            },
+            _ => WireFaults::default(),
+        }
+    }
+
+    fn command(&mut self, model: Model) -> Command {
+        let id = id(1 + u8::try_from(self.below(2)).unwrap());
+        let modes = model.modes();
+        let mode = modes[usize::from(self.small(4)) % modes.len()];
+        let setpoint = match self.below(4) {
+            0 => amps(f32::from(self.small(8)) / 4.0 - 1.0),
+            1 => degrees(f32::from(self.small(180)) * 2.0),
+            2 => rpm(0),
+            _ => rpm(i32::from(self.small(200)) - 100),
+        };
+        let consent = Consent::None;
+        match self.below(10) {
+            0 => Command::StopAll(StopReason::Operator),
+            1 | 2 => Command::Release,
+            3 => Command::Stop(id),
+            4 | 5 => Command::SwitchMode { id, mode },
+            6 => Command::Hold(id),
+            _ => Command::Drive {
+                id,
+                setpoint,
+                consent,
+            },
+        }
+    }
+}
+
+/// A session file of some seconds, and what the page has shown.
+pub fn session(model: Model, seed: u64, commands: u32) -> (Vec<u8>, Vec<Shown>) {
+    let mut dice = Dice::new(seed);
+    let mut live = Live::of(model);
+    for _ in 0..commands {
+        if dice.below(10) == 0 {
+            live.world.set_faults(dice.faults());
+        }
+        let command = dice.command(model);
+        // Many are refused in the state of the moment.
+        let _: Result<(), _> = live.command(command);
+        live.run(ms(dice.below(900)));
+    }
+    live.end()
+}
+
+#[test]
+fn a_random_session_is_replayed_as_it_was_shown() {
+    for (seed, model) in SEEDS.flat_map(|seed| Model::ALL.map(|model| (seed, model))) {
+        let (file, shown) = session(model, seed, 12);
+        let mut differ = differences(&file, &shown);
+        if model == Model::Ddsm400 {
+            // The bus enables and switches it without a command. When it gives up is in no record.
+            let activity = differ.remove("activity").unwrap_or_default();
+            assert!(activity.0 * 10 <= shown.len(), "seed {seed}: {activity:?}");
+        }
+        assert!(differ.is_empty(), "{model}, seed {seed}: {differ:#?}");
+    }
+}
