@@ -2,6 +2,7 @@
 //! `cargo xtask bench session`.
 
 mod line;
+mod replaying;
 mod saving;
 
 use std::{
@@ -183,6 +184,8 @@ fn read_hour(path: &Path, sum: &str) -> io::Result<()> {
         &measured,
         worst < Duration::from_millis(50),
     );
+
+    replaying::measure(&mut source, &session, &whole)?;
 
     let began = Instant::now();
     let mut read = Sum::default();

@@ -9,7 +9,7 @@ use crate::{
     live::{Live, Shown, amps, degrees, id, ms, rpm},
 };
 
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=6;
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=3;
 
 /// Marsaglia's xorshift: the same seed gives the same session.
 pub struct Dice(u64);
@@ -52,8 +52,8 @@ impl Dice {
 
     fn command(&mut self, model: Model) -> Command {
         let id = id(1 + u8::try_from(self.below(2)).unwrap());
-        let modes = model.modes();
-        let mode = modes[usize::from(self.small(4)) % modes.len()];
+        let loops = model.modes();
+        let mode = loops[usize::from(self.small(4)) % loops.len()];
         let setpoint = match self.below(4) {
             0 => amps(f32::from(self.small(8)) / 4.0 - 1.0),
             1 => degrees(f32::from(self.small(180)) * 2.0),

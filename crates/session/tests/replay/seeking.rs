@@ -53,7 +53,7 @@ fn present(update: &Update) -> Update {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 12, ..ProptestConfig::default() })]
 
     #[test]
     fn a_jump_shows_what_playing_shows(
