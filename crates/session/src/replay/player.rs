@@ -107,7 +107,10 @@ impl Player {
         match message {
             ToReplay::Begin | ToReplay::End => {}
             ToReplay::Play(speed) => {
-                self.playing = (self.place < self.times.end).then(|| Playing::begin(now, speed));
+                // The page may have asked for another place just before.
+                let place = self.next_place.or_else(|| self.search.as_ref()?.target());
+                let is_before_end = place.unwrap_or(self.place) < self.times.end;
+                self.playing = is_before_end.then(|| Playing::begin(now, speed));
                 self.update();
             }
             ToReplay::Pause => {

@@ -109,6 +109,14 @@ impl Search {
         !matches!(self.stage, Stage::Picture { .. })
     }
 
+    /// The place that it goes to.
+    pub(super) const fn target(&self) -> Option<Instant> {
+        match self.stage {
+            Stage::Picture { target } => Some(target),
+            Stage::Near { .. } | Stage::FrameBefore { .. } => None,
+        }
+    }
+
     pub(super) fn supply(&mut self, range: &std::ops::Range<u64>, bytes: &[u8]) -> bool {
         self.track.supply(range, bytes)
     }

@@ -81,6 +81,15 @@ fn a_pause_ends_all_updates_and_the_end_pauses() {
     let again = replay.ask(ToReplay::Play(PlaySpeed::REAL_TIME));
     let shown: Vec<_> = updates(&again).map(|one| one.0).collect();
     assert_eq!(shown, [place]);
+    // From the beginning: the page does not wait for the jump.
+    replay.handle(ToReplay::Seek { after_us: 0 });
+    replay.play(1_000);
+    replay.run(ms(400));
+    let place = replay.last().0;
+    assert!(
+        place.plays && (300_000..400_000).contains(&place.after_us),
+        "{place:?}"
+    );
 }
 
 #[test]
