@@ -7,10 +7,13 @@ use motorlink_protocol::Setpoint;
 
 use crate::{driver::Replay, live::Shown};
 
+/// Each look reads the whole session.
+const LOOKS: usize = 40;
+
 /// The read-outs that differ: how often, and first how.
 pub type Differences = BTreeMap<&'static str, (usize, String)>;
 
-/// Goes to every time at which the live page was looked at, and names the read-outs that differ.
+/// Goes to times at which the live page was looked at, and names the read-outs that differ.
 ///
 /// Left out is what no record has: echoes, the rate that the line can carry (it depends on the settings), and the
 /// motors before their first answer. Late calls of the bus are not recorded either; the virtual line has none.
@@ -18,7 +21,7 @@ pub fn differences(file: &[u8], shown: &[Shown]) -> Differences {
     assert!(shown.len() > 5);
     let mut replay = Replay::of(file);
     let mut differ = Differences::new();
-    for live in shown {
+    for live in shown.iter().step_by(1 + shown.len() / LOOKS) {
         let update = replay.seek(live.at);
         let line = update.line.expect("a line");
         let mut note = |what: &'static str, live_has: &dyn Debug, replay_has: &dyn Debug| {

@@ -100,7 +100,7 @@ fn a_random_session_is_replayed_as_it_was_shown() {
         if model == Model::Ddsm400 {
             // The bus enables and switches it without a command. When it gives up is in no record.
             let activity = differ.remove("activity").unwrap_or_default();
-            assert!(activity.0 * 10 <= shown.len(), "seed {seed}: {activity:?}");
+            assert!(activity.0 <= 4, "seed {seed}: {activity:?}");
         }
         assert!(differ.is_empty(), "{model}, seed {seed}: {differ:#?}");
     }

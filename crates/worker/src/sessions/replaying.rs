@@ -37,8 +37,8 @@ fn begin(shared: &Shared) {
     let Some(open) = worker.open.clone() else {
         return;
     };
-    let from_ns = open.overview.span_ns().map_or(0, |(from, _)| from);
-    let from_ms = i64::try_from(from_ns / 1_000_000).unwrap_or_default();
+    let begins = open.overview.begins().map_or(0, |(_, utc_ns)| utc_ns);
+    let from_ms = i64::try_from(begins / 1_000_000).unwrap_or_default();
     let weak = Rc::downgrade(shared);
     worker.replay = Some(Replay {
         player: Player::new(&open.session, &open.overview, local_time(from_ms)),
