@@ -24,7 +24,7 @@ impl Page {
         let early = self.recorder.early_lines.lock();
         let early = early.ok().and_then(|mut early| early.take());
         for (at, line) in early.unwrap_or_default() {
-            let page_ms = Clock::default().page_ms(at);
+            let page_ms = Clock::default().shown_ms_of(at);
             self.log(self.worker.clock.get_value().instant(page_ms), line);
         }
     }

@@ -92,10 +92,11 @@ impl Instruments {
             return;
         }
         self.drawn_ms = now_ms;
+        let shown_ms = page.worker.clock.get_value().shown_ms(now_ms);
         readings.recent.with_value(|recent| {
-            self.speed.draw(recent, mirror, now_ms);
+            self.speed.draw(recent, mirror, shown_ms);
             self.current.quantity = Quantity::Current { is_certain };
-            self.current.draw(recent, mirror, now_ms);
+            self.current.draw(recent, mirror, shown_ms);
         });
         let drawn = readings.twin.with_value(TwinFeed::drawn);
         self.dial.draw(drawn, now_ms);

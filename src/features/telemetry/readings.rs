@@ -14,7 +14,6 @@ use crate::{
         twin::{AngleQuality, TwinFeed},
     },
     model::page::Page,
-    ui::clock::page_origin_ms,
 };
 
 /// The readings of the selected motor for the cards and the twin.
@@ -49,11 +48,10 @@ impl Readings {
     pub(crate) fn keep_samples(self, update: &Update) {
         let id = self.page.selected.get_untracked();
         let clock = self.page.worker.clock.get_value();
-        let origin_ms = page_origin_ms();
         self.recent.update_value(|recent| {
             for sample in update.samples.iter().filter(|sample| sample.reply.id == id) {
                 recent.push(Report {
-                    at_ms: clock.page_ms(sample.at),
+                    at_ms: clock.shown_ms_of(sample.at),
                     speed: sample.reply.speed,
                     current: (!matches!(sample.reply.detail, Detail::Odometry { .. }))
                         .then_some(sample.reply.current),
@@ -63,8 +61,7 @@ impl Readings {
         self.faults.maybe_update(|history| {
             let mut changed = false;
             for Sample { at, reply } in &update.samples {
-                let at_ms = origin_ms + clock.page_ms(*at);
-                changed |= history.on_report(reply.id, reply.faults, at_ms);
+                changed |= history.on_report(reply.id, reply.faults, clock.wall_ms(*at));
             }
             changed
         });
@@ -94,7 +91,7 @@ impl Readings {
                         (None, AngleQuality::Coarse)
                     }
                 };
-                let at_ms = clock.page_ms(sample.at);
+                let at_ms = clock.shown_ms_of(sample.at);
                 feed.sample(
                     at_ms,
                     angle.map(f64::from),

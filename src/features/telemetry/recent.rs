@@ -7,7 +7,7 @@ use motorlink_messages::protocol::{Current, Rpm};
 /// A report as the sparklines draw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Report {
-    /// When, in milliseconds of the page's `performance.now()`.
+    /// When, in milliseconds of the shown time: see `Clock`.
     pub(crate) at_ms: f64,
     pub(crate) speed: Rpm,
     /// `None` in odometry, which has none.

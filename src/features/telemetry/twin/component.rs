@@ -17,6 +17,7 @@ use crate::{
         picture::{VIEW_BOX, picture},
         texts::{Figures, Motion},
     },
+    link::clock::Clock,
     ui::{
         animation::{Frames, Next},
         frame_rate::frame_rate,
@@ -34,11 +35,13 @@ const SIGHT_PERIOD_MS: f64 = 250.0;
 ///
 /// `feed` is written by the page and read here once a frame.
 #[component]
-pub fn DigitalTwin(
+pub(crate) fn DigitalTwin(
     /// The data of the motor.
     feed: StoredValue<TwinFeed, LocalStorage>,
     /// Whose wheel it is.
     model: Memo<Model>,
+    /// When the wheel is shown.
+    clock: StoredValue<Clock>,
 ) -> impl IntoView {
     let svg = NodeRef::<Svg>::new();
     let motion = RwSignal::new(Motion::NoData);
@@ -60,7 +63,8 @@ pub fn DigitalTwin(
         let asleep = Rc::new(Cell::new(false));
         let sleeps = Rc::clone(&asleep);
         let running = Frames::new(move |now_ms| {
-            let Some(view) = feed.try_update_value(|feed| feed.view(now_ms)) else {
+            let clock = clock.try_get_value().unwrap_or_default();
+            let Some(view) = feed.try_update_value(|feed| feed.view_at(clock, now_ms)) else {
                 return Next::Woken;
             };
             painter.paint(&view, now_ms);

@@ -5,15 +5,18 @@ use std::rc::Rc;
 use motorlink_messages::bus::Activity;
 use motorlink_messages::protocol::{Rpm, Setpoint};
 
-use crate::features::telemetry::twin::{
-    motion::{AngleQuality, Estimator, FRESH_MS, Pose, ReportedAngle},
-    texts::{Figures, Motion},
+use crate::{
+    features::telemetry::twin::{
+        motion::{AngleQuality, Estimator, FRESH_MS, Pose, ReportedAngle},
+        texts::{Figures, Motion},
+    },
+    link::clock::Clock,
 };
 
 /// The data of one motor: the page writes it at any rate, and the twin reads it once a frame. Nothing in it is a
 /// signal.
 ///
-/// All times are milliseconds on the page's `performance.now()` clock.
+/// All times are shown times, in milliseconds: see [`Clock`].
 #[derive(Default)]
 pub struct TwinFeed {
     estimator: Estimator,
@@ -52,25 +55,25 @@ pub(crate) struct View {
 }
 
 impl TwinFeed {
-    /// A reply of the motor, measured at `page_ms`.
+    /// A reply of the motor, measured at `shown_ms`.
     ///
     /// `angle_deg` is the reported angle, 0 to 360, falling at positive speed; `None` if the reply does not contain
     /// it. `quality` tells drive replies from query replies. `speed_rpm` is the reported speed. Replies must come in
     /// the order of their measurement; an older one is ignored.
     pub fn sample(
         &mut self,
-        page_ms: f64,
+        shown_ms: f64,
         angle_deg: Option<f64>,
         quality: AngleQuality,
         speed_rpm: i16,
     ) {
-        if !page_ms.is_finite() {
+        if !shown_ms.is_finite() {
             return;
         }
         let angle = angle_deg.map(|degrees| ReportedAngle { degrees, quality });
         self.angle_known |= angle.is_some();
-        self.estimator.report(page_ms, angle, f64::from(speed_rpm));
-        self.speed = Some((page_ms, Rpm::new(speed_rpm)));
+        self.estimator.report(shown_ms, angle, f64::from(speed_rpm));
+        self.speed = Some((shown_ms, Rpm::new(speed_rpm)));
         self.wake();
     }
 
@@ -118,7 +121,25 @@ impl TwinFeed {
         }
     }
 
-    /// The content of the frame at this time.
+    /// The content of the frame at this time of the page. A recording turns the wheel at the speed of its replay.
+    pub(crate) fn view_at(&mut self, clock: Clock, now_ms: f64) -> View {
+        let shown_ms = clock.shown_ms(now_ms);
+        if clock.is_paused() {
+            self.estimator.jump();
+        }
+        let mut view = self.view(shown_ms);
+        let later_ms = now_ms - shown_ms;
+        view.pose.settled |= clock.is_paused();
+        let heading = &mut view.pose.heading;
+        heading.rate_deg_per_s *= clock.speed;
+        heading.known_until_ms += later_ms;
+        if let Some(until_ms) = &mut view.fresh_until_ms {
+            *until_ms += later_ms;
+        }
+        view
+    }
+
+    /// The content of the frame at this shown time.
     pub(crate) fn view(&mut self, now_ms: f64) -> View {
         let pose = self.estimator.frame(now_ms);
         let fresh = self

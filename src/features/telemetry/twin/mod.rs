@@ -32,6 +32,6 @@ mod scale;
 mod texts;
 mod turning;
 
-pub use component::DigitalTwin;
+pub(crate) use component::DigitalTwin;
 pub use feed::{Drawn, TwinFeed};
 pub use motion::AngleQuality;

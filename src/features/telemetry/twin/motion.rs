@@ -231,6 +231,11 @@ impl Estimator {
         self.lag_deg += limited(wanted, -most, most);
     }
 
+    /// The next frame is drawn as reported, without a transition.
+    pub fn jump(&mut self) {
+        self.drawn_ms = Some(f64::NEG_INFINITY);
+    }
+
     /// Turns since the first report, in the direction of positive speed.
     #[must_use]
     pub fn turns(&self) -> f64 {

@@ -41,7 +41,7 @@ pub(crate) fn WheelPanel(readings: Readings) -> impl IntoView {
             <p class="chip wheel-chip" class:active=driven>
                 {dynamic(move || chip.get().unwrap_or_else(|| no_motor().to_owned()))}
             </p>
-            <DigitalTwin feed=readings.twin model=page.model />
+            <DigitalTwin feed=readings.twin model=page.model clock=page.worker.clock />
         </section>
     }
 }
