@@ -17,6 +17,7 @@ use crate::{
         notice_board::Remedy,
         page::{Change, Dialog},
         preferences::{Preferences, forget_all},
+        replay::Crossing,
         setup::Setup,
         tab::Tab,
     },
@@ -25,6 +26,10 @@ use crate::{
 impl Features {
     /// Stops all motors. The message is posted before anything else is done.
     pub(crate) fn stop_all(self, reason: StopReason) {
+        // It pauses a recording: no port is open then.
+        if self.page.replay.keeps(Crossing::Stop) {
+            return;
+        }
         if reason == StopReason::Operator && self.page.worker.link.with_value(Option::is_none) {
             self.page.worker.stopped_early.set_value(true);
         }

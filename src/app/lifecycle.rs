@@ -63,6 +63,9 @@ fn visibility_changed(features: Features) {
 
 /// `● +100 rpm - MotorLink` while a motor is driven, so that a hidden page shows what turns.
 fn title(session: &Session) -> String {
+    if session.is_recording() {
+        return format!("{} - {TITLE}", tr!("Recording"));
+    }
     let said = |motor: &MotorStatus| match motor.activity {
         Activity::Driven { setpoint } => Some(format::goal(setpoint)),
         Activity::DrivenRaw => Some(tr!("raw frames").to_owned()),

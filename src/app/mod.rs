@@ -17,6 +17,7 @@ pub(crate) mod question_dialog;
 pub(crate) mod questions;
 pub(crate) mod recorder_routing;
 pub(crate) mod refresh;
+pub(crate) mod replay;
 pub(crate) mod routing;
 pub(crate) mod sections;
 pub(crate) mod tab_bar;

@@ -16,6 +16,7 @@ use crate::{
         later_panel::{Load, later_panel},
         mount::{Hosts, Mounted},
         question_dialog::QuestionDialog,
+        replay,
         tab_bar::TabBar,
     },
     features::{
@@ -183,7 +184,9 @@ in_part!(seldom: fn mount_seldom(hosts, features, which) [{
     load_later_texts();
     if which == Drawer::Session {
         let incoming = Incoming::of_page(&hosts.owner);
-        let files = SessionFiles::of_page(&hosts.owner, features.page);
+        let rover = Rover::of_page(&hosts.owner, features.page);
+        let instruments = move || replay::instruments(features, rover);
+        let files = SessionFiles::of_page(&hosts.owner, features.page, instruments);
         hosts.mount(move || view! { <SessionPanel files incoming /> })
     } else if which == Drawer::SetupLink {
         let of = SetupLink::of_page(&hosts.owner, features.page);

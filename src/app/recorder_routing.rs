@@ -9,7 +9,7 @@ use crate::{
     app::features::Features,
     features::saved_session::{offer::Offer, texts},
     link::{recorder_link::RecorderLink, worker_link::WorkerState},
-    model::{log_lines, recorder::Exporting, recorder_texts},
+    model::{log_lines, recorder::Exporting, recorder_texts, replay::Crossing},
     ui::{clock::page_origin_ms, download::save_blob, format::grouped},
 };
 
@@ -43,6 +43,9 @@ impl Features {
     }
 
     fn on_recorder_message(self, message: FromRecorder, file: Option<Blob>) {
+        if self.page.replay.keeps(Crossing::FromRecorder(&message)) {
+            return;
+        }
         let recorder = &self.page.recorder;
         match message {
             FromRecorder::Log(rows) => self.log.take(rows),

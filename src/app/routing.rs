@@ -21,6 +21,7 @@ use crate::{
         notice_lifetime::{self, review},
         notice_texts,
         page::Change,
+        replay::Crossing,
         scan_texts::belongs_to_id_manager,
         snapshot::{Reading, Session},
         tab::Tab,
@@ -45,7 +46,11 @@ impl Features {
             ToPage::Died => self.worker_lost(),
             // The link answers it.
             ToPage::Ping => {}
-            ToPage::Update(update) => self.update(&update),
+            ToPage::Update(update) => {
+                if !self.page.replay.keeps(Crossing::FromWorker(&update)) {
+                    self.update(&update);
+                }
+            }
         }
     }
 
@@ -176,7 +181,7 @@ impl Features {
     }
 
     /// Opens the tab of the motor's loop, once after connecting.
-    fn follow_loop(self) {
+    pub(crate) fn follow_loop(self) {
         if !self.page.loops.tab_to_follow.get_value() {
             return;
         }
@@ -191,10 +196,9 @@ impl Features {
     /// Checks whether the worker still runs. Called once a second.
     pub(crate) fn check_worker(self) {
         let pings = self.page.worker.state.get_untracked() == WorkerState::Running
-            && self
-                .page
-                .latest
-                .with_value(|session| matches!(session.connection, Connection::Connected(_)));
+            && self.page.latest.with_value(|session| {
+                !session.is_recording() && matches!(session.connection, Connection::Connected(_))
+            });
         let died =
             |link: &Option<WorkerLink>| link.as_ref().is_some_and(|link| link.has_died(pings));
         if self.page.worker.link.with_value(died) {
@@ -204,6 +208,7 @@ impl Features {
 
     /// Handles a failed worker: it sends no more messages and no more frames.
     pub(crate) fn worker_lost(self) {
+        self.page.replay.keeps(Crossing::WorkerLost);
         // First of all: a worker that reports an error may still run and drive, but the notice says that it does not.
         self.page.worker.link.with_value(|link| {
             if let Some(link) = link {

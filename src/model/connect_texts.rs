@@ -1,7 +1,7 @@
 //! Texts about ports: their state, and connection errors.
 
 use motorlink_i18n::tr;
-use motorlink_messages::{ConnectError, Connection};
+use motorlink_messages::{Adapter, ConnectError, Connection};
 
 use crate::{
     link::{address::BadParameter, serial_ports::PickTrouble},
@@ -17,6 +17,7 @@ pub(crate) fn of_connection(connection: Connection) -> (&'static str, String) {
     match connection {
         Connection::Disconnected => (tr!("Disconnected"), tr!("No port is open").to_owned()),
         Connection::Connecting => (tr!("Connecting"), tr!("Opening the port").to_owned()),
+        Connection::Connected(Adapter::Recording) => (tr!("Recording"), String::new()),
         Connection::Connected(adapter) => (tr!("Connected"), terms::adapter(adapter)),
         Connection::Reconnecting(adapter) => (
             tr!("Reconnecting"),

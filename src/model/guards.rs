@@ -7,13 +7,14 @@ use crate::{
     link::{serial_ports, worker_link::WorkerState},
     model::{
         names_and_sides::{GroupMembers, Side},
+        replay,
         snapshot::{Session, is_active},
         terms,
     },
 };
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    Connection,
+    Adapter, Connection,
     bus::{Activity, GroupError, GroupSetpoints, Refusal, check_position_switch},
     protocol::{Mode, MotorId},
 };
@@ -41,6 +42,7 @@ fn request_blocked_by(session: &Session, id: MotorId) -> Option<String> {
 
 fn blocked_by_connection(connection: Connection) -> Option<&'static str> {
     match connection {
+        Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
         Connection::Connected(_) => None,
         Connection::Disconnected | Connection::Failed(_) => {
             Some(tr!("Not connected. Press Connect or Virtual motor."))
@@ -219,7 +221,9 @@ pub(crate) fn import_blocked_by(session: &Session, pad_is_held: bool) -> Option<
 /// Whether a port is open, is being opened, or is expected back.
 pub(crate) fn is_in_use(connection: Connection) -> bool {
     match connection {
-        Connection::Disconnected | Connection::Failed(_) => false,
+        Connection::Disconnected
+        | Connection::Failed(_)
+        | Connection::Connected(Adapter::Recording) => false,
         Connection::Connecting | Connection::Connected(_) | Connection::Reconnecting(_) => true,
     }
 }

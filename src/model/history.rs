@@ -174,6 +174,24 @@ impl History {
         }
     }
 
+    /// Shows another history in the same graph, and returns this one.
+    pub(crate) fn exchange(&mut self, other: Self) -> Self {
+        let next = Self {
+            recalled: self.recalled.wrapping_add(1),
+            wake: self.wake.clone(),
+            ..other
+        };
+        let before = std::mem::replace(self, next);
+        self.wake();
+        before
+    }
+
+    fn wake(&self) {
+        if let Some(wake) = &self.wake {
+            wake();
+        }
+    }
+
     /// Converts a time of the worker to the clock of the history.
     const fn at(&self, instant: Instant) -> Instant {
         Instant::from_micros(self.zero_us.saturating_add(instant.as_micros()))
@@ -196,9 +214,7 @@ impl History {
             self.on_track(reply.id, |track| track.recall(point));
         }
         self.recalled = self.recalled.wrapping_add(1);
-        if let Some(wake) = &self.wake {
-            wake();
-        }
+        self.wake();
     }
 
     /// Changes whenever samples were restored.

@@ -3,7 +3,7 @@
 use motorlink_i18n::tr;
 use motorlink_messages::{Adapter, Connection, protocol::family::Model};
 
-use crate::model::snapshot::Session;
+use crate::model::{replay, snapshot::Session};
 
 /// The model that the page shows. While a port is being opened, the worker tries several.
 pub(crate) fn shown(session: &Session, chosen: Model) -> Model {
@@ -30,6 +30,7 @@ pub(crate) fn found(session: &Session, chosen: Model) -> Option<Model> {
 pub(crate) fn choice_blocked_by(session: &Session) -> Option<&'static str> {
     match session.connection {
         Connection::Disconnected | Connection::Failed(_) => None,
+        Connection::Connected(Adapter::Recording) => Some(replay::blocked()),
         Connection::Connected(Adapter::Virtual(_)) => {
             Some(tr!("Virtual motors have a model of their own."))
         }

@@ -11,7 +11,11 @@ use motorlink_messages::{
 
 use crate::{
     link::recorder_link::RecorderLink,
-    model::{log_lines::Line, recorder_texts::no_recorder},
+    model::{
+        log_lines::Line,
+        recorder_texts::no_recorder,
+        replay::{Crossing, Replay},
+    },
 };
 
 /// A file that is being written.
@@ -25,6 +29,7 @@ pub(crate) struct Exporting {
 /// The recorder and its state.
 pub(crate) struct Recorder {
     pub(crate) link: StoredValue<Option<RecorderLink>, LocalStorage>,
+    replay: Replay,
     /// Whether it runs, or is being started.
     pub(crate) alive: RwSignal<bool>,
     /// The recording as the page shows it.
@@ -38,9 +43,10 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(replay: Replay) -> Self {
         Self {
             link: StoredValue::new_local(None),
+            replay,
             alive: RwSignal::new(true),
             recording: RwSignal::new(RecordingStatus::default()),
             reported: Mutex::default(),
@@ -75,6 +81,9 @@ impl Recorder {
     }
 
     pub(crate) fn post(&self, message: &ToRecorder) {
+        if self.replay.keeps(Crossing::ToRecorder(message)) {
+            return;
+        }
         self.link.with_value(|link| {
             if let Some(link) = link {
                 link.post(message);
@@ -102,6 +111,9 @@ impl Recorder {
     pub(crate) fn export_blocked_by(&self, what: Export) -> Option<String> {
         if !self.alive.get() {
             return Some(no_recorder().to_owned());
+        }
+        if let Some(reason) = self.replay.blocks() {
+            return Some(reason);
         }
         let other = self.exporting.get().filter(|one| one.what != what);
         other.map(|_| tr!("Another export is running.").to_owned())

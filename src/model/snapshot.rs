@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_messages::{
-    Connection, Notice, Update,
+    Adapter, Connection, Notice, Update,
     bus::{
         Activity, FRESH_FOR, JobStatus, LineStatus, MotorStatus, RawStatus, Sample, StopOutcome,
         StopReason,
@@ -209,13 +209,24 @@ impl Session {
         answered.map(|motor| motor.id).collect()
     }
 
+    /// Whether it is that of a recording: nothing in it moves now.
+    pub(crate) fn is_recording(&self) -> bool {
+        self.connection == Connection::Connected(Adapter::Recording)
+    }
+
     /// Motors that are driven, switched or being stopped; they have to be stopped when the page closes.
     pub(crate) fn active_motors(&self) -> impl Iterator<Item = &MotorStatus> {
-        self.motors.iter().filter(|motor| is_active(motor))
+        let live = !self.is_recording();
+        self.motors
+            .iter()
+            .filter(move |motor| live && is_active(motor))
     }
 
     /// Whether anything is driven or may still move: a wheel that coasts, or whose standstill is unknown.
     pub(crate) fn is_anything_driven(&self) -> bool {
+        if self.is_recording() {
+            return false;
+        }
         let turns = |motor: &MotorStatus| {
             let speed = motor.last.map(|sample| sample.reply.speed);
             !motor.silent && speed.is_some_and(|speed| speed.rpm() != 0)
@@ -229,10 +240,11 @@ impl Session {
 
     /// Whether no motor can move: none is driven, no job runs, and each motor on an open port answers and stands.
     pub(crate) fn is_known_to_rest(&self) -> bool {
-        let port_is_closed = matches!(
-            self.connection,
-            Connection::Disconnected | Connection::Failed(_)
-        );
+        let port_is_closed = self.is_recording()
+            || matches!(
+                self.connection,
+                Connection::Disconnected | Connection::Failed(_)
+            );
         let is_lost = |motor: &MotorStatus| motor.last.is_some() && motor.silent;
         !self.is_anything_driven()
             && self.job.is_none()

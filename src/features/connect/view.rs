@@ -2,7 +2,7 @@
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::{Connection, VirtualLine, protocol::MotorId};
+use motorlink_messages::{Adapter, Connection, VirtualLine, protocol::MotorId};
 
 use crate::{
     features::connect::actions::Connect,
@@ -33,7 +33,7 @@ pub(crate) fn ConnectionState() -> impl IntoView {
                 let state = match motor_trouble(session, id) {
                     Some(MotorTrouble::Silent) => tr!("No reply"),
                     Some(MotorTrouble::Fault) => tr!("Motor fault"),
-                    None => return (state, detail),
+                    None => return (state, page.replay.name.get().unwrap_or(detail)),
                 };
                 (state, format!("{id} · {detail}"))
             })
@@ -80,7 +80,7 @@ impl MotorTrouble {
 }
 
 fn motor_trouble(session: &Session, id: MotorId) -> Option<MotorTrouble> {
-    if !matches!(session.connection, Connection::Connected(_)) {
+    if session.is_recording() || !matches!(session.connection, Connection::Connected(_)) {
         return None;
     }
     if session.motor(id).is_some_and(|motor| motor.silent) {
@@ -95,6 +95,7 @@ const fn key(connection: Connection) -> &'static str {
     match connection {
         Connection::Disconnected => "Disconnected",
         Connection::Connecting => "Connecting",
+        Connection::Connected(Adapter::Recording) => "Recording",
         Connection::Connected(_) => "Connected",
         Connection::Reconnecting(_) => "Reconnecting",
         Connection::Failed(_) => "Failed",

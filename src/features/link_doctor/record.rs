@@ -88,7 +88,8 @@ impl Record {
             self.clear();
             return true;
         };
-        if self.connection != Some(session.connection) {
+        let went_back = self.looked_at.is_some_and(|at| session.now < at);
+        if went_back || self.connection != Some(session.connection) {
             self.clear();
             self.connection = Some(session.connection);
             self.verdict = Verdict::TooLittle;

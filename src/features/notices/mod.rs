@@ -3,7 +3,7 @@
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    Connection,
+    Adapter, Connection,
     bus::Activity,
     protocol::{Mode, MotorId},
 };
@@ -14,6 +14,7 @@ use crate::{
         help_topic::HelpTopic,
         notice_board::{NoticeBoard, Posted, Remedy, Tone},
         page::use_page,
+        replay,
         snapshot::{Reading, Session},
     },
     ui::{
@@ -152,6 +153,7 @@ fn next_steps(session: &Session, id: MotorId) -> Vec<String> {
         Connection::Reconnecting(_) => &[tr!(
             "Plug the adapter back in. No motor runs until you press Start."
         )],
+        Connection::Connected(Adapter::Recording) => &[replay::blocked()],
         Connection::Connected(_) if session.halted => {
             &[tr!("All motors are stopped. Press Release to drive again.")]
         }

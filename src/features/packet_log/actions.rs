@@ -162,6 +162,15 @@ impl Log {
         }
     }
 
+    /// Shows another log in the list, with the same filter and in the same language. Returns the feed of the one before.
+    pub(crate) fn exchange(self, other: LogFeed) -> LogFeed {
+        let before = self.feed.try_update_value(|feed| feed.exchange(other));
+        let before = before.unwrap_or_default();
+        self.set_language(self.page.language.get_untracked());
+        self.refilter(|filter| filter.clone_from(before.filter()));
+        before
+    }
+
     /// Handles received rows.
     pub(crate) fn take(self, rows: LogPage) {
         let again = self.feed.try_update_value(|feed| feed.take(rows));

@@ -149,6 +149,21 @@ impl LogFeed {
         self.wake();
     }
 
+    /// Takes the place of this feed in the list, for another log with the same filter, and returns this one.
+    pub(crate) fn exchange(&mut self, other: Self) -> Self {
+        let mut view = self.view;
+        view.set_rows(other.page.oldest, other.page.end);
+        view.follow();
+        let next = Self {
+            view,
+            asked: None,
+            wake: self.wake.clone(),
+            wake_in_step: self.wake_in_step.clone(),
+            ..other
+        };
+        std::mem::replace(self, next)
+    }
+
     /// A row, if it was received.
     pub(crate) fn row(&self, number: u64) -> Option<&Row> {
         let first = self.page.rows.first()?.number;

@@ -5,10 +5,11 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 use wasm_bindgen::{JsCast, prelude::Closure};
-use web_sys::{HtmlButtonElement, HtmlElement, ResizeObserver};
+use web_sys::{Element, HtmlButtonElement, HtmlElement, ResizeObserver};
 
 use crate::{
     features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
+    model::replay::Crossing,
     ui::{
         animation::{Frames, Next},
         button::PressButton,
@@ -102,6 +103,8 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                             on:click=handler(move |event| {
                                 if let Some(row) = toggled_row(&event) {
                                     log.toggle(row);
+                                } else if let Some(row) = pressed_row(&event) {
+                                    log.page.replay.keeps(Crossing::Row(row));
                                 }
                             })
                             // A row that moves under the pointer, or takes the focus along, presses nothing.
@@ -123,6 +126,16 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
             </span>
         </div>
     }
+}
+
+/// The pressed row: its button has its number.
+fn pressed_row(event: &web_sys::MouseEvent) -> Option<u64> {
+    let pressed = event.target()?.dyn_into::<Element>().ok()?;
+    let row = pressed.closest(".packet").ok()??;
+    row.last_element_child()?
+        .get_attribute("value")?
+        .parse()
+        .ok()
 }
 
 /// The row of the pressed button.

@@ -49,7 +49,9 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
         .to_owned()
     });
     let clear_blocked_by = move || {
-        if recorder.alive.get() {
+        if let Some(reason) = log.page.replay.blocks() {
+            Some(reason)
+        } else if recorder.alive.get() {
             empty_reason().filter(|_| !undoable())
         } else {
             Some(no_recorder().to_owned())

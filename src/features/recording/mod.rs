@@ -8,7 +8,7 @@ use motorlink_messages::recorder::{Export, RecordingStatus, ToRecorder};
 
 use crate::{
     features::recording::texts as words,
-    model::{page::use_page, recorder_texts::no_recorder},
+    model::{page::use_page, recorder_texts::no_recorder, replay::blocked},
     ui::{
         export_button::ExportButton,
         reactive::{dynamic, handler, memo},
@@ -31,7 +31,9 @@ pub(crate) fn Recording() -> impl IntoView {
         }
     });
     let record_blocked_by = move || {
-        if alive.get() {
+        if page.replay.blocks().is_some() {
+            Some(blocked())
+        } else if alive.get() {
             status.with(full_recording_reason)
         } else {
             Some(no_recorder())

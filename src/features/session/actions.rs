@@ -14,6 +14,8 @@ use web_sys::{Blob, MessageChannel};
 use crate::{
     features::session::{
         incoming::Incoming,
+        player::{Instruments, Link, Player},
+        replay_bar::show_bar,
         save_picker::{Picked, pick},
         share::Shareable,
         texts,
@@ -38,7 +40,9 @@ pub(super) struct Said {
 #[derive(Clone, Copy)]
 pub(crate) struct SessionFiles {
     pub(super) page: Page,
-    link: StoredValue<Option<SessionsLink>, LocalStorage>,
+    link: Link,
+    /// Replays the open file.
+    pub(super) player: Player,
     /// The progress of saving, in per mille.
     pub(super) saving: RwSignal<Option<u64>>,
     /// The progress of opening or exporting, in per mille.
@@ -55,12 +59,20 @@ pub(crate) struct SessionFiles {
 
 impl SessionFiles {
     /// Of this page: made at the first call, for the owner of the page.
-    pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
+    pub(crate) fn of_page(
+        owner: &Owner,
+        page: Page,
+        instruments: impl FnOnce() -> Instruments,
+    ) -> Self {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
+                let link = StoredValue::new_local(None);
+                let player = Player::new(page, link, instruments());
+                show_bar(owner, player);
                 let new = Self {
                     page,
-                    link: StoredValue::new_local(None),
+                    link,
+                    player,
                     saving: RwSignal::new(None),
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
@@ -128,6 +140,7 @@ impl SessionFiles {
         spawn_local(async move {
             let link = self.link.try_update_value(Option::take).flatten();
             if let Some(link) = link {
+                self.player.end();
                 link.end();
                 self.saving.set(None);
                 self.reading.set(None);
@@ -197,6 +210,7 @@ impl SessionFiles {
         if !self.start_worker() {
             return;
         }
+        self.player.end();
         let name = Reflect::get(file, &"name".into()).ok();
         let name = name.and_then(|name| name.as_string()).unwrap_or_default();
         self.open.set(None);
@@ -208,6 +222,7 @@ impl SessionFiles {
 
     /// Closes the open file. Its worker ends, which frees its memory, unless a session is being saved.
     pub(super) fn close(self) {
+        self.player.end();
         self.open.set(None);
         self.say(false, "");
         if self.saving.get_untracked().is_some() {
@@ -281,6 +296,11 @@ impl SessionFiles {
             FromSessions::Cancelled => {
                 self.reading.set(None);
                 self.say(false, tr!("Cancelled"));
+            }
+            FromSessions::Replay(message) => {
+                if let Some(info) = self.open.get_untracked() {
+                    self.player.on_message(&info, message);
+                }
             }
             FromSessions::Died => self.worker_lost(),
         }

@@ -8,12 +8,13 @@ use motorlink_messages::{
 };
 
 use crate::{
-    features::session::{actions::SessionFiles, texts, timeline::timeline},
+    features::session::{actions::SessionFiles, player::Player, texts, timeline::timeline},
     model::terms,
     ui::{
         button::PressButton,
         clock::{local_date, local_time},
         format::{self, grouped},
+        reactive::{dynamic, handler},
     },
 };
 
@@ -33,7 +34,8 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
         .map(|(name, value)| view! { <dt>{name}</dt> <dd>{value}</dd> })
         .collect();
     let motors: Vec<_> = info.motors.iter().map(motor_row).collect();
-    let events: Vec<_> = info.marks.iter().take(EVENTS_MAX).map(event_row).collect();
+    let marks = info.marks.iter().take(EVENTS_MAX);
+    let events: Vec<_> = marks.map(|mark| event_row(files.player, mark)).collect();
     let left_out = info.marks.len().saturating_sub(EVENTS_MAX) as u64 + info.marks_left_out;
     let more = (left_out > 0).then(|| {
         tr!(
@@ -41,6 +43,9 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
             count = grouped(left_out)
         )
     });
+    let player = files.player;
+    let replays = move || player.info.with(Option::is_some);
+    let replay_blocked_by = move || player.blocked_by().filter(|_| !replays());
     let export = move |what, label, hint| {
         let reads = move || {
             files
@@ -62,6 +67,16 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
         <div class="session-content">
             <div class="session-head">
                 <h3>{info.name.clone()}</h3>
+                <PressButton
+                    label=Signal::derive(move || {
+                        let word = if replays() { tr!("End replay") } else { tr!("Replay") };
+                        word.to_owned()
+                    })
+                    class="button small primary"
+                    hint=tr!("Shows the recording on all instruments. No motor is driven.")
+                    disabled_reason=Signal::derive(replay_blocked_by)
+                    on_press=move || if replays() { player.end() } else { player.begin() }
+                />
                 <PressButton
                     label=tr!("Close file")
                     class="button small"
@@ -177,12 +192,21 @@ fn range(least: &str, most: &str) -> String {
     tr!("{least} to {most}", least, most)
 }
 
-fn event_row(mark: &SessionMark) -> impl IntoView + use<> {
+/// An event. During a replay its button goes there.
+fn event_row(player: Player, mark: &SessionMark) -> impl IntoView + use<> {
     let class = if mark.error { "bad" } else { "" };
+    let after_us = mark.after_us;
     view! {
         <li>
-            <span class="session-time">{texts::elapsed(mark.after_us)}</span>
-            <span class=class>{mark.text.clone()}</span>
+            <button
+                type="button"
+                class="session-event"
+                disabled=dynamic(move || player.info.with(Option::is_none))
+                on:click=handler(move |_| player.seek(after_us))
+            >
+                <span class="session-time">{texts::elapsed(after_us)}</span>
+                <span class=class>{mark.text.clone()}</span>
+            </button>
         </li>
     }
 }

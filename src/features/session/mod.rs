@@ -6,6 +6,8 @@
 //! | `actions` | what the buttons do, and the messages of the session worker |
 //! | `save_picker` | the browser's dialog for a file to write |
 //! | `share` | the saved session for another app |
+//! | `player` | shows an open file as if it were the live line, and controls the replay |
+//! | `replay_bar` | the controls of the replay |
 //! | `panel` | the panel `Session file` |
 //! | `content` | what is in an open file |
 //! | `timeline` | the whole session in one picture |
@@ -14,6 +16,8 @@ pub(crate) mod actions;
 mod content;
 pub(crate) mod incoming;
 pub(crate) mod panel;
+pub(crate) mod player;
+mod replay_bar;
 mod save_picker;
 mod share;
 mod texts;

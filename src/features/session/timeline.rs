@@ -60,6 +60,38 @@ pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
     motors
 }
 
+/// The speeds of all motors over each other and the events, behind the slider of a replay.
+pub(super) fn strip(info: &SessionInfo) -> impl IntoView + use<> {
+    let speeds: Vec<_> = info
+        .motors
+        .iter()
+        .map(|motor| {
+            let speed = area(motor, SPEED, info.bucket_us, info.duration_us);
+            view! { <path class="session-speed" d=speed /> }
+        })
+        .collect();
+    let marks: Vec<_> = info
+        .marks
+        .iter()
+        .take(MARKS_MAX)
+        .map(|mark| {
+            let x = x(mark.after_us, info.duration_us);
+            view! { <path class=class_of(mark) d=format!("M{x} 0V{}", SIZE.1) /> }
+        })
+        .collect();
+    view! {
+        <svg
+            class="replay-strip"
+            aria-hidden="true"
+            viewBox=format!("0 0 {} {}", SIZE.0, SIZE.1)
+            preserveAspectRatio="none"
+        >
+            {speeds}
+            {marks}
+        </svg>
+    }
+}
+
 fn class_of(mark: &SessionMark) -> &'static str {
     if mark.error {
         "session-mark bad"

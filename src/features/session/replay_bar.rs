@@ -1,0 +1,200 @@
+//! Region `Replay`: the controls of a replay, at the lower edge of the page while a recording is shown.
+
+use leptos::{mount::mount_to, prelude::*};
+use motorlink_i18n::tr;
+use motorlink_messages::sessions::{PlaySpeed, SessionInfo};
+use wasm_bindgen::JsCast;
+use web_sys::{HtmlElement, KeyboardEvent};
+
+use crate::{
+    features::session::{player::Player, texts, timeline::strip},
+    ui::{
+        button::PressButton,
+        format::in_language,
+        reactive::{dynamic, handler},
+    },
+};
+
+/// Speeds to choose from, in thousandths of real time.
+const SPEEDS: [u32; 10] = [
+    100, 250, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000,
+];
+
+/// How far an arrow key goes on the timeline, and how far Page Up and Page Down.
+const ARROW_US: i64 = 1_000_000;
+const PAGE_US: i64 = 10_000_000;
+
+/// Mounts the controls for the life of the page. They are not in a section, which another language would remove.
+pub(super) fn show_bar(owner: &Owner, player: Player) {
+    let page = document().query_selector(".page").ok().flatten();
+    let Some(page) = page.and_then(|page| page.dyn_into::<HtmlElement>().ok()) else {
+        return;
+    };
+    let mounted = owner.with(|| {
+        mount_to(page, move || {
+            move || {
+                player.page.language.track();
+                let info = player.info.get();
+                info.map(|info| bar(player, &info))
+            }
+        })
+    });
+    mounted.forget();
+}
+
+fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
+    let duration_us = info.duration_us;
+    let plays = move || player.place.with(|place| place.plays);
+    let at = move || texts::elapsed(player.shown_us());
+    let speeds: String = SPEEDS.map(option).concat();
+    let pressed_key = move |event: KeyboardEvent| {
+        let by_us = match event.key().as_str() {
+            "ArrowRight" | "ArrowUp" => ARROW_US,
+            "ArrowLeft" | "ArrowDown" => -ARROW_US,
+            "PageUp" => PAGE_US,
+            "PageDown" => -PAGE_US,
+            _ => return,
+        };
+        event.prevent_default();
+        player.seek_by(by_us);
+    };
+    let of_whole = tr!(
+        "{place} of {whole}",
+        place = "{}",
+        whole = texts::elapsed(duration_us)
+    );
+    view! {
+        <section class="replay" aria-label=tr!("Replay")>
+            <p class="replay-what">
+                <strong>{tr!("Recording")}</strong>
+                " "
+                <span class="replay-name">{info.name.clone()}</span>
+            </p>
+            <div class="replay-line">
+                {strip(info)}
+                <input
+                    type="range"
+                    class="replay-place"
+                    aria-label=tr!("Place in the recording")
+                    aria-valuetext=dynamic(move || of_whole.replace("{}", &at()))
+                    min="0"
+                    max=duration_us.to_string()
+                    step="1"
+                    prop:value=dynamic(move || player.shown_us().to_string())
+                    on:input=handler(move |event| {
+                        if let Ok(after_us) = event_target_value(&event).parse() {
+                            player.seek(after_us);
+                        }
+                    })
+                    on:keydown=handler(pressed_key)
+                />
+            </div>
+            <div class="replay-steps">
+                <PressButton
+                    label="⏮"
+                    name=tr!("Previous event")
+                    hint=tr!("Previous event")
+                    class="button small replay-sign"
+                    on_press=move || player.seek_event(false)
+                />
+                <PressButton
+                    label="◂"
+                    name=tr!("Previous frame")
+                    hint=tr!("Previous frame")
+                    class="button small replay-sign"
+                    on_press=move || player.step(false)
+                />
+                <PressButton
+                    label=Signal::derive(move || {
+                        let word = if plays() { tr!("Pause") } else { tr!("Play") };
+                        word.to_owned()
+                    })
+                    class="button small replay-play"
+                    on_press=move || player.play_or_pause()
+                />
+                <PressButton
+                    label="▸"
+                    name=tr!("Next frame")
+                    hint=tr!("Next frame")
+                    class="button small replay-sign"
+                    on_press=move || player.step(true)
+                />
+                <PressButton
+                    label="⏭"
+                    name=tr!("Next event")
+                    hint=tr!("Next event")
+                    class="button small replay-sign"
+                    on_press=move || player.seek_event(true)
+                />
+                <select
+                    class="select small"
+                    aria-label=tr!("Speed of the replay")
+                    title=tr!("Speed of the replay")
+                    prop:value=dynamic(move || player.speed.get().per_mille().to_string())
+                    on:change=handler(move |event| {
+                        if let Ok(per_mille) = event_target_value(&event).parse() {
+                            player.set_speed(PlaySpeed::from_per_mille(per_mille));
+                        }
+                    })
+                    inner_html=speeds
+                ></select>
+            </div>
+            <output class="replay-at" aria-label=tr!("Place")  aria-live="off">
+                <span>{dynamic(at)}</span>
+                <span class="quiet">" / " {texts::elapsed(duration_us)}</span>
+            </output>
+            <PressButton
+                label=tr!("End replay")
+                class="button small replay-end"
+                on_press=move || {
+                    player.end();
+                    focus_controls();
+                }
+            />
+            <p class="replay-trouble bad" role="status" aria-label=tr!("Replay")>
+                {dynamic(move || {
+                    let unreadable = player.unreadable.get();
+                    unreadable.then(|| tr!("The file cannot be read. Check that it is still there, then press Play."))
+                })}
+            </p>
+        </section>
+    }
+}
+
+fn option(per_mille: u32) -> String {
+    let selected = if per_mille == 1_000 { " selected" } else { "" };
+    format!(
+        r#"<option value="{per_mille}"{selected}>{}</option>"#,
+        name(per_mille)
+    )
+}
+
+/// `0.25×`, `10×`
+fn name(per_mille: u32) -> String {
+    let (whole, rest) = (per_mille / 1_000, per_mille % 1_000 / 10);
+    if rest == 0 {
+        return format!("{whole}×");
+    }
+    let digits = format!("{whole}.{rest:02}");
+    in_language([digits.trim_end_matches('0'), "×"].concat())
+}
+
+/// The button that had the focus is gone.
+fn focus_controls() {
+    let controls = document().get_element_by_id("control");
+    if let Some(controls) = controls.and_then(|found| found.dyn_into::<HtmlElement>().ok()) {
+        // If it cannot be focused, the browser decides.
+        let _ = controls.focus();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_are_short() {
+        let names = SPEEDS.map(name).join(" ");
+        assert_eq!(names, "0.1× 0.25× 0.5× 1× 2× 5× 10× 20× 50× 100×");
+    }
+}
