@@ -17,7 +17,7 @@ use crate::{
         notice_board::Remedy,
         page::{Change, Dialog},
         preferences::{Preferences, forget_all},
-        replay::Crossing,
+        replay::{self, Crossing},
         setup::Setup,
         tab::Tab,
     },
@@ -27,7 +27,7 @@ impl Features {
     /// Stops all motors. The message is posted before anything else is done.
     pub(crate) fn stop_all(self, reason: StopReason) {
         // It pauses a recording: no port is open then.
-        if self.page.replay.keeps(Crossing::Stop) {
+        if replay::keeps(Crossing::Stop) {
             return;
         }
         if reason == StopReason::Operator && self.page.worker.link.with_value(Option::is_none) {

@@ -15,7 +15,7 @@ use crate::{
     model::{
         keys::{Focus, Reaction, Scene, StopKey, StopKeys, key_action},
         page::{Dialog, Page},
-        replay::Crossing,
+        replay::{self, Crossing},
     },
     ui::listener::on_window,
 };
@@ -79,9 +79,7 @@ fn on_key(features: Features, stop_keys: &Cell<StopKeys>, event: &KeyboardEvent)
                 true
             }
             Reaction::Take => true,
-            Reaction::Close => {
-                close_one(features.page) || features.page.replay.keeps(Crossing::Stop)
-            }
+            Reaction::Close => close_one(features.page) || replay::keeps(Crossing::Stop),
             Reaction::Pass => false,
         };
         if handled {

@@ -63,9 +63,6 @@ fn visibility_changed(features: Features) {
 
 /// `● +100 rpm - MotorLink` while a motor is driven, so that a hidden page shows what turns.
 fn title(session: &Session) -> String {
-    if session.is_recording() {
-        return format!("{} - {TITLE}", tr!("Recording"));
-    }
     let said = |motor: &MotorStatus| match motor.activity {
         Activity::Driven { setpoint } => Some(format::goal(setpoint)),
         Activity::DrivenRaw => Some(tr!("raw frames").to_owned()),
@@ -74,7 +71,8 @@ fn title(session: &Session) -> String {
             None
         }
     };
-    let driven: Vec<String> = session.motors.iter().filter_map(said).collect();
+    // None in a recording, which has a title of its own.
+    let driven: Vec<String> = session.active_motors().filter_map(said).collect();
     match driven.as_slice() {
         [] => TITLE.to_owned(),
         [one] => format!("● {one} - {TITLE}"),

@@ -9,7 +9,12 @@ use crate::{
     app::features::Features,
     features::saved_session::{offer::Offer, texts},
     link::{recorder_link::RecorderLink, worker_link::WorkerState},
-    model::{log_lines, recorder::Exporting, recorder_texts, replay::Crossing},
+    model::{
+        log_lines,
+        recorder::Exporting,
+        recorder_texts,
+        replay::{self, Crossing},
+    },
     ui::{clock::page_origin_ms, download::save_blob, format::grouped},
 };
 
@@ -43,7 +48,7 @@ impl Features {
     }
 
     fn on_recorder_message(self, message: FromRecorder, file: Option<Blob>) {
-        if self.page.replay.keeps(Crossing::FromRecorder(&message)) {
+        if replay::keeps(Crossing::FromRecorder(&message)) {
             return;
         }
         let recorder = &self.page.recorder;

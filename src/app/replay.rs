@@ -1,13 +1,15 @@
 //! Shows a recording on the instruments of the page, and the live line again after it.
 //!
-//! It loads with the panel `Session file`. What concerns the live line is set aside meanwhile: the newest state, the
-//! graph, readings, faults, notices and the packet log. Nothing that a recording reports reaches the tools that send:
-//! a scan in it proves nothing about the line.
+//! It loads with the panel `Session file`. For the page a recording is a line that opens, reports and closes: see
+//! `routing`. What would be lost of the live line is set aside meanwhile.
 
 use std::cell::RefCell;
 
 use leptos::prelude::{Update as _, *};
-use motorlink_messages::{Adapter, Connection, Notice, Update, protocol::MotorId};
+use motorlink_messages::{
+    Adapter, Connection, Update,
+    protocol::{Instant, MotorId},
+};
 
 use crate::{
     app::features::Features,
@@ -17,14 +19,7 @@ use crate::{
         session::player::{Instruments, Show},
         telemetry::fault_history::FaultHistory,
     },
-    model::{
-        history::History,
-        notice_board::NoticeBoard,
-        notice_lifetime::{self, review},
-        notice_texts,
-        snapshot::Session,
-        tab::Tab,
-    },
+    model::{history::History, snapshot::Session, tab::Tab},
 };
 
 /// The live line while a recording is shown.
@@ -32,7 +27,6 @@ struct Live {
     latest: Session,
     history: History,
     faults: FaultHistory,
-    notices: NoticeBoard,
     log: LogFeed,
     selected: MotorId,
     tab: Tab,
@@ -47,22 +41,14 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
         };
         match what {
             Show::Begin => *live = Some(features.set_live_aside()),
-            Show::Nothing => {
-                features.show_nothing();
-                features.log.renumbered();
-                features.log.request_rows();
-            }
+            Show::Nothing => features.show_nothing(),
             Show::Recorded(update) => features.show_recorded(update, rover),
             Show::Past(samples) => {
                 let history = features.page.history;
                 history.update_value(|history| history.recall(0, samples));
             }
             Show::Rows(rows) => features.log.take(rows.clone()),
-            Show::Live(update) => {
-                if let Some(live) = live.as_mut() {
-                    live.latest.apply(update);
-                }
-            }
+            Show::Close => features.update(&state(features.page.now(), Connection::Disconnected)),
             Show::End => {
                 if let Some(live) = live.take() {
                     features.show_live(live, rover);
@@ -72,80 +58,73 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
     })
 }
 
+/// A line without motors.
+const fn state(now: Instant, connection: Connection) -> Update {
+    Update {
+        now,
+        connection,
+        halted: false,
+        motors: Vec::new(),
+        job: None,
+        raw: None,
+        line: None,
+        samples: Vec::new(),
+        notices: Vec::new(),
+    }
+}
+
 impl Features {
     fn set_live_aside(self) -> Live {
         let page = self.page;
-        page.withdraw_question();
-        let notices = page.notices.try_update(std::mem::take).unwrap_or_default();
-        let faults = self.readings.faults.try_update(std::mem::take);
         let live = Live {
-            latest: page.latest.get_value(),
+            latest: page.latest.with_value(Clone::clone),
             history: self.exchange_history(History::with_past()),
-            faults: faults.unwrap_or_default(),
-            notices,
+            faults: self.exchange_faults(FaultHistory::default()),
             log: self.log.exchange(LogFeed::default()),
             selected: page.selected.get_untracked(),
             tab: page.loops.tab.get_untracked(),
         };
-        self.show_nothing();
+        let recording = Connection::Connected(Adapter::Recording);
+        self.update(&state(page.now(), recording));
         live
     }
 
     fn exchange_history(self, other: History) -> History {
-        let exchanged = self
-            .page
-            .history
-            .try_update_value(|history| history.exchange(other));
-        exchanged.unwrap_or_default()
+        let history = self.page.history;
+        let before = history.try_update_value(|history| history.exchange(other));
+        before.unwrap_or_default()
     }
 
-    /// Shows a recording of which nothing is known yet.
+    fn exchange_faults(self, other: FaultHistory) -> FaultHistory {
+        let faults = self.readings.faults;
+        let before = faults.try_update(|faults| std::mem::replace(faults, other));
+        before.unwrap_or_default()
+    }
+
+    /// The recording jumps to another place: nothing of the one before is shown.
     fn show_nothing(self) {
-        let page = self.page;
-        page.latest.set_value(Session {
-            now: page.now(),
-            connection: Connection::Connected(Adapter::Recording),
-            ..Session::default()
-        });
         self.exchange_history(History::with_past());
-        page.notices.update(NoticeBoard::close_line);
-        self.readings.faults.set(FaultHistory::default());
+        self.exchange_faults(FaultHistory::default());
         self.readings.forget();
-        page.loops.asked.set(None);
-        page.loops.tab_to_follow.set_value(true);
-        page.show();
+        self.page
+            .latest
+            .update_value(|session| session.motors.clear());
+        self.log.renumbered();
+        self.log.request_rows();
     }
 
-    /// As [`Features::update`](crate::app::features::Features) does for the live line, without what would reach it: the
-    /// log of the page, the frame rate, the tools.
     fn show_recorded(self, update: &Update, rover: Rover) {
         let page = self.page;
         let is_first = page.latest.with_value(|session| session.motors.is_empty());
-        page.latest.update_value(|session| session.apply(update));
-        page.notices
-            .maybe_update(|board| board.review(|until| review(until, update)));
         if is_first {
-            self.show_a_recorded_motor(update);
             rover.reset_path();
+            self.show_a_recorded_motor(update);
         }
-        self.readings.keep_samples(update);
-        self.readings.feed_twin(update);
-        for notice in &update.notices {
-            self.show_recorded_notice(notice);
-        }
-        page.history.update_value(|history| history.take(update));
-        self.follow_loop();
-        let is_paused = page.worker.clock.get_value().is_paused();
-        if is_paused {
+        self.update(update);
+        if page.worker.clock.with_value(|clock| clock.is_paused()) {
             // Without this the graph draws the next column when it is due, and that is never.
             page.history.update_value(|history| history.recall(0, &[]));
             self.chart.wake();
-        }
-        let shows_more = page.latest.with_value(|latest| {
-            let shown = page.shown;
-            shown.with_untracked(|shown| latest.differs_in_state(shown))
-        });
-        if is_paused || shows_more {
             page.show();
         }
     }
@@ -153,56 +132,25 @@ impl Features {
     /// Shows a motor of the recording, if the selected one is not in it.
     fn show_a_recorded_motor(self, update: &Update) {
         let selected = self.page.selected.get_untracked();
-        let answers = |id| {
-            let mut motors = update.motors.iter();
-            motors.any(|motor| motor.id == id && motor.last.is_some())
-        };
-        let first = update.motors.iter().find(|motor| motor.last.is_some());
-        if let Some(first) = first.filter(|_| !answers(selected)) {
+        let mut answer = update.motors.iter().filter(|motor| motor.last.is_some());
+        let is_there = answer.clone().any(|motor| motor.id == selected);
+        if let Some(first) = answer.next().filter(|_| !is_there) {
             self.page.select(first.id);
-        }
-    }
-
-    fn show_recorded_notice(self, notice: &Notice) {
-        let page = self.page;
-        if let Some(topic) = notice_texts::settled_by(notice) {
-            page.notices.update(|board| board.withdraw(topic));
-        }
-        match notice {
-            Notice::ModeSwitched { id, mode } if *id == page.selected.get_untracked() => {
-                page.follow(*mode);
-            }
-            Notice::MotorSilent(id) => self.readings.end_faults_of_silent(Some(*id)),
-            _ => {}
-        }
-        let words = page.latest.with_value(|session| {
-            let mut text = notice_texts::of_notice_in(notice, session)?;
-            // What it advises was for the one who drove then.
-            text.remedy = None;
-            Some((text, notice_lifetime::until(notice, session)))
-        });
-        if let Some((text, until)) = words {
-            page.show_notice(text, until);
         }
     }
 
     fn show_live(self, live: Live, rover: Rover) {
         let page = self.page;
-        page.withdraw_question();
-        page.latest.set_value(live.latest);
+        page.latest.update_value(|latest| *latest = live.latest);
         self.exchange_history(live.history);
-        page.notices.set(live.notices);
-        self.readings.forget();
-        self.readings.faults.set(live.faults);
-        page.loops.asked.set(None);
-        page.loops.tab_to_follow.set_value(false);
-        page.loops.tab.set(live.tab);
+        self.exchange_faults(live.faults);
         self.log.exchange(live.log);
+        page.loops.tab.set(live.tab);
         rover.reset_path();
         // The worker has got none of it meanwhile.
         page.select(live.selected);
+        page.loops.tab_to_follow.set_value(false);
         page.send_settings();
         self.chart.wake();
-        page.show();
     }
 }

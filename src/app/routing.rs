@@ -21,7 +21,7 @@ use crate::{
         notice_lifetime::{self, review},
         notice_texts,
         page::Change,
-        replay::Crossing,
+        replay::{self, Crossing},
         scan_texts::belongs_to_id_manager,
         snapshot::{Reading, Session},
         tab::Tab,
@@ -47,14 +47,15 @@ impl Features {
             // The link answers it.
             ToPage::Ping => {}
             ToPage::Update(update) => {
-                if !self.page.replay.keeps(Crossing::FromWorker(&update)) {
+                if !replay::keeps(Crossing::FromWorker(&update)) {
                     self.update(&update);
                 }
             }
         }
     }
 
-    fn update(self, update: &Update) {
+    /// Shows a state of the line, or of the recording that is shown in its place.
+    pub(crate) fn update(self, update: &Update) {
         let before = self.page.latest.with_value(|session| session.connection);
         let lines = self
             .page
@@ -69,9 +70,16 @@ impl Features {
         self.page
             .notices
             .maybe_update(|board| board.review(|until| review(until, update)));
-        self.page.governor.update_value(|governor| {
-            set_frame_rate(governor.look(update.now, update.line.as_ref(), document().hidden()));
-        });
+        let is_recording = self.page.latest.with_value(Session::is_recording);
+        if !is_recording {
+            self.page.governor.update_value(|governor| {
+                set_frame_rate(governor.look(
+                    update.now,
+                    update.line.as_ref(),
+                    document().hidden(),
+                ));
+            });
+        }
         // Before a lost connection clears them.
         self.readings.keep_samples(update);
         self.readings.feed_twin(update);
@@ -81,7 +89,9 @@ impl Features {
         for notice in &update.notices {
             self.notice(update.now, notice);
         }
-        self.page.announce(Change::Updated);
+        if !is_recording {
+            self.page.announce(Change::Updated);
+        }
         self.groups.check_group();
         self.page
             .history
@@ -156,9 +166,12 @@ impl Features {
             }
             _ => {}
         }
-        self.page.announce(Change::Notice(notice));
-        self.raw.notice(notice);
-        self.groups.notice(notice);
+        // A scan in a recording proves nothing about the line.
+        if !self.page.latest.with_value(Session::is_recording) {
+            self.page.announce(Change::Notice(notice));
+            self.raw.notice(notice);
+            self.groups.notice(notice);
+        }
         // The open tab already shows it.
         let said_by_tab = match self.page.loops.tab.get_untracked() {
             Tab::IdManager => belongs_to_id_manager(notice),
@@ -181,7 +194,7 @@ impl Features {
     }
 
     /// Opens the tab of the motor's loop, once after connecting.
-    pub(crate) fn follow_loop(self) {
+    fn follow_loop(self) {
         if !self.page.loops.tab_to_follow.get_value() {
             return;
         }
@@ -208,7 +221,7 @@ impl Features {
 
     /// Handles a failed worker: it sends no more messages and no more frames.
     pub(crate) fn worker_lost(self) {
-        self.page.replay.keeps(Crossing::WorkerLost);
+        replay::keeps(Crossing::WorkerLost);
         // First of all: a worker that reports an error may still run and drive, but the notice says that it does not.
         self.page.worker.link.with_value(|link| {
             if let Some(link) = link {

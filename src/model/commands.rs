@@ -11,7 +11,7 @@ use crate::{
         mirror::to_wire,
         notice_board::{NoticeText, Tone, Topic, Until},
         page::Page,
-        replay::Crossing,
+        replay::{self, Crossing},
         snapshot::Session,
     },
     ui::clock::{act_ms, page_now_ms},
@@ -23,7 +23,7 @@ const TOLD_WITHIN_MS: f64 = 500.0;
 
 impl Page {
     pub(crate) fn post(self, message: &ToWorker) {
-        if self.replay.keeps(Crossing::ToWorker(message)) {
+        if replay::keeps(Crossing::ToWorker(message)) {
             return;
         }
         self.worker.link.with_value(|link| {

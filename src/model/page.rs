@@ -27,7 +27,7 @@ use crate::{
     model::{
         drive_settings::DriveSettings, governor::Governor, help_topic::HelpTopic, history::History,
         motor_model, names_and_sides::NamesAndSides, names_of_line, notice_board::NoticeBoard,
-        preferences::Preferences, recorder::Recorder, replay::Replay, snapshot::Session, tab::Tab,
+        preferences::Preferences, recorder::Recorder, snapshot::Session, tab::Tab,
     },
     ui::{drawer::Drawer, reactive::memo},
 };
@@ -175,8 +175,6 @@ impl Deref for Page {
 pub(crate) struct Parts {
     pub(crate) worker: Worker,
     pub(crate) recorder: Recorder,
-    /// The recording that is shown in place of the live line.
-    pub(crate) replay: Replay,
     /// The newest state with the signs of the wire. It changes with every message and is no signal.
     pub(crate) latest: StoredValue<Session>,
     /// The shown state with the operator's signs. Updated at most once per frame of the screen; for readings alone,
@@ -219,7 +217,6 @@ impl Page {
             let chosen = preferences.with(|chosen| chosen.model);
             shown.with(|session| motor_model::shown(session, chosen))
         });
-        let replay = Replay::new();
         Self(Box::leak(Box::new(Parts {
             worker: Worker {
                 link: StoredValue::new_local(None),
@@ -229,8 +226,7 @@ impl Page {
                 connect_early: StoredValue::new(None),
                 started_ms: StoredValue::new(f64::NEG_INFINITY),
             },
-            recorder: Recorder::new(replay),
-            replay,
+            recorder: Recorder::new(),
             latest: StoredValue::new(Session::default()),
             shown,
             history: StoredValue::new_local(History::with_past()),

@@ -14,7 +14,7 @@ use crate::{
     model::{
         log_lines::Line,
         recorder_texts::no_recorder,
-        replay::{Crossing, Replay},
+        replay::{self, Crossing},
     },
 };
 
@@ -29,7 +29,6 @@ pub(crate) struct Exporting {
 /// The recorder and its state.
 pub(crate) struct Recorder {
     pub(crate) link: StoredValue<Option<RecorderLink>, LocalStorage>,
-    replay: Replay,
     /// Whether it runs, or is being started.
     pub(crate) alive: RwSignal<bool>,
     /// The recording as the page shows it.
@@ -43,10 +42,9 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    pub(crate) fn new(replay: Replay) -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             link: StoredValue::new_local(None),
-            replay,
             alive: RwSignal::new(true),
             recording: RwSignal::new(RecordingStatus::default()),
             reported: Mutex::default(),
@@ -81,7 +79,7 @@ impl Recorder {
     }
 
     pub(crate) fn post(&self, message: &ToRecorder) {
-        if self.replay.keeps(Crossing::ToRecorder(message)) {
+        if replay::keeps(Crossing::ToRecorder(message)) {
             return;
         }
         self.link.with_value(|link| {
@@ -111,9 +109,6 @@ impl Recorder {
     pub(crate) fn export_blocked_by(&self, what: Export) -> Option<String> {
         if !self.alive.get() {
             return Some(no_recorder().to_owned());
-        }
-        if let Some(reason) = self.replay.blocks() {
-            return Some(reason);
         }
         let other = self.exporting.get().filter(|one| one.what != what);
         other.map(|_| tr!("Another export is running.").to_owned())

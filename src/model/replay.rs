@@ -3,9 +3,8 @@
 //! Everything else about it loads with the panel `Session file`. It sets a function that gets each message that would
 //! cross between the recording and the live line, and decides whether it does.
 
-use std::rc::Rc;
+use std::{cell::RefCell, hint::black_box, rc::Rc};
 
-use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker, Update,
@@ -30,35 +29,28 @@ pub(crate) enum Crossing<'a> {
 /// Returns whether it has dealt with the message.
 pub(crate) type Gate = Rc<dyn Fn(Crossing<'_>) -> bool>;
 
-/// The shown recording.
-#[derive(Clone, Copy)]
-pub(crate) struct Replay {
-    /// The name of its file; `None` while the page shows the live line.
-    pub(crate) name: RwSignal<Option<String>>,
+thread_local! {
     /// Set while a recording is shown.
-    pub(crate) gate: StoredValue<Option<Gate>, LocalStorage>,
+    static GATE: RefCell<Option<Gate>> = const { RefCell::new(None) };
 }
 
-impl Replay {
-    pub(crate) fn new() -> Self {
-        Self {
-            name: RwSignal::new(None),
-            gate: StoredValue::new_local(None),
-        }
-    }
+/// A recording is shown from now on.
+pub(crate) fn set_gate(gate: Gate) {
+    // There is only one, which the optimizer would find. It would call it directly, and with it would come into the first
+    // program what it uses.
+    GATE.set(Some(black_box(gate)));
+}
 
-    /// Whether the recording has dealt with this message, so that it does not cross.
-    pub(crate) fn keeps(self, message: Crossing<'_>) -> bool {
-        // Cloned, because the gate may end the replay.
-        self.gate.get_value().is_some_and(|gate| gate(message))
-    }
+/// The live line is shown from now on. A function of its own for the same reason.
+pub(crate) fn clear_gate() {
+    GATE.set(None);
+}
 
-    /// Why something of the live line cannot be done now.
-    pub(crate) fn blocks(self) -> Option<String> {
-        self.name
-            .with(Option::is_some)
-            .then(|| blocked().to_owned())
-    }
+/// Whether a recording is shown that has dealt with this message, so that it does not cross.
+pub(crate) fn keeps(message: Crossing<'_>) -> bool {
+    // Cloned, because the gate may end the replay.
+    let gate = GATE.with_borrow(Clone::clone);
+    gate.is_some_and(|gate| gate(message))
 }
 
 /// Why nothing can be driven while a recording is shown.

@@ -210,8 +210,9 @@ impl Session {
     }
 
     /// Whether it is that of a recording: nothing in it moves now.
+    #[inline(never)]
     pub(crate) fn is_recording(&self) -> bool {
-        self.connection == Connection::Connected(Adapter::Recording)
+        matches!(self.connection, Connection::Connected(Adapter::Recording))
     }
 
     /// Motors that are driven, switched or being stopped; they have to be stopped when the page closes.

@@ -19,10 +19,9 @@ pub(crate) fn adapter(adapter: Adapter) -> String {
             count = line.count(),
             model = line.model.spec().name
         ),
-        Adapter::Recording => tr!("Recording").to_owned(),
         Adapter::Serial(None) => tr!("Serial port").to_owned(),
         // Named by its manufacturer.
-        named @ Adapter::Serial(Some(_)) => named.to_string(),
+        named => named.to_string(),
     }
 }
 

@@ -5,6 +5,7 @@
 mod bench;
 mod contract;
 mod fake_recorder;
+mod fake_sessions;
 mod graph;
 mod help;
 mod id_wizard;
@@ -21,6 +22,7 @@ mod names;
 mod operating;
 mod raw_hex;
 mod remembering;
+mod replay;
 mod saved_session;
 mod session_file;
 mod setup;

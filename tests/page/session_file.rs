@@ -1,89 +1,17 @@
 //! The panel `Session file`, with a session worker that does what the test says.
 
-use std::{cell::RefCell, rc::Rc};
-
-use js_sys::{Array, Function, Uint8Array};
+use js_sys::Function;
 use motorlink_messages::{
-    decode, encode,
-    protocol::{Faults, Mode, MotorId},
-    sessions::{
-        FromSessions, MarkKind, NotASession, NotSaved, Problem, Progress, SessionExport,
-        SessionInfo, SessionMark, SessionMotor, ToSessions,
-    },
+    protocol::Mode,
+    sessions::{FromSessions, NotASession, NotSaved, Progress, SessionExport, ToSessions},
 };
-use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
+use wasm_bindgen::JsValue;
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::{Blob, BroadcastChannel, MessageEvent};
 
-use crate::bench::{Bench, document, pause};
-
-struct FakeSessions {
-    channel: BroadcastChannel,
-    /// Each message, and the number of objects that came with it.
-    received: Rc<RefCell<Vec<(ToSessions, u32)>>>,
-    _on_message: Closure<dyn FnMut(MessageEvent)>,
-}
-
-impl FakeSessions {
-    fn new(name: &str) -> Self {
-        let channel = BroadcastChannel::new(&format!("{name}-sessions")).unwrap();
-        let received: Rc<RefCell<Vec<_>>> = Rc::default();
-        let keep = received.clone();
-        let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
-            // Its first message says that it runs.
-            let Ok(parts) = event.data().dyn_into::<Array>() else {
-                return;
-            };
-            let message = decode(&Uint8Array::new(&parts.get(0)).to_vec()).unwrap();
-            keep.borrow_mut().push((message, parts.length() - 1));
-        });
-        channel.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
-        Self {
-            channel,
-            received,
-            _on_message: on_message,
-        }
-    }
-
-    /// The next message, and the number of objects that came with it.
-    async fn next(&self) -> (ToSessions, u32) {
-        for _ in 0..150 {
-            if !self.received.borrow().is_empty() {
-                return self.received.borrow_mut().remove(0);
-            }
-            pause(20).await;
-        }
-        panic!("the session worker was sent nothing");
-    }
-
-    fn post(&self, message: &FromSessions) {
-        let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
-        self.channel.post_message(&bytes).unwrap();
-    }
-}
-
-impl FakeSessions {
-    /// The same with a file of this content.
-    fn post_file(&self, message: &FromSessions, content: &str) {
-        let bytes = Uint8Array::from(encode(message).unwrap().as_slice());
-        let parts = Array::of1(&content.into());
-        let file = Blob::new_with_str_sequence(&parts).unwrap();
-        self.channel
-            .post_message(&Array::of2(&bytes, &file))
-            .unwrap();
-    }
-}
-
-impl Drop for FakeSessions {
-    fn drop(&mut self) {
-        self.channel.close();
-    }
-}
-
-fn run(script: &str) {
-    let run = Function::new_no_args(script);
-    run.call0(&JsValue::UNDEFINED).unwrap();
-}
+use crate::{
+    bench::{Bench, document},
+    fake_sessions::{FakeSessions, drop_file, info, run, until_said},
+};
 
 /// The open panel.
 async fn panel(name: &str) -> (FakeSessions, Bench) {
@@ -94,42 +22,6 @@ async fn panel(name: &str) -> (FakeSessions, Bench) {
     let is_loaded = || !bench.find_all("button", "Save session").is_empty();
     bench.until("the panel", is_loaded).await;
     (sessions, bench)
-}
-
-async fn until_said(bench: &Bench, text: &str) {
-    let says = || bench.text("status", "Session file").contains(text);
-    bench.until(text, says).await;
-}
-
-fn info() -> SessionInfo {
-    SessionInfo {
-        name: "run <b>.mcap".to_owned(),
-        bytes: 1_200_000,
-        version: "0.1.0".to_owned(),
-        from_unix_us: 1_795_266_900_000_000,
-        duration_us: 65_250_000,
-        bucket_us: 1_000_000,
-        sent: 6_000,
-        received: 5_990,
-        lost: 10,
-        junk: 0,
-        motors: vec![SessionMotor {
-            id: MotorId::FIRST,
-            replies: 5_990,
-            lost: 10,
-            faults: Faults::from_byte(8),
-            temperature_max_c: Some(41),
-            buckets: vec![Some([-100, 200, 0, 3_000]); 65],
-        }],
-        marks: vec![SessionMark {
-            after_us: 2_000_000,
-            kind: MarkKind::Stop,
-            error: true,
-            text: "Standstill not confirmed".to_owned(),
-        }],
-        marks_left_out: 3,
-        problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],
-    }
 }
 
 #[wasm_bindgen_test]
@@ -176,18 +68,14 @@ async fn a_chosen_file_is_handed_to_the_worker() {
     run("window.showSaveFilePicker = async () => { throw new DOMException('', 'AbortError'); }");
     bench.click("Save session");
     until_said(&bench, "Saving cancelled").await;
-    assert!(sessions.received.borrow().is_empty());
+    assert!(sessions.received().await.is_empty());
 }
 
 #[wasm_bindgen_test]
 async fn a_dropped_file_is_opened_and_shown_with_what_is_missing() {
     let sessions = FakeSessions::new("session-dropped");
     let bench = Bench::with_motor("session-dropped", Mode::Velocity).await;
-    run("const transfer = new DataTransfer();
-        transfer.items.add(new File(['x'], 'run.mcap'));
-        const drop = new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true });
-        document.body.dispatchEvent(drop);
-        if (!drop.defaultPrevented) throw new Error('the browser would leave the page');");
+    drop_file("run.mcap");
     let (message, objects) = sessions.next().await;
     let name = "run.mcap".to_owned();
     assert_eq!((message, objects), (ToSessions::Open { name }, 1));
@@ -319,9 +207,7 @@ async fn a_file_that_the_system_opens_with_the_app_is_opened() {
 #[wasm_bindgen_test]
 async fn a_file_that_is_no_session_is_an_error_where_it_was_given() {
     let (sessions, bench) = panel("session-zip").await;
-    run("const transfer = new DataTransfer();
-        transfer.items.add(new File(['x'], 'run.zip'));
-        document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true }));");
+    drop_file("run.zip");
     sessions.next().await;
     sessions.post(&FromSessions::NotOpened(Some(NotASession::Zip)));
     until_said(&bench, "Unpack it").await;

@@ -33,7 +33,7 @@ pub(crate) fn ConnectionState() -> impl IntoView {
                 let state = match motor_trouble(session, id) {
                     Some(MotorTrouble::Silent) => tr!("No reply"),
                     Some(MotorTrouble::Fault) => tr!("Motor fault"),
-                    None => return (state, page.replay.name.get().unwrap_or(detail)),
+                    None => return (state, detail),
                 };
                 (state, format!("{id} · {detail}"))
             })

@@ -9,7 +9,7 @@ use web_sys::{Element, HtmlButtonElement, HtmlElement, ResizeObserver};
 
 use crate::{
     features::packet_log::{actions::Log, feed::LogFeed, painter::Painter, texts},
-    model::replay::Crossing,
+    model::replay::{self, Crossing},
     ui::{
         animation::{Frames, Next},
         button::PressButton,
@@ -104,7 +104,7 @@ pub(crate) fn PacketList(log: Log) -> impl IntoView {
                                 if let Some(row) = toggled_row(&event) {
                                     log.toggle(row);
                                 } else if let Some(row) = pressed_row(&event) {
-                                    log.page.replay.keeps(Crossing::Row(row));
+                                    replay::keeps(Crossing::Row(row));
                                 }
                             })
                             // A row that moves under the pointer, or takes the focus along, presses nothing.

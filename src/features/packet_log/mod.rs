@@ -16,7 +16,7 @@ use motorlink_messages::recorder::Export;
 use self::{filters::Filters, list::PacketList};
 use crate::{
     features::packet_log::actions::Log,
-    model::recorder_texts::no_recorder,
+    model::{recorder_texts::no_recorder, replay::blocked, snapshot::Session},
     ui::{
         button::PressButton,
         export_button::ExportButton,
@@ -34,7 +34,11 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
     let empty = memo(move || state.with(|state| state.kept == 0));
     let comma = move || lines.with(|(_, others)| if others.is_empty() { "" } else { ", " });
     let empty_reason = move || empty.get().then(|| tr!("No entries yet.").to_owned());
+    let replays = memo(move || log.page.shown.with(Session::is_recording));
     let export_blocked_by = move || {
+        if replays.get() {
+            return Some(blocked().to_owned());
+        }
         let disabled_reason = recorder.export_blocked_by(Export::Log);
         let writes = recorder.per_mille(Export::Log).is_some();
         disabled_reason.or_else(|| empty_reason().filter(|_| !writes))
@@ -49,8 +53,8 @@ pub(crate) fn PacketLog(log: Log) -> impl IntoView {
         .to_owned()
     });
     let clear_blocked_by = move || {
-        if let Some(reason) = log.page.replay.blocks() {
-            Some(reason)
+        if replays.get() {
+            Some(blocked().to_owned())
         } else if recorder.alive.get() {
             empty_reason().filter(|_| !undoable())
         } else {

@@ -8,7 +8,7 @@ use motorlink_messages::recorder::{Export, RecordingStatus, ToRecorder};
 
 use crate::{
     features::recording::texts as words,
-    model::{page::use_page, recorder_texts::no_recorder, replay::blocked},
+    model::{page::use_page, recorder_texts::no_recorder, replay::blocked, snapshot::Session},
     ui::{
         export_button::ExportButton,
         reactive::{dynamic, handler, memo},
@@ -30,8 +30,9 @@ pub(crate) fn Recording() -> impl IntoView {
             ("", no_recorder().to_owned())
         }
     });
+    let replays = memo(move || page.shown.with(Session::is_recording));
     let record_blocked_by = move || {
-        if page.replay.blocks().is_some() {
+        if replays.get() {
             Some(blocked())
         } else if alive.get() {
             status.with(full_recording_reason)
@@ -48,6 +49,9 @@ pub(crate) fn Recording() -> impl IntoView {
     };
     let export = move |what, label, hint| {
         let blocked_by = move || {
+            if replays.get() {
+                return Some(blocked().to_owned());
+            }
             let disabled_reason = recorder.export_blocked_by(what);
             let writes = recorder.per_mille(what).is_some();
             disabled_reason.or_else(|| status.with(nothing_to_export_reason).filter(|_| !writes))

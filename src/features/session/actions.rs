@@ -21,7 +21,7 @@ use crate::{
         texts,
     },
     link::sessions_link::SessionsLink,
-    model::page::Page,
+    model::{page::Page, replay},
     ui::{
         clock::{local_date, local_time, page_now_ms, page_origin_ms},
         download::save_blob,
@@ -68,6 +68,8 @@ impl SessionFiles {
             use_context().unwrap_or_else(|| {
                 let link = StoredValue::new_local(None);
                 let player = Player::new(page, link, instruments());
+                // A page that is gone keeps no message of another.
+                on_cleanup(replay::clear_gate);
                 show_bar(owner, player);
                 let new = Self {
                     page,

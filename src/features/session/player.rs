@@ -1,6 +1,13 @@
 //! Shows the open session as if it were the live line, and controls the replay.
 
-use std::rc::Rc;
+use std::{
+    ops::Deref,
+    rc::Rc,
+    sync::{
+        Mutex,
+        atomic::{AtomicBool, AtomicU64, Ordering::Relaxed},
+    },
+};
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
@@ -17,7 +24,7 @@ use crate::{
     model::{
         guards::{is_in_use, port_blocked_by},
         page::Page,
-        replay::Crossing,
+        replay::{self, Crossing},
     },
     ui::clock::{page_now_ms, page_origin_ms},
 };
@@ -38,8 +45,8 @@ pub(crate) enum Show<'a> {
     Past(&'a [Sample]),
     /// Show these rows of the packet log.
     Rows(&'a LogPage),
-    /// Keep this state of the live line, which is not shown.
-    Live(&'a Update),
+    /// The recording closes.
+    Close,
     /// Show the live line again.
     End,
 }
@@ -48,8 +55,21 @@ pub(crate) enum Show<'a> {
 pub(crate) type Instruments = Box<dyn Fn(Show<'_>)>;
 
 /// The replay of the open session.
+///
+/// A pointer to plain values: stored values of types that the first program stores too would add to it.
 #[derive(Clone, Copy)]
-pub(crate) struct Player {
+pub(crate) struct Player(&'static Parts);
+
+impl Deref for Player {
+    type Target = Parts;
+
+    fn deref(&self) -> &Parts {
+        self.0
+    }
+}
+
+/// Its state.
+pub(crate) struct Parts {
     pub(super) page: Page,
     link: Link,
     instruments: StoredValue<Instruments, LocalStorage>,
@@ -59,23 +79,28 @@ pub(crate) struct Player {
     pub(super) speed: RwSignal<PlaySpeed>,
     /// The place that the user has asked for, until it is shown.
     wanted: RwSignal<Option<u64>>,
-    /// Whether the worker is going to a place; the next one waits.
-    going: StoredValue<bool>,
-    /// That place.
-    asked: StoredValue<u64>,
-    /// Whether it plays once it is at the start again.
-    plays_again: StoredValue<bool>,
     /// Whether the replay has paused because the file could not be read.
     pub(super) unreadable: RwSignal<bool>,
+    /// Whether the worker is going to a place; the next one waits.
+    going: AtomicBool,
+    /// That place.
+    asked: AtomicU64,
+    /// Whether it plays once it is at the start again.
+    plays_again: AtomicBool,
+    clocks: Mutex<Clocks>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Clocks {
     /// The clock of the live line.
-    live_clock: StoredValue<Clock>,
-    /// The wall clock at zero of the times of the replay, after the origin of the page.
-    wall_ms: StoredValue<f64>,
+    live: Clock,
+    /// The wall clock at zero of the times of the replay, after the origin of the page, in milliseconds.
+    wall_ms: f64,
 }
 
 impl Player {
     pub(super) fn new(page: Page, link: Link, instruments: Instruments) -> Self {
-        Self {
+        Self(Box::leak(Box::new(Parts {
             page,
             link,
             instruments: StoredValue::new_local(instruments),
@@ -83,13 +108,24 @@ impl Player {
             place: RwSignal::new(Place::default()),
             speed: RwSignal::new(PlaySpeed::REAL_TIME),
             wanted: RwSignal::new(None),
-            going: StoredValue::new(false),
-            asked: StoredValue::new(0),
-            plays_again: StoredValue::new(false),
             unreadable: RwSignal::new(false),
-            live_clock: StoredValue::new(Clock::default()),
-            wall_ms: StoredValue::new(0.0),
-        }
+            going: AtomicBool::new(false),
+            asked: AtomicU64::new(0),
+            plays_again: AtomicBool::new(false),
+            clocks: Mutex::default(),
+        })))
+    }
+
+    fn clocks(self) -> Clocks {
+        self.clocks.lock().map(|clocks| *clocks).unwrap_or_default()
+    }
+
+    /// Replaces the clock of the page, and returns the one before.
+    fn exchange_clock(self, clock: Clock) -> Clock {
+        let mut before = clock;
+        let of_page = self.page.worker.clock;
+        of_page.update_value(|of_page| before = std::mem::replace(of_page, clock));
+        before
     }
 
     fn post(self, message: ToReplay) {
@@ -151,11 +187,7 @@ impl Player {
             FromReplay::Jumped => self.show(Show::Nothing),
             FromReplay::Update { place, update } => self.arrived(place, &update),
             FromReplay::Past(samples) => self.show(Show::Past(&samples)),
-            FromReplay::Log(message) => {
-                if let FromRecorder::Log(rows) = *message {
-                    self.show(Show::Rows(&rows));
-                }
-            }
+            FromReplay::Log(rows) => self.show(Show::Rows(&rows)),
             FromReplay::Unreadable => self.unreadable.set(true),
         }
     }
@@ -165,23 +197,20 @@ impl Player {
         reason = "microseconds since 1970 are exact in a double"
     )]
     fn begun(self, info: &Rc<SessionInfo>, first: Instant, zero_unix_us: i64) {
-        self.wall_ms
-            .set_value(zero_unix_us as f64 / 1_000.0 - page_origin_ms());
+        let wall_ms = zero_unix_us as f64 / 1_000.0 - page_origin_ms();
         self.place.set(Place::default());
         self.speed.set(PlaySpeed::REAL_TIME);
         self.wanted.set(None);
-        self.going.set_value(false);
-        self.plays_again.set_value(false);
+        self.going.store(false, Relaxed);
+        self.plays_again.store(false, Relaxed);
         self.unreadable.set(false);
         self.info.set(Some(Rc::clone(info)));
-        let replay = self.page.replay;
-        replay
-            .gate
-            .set_value(Some(Rc::new(move |message| self.keeps(message))));
-        replay.name.set(Some(info.name.clone()));
-        self.live_clock
-            .set_value(self.page.worker.clock.get_value());
-        self.set_clock(first, 0.0);
+        replay::set_gate(Rc::new(move |message| self.keeps(message)));
+        let clock = Clock::of_recording(wall_ms, first, page_now_ms(), 0.0);
+        let live = self.exchange_clock(clock);
+        if let Ok(mut clocks) = self.clocks.lock() {
+            *clocks = Clocks { live, wall_ms };
+        }
         self.show(Show::Begin);
     }
 
@@ -192,13 +221,10 @@ impl Player {
         }
         self.post(ToReplay::End);
         self.info.set(None);
-        let replay = self.page.replay;
-        replay.gate.set_value(None);
-        replay.name.set(None);
-        self.page
-            .worker
-            .clock
-            .set_value(self.live_clock.get_value());
+        // What this reports is kept out of the log.
+        self.show(Show::Close);
+        replay::clear_gate();
+        self.exchange_clock(self.clocks().live);
         self.show(Show::End);
     }
 
@@ -207,12 +233,11 @@ impl Player {
         match message {
             Crossing::ToWorker(message) => self.keeps_from_worker(message),
             Crossing::FromWorker(update) => {
-                if is_in_use(update.connection) {
+                let is_open = is_in_use(update.connection);
+                if is_open {
                     self.end();
-                    return false;
                 }
-                self.show(Show::Live(update));
-                true
+                !is_open
             }
             Crossing::WorkerLost => {
                 self.end();
@@ -287,8 +312,8 @@ impl Player {
     }
 
     fn set_clock(self, place: Instant, speed: f64) {
-        let clock = Clock::of_recording(self.wall_ms.get_value(), place, page_now_ms(), speed);
-        self.page.worker.clock.set_value(clock);
+        let wall_ms = self.clocks().wall_ms;
+        self.exchange_clock(Clock::of_recording(wall_ms, place, page_now_ms(), speed));
     }
 
     /// The worker has reached this place.
@@ -303,13 +328,13 @@ impl Player {
         if self.place.get_untracked() != place {
             self.place.set(place);
         }
-        self.going.set_value(false);
-        if self.plays_again.get_value() && place.after_us < self.duration_us() {
-            self.plays_again.set_value(false);
+        self.going.store(false, Relaxed);
+        if self.plays_again.load(Relaxed) && place.after_us < self.duration_us() {
+            self.plays_again.store(false, Relaxed);
             self.post(ToReplay::Play(self.speed.get_untracked()));
         }
         match self.wanted.get_untracked() {
-            Some(after_us) if after_us != self.asked.get_value() => self.go(after_us),
+            Some(after_us) if after_us != self.asked.load(Relaxed) => self.go(after_us),
             Some(_) => self.wanted.set(None),
             None => {}
         }
@@ -329,7 +354,7 @@ impl Player {
         self.unreadable.set(false);
         if place.after_us >= self.duration_us() {
             // The end has nothing to play, so the order to play waits for the start.
-            self.plays_again.set_value(true);
+            self.plays_again.store(true, Relaxed);
             self.seek(0);
         } else {
             self.post(ToReplay::Play(self.speed.get_untracked()));
@@ -337,7 +362,7 @@ impl Player {
     }
 
     fn pause(self) {
-        self.plays_again.set_value(false);
+        self.plays_again.store(false, Relaxed);
         self.post(ToReplay::Pause);
     }
 
@@ -368,14 +393,14 @@ impl Player {
     pub(super) fn seek(self, after_us: u64) {
         let after_us = after_us.min(self.duration_us());
         self.wanted.set(Some(after_us));
-        if !self.going.get_value() {
+        if !self.going.load(Relaxed) {
             self.go(after_us);
         }
     }
 
     fn go(self, after_us: u64) {
-        self.going.set_value(true);
-        self.asked.set_value(after_us);
+        self.going.store(true, Relaxed);
+        self.asked.store(after_us, Relaxed);
         self.post(ToReplay::Seek { after_us });
     }
 

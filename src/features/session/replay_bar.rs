@@ -8,10 +8,11 @@ use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::session::{player::Player, texts, timeline::strip},
+    model::notice_texts,
     ui::{
         button::PressButton,
         format::in_language,
-        reactive::{dynamic, handler},
+        reactive::{dynamic, effect, handler},
     },
 };
 
@@ -23,6 +24,9 @@ const SPEEDS: [u32; 10] = [
 /// How far an arrow key goes on the timeline, and how far Page Up and Page Down.
 const ARROW_US: i64 = 1_000_000;
 const PAGE_US: i64 = 10_000_000;
+
+/// The title of a page that drives nothing.
+const TITLE: &str = "MotorLink";
 
 /// Mounts the controls for the life of the page. They are not in a section, which another language would remove.
 pub(super) fn show_bar(owner: &Owner, player: Player) {
@@ -40,12 +44,62 @@ pub(super) fn show_bar(owner: &Owner, player: Player) {
         })
     });
     mounted.forget();
+    owner.with(|| {
+        let mut shown = false;
+        effect(move || {
+            player.page.language.track();
+            let info = player.info.get();
+            // Before, and after it, the title is that of the live line.
+            if shown || info.is_some() {
+                show_name(info.as_deref());
+            }
+            shown = info.is_some();
+        });
+    });
+}
+
+/// Shows the name of the recording in the title of the page and beside the state of the connection. The style sheet
+/// draws it there: the header loads first, and knows nothing of recordings.
+fn show_name(info: Option<&SessionInfo>) {
+    let title = info.map(|info| format!("{}: {} - {TITLE}", tr!("Recording"), info.name));
+    document().set_title(title.as_deref().unwrap_or(TITLE));
+    let root = document().document_element();
+    let Some(root) = root.and_then(|root| root.dyn_into::<HtmlElement>().ok()) else {
+        return;
+    };
+    let name = info.map_or_else(String::new, |info| css_string(&info.name));
+    // It fails for no text.
+    let _ = root.style().set_property("--replay-name", &name);
+}
+
+/// A text as a string of a style sheet.
+fn css_string(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for sign in text.chars().filter(|sign| !sign.is_control()) {
+        if matches!(sign, '"' | '\\') {
+            quoted.push('\\');
+        }
+        quoted.push(sign);
+    }
+    quoted.push('"');
+    quoted
 }
 
 fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let duration_us = info.duration_us;
     let plays = move || player.place.with(|place| place.plays);
     let at = move || texts::elapsed(player.shown_us());
+    let stopped = move || {
+        let page = player.page;
+        page.shown.with(|session| {
+            session
+                .halted
+                .then(|| session.stop.as_ref().map(|stop| stop.reason))
+                .map(|reason| {
+                    reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
+                })
+        })
+    };
     let speeds: String = SPEEDS.map(option).concat();
     let pressed_key = move |event: KeyboardEvent| {
         let by_us = match event.key().as_str() {
@@ -69,6 +123,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <strong>{tr!("Recording")}</strong>
                 " "
                 <span class="replay-name">{info.name.clone()}</span>
+                <span class="replay-stopped">{dynamic(stopped)}</span>
             </p>
             <div class="replay-line">
                 {strip(info)}
@@ -191,6 +246,12 @@ fn focus_controls() {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_one_string_of_a_style_sheet() {
+        assert_eq!(css_string("run 2.mcap"), r#""run 2.mcap""#);
+        assert_eq!(css_string("a\"b\\c\nd"), r#""a\"b\\cd""#);
+    }
 
     #[test]
     fn speeds_are_short() {

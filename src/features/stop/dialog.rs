@@ -26,9 +26,7 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
     let page = use_page();
     let dialog = NodeRef::<Div>::new();
     let halted = memo(move || page.shown.with(|session| session.halted));
-    // A recording takes no focus from the one who plays it.
-    let takes_focus = memo(move || halted.get() && page.replay.blocks().is_none());
-    focus_when(takes_focus, dialog);
+    focus_when(halted, dialog);
     let reason = move || {
         page.shown.with(|session| {
             let reason = session.stop.as_ref().map(|stop| stop.reason);
@@ -60,7 +58,6 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
                 <PressButton
                     label=tr!("Release")
                     class="button primary"
-                    disabled_reason=Signal::derive(move || page.replay.blocks())
                     on_press=move || {
                         page.command(Command::Release);
                         // What was refused because of the stop is so no longer.

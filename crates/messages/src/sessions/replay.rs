@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Update,
-    recorder::{Filter, FromRecorder, Window},
+    recorder::{Filter, LogPage, Window},
 };
 
 /// From the page to the session worker, about the open session.
@@ -97,8 +97,8 @@ pub enum FromReplay {
     /// Replies from before a jump, for the graph. The newest part comes first; each part has at most
     /// [`PAST_SAMPLES_MAX`](crate::recorder::PAST_SAMPLES_MAX) samples, oldest first.
     Past(Vec<Sample>),
-    /// Rows of the packet log of the replay: [`FromRecorder::Log`].
-    Log(Box<FromRecorder>),
+    /// Rows of the packet log of the replay, as in [`FromRecorder::Log`](crate::recorder::FromRecorder::Log).
+    Log(Box<LogPage>),
     /// Bytes of the file could not be read; the replay is paused. What is damaged is skipped without this message.
     Unreadable,
 }

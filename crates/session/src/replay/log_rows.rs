@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use motorlink_i18n::Language;
-use motorlink_messages::recorder::{Filter, FromRecorder, Window};
+use motorlink_messages::recorder::{Filter, LogPage, Window};
 use motorlink_protocol::Instant;
 use motorlink_recorder::Log;
 
@@ -25,7 +25,7 @@ pub(super) struct LogRows {
 /// What is next.
 #[derive(Debug)]
 pub(super) enum Rows {
-    Post(FromRecorder),
+    Post(LogPage),
     /// There are more entries to filter.
     Work,
     Wait(Option<Instant>),
@@ -66,7 +66,7 @@ impl LogRows {
         if let Some(window) = window.filter(|_| due <= now) {
             self.is_changed = false;
             self.sent = Some(now);
-            return Rows::Post(FromRecorder::Log(log.page(window)));
+            return Rows::Post(log.page(window));
         }
         if !log.is_filtered() {
             log.advance(ENTRIES_AT_ONCE);
