@@ -19,16 +19,20 @@ use crate::{
     recording::{Recording, Sample, SampleSet},
 };
 
-/// Reads what is kept, part by part. What is added meanwhile is not in it, and what is dropped meanwhile is skipped.
+/// Reads what is kept, part by part. What is added meanwhile is not in it. Of entries that are dropped before they are
+/// read, it has the samples.
 #[derive(Debug)]
 pub(crate) struct KeptReader {
     entries: Range<u64>,
     samples: [(SampleSet, Range<u64>); 2],
     /// The last commands of the motors in the sequence.
     commands: Commands,
+    /// The model of the line at this place of the sequence.
     model: Model,
-    /// The time of the first entry; samples from there on repeat entries.
-    log_from: Option<Instant>,
+    /// The model by the records until here.
+    model_in_records: Model,
+    /// The time of the last entry of the line that was read.
+    read_until: Option<Instant>,
     progress: Progress,
 }
 
@@ -43,8 +47,10 @@ impl KeptReader {
             entries: log.settle(),
             samples: [range(SampleSet::Recorded), range(SampleSet::Rolling)],
             commands: Commands::new(),
-            model: Model::default(),
-            log_from: log.entries().oldest().map(|entry| entry.at),
+            // A sample does not say of which model it is. A line seldom gets another model.
+            model: (log.entries().oldest()).map_or(log.model(), |entry| entry.model),
+            model_in_records: Model::default(),
+            read_until: None,
             progress: Progress::default(),
         };
         reader.progress.of = reader.left();
@@ -94,7 +100,7 @@ impl KeptReader {
                 // The recording and the last ten minutes have the same samples.
                 recorded.1.start += u64::from(one == Some(sample));
                 rolling.1.start += u64::from(other == Some(sample));
-                self.sample(sample, out);
+                self.sample(sample, log, out);
             }
             (None, Some(entry)) => {
                 self.entries.start += 1;
@@ -107,13 +113,13 @@ impl KeptReader {
 
     fn entry(&mut self, entry: &Entry, log: &Log, out: &mut Vec<KeptRecord>) {
         let at = entry.at;
-        if entry.model != self.model {
-            self.model = entry.model;
-            let kind = LineEventKind::ModelSelected(entry.model);
-            out.push(KeptRecord::Line(LineEvent { at, kind }));
-        }
+        self.model = entry.model;
+        self.push_model(at, out);
         out.push(match entry.content {
-            EntryContent::Line(kind) => KeptRecord::Line(LineEvent { at, kind }),
+            EntryContent::Line(kind) => {
+                self.read_until = Some(at);
+                KeptRecord::Line(LineEvent { at, kind })
+            }
             EntryContent::Message { error, text } => KeptRecord::Message {
                 at,
                 error,
@@ -122,12 +128,11 @@ impl KeptReader {
         });
     }
 
-    fn sample(&mut self, sample: Sample, out: &mut Vec<KeptRecord>) {
-        let is_entry = self.log_from.is_some_and(|from| sample.at >= from)
-            && !self.model.has_separate_frames();
-        if is_entry {
+    fn sample(&mut self, sample: Sample, log: &Log, out: &mut Vec<KeptRecord>) {
+        if self.is_entry(sample.at, log) {
             return;
         }
+        self.push_model(sample.at, out);
         let Sample {
             at, frame, asked, ..
         } = sample;
@@ -141,6 +146,24 @@ impl KeptReader {
         }
         let kind = LineEventKind::Reading { frame, asked };
         out.push(KeptRecord::Line(LineEvent { at, kind }));
+    }
+
+    /// Whether the sample of this time repeats an entry that was read, or that will be read. The log drops entries while
+    /// it is read: their samples are all that is left.
+    fn is_entry(&self, at: Instant, log: &Log) -> bool {
+        let was_read = self.read_until.is_some_and(|until| at <= until);
+        let oldest = log.entries().oldest();
+        let will_be_read = oldest.is_some_and(|oldest| at >= oldest.at);
+        (was_read || will_be_read) && !self.model.has_separate_frames()
+    }
+
+    /// Adds the model of the line, if the records before have another one.
+    fn push_model(&mut self, at: Instant, out: &mut Vec<KeptRecord>) {
+        if self.model != self.model_in_records {
+            self.model_in_records = self.model;
+            let kind = LineEventKind::ModelSelected(self.model);
+            out.push(KeptRecord::Line(LineEvent { at, kind }));
+        }
     }
 }
 

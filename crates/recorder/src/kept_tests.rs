@@ -167,20 +167,72 @@ fn what_is_added_meanwhile_is_not_kept_and_what_is_dropped_is_skipped() {
 }
 
 #[test]
-fn a_log_that_was_cleared_ends_early_and_an_erased_one_is_said() {
+fn a_reply_whose_entry_is_dropped_meanwhile_is_kept_as_a_reading() {
+    let reply = |millis| KeptRecord::Line(received(millis));
+    for read_before in 0..6 {
+        let mut recorder = recorder(4);
+        recorder.handle(ToRecorder::Record(true));
+        (1..=6).for_each(|millis| recorder.add_event(&received(millis)));
+        let Kept::Part { mut records, .. } = recorder.kept(true, read_before) else {
+            panic!("a part")
+        };
+        (7..=8).for_each(|millis| recorder.add_event(&received(millis)));
+        let Kept::Part { records: rest, .. } = recorder.kept(false, 100) else {
+            panic!("a part")
+        };
+        records.extend(rest);
+        assert_eq!(records.len(), 6, "{read_before}: {records:?}");
+        // The log began at 3 and begins at 5 now.
+        for (record, millis) in records.iter().zip(1..) {
+            assert!(
+                [reading(millis), reply(millis)].contains(record),
+                "{read_before}: {records:?}"
+            );
+        }
+        assert_eq!(records[4..], [reply(5), reply(6)]);
+    }
+}
+
+#[test]
+fn samples_from_before_the_log_have_the_model_of_its_oldest_entry() {
+    let begins = |millis| {
+        KeptRecord::Line(LineEvent {
+            at: at(millis),
+            kind: LineEventKind::ModelSelected(Model::Ddsm315),
+        })
+    };
+    let LineEvent { kind, .. } = received(0);
+    let mut recorder = recorder(2);
+    recorder.handle(ToRecorder::Record(true));
+    let KeptRecord::Line(selected) = begins(0) else {
+        panic!("an event")
+    };
+    recorder.add_event(&selected);
+    (1..=4).for_each(|millis| {
+        recorder.add_event(&LineEvent {
+            at: at(millis),
+            kind,
+        })
+    });
+    let entries = [3, 4].map(|millis| KeptRecord::Line(received(millis)));
+    let expected = [vec![begins(1), reading(1), reading(2)], entries.to_vec()].concat();
+    assert_eq!(kept(&mut recorder, 1), expected);
+    recorder.handle(ToRecorder::Clear);
+    let readings: Vec<_> = kept(&mut recorder, 1);
+    assert_eq!(readings[..3], expected[..3]);
+    assert_eq!(readings.len(), 5);
+}
+
+#[test]
+fn a_log_that_was_cleared_or_restored_meanwhile_is_said() {
     let mut recorder = recorder(100);
     for millis in 0..5 {
         recorder.add_event(&sent(millis, QUERY));
     }
-    recorder.kept(true, 1);
-    recorder.handle(ToRecorder::Clear);
-    let Kept::Part { is_last, .. } = recorder.kept(false, 100) else {
-        panic!("a part")
-    };
-    assert!(is_last);
-    assert_eq!(recorder.kept(false, 1), Kept::Changed);
-    recorder.kept(true, 0);
-    recorder.handle(ToRecorder::EndClear { undo: true });
-    assert_eq!(recorder.kept(false, 1), Kept::Changed);
+    for message in [ToRecorder::Clear, ToRecorder::EndClear { undo: true }] {
+        recorder.kept(true, 1);
+        recorder.handle(message);
+        assert_eq!(recorder.kept(false, 1), Kept::Changed);
+    }
     assert_eq!(kept(&mut recorder, 2).len(), 5);
 }

@@ -261,6 +261,8 @@ impl Recorder {
             ToRecorder::Toggle(row) => self.log.toggle(row),
             ToRecorder::Clear => {
                 self.log.clear();
+                // The file would end in the middle.
+                self.kept = None;
                 if let Some(restoring) = &mut self.restoring {
                     restoring.clear();
                 }

@@ -114,7 +114,7 @@ pub enum NotSaved {
     Nothing,
     /// The previous session is being restored.
     Restoring,
-    /// The log was restored or erased meanwhile.
+    /// The log was cleared, restored or erased meanwhile.
     Changed,
     /// The user cancelled it.
     Cancelled,
@@ -221,7 +221,7 @@ pub enum Kept {
     },
     /// There is none: a previous session is being restored.
     Restoring,
-    /// There is none: the log was restored or erased meanwhile.
+    /// There is none: the log was cleared, restored or erased meanwhile.
     Changed,
 }
 
