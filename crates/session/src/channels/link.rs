@@ -5,7 +5,7 @@ use motorlink_protocol::{Instant, MotorId, Reply, Request};
 
 const SECOND_US: u64 = 1_000_000;
 
-/// Counts the frames of each second.
+/// Counts the frames of each second in which one passed.
 #[derive(Debug, Default)]
 pub(crate) struct Meter {
     second: Option<Second>,
@@ -34,6 +34,10 @@ impl Meter {
     pub(crate) fn add_event(&mut self, event: &LineEvent) -> Option<Second> {
         let number = event.at.as_micros() / SECOND_US;
         let ended = self.second.take_if(|second| second.number != number);
+        // Of a time of which only readings are left, nothing was counted.
+        if !event.kind.is_on_the_wire() {
+            return ended;
+        }
         let second = self.second.get_or_insert(Second {
             number,
             ..Second::default()
@@ -115,6 +119,26 @@ impl Second {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_second_with_readings_only_has_no_counts() {
+        let frame = "01 02 02 CD 00 64 17 CF 00 8F".parse().unwrap();
+        let reading = LineEventKind::Reading { frame, asked: None };
+        let silence = LineEventKind::Silence {
+            id: MotorId::FIRST,
+            waited_us: 9_000,
+        };
+        let mut meter = Meter::default();
+        let mut add = |at_s, kind| {
+            let at = Instant::from_micros(at_s * SECOND_US);
+            meter.add_event(&LineEvent { at, kind })
+        };
+        assert_eq!(add(1, reading), None);
+        assert_eq!(add(2, reading), None);
+        assert_eq!(add(3, silence), None);
+        assert_eq!(add(4, reading).map(|second| second.number), Some(3));
+        assert_eq!(meter.end(), None);
+    }
 
     #[test]
     fn a_second_is_counted_and_given_when_the_next_begins() {

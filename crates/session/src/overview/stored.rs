@@ -53,10 +53,8 @@ impl Overview {
     /// The overview as JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let moment = |moment: Option<(Instant, u64)>| {
-            let (at, utc_ns) = moment.unwrap_or_default();
-            [at.as_micros(), utc_ns]
-        };
+        let moment =
+            |moment: Option<(Instant, u64)>| moment.map(|(at, utc_ns)| [at.as_micros(), utc_ns]);
         let motors = nojson::array(|f| f.elements(self.motors.iter().map(|(id, m)| Motor(*id, m))));
         let json = nojson::object(|f| {
             f.member("version", VERSION)?;
@@ -85,26 +83,27 @@ impl Overview {
         if number("version")? != VERSION.into() {
             return None;
         }
-        let line_events = number("line_events")?;
         let moment = |name| {
             let pair = value.to_member(name).ok()?.optional()?;
+            // An empty session has none.
+            if pair.kind().is_null() {
+                return Some(None);
+            }
             let [at, utc_ns] = numbers(pair)?;
-            Some((Instant::from_micros(at), utc_ns))
+            Some(Some((Instant::from_micros(at), utc_ns)))
         };
         let (first, last) = (moment("first")?, moment("last")?);
         let elements = |name| value.to_member(name).ok()?.optional()?.to_array().ok();
         let marks = elements("marks")?.take(MARKS_MAX).map(mark);
         let motors = elements("motors")?.map(motor);
-        let marks: Vec<Mark> = marks.collect::<Option<_>>()?;
-        let is_empty = line_events == 0 && marks.is_empty();
         Some(Self {
             bucket_us: number("bucket_us").filter(|bucket| *bucket > 0)?,
-            first: (!is_empty).then_some(first),
-            last: (!is_empty).then_some(last),
+            first,
+            last,
             motors: motors.collect::<Option<_>>()?,
-            marks,
+            marks: marks.collect::<Option<_>>()?,
             marks_left_out: number("marks_left_out")?,
-            line_events,
+            line_events: number("line_events")?,
             sent: number("sent")?,
             received: number("received")?,
             lost: number("lost")?,

@@ -5,10 +5,13 @@ use super::*;
 use crate::record::Event;
 
 fn reply(at_us: u64, id: u8, rpm: i16) -> Record {
-    let [high, low] = rpm.to_be_bytes();
-    let frame = Frame::with_crc([id, 2, 0, 9, high, low, 30, 0, 0]);
-    let asked = Some(Layout::Query);
+    let (frame, asked) = (reply_frame(id, rpm), Some(Layout::Query));
     record(at_us, What::Line(LineEventKind::Received { frame, asked }))
+}
+
+fn reply_frame(id: u8, rpm: i16) -> Frame {
+    let [high, low] = rpm.to_be_bytes();
+    Frame::with_crc([id, 2, 0, 9, high, low, 30, 0, 0])
 }
 
 fn record(at_us: u64, what: What) -> Record {
@@ -81,6 +84,16 @@ fn marks_have_a_bound() {
         (overview.marks().len(), overview.marks_left_out),
         (MARKS_MAX, 3)
     );
+}
+
+#[test]
+fn readings_alone_have_a_time() {
+    let (frame, asked) = (reply_frame(1, 5), Some(Layout::Query));
+    let reading = |at_us| record(at_us, What::Line(LineEventKind::Reading { frame, asked }));
+    let overview = overview(&[reading(3_000_000), reading(5_000_000)]);
+    let stored = Overview::from_json(overview.to_json().as_bytes()).unwrap();
+    assert_eq!(stored.duration(), Duration::from_secs(2));
+    assert_eq!(stored.span_ns(), Some((3_000_000_000, 5_000_000_000)));
 }
 
 proptest! {
