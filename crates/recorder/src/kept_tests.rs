@@ -1,8 +1,11 @@
-use motorlink_messages::{recorder::ToRecorder, sessions::Kept};
+use motorlink_messages::{
+    recorder::ToRecorder,
+    sessions::{Kept, NotSaved},
+};
 use motorlink_protocol::Layout;
 
 use super::*;
-use crate::{recorder::Recorder, wall_clock::WallClock};
+use crate::{recorder::Recorder, saved::Summary, wall_clock::WallClock};
 
 const QUERY: &str = "01 74 00 00 00 00 00 00 00 04";
 const DRIVE: &str = "01 64 00 64 00 00 00 00 00 4F";
@@ -235,4 +238,17 @@ fn a_log_that_was_cleared_or_restored_meanwhile_is_said() {
         assert_eq!(recorder.kept(false, 1), Kept::Changed);
     }
     assert_eq!(kept(&mut recorder, 2).len(), 5);
+}
+
+#[test]
+fn why_nothing_can_be_saved_is_known_before_a_file_is_chosen() {
+    let mut recorder = recorder(2);
+    assert_eq!(recorder.not_kept(), Some(NotSaved::Nothing));
+    recorder.add_event(&received(1));
+    assert_eq!(recorder.not_kept(), None);
+    recorder.handle(ToRecorder::Clear);
+    // The samples of the last ten minutes.
+    assert_eq!(recorder.not_kept(), None);
+    recorder.restore(&Summary::default(), &[]);
+    assert_eq!(recorder.not_kept(), Some(NotSaved::Restoring));
 }

@@ -6,7 +6,7 @@ use motorlink_bus::LineEvent;
 use motorlink_i18n::Language;
 use motorlink_messages::{
     recorder::{Export, Filter, FromRecorder, RecordingStatus, ToRecorder, Window},
-    sessions::Kept,
+    sessions::{Kept, NotSaved},
 };
 use motorlink_protocol::Instant;
 
@@ -339,6 +339,16 @@ impl Recorder {
     fn no_file(&mut self, what: Export, cancelled: bool) {
         let message = FromRecorder::NotExported { what, cancelled };
         self.outgoing.push_back(Output::NoFile(message));
+    }
+
+    /// Why nothing that is kept can be saved now.
+    #[must_use]
+    pub fn not_kept(&self) -> Option<NotSaved> {
+        if self.restoring.is_some() {
+            return Some(NotSaved::Restoring);
+        }
+        let is_empty = self.log.entries().len() == 0 && self.recording.is_empty();
+        is_empty.then_some(NotSaved::Nothing)
     }
 
     /// The next part of what is kept, of at most this number of entries and samples. `first` begins again, with all

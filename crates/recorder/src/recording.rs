@@ -322,6 +322,10 @@ impl Recording {
         self.recorded_max
     }
 
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.rolling.len() + self.recorded.len() == 0
+    }
+
     pub(crate) const fn samples(&self, which: SampleSet) -> &Chunks<Sample> {
         match which {
             SampleSet::Rolling => &self.rolling,

@@ -70,8 +70,10 @@ pub enum FromSessions {
     Reading(Progress),
     /// A file is open.
     Opened(Box<SessionInfo>),
-    /// The file is no session, or, without a reason, the browser cannot read it.
+    /// The file is no session, or, without a reason, the browser cannot read it: when opening or exporting.
     NotOpened(Option<NotASession>),
+    /// The browser has no room for what was being made of the file: when opening a CSV file or exporting.
+    NoRoom,
     /// An export is complete. Posted with a `Blob`.
     Exported {
         /// Which.
@@ -122,6 +124,8 @@ pub enum NotSaved {
     NoRoom,
     /// The file cannot be written.
     Failed,
+    /// The recorder does not answer.
+    NoRecorder,
 }
 
 /// What is in an open session.

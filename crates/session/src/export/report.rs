@@ -87,7 +87,7 @@ fn summary(overview: &Overview) -> Element {
             "Lost",
             share(overview.lost, overview.received + overview.lost),
         ),
-        ("Invalid bytes, in pieces", overview.junk.to_string()),
+        ("Pieces of invalid bytes", overview.junk.to_string()),
         (
             "Frames that the port refused",
             overview.not_sent.to_string(),

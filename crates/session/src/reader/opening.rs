@@ -79,6 +79,15 @@ impl Opening {
         }
     }
 
+    /// Bytes in which records were searched; `None` while an index is read.
+    #[must_use]
+    pub const fn scanned(&self) -> Option<u64> {
+        match &self.stage {
+            Stage::Scan(scan) => Some(scan.at()),
+            _ => None,
+        }
+    }
+
     /// Takes the requested bytes. Fewer bytes mean that the file is shorter than `len`.
     pub fn supply(&mut self, bytes: &[u8]) {
         let stage = std::mem::replace(&mut self.stage, Stage::Done(Ok(())));

@@ -43,6 +43,11 @@ enum Found {
 }
 
 impl Scan {
+    /// The place of the next record.
+    pub(super) const fn at(&self) -> u64 {
+        self.at
+    }
+
     pub(super) fn range(&self, len: u64) -> Range<u64> {
         let from = self.at.min(len);
         from..from.saturating_add(WINDOW).min(len)

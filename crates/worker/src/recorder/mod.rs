@@ -13,10 +13,9 @@ use js_sys::Uint8Array;
 use motorlink_messages::{
     decode, encode,
     recorder::{FromRecorder, ToRecorder, traffic},
-    sessions::Kept,
 };
 use motorlink_recorder::{Output, Recorder, WallClock};
-use wasm_bindgen::{JsCast, prelude::Closure};
+use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{MessageEvent, MessagePort};
 
 use self::{
@@ -103,9 +102,14 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
     let shared = Rc::clone(shared);
     let answers = port.clone();
     let handler = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
+        // The page asks before it opens the dialog for a file.
+        if event.data().is_null() {
+            let reason = shared.borrow().recorder.not_kept();
+            return answer(&answers, encode(&reason).map_err(|error| error.to_string()));
+        }
         if let Some(first) = event.data().as_bool() {
             let kept = shared.borrow_mut().recorder.kept(first, KEPT_STEP);
-            return answer(&answers, &kept);
+            return answer(&answers, encode(&kept).map_err(|error| error.to_string()));
         }
         let bytes = Uint8Array::new(&event.data()).to_vec();
         {
@@ -118,14 +122,12 @@ fn receive_traffic(shared: &Shared, port: &MessagePort) {
     handler.forget();
 }
 
-/// Answers the session worker.
-fn answer(port: &MessagePort, kept: &Kept) {
-    let posted = match encode(kept) {
-        Ok(bytes) => port.post_message(&Uint8Array::from(bytes.as_slice())),
-        Err(error) => Err(error.to_string().into()),
-    };
+/// Answers the session worker or the page.
+fn answer(port: &MessagePort, encoded: Result<Vec<u8>, String>) {
+    let bytes = encoded.map_err(JsValue::from);
+    let posted = bytes.and_then(|bytes| port.post_message(&Uint8Array::from(bytes.as_slice())));
     if let Err(error) = posted {
-        report("the session worker got no answer", &error);
+        report("a request for what is kept got no answer", &error);
     }
 }
 
@@ -151,7 +153,12 @@ fn turn(shared: &Shared) {
         let now = clock.now();
         match recorder.poll(now) {
             Output::Post(message) => post(&message),
-            Output::Part(bytes) => parts.push(&bytes),
+            Output::Part(bytes) => {
+                if let Err(error) = parts.push(&bytes) {
+                    // The file is not posted when it is complete.
+                    report("a part of a file could not be stored", &error);
+                }
+            }
             Output::File(message) => post_file(parts, &message),
             Output::NoFile(message) => {
                 parts.clear();

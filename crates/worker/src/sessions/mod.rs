@@ -73,7 +73,7 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
         ToSessions::Save { version, setup } => {
             // The channel is the last one.
             let Ok(recorder) = parts.pop().dyn_into::<MessagePort>() else {
-                return post(&FromSessions::NotSaved(NotSaved::Failed));
+                return post(&FromSessions::NotSaved(NotSaved::NoRecorder));
             };
             let handle = parts.get(1).dyn_into().ok();
             if std::mem::replace(&mut shared.borrow_mut().is_saving, true) {
@@ -107,11 +107,11 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             spawn_local(async move { opening::open(&shared, task, name, file).await });
         }
         ToSessions::Export(what) => {
-            let open = shared.borrow().open.clone();
-            if let Some(open) = open {
-                let (shared, task) = (Rc::clone(shared), begin_reading(shared));
-                spawn_local(async move { reading::export(&shared, task, &open, what).await });
-            }
+            let Some(open) = shared.borrow().open.clone() else {
+                return post(&FromSessions::Cancelled);
+            };
+            let (shared, task) = (Rc::clone(shared), begin_reading(shared));
+            spawn_local(async move { reading::export(&shared, task, &open, what).await });
         }
         ToSessions::CancelReading => {
             begin_reading(shared);

@@ -1,8 +1,9 @@
 //! A session that is open.
 
+use motorlink_messages::sessions::FromSessions;
 use motorlink_session::{NotASession, Overview, Problems, Session};
 
-use super::source::Source;
+use super::{source::Source, state::post};
 
 /// A session that is open.
 #[derive(Debug)]
@@ -16,11 +17,25 @@ pub(super) struct OpenSession {
     pub(super) problems: Problems,
 }
 
-/// Why no session is open now.
+/// Why no session is open now, or was not exported.
 pub(super) enum NotOpened {
     NotASession(NotASession),
     /// The browser cannot read the file.
     Unreadable,
+    /// The browser has no room for what is made of the file.
+    NoRoom,
     /// Another file was opened, or the user has cancelled it.
     Ended,
+}
+
+impl NotOpened {
+    /// Tells the page. It knows of the end of a task that it has ended.
+    pub(super) fn post(self) {
+        match self {
+            Self::NotASession(why) => post(&FromSessions::NotOpened(Some(why))),
+            Self::Unreadable => post(&FromSessions::NotOpened(None)),
+            Self::NoRoom => post(&FromSessions::NoRoom),
+            Self::Ended => {}
+        }
+    }
 }

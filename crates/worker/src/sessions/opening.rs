@@ -18,15 +18,17 @@ const CSV_PIECE: u64 = 1 << 20;
 
 /// Opens a file, and posts what is in it.
 pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
-    match try_open(shared, task, name, file).await {
+    let opened = try_open(shared, task, name, file).await;
+    if is_ended(shared, task) {
+        return;
+    }
+    match opened {
         Ok(open) => {
             let about = info(&open);
             shared.borrow_mut().open = Some(open.into());
             post(&FromSessions::Opened(Box::new(about)));
         }
-        Err(NotOpened::NotASession(why)) => post(&FromSessions::NotOpened(Some(why))),
-        Err(NotOpened::Unreadable) => post(&FromSessions::NotOpened(None)),
-        Err(NotOpened::Ended) => {}
+        Err(why) => why.post(),
     }
 }
 
@@ -40,10 +42,10 @@ async fn try_open(
     let file: Blob = file.into();
     let mut source = Source::new(file);
     let mut problems = Problems::default();
-    let session = match index(&source).await {
+    let session = match index(shared, task, &source).await {
         Err(NotOpened::NotASession(NotASession::Text)) => {
             (source, problems) = import(shared, task, &source).await?;
-            index(&source).await?
+            index(shared, task, &source).await?
         }
         session => session?,
     };
@@ -64,9 +66,6 @@ async fn try_open(
         problems = problems.and(&read.await?);
         overview
     };
-    if is_ended(shared, task) {
-        return Err(NotOpened::Ended);
-    }
     Ok(OpenSession {
         name,
         session,
@@ -76,11 +75,18 @@ async fn try_open(
     })
 }
 
-/// Reads the index of a session file.
-async fn index(source: &Source) -> Result<Session, NotOpened> {
+/// Reads the index of a session file. Without one it finds every record, which takes longer.
+async fn index(shared: &Shared, task: u32, source: &Source) -> Result<Session, NotOpened> {
+    let mut reporter = Reporter::new(shared, FromSessions::Reading);
     let mut opening = Opening::new(source.len());
     while let Step::Read(range) = opening.step() {
         let bytes = source.read(range).await;
+        if is_ended(shared, task) {
+            return Err(NotOpened::Ended);
+        }
+        if let Some(scanned) = opening.scanned() {
+            reporter.report(scanned, source.len());
+        }
         opening.supply(&bytes.map_err(|_| NotOpened::Unreadable)?);
     }
     opening.finish().map_err(NotOpened::NotASession)
@@ -96,7 +102,8 @@ async fn import(shared: &Shared, task: u32, csv: &Source) -> Result<(Source, Pro
         let end = csv.len().min(at + CSV_PIECE);
         let bytes = csv.read(at..end).await;
         import.feed(&bytes.map_err(|_| NotOpened::Unreadable)?);
-        parts.push(&import.take());
+        let piece = import.take();
+        parts.push(&piece).map_err(|_| NotOpened::NoRoom)?;
         at = end;
         reporter.report(at, csv.len());
         if is_ended(shared, task) {
@@ -104,7 +111,7 @@ async fn import(shared: &Shared, task: u32, csv: &Source) -> Result<(Source, Pro
         }
     }
     let (rest, problems) = import.finish().map_err(NotOpened::NotASession)?;
-    parts.push(&rest);
-    let session = parts.take_file("").map_err(|_| NotOpened::Unreadable)?;
+    parts.push(&rest).map_err(|_| NotOpened::NoRoom)?;
+    let session = parts.take_file("").map_err(|_| NotOpened::NoRoom)?;
     Ok((Source::new(session), problems))
 }

@@ -7,7 +7,7 @@ use motorlink_session::{About, Cursor, Next, Problems, Record, Session, Table, W
 use super::{
     open_session::{NotOpened, OpenSession},
     source::Source,
-    state::{Reporter, Shared, is_ended, post, post_file},
+    state::{Reporter, Shared, is_ended, post_file},
 };
 use crate::blob_parts::{CSV, Parts};
 
@@ -49,8 +49,12 @@ pub(super) async fn export(shared: &Shared, task: u32, open: &OpenSession, what:
                 name: &open.name,
                 problems: &open.problems,
             };
-            parts.push(report(&open.overview, about).as_bytes());
-            (Ok(Problems::default()), "text/html;charset=utf-8")
+            let pushed = parts.push(report(&open.overview, about).as_bytes());
+            let written = pushed.map_err(|_| NotOpened::NoRoom);
+            (
+                written.map(|()| Problems::default()),
+                "text/html;charset=utf-8",
+            )
         }
         SessionExport::Log => (log(shared, task, open, &mut parts).await, CSV),
         SessionExport::Telemetry => {
@@ -62,17 +66,13 @@ pub(super) async fn export(shared: &Shared, task: u32, open: &OpenSession, what:
             (rows(shared, task, open, table, &mut parts).await, CSV)
         }
     };
-    let posted = match written {
-        Ok(problems) => {
-            let problems = problems.iter().collect();
-            let message = FromSessions::Exported { what, problems };
-            post_file(&message, &mut parts, media_type).is_ok()
-        }
-        Err(NotOpened::Ended) => true,
-        Err(NotOpened::NotASession(_) | NotOpened::Unreadable) => false,
-    };
-    if !posted {
-        post(&FromSessions::Cancelled);
+    let posted = written.and_then(|problems| {
+        let problems = problems.iter().collect();
+        let message = FromSessions::Exported { what, problems };
+        post_file(&message, &mut parts, media_type).map_err(|_| NotOpened::NoRoom)
+    });
+    if let Err(why) = posted {
+        why.post();
     }
 }
 
@@ -102,14 +102,15 @@ async fn rows(
 ) -> Result<Problems, NotOpened> {
     let mut lines = Vec::new();
     table.head(&mut lines);
+    let mut pushed = Ok(());
     let read = for_each_record(shared, task, &open.source, &open.session, |record| {
         table.record(&mut lines, &record);
         if lines.len() >= PART {
-            parts.push(&lines);
+            pushed = std::mem::replace(&mut pushed, Ok(())).and_then(|()| parts.push(&lines));
             lines.clear();
         }
     });
     let problems = read.await?;
-    parts.push(&lines);
-    Ok(problems)
+    let pushed = pushed.and_then(|()| parts.push(&lines));
+    pushed.map(|()| problems).map_err(|_| NotOpened::NoRoom)
 }

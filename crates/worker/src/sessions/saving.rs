@@ -66,13 +66,13 @@ impl KeptParts {
             self.shared.borrow_mut().wake = Some(resolve);
         });
         let posted = self.port.post_message(&JsValue::from_bool(first));
-        posted.map_err(|_| NotSaved::Failed)?;
+        posted.map_err(|_| NotSaved::NoRecorder)?;
         let answer = JsFuture::from(answer).await.ok();
         let event = answer.and_then(|answer| answer.dyn_into::<MessageEvent>().ok());
         // Without a message it was woken.
         let event = event.ok_or(NotSaved::Cancelled)?;
         let bytes = Uint8Array::new(&event.data()).to_vec();
-        decode(&bytes).map_err(|_| NotSaved::Failed)
+        decode(&bytes).map_err(|_| NotSaved::NoRecorder)
     }
 }
 

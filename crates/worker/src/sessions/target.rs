@@ -38,12 +38,12 @@ impl Target {
                     .await
                     .map_err(|error| reason(&error))?;
             }
-            Self::Download(parts) => parts.push(bytes),
+            Self::Download(parts) => parts.push(bytes).map_err(|_| NotSaved::NoRoom)?,
         }
         Ok(())
     }
 
-    /// Discards it. A file that was there before stays as it was.
+    /// Discards what was written.
     pub(super) async fn discard(self) {
         if let Self::Disk(stream) = self {
             // The file is given up: nothing can be done about a failure.
