@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use leptos::prelude::*;
 use motorlink_i18n::tr;
-use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
+use motorlink_messages::sessions::{SessionInfo, SessionMotor};
 
 /// Width and height of the picture of a motor, in its own units.
 const SIZE: (u64, u64) = (1_000, 60);
@@ -21,23 +21,17 @@ const CURRENT: Places = (2, 3);
 /// short session most buckets between two replies are empty.
 const GAP_US: u64 = 1_000_000;
 
-/// The pictures of all motors, one below the other.
+/// The pictures of all motors that have replied, one below the other.
 pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
-    let marks: Vec<_> = info
-        .marks
-        .iter()
-        .take(MARKS_MAX)
-        .map(|mark| (x(mark.after_us, info.duration_us), class_of(mark)))
-        .collect();
+    let (marks, errors) = (lines(info, false), lines(info, true));
     let motors: Vec<_> = info
         .motors
         .iter()
+        // A scan sends frames to every ID.
+        .filter(|motor| motor.replies > 0)
         .map(|motor| {
             let speed = area(motor, SPEED, info.bucket_us, info.duration_us);
             let current = area(motor, CURRENT, info.bucket_us, info.duration_us);
-            let marks = marks.iter().map(|(x, class)| {
-                view! { <path class=*class d=format!("M{x} 0V{}", SIZE.1) /> }
-            });
             let name = tr!("Motor {id}: speed and current over time", id = motor.id);
             view! {
                 <figure class="session-motor">
@@ -51,7 +45,8 @@ pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
                         <path class="session-zero" d=format!("M0 {0}H{1}", SIZE.1 / 2, SIZE.0) />
                         <path class="session-current" d=current />
                         <path class="session-speed" d=speed />
-                        {marks.collect::<Vec<_>>()}
+                        <path class="session-mark" d=marks.clone() />
+                        <path class="session-mark bad" d=errors.clone() />
                     </svg>
                 </figure>
             }
@@ -70,15 +65,7 @@ pub(super) fn strip(info: &SessionInfo) -> impl IntoView + use<> {
             view! { <path class="session-speed" d=speed /> }
         })
         .collect();
-    let marks: Vec<_> = info
-        .marks
-        .iter()
-        .take(MARKS_MAX)
-        .map(|mark| {
-            let x = x(mark.after_us, info.duration_us);
-            view! { <path class=class_of(mark) d=format!("M{x} 0V{}", SIZE.1) /> }
-        })
-        .collect();
+    let [others, errors] = [false, true].map(|errors| lines(info, errors));
     view! {
         <svg
             class="replay-strip"
@@ -87,17 +74,21 @@ pub(super) fn strip(info: &SessionInfo) -> impl IntoView + use<> {
             preserveAspectRatio="none"
         >
             {speeds}
-            {marks}
+            <path class="session-mark" d=others />
+            <path class="session-mark bad" d=errors />
         </svg>
     }
 }
 
-fn class_of(mark: &SessionMark) -> &'static str {
-    if mark.error {
-        "session-mark bad"
-    } else {
-        "session-mark"
+/// The events that are errors, or all others, as vertical lines in one path.
+fn lines(info: &SessionInfo, errors: bool) -> String {
+    let marks = info.marks.iter().take(MARKS_MAX);
+    let mut path = String::new();
+    for mark in marks.filter(|mark| mark.error == errors) {
+        // Writing to a string cannot fail.
+        let _ = write!(path, "M{} 0V{}", x(mark.after_us, info.duration_us), SIZE.1);
     }
+    path
 }
 
 fn x(at_us: u64, duration_us: u64) -> u64 {
