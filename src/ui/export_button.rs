@@ -5,13 +5,19 @@ use motorlink_i18n::tr;
 
 use crate::ui::{button::PressButton, reactive::dynamic};
 
-/// A button with this label. While the file is being written, it is `Cancel export` with a progress bar.
+/// A button with this label. While the file is being written, it cancels that and has a progress bar.
 #[component]
 pub(crate) fn ExportButton(
     /// Its label.
     label: &'static str,
     /// The content of the file.
     hint: &'static str,
+    /// Its label while the file is being written.
+    #[prop(default = tr!("Cancel export"))]
+    cancel_label: &'static str,
+    /// The name of the progress bar.
+    #[prop(default = tr!("Export"))]
+    progress_label: &'static str,
     /// The written part, while the file is being written.
     per_mille: Signal<Option<u64>>,
     /// Why it cannot be pressed.
@@ -21,7 +27,7 @@ pub(crate) fn ExportButton(
     on_press: Callback<()>,
 ) -> impl IntoView {
     let reads = move || {
-        let reads = per_mille.get().map_or(label, |_| tr!("Cancel export"));
+        let reads = per_mille.get().map_or(label, |_| cancel_label);
         reads.to_owned()
     };
     view! {
@@ -34,7 +40,7 @@ pub(crate) fn ExportButton(
                 on_press=move || on_press.run(())
             />
             <progress
-                aria-label=tr!("Export")
+                aria-label=progress_label
                 max="1000"
                 value=dynamic(move || per_mille.get().unwrap_or_default().to_string())
                 hidden=dynamic(move || per_mille.get().is_none())

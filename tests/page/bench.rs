@@ -25,12 +25,20 @@ use web_sys::{
 const WORKER: &str = r"
     const bench = new BroadcastChannel('CHANNEL' + (self.name === 'worker' ? '' : '-' + self.name));
     const plain = (data) => data instanceof MessagePort ? 'line' : data;
+    // The recorder's answer to whether there is anything to save: that nothing speaks against it.
+    let kept = [0];
     self.onmessage = ({ data }) => {
+        if (data instanceof MessagePort) {
+            data.onmessage = (asked) => {
+                if (asked.data === null) data.postMessage(new Uint8Array(kept));
+            };
+        }
         bench.postMessage(Array.isArray(data) ? data.map(plain) : plain(data));
     };
     bench.onmessage = (event) => {
         if (event.data === 'fail') throw new Error('as it was asked to');
-        if (event.data === 'live?') bench.postMessage('up');
+        if (event.data.kept) kept = event.data.kept;
+        if (event.data === 'live?' || event.data.kept) bench.postMessage('up');
         else self.postMessage(event.data);
     };
     bench.postMessage('up');

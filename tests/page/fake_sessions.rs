@@ -95,6 +95,26 @@ pub async fn until_said(bench: &Bench, text: &str) {
     bench.until(text, says).await;
 }
 
+fn motor(id: u8, replies: u64, buckets: Vec<Option<[i16; 4]>>) -> SessionMotor {
+    SessionMotor {
+        id: MotorId::new(id).unwrap(),
+        replies,
+        lost: 10,
+        faults: Faults::from_byte(8),
+        temperature_max_c: Some(41),
+        buckets,
+    }
+}
+
+fn mark(after_us: u64) -> SessionMark {
+    SessionMark {
+        after_us,
+        kind: MarkKind::Stop,
+        error: true,
+        text: "Standstill not confirmed".to_owned(),
+    }
+}
+
 /// What is in a file.
 pub fn info() -> SessionInfo {
     SessionInfo {
@@ -108,20 +128,11 @@ pub fn info() -> SessionInfo {
         received: 5_990,
         lost: 10,
         junk: 0,
-        motors: vec![SessionMotor {
-            id: MotorId::FIRST,
-            replies: 5_990,
-            lost: 10,
-            faults: Faults::from_byte(8),
-            temperature_max_c: Some(41),
-            buckets: vec![Some([-100, 200, 0, 3_000]); 65],
-        }],
-        marks: vec![SessionMark {
-            after_us: 2_000_000,
-            kind: MarkKind::Stop,
-            error: true,
-            text: "Standstill not confirmed".to_owned(),
-        }],
+        motors: vec![
+            motor(1, 5_990, vec![Some([-100, 200, 0, 3_000]); 65]),
+            motor(2, 0, Vec::new()),
+        ],
+        marks: vec![mark(2_000_000), mark(4_000_000)],
         marks_left_out: 3,
         problems: vec![(Problem::Cut, 1), (Problem::ChunkDamaged, 2)],
     }

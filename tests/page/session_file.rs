@@ -1,17 +1,26 @@
 //! The panel `Session file`, with a session worker that does what the test says.
 
-use js_sys::Function;
+use js_sys::{Function, Promise};
 use motorlink_messages::{
+    encode,
     protocol::Mode,
     sessions::{FromSessions, NotASession, NotSaved, Progress, SessionExport, ToSessions},
 };
-use wasm_bindgen::JsValue;
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::JsFuture;
 use wasm_bindgen_test::wasm_bindgen_test;
 
 use crate::{
-    bench::{Bench, document},
+    bench::{Bench, document, pause},
     fake_sessions::{FakeSessions, drop_file, info, run, until_said},
 };
+
+/// What the promise of a script gives.
+async fn result(script: &str) -> JsValue {
+    let promise = Function::new_no_args(script).call0(&JsValue::UNDEFINED);
+    let promise: Promise = promise.unwrap().unchecked_into();
+    JsFuture::from(promise).await.unwrap()
+}
 
 /// The open panel.
 async fn panel(name: &str) -> (FakeSessions, Bench) {
@@ -36,12 +45,12 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
     assert_eq!(objects, 1, "the channel to the recorder, and no file");
     sessions.post(&FromSessions::Saving(Progress { done: 1, of: 4 }));
     let progress = || {
-        let bars = bench.find_all("progressbar", "Export");
+        let bars = bench.find_all("progressbar", "Saving");
         bars.iter()
             .any(|bar| bar.get_attribute("value").as_deref() == Some("250"))
     };
     bench.until("the progress", progress).await;
-    bench.click("Cancel export");
+    bench.click("Cancel saving");
     assert_eq!(sessions.next().await.0, ToSessions::CancelSave);
     sessions.post(&FromSessions::NotSaved(NotSaved::Cancelled));
     until_said(&bench, "Saving cancelled").await;
@@ -50,24 +59,68 @@ async fn a_session_is_saved_with_progress_and_can_be_cancelled() {
     let (bytes, records) = (12_345_678, 3_000);
     sessions.post(&FromSessions::Saved { bytes, records });
     until_said(&bench, "12.4 MB").await;
+    bench.click("Save session");
+    sessions.next().await;
+    sessions.post(&FromSessions::NotSaved(NotSaved::NoRecorder));
+    until_said(&bench, "Reload the page").await;
     assert!(bench.commands().await.is_empty(), "nothing is driven");
 }
 
 #[wasm_bindgen_test]
 async fn a_chosen_file_is_handed_to_the_worker() {
     let (sessions, bench) = panel("session-chosen").await;
-    run("window.showSaveFilePicker = async ({ suggestedName }) => {
+    run("window.showSaveFilePicker = async () => {
         const folder = await navigator.storage.getDirectory();
-        return folder.getFileHandle(suggestedName, { create: true });
+        return folder.getFileHandle('my wheel.mcap', { create: true });
     }");
     bench.click("Save session");
     let (_, objects) = sessions.next().await;
     assert_eq!(objects, 2, "the channel and the handle of the file");
+    let (bytes, records) = (12_345_678, 3_000);
+    sessions.post(&FromSessions::Saved { bytes, records });
+    until_said(&bench, "Saved my wheel.mcap").await;
+    let is_there = async || {
+        let looked = result(
+            "return navigator.storage.getDirectory()
+                .then((folder) => folder.getFileHandle('my wheel.mcap'))
+                .then(() => true, () => false)",
+        );
+        looked.await == true
+    };
+    assert!(is_there().await, "a saved file stays");
+    bench.click("Save session");
+    sessions.next().await;
     sessions.post(&FromSessions::NotSaved(NotSaved::NoRoom));
     until_said(&bench, "the disk is full").await;
+    // The dialog has emptied it.
+    for _ in 0..150 {
+        if !is_there().await {
+            break;
+        }
+        pause(20).await;
+    }
+    assert!(!is_there().await, "an empty file is left");
     run("window.showSaveFilePicker = async () => { throw new DOMException('', 'AbortError'); }");
     bench.click("Save session");
     until_said(&bench, "Saving cancelled").await;
+    assert!(sessions.received().await.is_empty());
+}
+
+#[wasm_bindgen_test]
+async fn nothing_to_save_is_said_before_a_file_is_chosen() {
+    let (sessions, bench) = panel("session-nothing").await;
+    run("window.showSaveFilePicker = () => { throw new Error('it would empty a file'); }");
+    let answer = encode(&Some(NotSaved::Nothing)).unwrap();
+    let recorder = format!(
+        "return new Promise((done) => {{
+            const recorder = new BroadcastChannel('session-nothing-recorder');
+            recorder.onmessage = done;
+            recorder.postMessage({{ kept: {answer:?} }});
+        }})"
+    );
+    result(&recorder).await;
+    bench.click("Save session");
+    until_said(&bench, "Nothing to save yet").await;
     assert!(sessions.received().await.is_empty());
 }
 
@@ -99,9 +152,18 @@ async fn a_dropped_file_is_opened_and_shown_with_what_is_missing() {
     assert!(missing.contains("(2 times)"), "{missing}");
     let picture = document().query_selector("svg[aria-label^='Motor 0x01']");
     assert!(picture.unwrap().is_some());
+    let pictures = document().query_selector_all(".session-motor").unwrap();
+    assert_eq!(pictures.length(), 1, "motors that replied");
+    let lines = document().query_selector(".session-mark.bad").unwrap();
+    let lines = lines.unwrap().get_attribute("d").unwrap();
+    assert_eq!(lines, "M30 0V60M61 0V60");
 
     bench.click("Report");
     let report = ToSessions::Export(SessionExport::Report);
+    assert_eq!(sessions.next().await.0, report);
+    sessions.post(&FromSessions::NotOpened(None));
+    until_said(&bench, "cannot be read").await;
+    bench.click("Report");
     assert_eq!(sessions.next().await.0, report);
     sessions.post(&FromSessions::Reading(Progress { done: 1, of: 2 }));
     bench.click("Cancel");
@@ -212,7 +274,7 @@ async fn a_file_that_is_no_session_is_an_error_where_it_was_given() {
     sessions.post(&FromSessions::NotOpened(Some(NotASession::Zip)));
     until_said(&bench, "Unpack it").await;
     sessions.post(&FromSessions::Died);
-    until_said(&bench, "have stopped. Try again.").await;
+    until_said(&bench, "has stopped. Try again.").await;
     bench.click("Save session");
     // Another worker starts.
     assert!(matches!(sessions.next().await.0, ToSessions::Save { .. }));

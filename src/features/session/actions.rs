@@ -15,8 +15,9 @@ use crate::{
     features::session::{
         incoming::Incoming,
         player::{Instruments, Link, Player},
+        readiness::not_kept,
         replay_bar::show_bar,
-        save_picker::{Picked, pick},
+        save_picker::{Picked, name_of, pick, remove_if_empty},
         share::Shareable,
         texts,
     },
@@ -49,11 +50,14 @@ pub(crate) struct SessionFiles {
     pub(super) reading: RwSignal<Option<u64>>,
     /// The content of the open file.
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
+    /// What the panel says about saving.
+    pub(super) saved: RwSignal<Said>,
+    /// What the panel says about the open file.
     pub(super) said: RwSignal<Said>,
     /// The name of the file that is being saved, or was saved last.
     pub(super) saved_as: StoredValue<String>,
-    /// The handle of that file, if the browser gave one.
-    saved_to: StoredValue<Option<JsValue>, LocalStorage>,
+    /// The handle of the file that is being saved, if the user has chosen one.
+    chosen: RwSignal<Option<JsValue>, LocalStorage>,
     pub(super) shareable: Shareable,
 }
 
@@ -78,9 +82,10 @@ impl SessionFiles {
                     saving: RwSignal::new(None),
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
+                    saved: RwSignal::default(),
                     said: RwSignal::default(),
                     saved_as: StoredValue::default(),
-                    saved_to: StoredValue::new_local(None),
+                    chosen: RwSignal::new_local(None),
                     shareable: Shareable::new(),
                 };
                 provide_context(new);
@@ -108,6 +113,11 @@ impl SessionFiles {
     pub(super) fn say(self, error: bool, text: impl Into<String>) {
         let text = text.into();
         self.said.set(Said { error, text });
+    }
+
+    fn say_of_saving(self, error: bool, text: impl Into<String>) {
+        let text = text.into();
+        self.saved.set(Said { error, text });
     }
 
     /// Starts the worker, unless it runs. Returns whether it runs.
@@ -145,9 +155,14 @@ impl SessionFiles {
                 self.player.end();
                 link.end();
                 self.saving.set(None);
+                self.discard_chosen();
+                self.saved.set(Said::default());
                 self.reading.set(None);
                 self.open.set(None);
-                self.say(true, tr!("Session files have stopped. Try again."));
+                self.say(
+                    true,
+                    tr!("Reading and writing of session files has stopped. Try again."),
+                );
             }
         });
     }
@@ -162,9 +177,12 @@ impl SessionFiles {
         }
         self.saving.set(Some(0));
         self.shareable.forget();
-        self.say(false, "");
+        self.say_of_saving(false, "");
         let name = file_name();
         spawn_local(async move {
+            if let Some(why) = not_kept(self.page.recorder()).await {
+                return self.not_saved(why);
+            }
             // The dialog takes the keys, and on some systems covers the page: nobody could press STOP.
             let picked = if self.page.is_anything_driven() {
                 Picked::NoDialog
@@ -176,10 +194,13 @@ impl SessionFiles {
                 Picked::NoDialog => None,
                 Picked::Cancelled => return self.not_saved(NotSaved::Cancelled),
             };
+            let name = handle.as_ref().and_then(name_of).unwrap_or(name);
             self.saved_as.set_value(name);
-            self.saved_to.set_value(handle.clone());
-            if !self.save_to(handle.as_slice()) {
-                self.not_saved(NotSaved::Failed);
+            self.chosen.set(handle.clone());
+            // It can fail while the dialog is open. Then it answers no request.
+            let is_alive = self.page.recorder().alive.get_untracked();
+            if !is_alive || !self.save_to(handle.as_slice()) {
+                self.not_saved(NotSaved::NoRecorder);
             }
         });
     }
@@ -204,7 +225,20 @@ impl SessionFiles {
 
     fn not_saved(self, why: NotSaved) {
         self.saving.set(None);
-        self.say(why != NotSaved::Cancelled, texts::of_not_saved(why));
+        self.discard_chosen();
+        let is_alive = self.page.recorder().alive.get_untracked();
+        let why = if is_alive { why } else { NotSaved::NoRecorder };
+        self.say_of_saving(why != NotSaved::Cancelled, texts::of_not_saved(why));
+    }
+
+    /// Removes the chosen file, which the dialog has emptied.
+    fn discard_chosen(self) {
+        if let Some(handle) = self.chosen.try_update(Option::take).flatten() {
+            spawn_local(async move {
+                // A file that cannot be removed stays, empty.
+                let _ = remove_if_empty(&handle).await;
+            });
+        }
     }
 
     /// Opens a file.
@@ -256,16 +290,16 @@ impl SessionFiles {
             FromSessions::Saving(progress) => show(self.saving, progress),
             FromSessions::Saved { bytes, records } => {
                 self.saving.set(None);
+                let chosen = self.chosen.try_update(Option::take).flatten();
                 let name = self.saved_as.get_value();
                 if let Some(file) = file {
                     save_blob(file, &name);
                 }
-                let content = file.map(JsValue::from).or(self.saved_to.get_value());
+                let content = file.map(JsValue::from).or(chosen);
                 if let Some(content) = content {
                     self.shareable.offer(content);
                 }
-                let said = texts::of_saved(&name, bytes, records);
-                self.say(false, said);
+                self.say_of_saving(false, texts::of_saved(&name, bytes, records));
             }
             FromSessions::NotSaved(why) => self.not_saved(why),
             FromSessions::Reading(progress) => show(self.reading, progress),
@@ -277,6 +311,10 @@ impl SessionFiles {
             FromSessions::NotOpened(why) => {
                 self.reading.set(None);
                 self.say(true, texts::of_not_opened(why));
+            }
+            FromSessions::NoRoom => {
+                self.reading.set(None);
+                self.say(true, texts::no_room());
             }
             FromSessions::Exported { what, problems } => {
                 self.reading.set(None);

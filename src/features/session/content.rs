@@ -144,7 +144,7 @@ fn facts(info: &SessionInfo) -> Vec<(&'static str, String)> {
         (tr!("Sent"), grouped(info.sent)),
         (tr!("Received"), grouped(info.received)),
         (tr!("Lost"), grouped(info.lost)),
-        (tr!("Invalid bytes, in pieces"), grouped(info.junk)),
+        (tr!("Pieces of invalid bytes"), grouped(info.junk)),
         (tr!("File size"), texts::size(info.bytes)),
     ];
     if !info.version.is_empty() {

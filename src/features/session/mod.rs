@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `incoming` | files that are dropped onto the page, or opened with the installed app |
 //! | `actions` | what the buttons do, and the messages of the session worker |
+//! | `readiness` | whether there is anything to save |
 //! | `save_picker` | the browser's dialog for a file to write |
 //! | `share` | the saved session for another app |
 //! | `player` | shows an open file as if it were the live line, and controls the replay |
@@ -17,6 +18,7 @@ mod content;
 pub(crate) mod incoming;
 pub(crate) mod panel;
 pub(crate) mod player;
+mod readiness;
 mod replay_bar;
 mod save_picker;
 mod share;

@@ -6,7 +6,11 @@ use wasm_bindgen::JsCast;
 use web_sys::HtmlInputElement;
 
 use crate::{
-    features::session::{actions::SessionFiles, content::content, incoming::Incoming},
+    features::session::{
+        actions::{Said, SessionFiles},
+        content::content,
+        incoming::Incoming,
+    },
     model::{recorder_texts::no_recorder, snapshot::Session},
     ui::{
         button::PressButton,
@@ -61,12 +65,14 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
         <div class="session-panel">
             <p>
                 {tr!(
-                    "A session file has every frame, message and setting of the last minutes. Foxglove and PlotJuggler open it too."
+                    "A session file has the packet log, the recording and the present settings. Foxglove and PlotJuggler open it too."
                 )}
             </p>
             <div class="button-row">
                 <ExportButton
                     label=tr!("Save session")
+                    cancel_label=tr!("Cancel saving")
+                    progress_label=tr!("Saving")
                     hint=tr!("Saves the packet log and the recording as one file. Motors keep running.")
                     per_mille=Signal::derive(move || files.saving.get())
                     disabled_reason=Signal::derive(save_blocked_by)
@@ -99,15 +105,10 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                     on_press=move || files.cancel_reading()
                 />
             </div>
-            <p
-                class=dynamic(move || {
-                    if files.said.with(|said| said.error) { "session-said bad" } else { "session-said" }
-                })
-                role="status"
-                aria-label=tr!("Session file")
-            >
-                {dynamic(move || files.said.with(|said| said.text.clone()))}
-            </p>
+            <div role="status" aria-label=tr!("Session file")>
+                {said(files.saved)}
+                {said(files.said)}
+            </div>
             <div class="session-share" hidden=dynamic(move || !files.shareable.is_ready())>
                 <PressButton
                     label=tr!("Share")
@@ -118,5 +119,18 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             </div>
             {move || files.open.get().map(|info| content(files, &info))}
         </div>
+    }
+}
+
+fn said(said: RwSignal<Said>) -> impl IntoView {
+    let class = move || {
+        if said.with(|said| said.error) {
+            "session-said bad"
+        } else {
+            "session-said"
+        }
+    };
+    view! {
+        <p class=dynamic(class)>{dynamic(move || said.with(|said| said.text.clone()))}</p>
     }
 }

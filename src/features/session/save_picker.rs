@@ -33,6 +33,27 @@ pub(super) async fn pick(name: &str, description: &str) -> Picked {
     }
 }
 
+/// The name of a chosen file.
+pub(super) fn name_of(handle: &JsValue) -> Option<String> {
+    Reflect::get(handle, &"name".into()).ok()?.as_string()
+}
+
+/// Removes the file of a handle if it is empty, as the dialog has left it: it would be no session. Chromium only; a
+/// failure leaves the file.
+pub(super) async fn remove_if_empty(handle: &JsValue) -> Result<(), JsValue> {
+    let call = |method: &str| {
+        let method = Reflect::get(handle, &method.into())?;
+        let called = method.dyn_into::<Function>()?.call0(handle)?;
+        called.dyn_into::<Promise>()
+    };
+    let file = JsFuture::from(call("getFile")?).await?;
+    let size = Reflect::get(&file, &"size".into())?;
+    if size == 0 {
+        JsFuture::from(call("remove")?).await?;
+    }
+    Ok(())
+}
+
 fn show(name: &str, description: &str) -> Result<Option<Promise>, JsValue> {
     let show = Reflect::get(&window(), &"showSaveFilePicker".into())?;
     let Ok(show) = show.dyn_into::<Function>() else {

@@ -3,7 +3,10 @@
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::{NotASession, NotSaved, Problem, SessionExport};
 
-use crate::ui::format::{grouped, in_language};
+use crate::{
+    model::recorder_texts::no_recorder,
+    ui::format::{grouped, in_language},
+};
 
 /// A session was saved under this name.
 pub(super) fn of_saved(name: &str, bytes: u64, records: u64) -> String {
@@ -26,7 +29,13 @@ pub(super) fn of_not_saved(why: NotSaved) -> &'static str {
         NotSaved::Cancelled => tr!("Saving cancelled"),
         NotSaved::NoRoom => tr!("Not saved: the disk is full. Free some space, then save again."),
         NotSaved::Failed => tr!("Not saved: the file cannot be written. Choose another folder."),
+        NotSaved::NoRecorder => no_recorder(),
     }
+}
+
+/// The browser cannot store what is made of an open file.
+pub(super) fn no_room() -> &'static str {
+    tr!("The disk is full. Free some space, then try again.")
 }
 
 /// Why a file was not opened.
