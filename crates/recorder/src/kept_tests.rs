@@ -215,7 +215,7 @@ fn samples_from_before_the_log_have_the_model_of_its_oldest_entry() {
         recorder.add_event(&LineEvent {
             at: at(millis),
             kind,
-        })
+        });
     });
     let entries = [3, 4].map(|millis| KeptRecord::Line(received(millis)));
     let expected = [vec![begins(1), reading(1), reading(2)], entries.to_vec()].concat();

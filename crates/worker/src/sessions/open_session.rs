@@ -1,9 +1,8 @@
 //! A session that is open.
 
-use motorlink_messages::sessions::FromSessions;
 use motorlink_session::{NotASession, Overview, Problems, Session};
 
-use super::{source::Source, state::post};
+use super::source::Source;
 
 /// A session that is open.
 #[derive(Debug)]
@@ -26,16 +25,4 @@ pub(super) enum NotOpened {
     NoRoom,
     /// Another file was opened, or the user has cancelled it.
     Ended,
-}
-
-impl NotOpened {
-    /// Tells the page. It knows of the end of a task that it has ended.
-    pub(super) fn post(self) {
-        match self {
-            Self::NotASession(why) => post(&FromSessions::NotOpened(Some(why))),
-            Self::Unreadable => post(&FromSessions::NotOpened(None)),
-            Self::NoRoom => post(&FromSessions::NoRoom),
-            Self::Ended => {}
-        }
-    }
 }

@@ -9,7 +9,7 @@ use super::{
     open_session::{NotOpened, OpenSession},
     reading::for_each_record,
     source::Source,
-    state::{Reporter, Shared, is_ended, post},
+    state::{Reporter, Shared, is_ended, post, post_not_opened},
 };
 use crate::blob_parts::Parts;
 
@@ -28,7 +28,7 @@ pub(super) async fn open(shared: &Shared, task: u32, name: String, file: File) {
             shared.borrow_mut().open = Some(open.into());
             post(&FromSessions::Opened(Box::new(about)));
         }
-        Err(why) => why.post(),
+        Err(why) => post_not_opened(&why),
     }
 }
 

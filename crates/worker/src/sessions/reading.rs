@@ -7,7 +7,7 @@ use motorlink_session::{About, Cursor, Next, Problems, Record, Session, Table, W
 use super::{
     open_session::{NotOpened, OpenSession},
     source::Source,
-    state::{Reporter, Shared, is_ended, post_file},
+    state::{Reporter, Shared, is_ended, post_file, post_not_opened},
 };
 use crate::blob_parts::{CSV, Parts};
 
@@ -72,7 +72,7 @@ pub(super) async fn export(shared: &Shared, task: u32, open: &OpenSession, what:
         post_file(&message, &mut parts, media_type).map_err(|_| NotOpened::NoRoom)
     });
     if let Err(why) = posted {
-        why.post();
+        post_not_opened(&why);
     }
 }
 

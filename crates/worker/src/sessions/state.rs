@@ -10,7 +10,10 @@ use motorlink_messages::{
 use motorlink_protocol::Instant;
 use wasm_bindgen::JsValue;
 
-use super::{open_session::OpenSession, replay::Replay};
+use super::{
+    open_session::{NotOpened, OpenSession},
+    replay::Replay,
+};
 use crate::{
     blob_parts::Parts,
     scope::{self, Clock, report},
@@ -79,6 +82,16 @@ pub(super) fn post(message: &FromSessions) {
     match encode(message) {
         Ok(bytes) => scope::post_bytes(&bytes),
         Err(error) => report("a message could not be encoded", &error.to_string().into()),
+    }
+}
+
+/// Tells the page why no session is open, or nothing was exported. It knows of the end of a task that it has ended.
+pub(super) fn post_not_opened(why: &NotOpened) {
+    match why {
+        NotOpened::NotASession(why) => post(&FromSessions::NotOpened(Some(*why))),
+        NotOpened::Unreadable => post(&FromSessions::NotOpened(None)),
+        NotOpened::NoRoom => post(&FromSessions::NoRoom),
+        NotOpened::Ended => {}
     }
 }
 
