@@ -77,6 +77,23 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
 const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words span, .entries span')]
     .filter((words) => words.scrollWidth > words.clientWidth + 1).map((words) => words.textContent)";
 
+/// Places of the desk that lie over each other, a wheel without room, and controls under the row of the command rate.
+const COVERED: &str = "(() => {
+    const shown = [...document.querySelectorAll('.desk .panel:not(.telemetry)')].filter((panel) => panel.getClientRects().length);
+    const place = new Map(shown.map((panel) => [panel, panel.getBoundingClientRect()]));
+    const covered = shown.flatMap((panel, at) => shown.slice(at + 1).filter((other) => {
+        const [one, two] = [place.get(panel), place.get(other)];
+        return one.left < two.right - 1 && two.left < one.right - 1 && one.top < two.bottom - 1 && two.top < one.bottom - 1;
+    }).map((other) => `${panel.className} over ${other.className}`));
+    const wheel = place.get(document.querySelector('.wheel-panel'));
+    if (wheel && wheel.height < 150) covered.push(`a wheel of ${wheel.height}`);
+    const controls = document.querySelector('.tab-panel:not(.closed)');
+    const rate = document.querySelector('.settings').getBoundingClientRect();
+    if (controls.getBoundingClientRect().bottom > rate.top + 1) covered.push('controls under the command rate');
+    if (getComputedStyle(controls).overflowY === 'visible' && controls.scrollHeight > controls.clientHeight + 1) covered.push('cut controls');
+    return covered;
+})()";
+
 #[test]
 fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     set_language(Language::German);
@@ -85,7 +102,13 @@ fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     page.find("button", translated("Skip the tour"))?;
     page.find_like("img", translated("Speed and current"))?;
     look(&page, View::DESKTOP)?;
+    assert_eq!(page.evaluate(COVERED)?, json!([]));
     open_panel(&page, translated("Drive together"))?;
+    // The tour is shown too.
+    for view in [View::window(1280, 900), View::DESKTOP] {
+        look(&page, view)?;
+        assert_eq!(page.evaluate(COVERED)?, json!([]), "{view:?}");
+    }
     for (role, name) in READ_OUTS {
         in_sight(&page, View::DESKTOP, role, translated(name))?;
     }
