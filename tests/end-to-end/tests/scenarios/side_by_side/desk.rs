@@ -26,7 +26,12 @@ fn notices(page: &Page, view: View) -> Result<Place> {
         "(() => { const panel = document.querySelector('.notices');
             return panel.scrollHeight > panel.clientHeight + 1; })()",
     )?;
-    ensure!(clipped == json!(false), "the notices are cut in {view:?}");
+    // Sideways a phone has little room: the tour scrolls.
+    let is_tour = page.find_all("button", "Skip the tour")?.len() == 1;
+    ensure!(
+        clipped == json!(false) || is_tour && view == LANDSCAPE,
+        "the notices are cut in {view:?}"
+    );
     let stop = in_sight(page, view, STOP.0, STOP.1)?;
     ensure!(!place.covers(stop), "STOP is covered in {view:?}");
     for (role, name) in READ_OUTS {
@@ -54,6 +59,9 @@ fn the_tour_and_an_alert_are_in_sight_in_every_window() -> Result<()> {
         look(&page, view)?;
         notices(&page, view)?;
         in_sight(&page, view, "button", "Skip the tour")?;
+        // An offer covers no control.
+        in_sight(&page, view, "tab", "Velocity")?;
+        in_sight(&page, view, "spinbutton", "Target speed")?;
     }
     look(&page, LAPTOP)?;
     page.click("button", "Skip the tour")?;

@@ -1,6 +1,6 @@
 //! What a phone shows, upright and sideways.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use end_to_end::{Line, View};
 use serde_json::json;
 
@@ -37,8 +37,32 @@ fn a_phone_has_on_its_first_screen_what_drives() -> Result<()> {
         page,
         LANDSCAPE,
         &[STOP, ("output", "Speed"), ("button", "Start")],
-    )
+    )?;
+    assert_eq!(page.evaluate(FAULT_TEXTS)?, json!(true));
+    // The figures stay while the controls are scrolled.
+    for view in [View::PHONE, LANDSCAPE] {
+        look(page, view)?;
+        page.evaluate("scrollTo(0, 10000)")?;
+        ensure!(page.evaluate("scrollY")? != json!(0), "{view:?}");
+        all_in_sight(page, view, &READ_OUTS)?;
+        in_sight(page, view, STOP.0, STOP.1)?;
+    }
+    Ok(())
 }
+
+/// Whether the texts of a fault lie beside each other.
+const FAULT_TEXTS: &str = "(() => {
+    const card = document.querySelector('.read-out.faults');
+    const [was, figure] = [card.className, card.querySelector('.figure')];
+    const text = figure.textContent;
+    card.className = 'panel read-out faults bad';
+    figure.textContent = 'Over-temperature';
+    const ends = ['.read-out-name', '.age', '.figure', '.detail'].map((name) => card.querySelector(name).getBoundingClientRect());
+    const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+    const all = ends.every((one, at) => one.width && ends.slice(at + 1).every((other) => apart(one, other)));
+    [card.className, figure.textContent] = [was, text];
+    return all;
+})()";
 
 #[test]
 fn a_phone_shows_the_rest_behind_its_tab_bar() -> Result<()> {
