@@ -50,8 +50,12 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
             text.chars().any(char::is_alphabetic)
         })?;
         page.find_like("img", translated("Speed and current"))?;
+        page.click("button", translated("Record telemetry"))?;
         for view in [View::PHONE, View::TABLET, LAPTOP, View::DESKTOP] {
             look(&page, view)?;
+            if view == View::DESKTOP {
+                assert_eq!(page.evaluate(CUT_COUNTS)?, json!([]), "{}", language.key());
+            }
             for tab in [
                 "Velocity",
                 "Current",
@@ -73,9 +77,12 @@ fn no_text_of_the_controls_is_cut() -> Result<()> {
     Ok(())
 }
 
-/// Counts that are wider than their place.
-const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words span, .entries span')]
-    .filter((words) => words.scrollWidth > words.clientWidth + 1).map((words) => words.textContent)";
+/// Counts that are larger than their place, or touch the edge of their card.
+const CUT_COUNTS: &str = "[...document.querySelectorAll('.recording-words, .entries span:not(.comma)')].filter((words) => {
+    const [{ top, bottom }, card] = [words, words.closest('.panel')].map((place) => place.getBoundingClientRect());
+    return words.scrollWidth > words.clientWidth + 1 || words.scrollHeight > words.clientHeight + 1
+        || top < card.top + 3 || bottom > card.bottom - 3;
+}).map((words) => words.textContent)";
 
 /// Places of the desk that lie over each other, a wheel without room, and controls under the row of the command rate.
 const COVERED: &str = "(() => {

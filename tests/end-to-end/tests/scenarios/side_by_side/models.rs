@@ -9,6 +9,7 @@ use crate::fixture::{
 };
 use anyhow::Result;
 use end_to_end::{Bench, Frame, Line, Page, Usb, now_us, retry, wait_until};
+use serde_json::json;
 
 const SCAN_MAX: Duration = Duration::from_secs(60);
 /// A switch and a quarter turn take half a second; a busy page shows it a little later.
@@ -113,12 +114,24 @@ fn a_driver_board_in_json_mode_is_reported_with_its_switch() -> Result<()> {
     Ok(())
 }
 
+/// Whether a long figure of the current lies over the scale of its line.
+const COVERS_ITS_SCALE: &str = "(() => {
+    const figure = document.querySelector('.read-out.current .figure');
+    const scale = document.querySelector('.read-out.current .spark-scale');
+    const [was, label] = [figure.textContent, scale.dataset.scale];
+    [figure.textContent, scale.dataset.scale] = [figure.nextElementSibling.textContent.includes('raw') ? '+20000' : '+2.00', '±32768'];
+    const [one, two] = [figure, scale].map((part) => part.getBoundingClientRect());
+    [figure.textContent, scale.dataset.scale] = [was, label];
+    return one.left < two.right && two.left < one.right && one.top < two.bottom && two.top < one.bottom;
+})()";
+
 fn operate_every_loop(case: &Case) -> Result<()> {
     let mut scenario = found(case)?;
     let has_current = case.loops.iter().any(|it| it.tab == CURRENT.tab);
     let tabs = scenario.page.find_all("tab", CURRENT.tab)?;
     assert_eq!(tabs.len(), usize::from(has_current));
     velocity(&mut scenario, case.at_50_rpm)?;
+    assert_eq!(scenario.page.evaluate(COVERS_ITS_SCALE)?, json!(false));
     for it in case.loops {
         switched(&scenario.page, it)?;
         turned_and_stopped(&mut scenario, it, case.relative)?;
