@@ -101,6 +101,12 @@ const COVERED: &str = "(() => {
     return covered;
 })()";
 
+/// Numbers of the dial that are too small to read.
+const SMALL_NUMBERS: &str = "[...document.querySelectorAll('.twin-scale text')]
+    .filter((text) => text.getClientRects().length)
+    .map((text) => parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a)
+    .filter((size) => size < 10.9)";
+
 #[test]
 fn beside_a_docked_panel_no_count_is_cut_and_no_figure_covered() -> Result<()> {
     set_language(Language::German);
@@ -165,6 +171,7 @@ fn no_window_has_to_be_scrolled_sideways_and_no_figure_moves_the_page() -> Resul
             look(&page, view)?;
             let wider = page.evaluate("document.documentElement.scrollWidth > innerWidth")?;
             assert_eq!(wider, json!(false), "{view:?}, {}", language.key());
+            assert_eq!(page.evaluate(SMALL_NUMBERS)?, json!([]), "{view:?}");
             let moves = page.evaluate(MOVES)?;
             assert_eq!(moves, json!(""), "{view:?}, {}", language.key());
         }
