@@ -127,7 +127,9 @@ async fn everything_is_erased_after_a_question_and_not_while_recording() {
     recorder.post(&FromRecorder::Erased { all: true });
     bench
         .until("words", || {
-            bench.text("status", "Setup").contains("Deleted")
+            bench
+                .text("status", "Stored in this browser")
+                .contains("Deleted")
         })
         .await;
 }

@@ -9,7 +9,9 @@ use motorlink_messages::{
 };
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::{DataTransfer, Event, EventInit, File, HtmlInputElement, HtmlSelectElement, Storage};
+use web_sys::{
+    DataTransfer, Event, EventInit, File, HtmlInputElement, HtmlSelectElement, Node, Storage,
+};
 
 use crate::{
     bench::{Bench, document, motor},
@@ -45,6 +47,10 @@ async fn page(name: &str) -> Bench {
 async fn import(bench: &Bench, text: &str) -> String {
     bench.open("Settings").await;
     let said = bench.find("status", "Setup");
+    // The result is beside the button, above the next heading.
+    let next = bench.find("button", "Delete all data");
+    let order = said.compare_document_position(&next);
+    assert_ne!(order & Node::DOCUMENT_POSITION_FOLLOWING, 0);
     said.set_text_content(None);
     let parts = Array::of1(&JsValue::from_str(text));
     let file = File::new_with_str_sequence(&parts, "setup.json").unwrap();

@@ -26,6 +26,7 @@ const CHOOSER: &str = "setup-file";
 const ERASE: &str = "erase-kept";
 const INSTALL: &str = "install-page";
 const SAID: &str = "setup-words";
+const ERASED: &str = "erased-words";
 
 fn limits_head() -> String {
     let head = tr!("Limits");
@@ -36,8 +37,8 @@ fn limits_head() -> String {
     format!("<h3>{head}</h3><p>{words}</p>")
 }
 
-/// Buttons `Export setup`, `Import setup`, `Setup link`, `Delete all data` and `Install`, the browser's own chooser of files that
-/// the second one opens, and status `Setup`.
+/// Buttons `Export setup`, `Import setup`, `Setup link`, `Delete all data` and `Install`, the browser's own chooser of
+/// files that the second one opens, and below them the statuses `Setup` and `Stored in this browser`.
 fn files() -> String {
     [
         heading(tr!("Setup")),
@@ -49,15 +50,13 @@ fn files() -> String {
         button(IMPORT, tr!("Import setup")),
         button(LINK, tr!("Setup link")),
         format!(r#"</div><input type="file" accept=".json" id="{CHOOSER}" hidden>"#),
+        status(SAID, tr!("Setup")),
         heading(tr!("Stored in this browser")),
         paragraph(tr!(
             "Sessions and settings stay in this browser. They leave it only as files you export."
         )),
         button(ERASE, tr!("Delete all data")),
-        format!(
-            r#"<p class="setup-words" role="status" aria-label="{}" id="{SAID}"></p>"#,
-            tr!("Setup")
-        ),
+        status(ERASED, tr!("Stored in this browser")),
         heading(tr!("Installation")),
         paragraph(tr!(
             "The browser never discards the installed app while it is hidden. Offline use works \
@@ -78,6 +77,11 @@ fn paragraph(words: &str) -> String {
 
 fn button(id: &str, label: &str) -> String {
     format!(r#"<button type="button" class="button" id="{id}">{label}</button>"#)
+}
+
+/// The result of the action above it.
+fn status(id: &str, name: &str) -> String {
+    format!(r#"<p class="setup-words" role="status" aria-label="{name}" id="{id}"></p>"#)
 }
 
 /// The button `Install`, which another feature implements.
@@ -188,7 +192,7 @@ fn attach_handlers(settings: Settings, install: &'static InstallButton) {
         show_reason(ERASE, settings.erase_blocked_by(reason).as_deref(), erases);
     });
     effect(move || show_reason(INSTALL, (install.disabled_reason)(), install.hint));
-    effect(move || say(settings.erased.get()));
+    effect(move || say(ERASED, settings.erased.get()));
 }
 
 /// Disables a button for this reason, or enables it with this hint.
@@ -208,8 +212,8 @@ fn show_reason(id: &str, reason: Option<&str>, hint: &str) {
     let _ = button.set_attribute("title", title);
 }
 
-fn say(words: &str) {
-    if let Some(said) = document().get_element_by_id(SAID) {
+fn say(id: &str, words: &str) {
+    if let Some(said) = document().get_element_by_id(id) {
         said.set_text_content(Some(words));
     }
 }
@@ -257,5 +261,5 @@ async fn answer(settings: Settings, asked: Asked) {
     // Allows choosing the same file again after it was edited.
     chooser.set_value("");
     let Some(file) = file else { return };
-    say(&settings.import_setup(&file).await);
+    say(SAID, &settings.import_setup(&file).await);
 }

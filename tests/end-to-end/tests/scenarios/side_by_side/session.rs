@@ -231,7 +231,9 @@ fn what_is_forgotten_and_what_is_erased_is_offered_no_more() -> Result<()> {
     assert_ne!(page.evaluate("Object.keys(localStorage).length")?, 0);
     page.click("button", "Delete all data")?;
     page.click("button", "Delete")?;
-    page.wait_for_text("status", "Setup", |text| text.contains("Deleted"))?;
+    page.wait_for_text("status", "Stored in this browser", |text| {
+        text.contains("Deleted")
+    })?;
     page.wait_for_text("output", "Recorded", |text| text.contains("0 samples"))?;
     let keys = page.evaluate("Object.keys(localStorage).length")?;
     assert_eq!(keys, 0);
