@@ -203,7 +203,7 @@ fn a_chunk_that_the_index_names_many_times_is_read_once() {
     }
     let mut hostile = file[..summary].to_vec();
     for _ in 0..1_000 {
-        chunks.iter().for_each(|chunk| hostile.extend(*chunk));
+        hostile.extend(chunks.iter().flat_map(|chunk| chunk.iter()));
     }
     hostile.extend(&file[footer..footer + 17]);
     // No offsets and no CRC.

@@ -14,7 +14,7 @@ pub(super) struct Shareable {
     /// Ready before the press: a browser opens the dialog only at once.
     file: RwSignal<Option<JsValue>, LocalStorage>,
     /// Whether this browser refuses the ending of a session. Chromium shares only files with an ending that it knows
-    /// (`kPermitted` in its share_service_impl.cc).
+    /// (`kPermitted` in its `share_service_impl.cc`).
     as_text: StoredValue<bool>,
 }
 

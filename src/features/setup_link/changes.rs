@@ -15,27 +15,9 @@ use crate::{
 pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
     let mut raised = Vec::new();
     let mut others = Vec::new();
-    let rpm = |value: u16| format!("{value} {}", format::rpm());
-    let amps = |value: u16| format!("{} A", format::milliamps(value));
-    let degrees = |value: u16| format!("{value} °C");
-    let limits: [(&str, Option<u16>, Option<u16>, &dyn Fn(u16) -> String); 3] = [
-        (tr!("Speed limit"), now.speed_limit, new.speed_limit, &rpm),
-        (
-            tr!("Current limit"),
-            now.current_limit,
-            new.current_limit,
-            &amps,
-        ),
-        (
-            tr!("Temperature limit"),
-            now.temperature_limit,
-            new.temperature_limit,
-            &degrees,
-        ),
-    ];
-    for (what, from, to, words) in limits {
+    let mut limit = |what: &str, from: Option<u16>, to: Option<u16>, words: fn(u16) -> String| {
         let (Some(from), Some(to)) = (from, to) else {
-            continue;
+            return;
         };
         let change = line(what, &words(from), &words(to));
         if to > from {
@@ -43,7 +25,25 @@ pub(crate) fn changes(now: &Setup, new: &Setup) -> Vec<String> {
         } else if to < from {
             others.push(change);
         }
-    }
+    };
+    limit(
+        tr!("Speed limit"),
+        now.speed_limit,
+        new.speed_limit,
+        |value| format!("{value} {}", format::rpm()),
+    );
+    limit(
+        tr!("Current limit"),
+        now.current_limit,
+        new.current_limit,
+        |value| format!("{} A", format::milliamps(value)),
+    );
+    limit(
+        tr!("Temperature limit"),
+        now.temperature_limit,
+        new.temperature_limit,
+        |value| format!("{value} °C"),
+    );
     let model = |setup: &Setup| setup.model.map(|model| model.spec().name.to_owned());
     let hertz = |setup: &Setup| setup.rate.map(|rate| format!("{} Hz", rate.hertz()));
     let ramp = |setup: &Setup| {
