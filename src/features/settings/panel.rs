@@ -53,7 +53,7 @@ fn files() -> String {
         status(SAID, tr!("Setup")),
         heading(tr!("Stored in this browser")),
         paragraph(tr!(
-            "Sessions and settings stay in this browser. They leave it only as files you export."
+            "Sessions and settings stay in this browser. They leave it only in files and links that you share."
         )),
         button(ERASE, tr!("Delete all data")),
         status(ERASED, tr!("Stored in this browser")),
