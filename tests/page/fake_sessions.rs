@@ -19,6 +19,8 @@ pub struct FakeSessions {
     channel: BroadcastChannel,
     /// Each message, and the number of objects that came with it.
     received: Rc<RefCell<Vec<(ToSessions, u32)>>>,
+    /// The last of them that the test has seen.
+    last: RefCell<String>,
     _on_message: Closure<dyn FnMut(MessageEvent)>,
 }
 
@@ -40,6 +42,7 @@ impl FakeSessions {
         Self {
             channel,
             received,
+            last: RefCell::default(),
             _on_message: on_message,
         }
     }
@@ -48,18 +51,23 @@ impl FakeSessions {
     pub async fn next(&self) -> (ToSessions, u32) {
         for _ in 0..150 {
             if !self.received.borrow().is_empty() {
-                return self.received.borrow_mut().remove(0);
+                let next = self.received.borrow_mut().remove(0);
+                self.last.replace(format!("{:?}", next.0));
+                return next;
             }
             pause(20).await;
         }
-        panic!("the session worker was sent nothing");
+        panic!(
+            "the session worker was sent nothing after {}",
+            self.last.borrow()
+        );
     }
 
     /// What it was sent since the last call, after all of it has arrived.
     pub async fn received(&self) -> Vec<ToSessions> {
         pause(200).await;
-        let received = self.received.borrow_mut().drain(..);
-        received.map(|(message, _)| message).collect()
+        let received = std::mem::take(&mut *self.received.borrow_mut());
+        received.into_iter().map(|(message, _)| message).collect()
     }
 
     pub fn post(&self, message: &FromSessions) {

@@ -31,7 +31,7 @@ pub async fn page(name: &str, entries: usize) -> (FakeRecorder, Bench, Style) {
 pub struct Style(Element);
 
 impl Style {
-    fn new() -> Self {
+    pub fn new() -> Self {
         let style = document().create_element("style").unwrap();
         let sheet = include_str!("../../style/later/65-log.css");
         let sheet = format!(

@@ -9,12 +9,13 @@ use motorlink_messages::{
 };
 use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
-use web_sys::{Event, HtmlInputElement};
+use web_sys::{Event, EventInit, HtmlInputElement};
 
 use crate::{
     bench::{Bench, document, motor, now, pause, performance, press},
     fake_recorder::FakeRecorder,
     fake_sessions::{FakeSessions, drop_file, info},
+    log_bench::Style,
 };
 
 /// The clock of the replay begins with the session of the recording, long before this page.
@@ -174,6 +175,7 @@ async fn a_recording_is_shown_on_the_instruments_and_says_that_it_is_one() {
 
 #[wasm_bindgen_test]
 async fn rows_of_the_recording_take_the_place_of_the_log_and_the_log_is_back_after_it() {
+    let _style = Style::new();
     let recorder = FakeRecorder::new("replay-log");
     let (sessions, bench) = opened("replay-log").await;
     recorder.log(3);
@@ -226,7 +228,9 @@ async fn rows_of_the_recording_take_the_place_of_the_log_and_the_log_is_back_aft
     }
 
     end_button(&bench).click();
-    bench.until("the live log", entries("4 entries")).await;
+    bench
+        .until("the live log again", entries("4 entries"))
+        .await;
     until_live(&bench).await;
     let sent = recorder.received().await;
     let has_language = |message: &ToRecorder| matches!(message, ToRecorder::SetLanguage { .. });
@@ -363,18 +367,19 @@ async fn the_bar_plays_steps_and_goes_to_places() {
     bench.click("Play");
     assert_eq!(next().await, ToReplay::Play(PlaySpeed::REAL_TIME));
     post(&sessions, update(2_033, 121, true));
-    let plays = || !bench.find_all("button", "Pause").is_empty();
+    let plays = || !bench.find_all("button", "Pause replay").is_empty();
     bench.until("playing", plays).await;
     let speed: web_sys::HtmlSelectElement = bench
         .find("combobox", "Speed of the replay")
         .unchecked_into();
     speed.set_value("10000");
-    speed
-        .dispatch_event(&Event::new("change").unwrap())
-        .unwrap();
+    let bubbles = EventInit::new();
+    bubbles.set_bubbles(true);
+    let change = Event::new_with_event_init_dict("change", &bubbles).unwrap();
+    speed.dispatch_event(&change).unwrap();
     let ten_times = PlaySpeed::from_per_mille(10_000);
     assert_eq!(next().await, ToReplay::Play(ten_times));
-    bench.click("Pause");
+    bench.click("Pause replay");
     assert_eq!(next().await, ToReplay::Pause);
     post(&sessions, update(2_500, 121, false));
     for (name, forward) in [("Next frame", true), ("Previous frame", false)] {

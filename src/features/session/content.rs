@@ -205,6 +205,7 @@ fn event_row(player: Player, mark: &SessionMark) -> impl IntoView + use<> {
                 on:click=handler(move |_| player.seek(after_us))
             >
                 <span class="session-time">{texts::elapsed(after_us)}</span>
+                " "
                 <span class=class>{mark.text.clone()}</span>
             </button>
         </li>

@@ -161,7 +161,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 />
                 <PressButton
                     label=Signal::derive(move || {
-                        let word = if plays() { tr!("Pause") } else { tr!("Play") };
+                        let word = if plays() { tr!("Pause replay") } else { tr!("Play") };
                         word.to_owned()
                     })
                     class="button small replay-play"
