@@ -13,10 +13,17 @@ const CONTEXT_END: char = '\u{4}';
 /// Between two messages; no message holds it.
 const MESSAGE_END: &str = "\0";
 
-/// The folders whose texts load with their part, when it is asked for. A text that other files have too is not among
-/// them.
-const LATER: [&str; 3] = [
+/// The folders and files whose texts load with their part: with the tools, or when it is asked for. A text that other files
+/// have too is not among them.
+const LATER: [&str; 10] = [
+    "src/features/groups/panel.rs",
+    "src/features/ids/view.rs",
+    "src/features/link_doctor/figures.rs",
+    "src/features/link_doctor/markup.rs",
+    "src/features/link_doctor/texts.rs",
+    "src/features/raw/view.rs",
     "src/features/session/",
+    "src/features/settings/panel.rs",
     "src/features/setup_link/",
     "src/features/wheel_setup/",
 ];

@@ -146,7 +146,10 @@ in_part!(desk: fn mount_desk(hosts, features) [
 ]);
 
 in_part!(tools: fn mount_tools(hosts, features) [
-    hosts.mount(move || view! { <IdManagerTab ids=features.ids /> }),
+    {
+        load_later_texts();
+        hosts.mount(move || view! { <IdManagerTab ids=features.ids /> })
+    },
     hosts.mount(move || view! { <RawHexTab raw=features.raw /> }),
     hosts.mount(move || view! { <VirtualMotorsPanel connect=features.connect /> }),
     hosts.mount(move || {

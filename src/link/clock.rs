@@ -128,7 +128,7 @@ mod tests {
         let place = Instant::from_millis(5_000);
         let at = |speed, page_ms| {
             let clock = Clock::of_recording(-60_000.0, place, 80_000.0, speed);
-            clock.instant(page_ms).as_millis()
+            clock.instant(page_ms).as_micros() / 1_000
         };
         assert_eq!(at(1.0, 80_000.0), 5_000);
         assert_eq!(at(1.0, 80_100.0), 5_100);

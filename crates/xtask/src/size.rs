@@ -64,18 +64,20 @@ const PARTS: [Part; 16] = [
     // Its bus drives every model (4,300), and its virtual motors have the firmware of each (4,000).
     part("worker", When::Driving, &["worker-"], 98_500),
     // With the notices and the tour, which were part of the first style, the names of motors, and the panel Session file
-    // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500.
-    part("later style", When::Behind, &["later-style-"], 12_000),
+    // (700). The sizes of the dial's numbers, narrow cards, and the figures that stay in sight on a phone take 500, the
+    // controls of a replay and the setup link 900.
+    part("later style", When::Behind, &["later-style-"], 13_000),
     // 15,000 of them are the rover from above, 4,000 the loops, the log and the words of four models, 2,300 the dialog for
     // the name and side of a motor. 80: a reply without a current leaves it out of the graph. 2,200 save it as SVG.
     part("desk", When::Behind, &["desk"], 116_900),
     part("tools", When::Behind, &["tools"], 80_000),
-    // The setup of a rover's wheels, and the panels Session file (34,000) and Setup link (7,500).
-    part("seldom used", When::Asked, &["seldom"], 63_900),
+    // The setup of a rover's wheels, and the panels Session file (50,000, of which the replay takes 16,000) and Setup link
+    // (7,500).
+    part("seldom used", When::Asked, &["seldom"], 80_000),
     part("help", When::Behind, &["help.", "help-"], 8_200),
-    // 25,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
-    // setup: the tools are smaller by as much.
-    part("shared", When::Behind, &["chunk"], 44_000),
+    // 31,000 are code of the desk and the tools that the seldom used panels need too, 11,000 of them to read and to apply a
+    // setup: the tools are smaller by 20,000.
+    part("shared", When::Behind, &["chunk"], 51_000),
     // It opens collapsed frames of the log, keeps a cleared log until that cannot be undone any more, puts the page's
     // messages into the language of their reader, records every model, explains the frames of each (3,500), and gives
     // all that it keeps to the session worker (2,000).
@@ -96,8 +98,8 @@ const PARTS: [Part; 16] = [
         &["help/en", "help/wiring"],
         9_000,
     ),
-    part("German", When::Asked, &["texts-de", "help/de"], 22_700),
-    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 22_500),
+    part("German", When::Asked, &["texts-de", "help/de"], 23_000),
+    part("Chinese", When::Asked, &["texts-zh", "help/zh"], 22_800),
     part("server", When::Asked, &["."], 1_000),
 ];
 

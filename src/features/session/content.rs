@@ -43,9 +43,6 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
             count = grouped(left_out)
         )
     });
-    let player = files.player;
-    let replays = move || player.info.with(Option::is_some);
-    let replay_blocked_by = move || player.blocked_by().filter(|_| !replays());
     let export = move |what, label, hint| {
         let reads = move || {
             files
@@ -65,24 +62,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
     };
     view! {
         <div class="session-content">
-            <div class="session-head">
-                <h3>{info.name.clone()}</h3>
-                <PressButton
-                    label=Signal::derive(move || {
-                        let word = if replays() { tr!("End replay") } else { tr!("Replay") };
-                        word.to_owned()
-                    })
-                    class="button small primary"
-                    hint=tr!("Shows the recording on all instruments. No motor is driven.")
-                    disabled_reason=Signal::derive(replay_blocked_by)
-                    on_press=move || if replays() { player.end() } else { player.begin() }
-                />
-                <PressButton
-                    label=tr!("Close file")
-                    class="button small"
-                    on_press=move || files.close()
-                />
-            </div>
+            {head(files, info)}
             <ul class="session-problems" aria-label=tr!("Missing in the file") hidden=has_no_problems>
                 {problems}
             </ul>
@@ -127,6 +107,33 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                     tr!("The packet log as CSV"),
                 )}
             </div>
+        </div>
+    }
+}
+
+/// The name of the file, and what can be done with it.
+fn head(files: SessionFiles, info: &SessionInfo) -> impl IntoView + use<> {
+    let player = files.player;
+    let replays = move || player.info.with(Option::is_some);
+    let replay_blocked_by = move || player.blocked_by().filter(|_| !replays());
+    view! {
+        <div class="session-head">
+            <h3>{info.name.clone()}</h3>
+            <PressButton
+                label=Signal::derive(move || {
+                    let word = if replays() { tr!("End replay") } else { tr!("Replay") };
+                    word.to_owned()
+                })
+                class="button small primary"
+                hint=tr!("Shows the recording on all instruments. No motor is driven.")
+                disabled_reason=Signal::derive(replay_blocked_by)
+                on_press=move || if replays() { player.end() } else { player.begin() }
+            />
+            <PressButton
+                label=tr!("Close file")
+                class="button small"
+                on_press=move || files.close()
+            />
         </div>
     }
 }

@@ -87,7 +87,6 @@ fn css_string(text: &str) -> String {
 
 fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let duration_us = info.duration_us;
-    let plays = move || player.place.with(|place| place.plays);
     let at = move || texts::elapsed(player.shown_us());
     let stopped = move || {
         let page = player.page;
@@ -100,7 +99,6 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 })
         })
     };
-    let speeds: String = SPEEDS.map(option).concat();
     let pressed_key = move |event: KeyboardEvent| {
         let by_us = match event.key().as_str() {
             "ArrowRight" | "ArrowUp" => ARROW_US,
@@ -144,56 +142,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                     on:keydown=handler(pressed_key)
                 />
             </div>
-            <div class="replay-steps">
-                <PressButton
-                    label="⏮"
-                    name=tr!("Previous event")
-                    hint=tr!("Previous event")
-                    class="button small replay-sign"
-                    on_press=move || player.seek_event(false)
-                />
-                <PressButton
-                    label="◂"
-                    name=tr!("Previous frame")
-                    hint=tr!("Previous frame")
-                    class="button small replay-sign"
-                    on_press=move || player.step(false)
-                />
-                <PressButton
-                    label=Signal::derive(move || {
-                        let word = if plays() { tr!("Pause replay") } else { tr!("Play") };
-                        word.to_owned()
-                    })
-                    class="button small replay-play"
-                    on_press=move || player.play_or_pause()
-                />
-                <PressButton
-                    label="▸"
-                    name=tr!("Next frame")
-                    hint=tr!("Next frame")
-                    class="button small replay-sign"
-                    on_press=move || player.step(true)
-                />
-                <PressButton
-                    label="⏭"
-                    name=tr!("Next event")
-                    hint=tr!("Next event")
-                    class="button small replay-sign"
-                    on_press=move || player.seek_event(true)
-                />
-                <select
-                    class="select small"
-                    aria-label=tr!("Speed of the replay")
-                    title=tr!("Speed of the replay")
-                    prop:value=dynamic(move || player.speed.get().per_mille().to_string())
-                    on:change=handler(move |event| {
-                        if let Ok(per_mille) = event_target_value(&event).parse() {
-                            player.set_speed(PlaySpeed::from_per_mille(per_mille));
-                        }
-                    })
-                    inner_html=speeds
-                ></select>
-            </div>
+            {steps(player)}
             <output class="replay-at" aria-label=tr!("Place")  aria-live="off">
                 <span>{dynamic(at)}</span>
                 <span class="quiet">" / " {texts::elapsed(duration_us)}</span>
@@ -213,6 +162,64 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 })}
             </p>
         </section>
+    }
+}
+
+/// The buttons that play and step, and the speed.
+fn steps(player: Player) -> impl IntoView {
+    let plays = move || player.place.with(|place| place.plays);
+    let speeds: String = SPEEDS.map(option).concat();
+    view! {
+        <div class="replay-steps">
+            <PressButton
+                label="⏮"
+                name=tr!("Previous event")
+                hint=tr!("Previous event")
+                class="button small replay-sign"
+                on_press=move || player.seek_event(false)
+            />
+            <PressButton
+                label="◂"
+                name=tr!("Previous frame")
+                hint=tr!("Previous frame")
+                class="button small replay-sign"
+                on_press=move || player.step(false)
+            />
+            <PressButton
+                label=Signal::derive(move || {
+                    let word = if plays() { tr!("Pause replay") } else { tr!("Play") };
+                    word.to_owned()
+                })
+                class="button small replay-play"
+                on_press=move || player.play_or_pause()
+            />
+            <PressButton
+                label="▸"
+                name=tr!("Next frame")
+                hint=tr!("Next frame")
+                class="button small replay-sign"
+                on_press=move || player.step(true)
+            />
+            <PressButton
+                label="⏭"
+                name=tr!("Next event")
+                hint=tr!("Next event")
+                class="button small replay-sign"
+                on_press=move || player.seek_event(true)
+            />
+            <select
+                class="select small"
+                aria-label=tr!("Speed of the replay")
+                title=tr!("Speed of the replay")
+                prop:value=dynamic(move || player.speed.get().per_mille().to_string())
+                on:change=handler(move |event| {
+                    if let Ok(per_mille) = event_target_value(&event).parse() {
+                        player.set_speed(PlaySpeed::from_per_mille(per_mille));
+                    }
+                })
+                inner_html=speeds
+            ></select>
+        </div>
     }
 }
 
