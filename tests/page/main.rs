@@ -26,7 +26,7 @@ mod replay;
 mod saved_session;
 mod session_file;
 mod setup;
-mod setup_link;
+mod setup_sharing;
 mod together;
 mod tools;
 mod truth;
