@@ -172,7 +172,7 @@ fn steps(player: Player) -> impl IntoView {
     view! {
         <div class="replay-steps">
             <PressButton
-                label="⏮"
+                label="|◂"
                 name=tr!("Previous event")
                 hint=tr!("Previous event")
                 class="button small replay-sign"
@@ -201,7 +201,7 @@ fn steps(player: Player) -> impl IntoView {
                 on_press=move || player.step(true)
             />
             <PressButton
-                label="⏭"
+                label="▸|"
                 name=tr!("Next event")
                 hint=tr!("Next event")
                 class="button small replay-sign"
