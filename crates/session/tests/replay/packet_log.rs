@@ -1,7 +1,7 @@
 //! The packet log of a replay.
 
 use motorlink_messages::{
-    recorder::{Filter, FromRecorder, Kind, LogPage, Window},
+    recorder::{Filter, Kind, LogPage, Window},
     sessions::{FromReplay, ToReplay},
 };
 use motorlink_protocol::family::Model;
@@ -18,10 +18,7 @@ const NEWEST: Window = Window {
 
 fn pages(messages: &[FromReplay]) -> Vec<LogPage> {
     let pages = messages.iter().filter_map(|message| match message {
-        FromReplay::Log(log) => match &**log {
-            FromRecorder::Log(page) => Some(page.clone()),
-            other => panic!("{other:?}"),
-        },
+        FromReplay::Log(page) => Some((**page).clone()),
         _ => None,
     });
     pages.collect()
