@@ -210,7 +210,11 @@ async fn a_saved_session_is_shared_where_the_browser_can() {
     bench.click("Share");
     until_said(&bench, "Shared motorlink-session-").await;
     let name = shared("name").unwrap();
-    assert!(name.ends_with(".mcap"), "{name}");
+    assert_eq!(
+        name.split_once('.').map(|(_, kind)| kind),
+        Some("mcap"),
+        "{name}"
+    );
 
     let_share("throw new DOMException('', 'AbortError')");
     bench.click("Share");

@@ -16,7 +16,7 @@ use crate::{
 /// The data of one motor: the page writes it at any rate, and the twin reads it once a frame. Nothing in it is a
 /// signal.
 ///
-/// All times are shown times, in milliseconds: see [`Clock`].
+/// All times are shown times, in milliseconds: see `link::clock`.
 #[derive(Default)]
 pub struct TwinFeed {
     estimator: Estimator,
