@@ -75,7 +75,7 @@ async fn keys_drive_and_stop() {
 }
 
 #[wasm_bindgen_test]
-async fn in_a_field_only_escape_acts() {
+async fn in_a_number_field_only_the_stop_keys_act() {
     let bench = Bench::with_motor("in-a-field", Mode::Velocity).await;
     bench.find("spinbutton", "Target speed").focus().unwrap();
     for key in ["1", "f", " ", "v", "Escape"] {
@@ -92,7 +92,7 @@ async fn in_a_field_only_escape_acts() {
     for key in ["1", "f", " ", "v", "Escape"] {
         press(key);
     }
-    assert_eq!(bench.commands().await, [STOP_ALL]);
+    assert_eq!(bench.commands().await, [STOP_ALL, STOP_ALL]);
 }
 
 #[wasm_bindgen_test]

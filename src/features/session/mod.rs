@@ -7,7 +7,9 @@
 //! | `readiness` | whether there is anything to save |
 //! | `save_picker` | the browser's dialog for a file to write |
 //! | `share` | the saved session for another app |
-//! | `player` | shows an open file as if it were the live line, and controls the replay |
+//! | `player` | shows an open file as if it were the live line |
+//! | `player/gate` | which messages cross between the recording and the live line |
+//! | `player/controls` | what the controls of the replay do |
 //! | `replay_bar` | the controls of the replay |
 //! | `panel` | the panel `Session file` |
 //! | `content` | what is in an open file |

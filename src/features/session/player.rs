@@ -1,4 +1,7 @@
-//! Shows the open session as if it were the live line, and controls the replay.
+//! Shows the open session as if it were the live line.
+
+mod controls;
+mod gate;
 
 use std::{
     ops::Deref,
@@ -12,10 +15,10 @@ use std::{
 use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
-    ToWorker, Update,
-    bus::{Command, Sample},
+    Update,
+    bus::Sample,
     protocol::Instant,
-    recorder::{FromRecorder, LogPage, ToRecorder},
+    recorder::LogPage,
     sessions::{FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
 };
 
@@ -24,7 +27,7 @@ use crate::{
     model::{
         guards::{is_in_use, port_blocked_by},
         page::Page,
-        replay::{self, Crossing},
+        replay,
     },
     ui::clock::{page_now_ms, page_origin_ms},
 };
@@ -228,89 +231,6 @@ impl Player {
         self.show(Show::End);
     }
 
-    /// Decides which messages cross between the recording and the live line.
-    fn keeps(self, message: Crossing<'_>) -> bool {
-        match message {
-            Crossing::ToWorker(message) => self.keeps_from_worker(message),
-            Crossing::FromWorker(update) => {
-                let is_open = is_in_use(update.connection);
-                if is_open {
-                    self.end();
-                }
-                !is_open
-            }
-            Crossing::WorkerLost => {
-                self.end();
-                false
-            }
-            Crossing::ToRecorder(message) => self.keeps_from_recorder(message),
-            Crossing::FromRecorder(FromRecorder::Log(_)) => true,
-            Crossing::FromRecorder(message) => {
-                let replaces_the_log = matches!(
-                    message,
-                    FromRecorder::Restored | FromRecorder::Past { .. } | FromRecorder::Died
-                );
-                if replaces_the_log {
-                    self.end();
-                }
-                false
-            }
-            Crossing::Stop => {
-                self.pause();
-                true
-            }
-            Crossing::Row(number) => {
-                self.post(ToReplay::SeekRow(number));
-                true
-            }
-        }
-    }
-
-    /// A second lock: nothing but stops reaches the port worker. What opens a port ends the replay.
-    fn keeps_from_worker(self, message: &ToWorker) -> bool {
-        match message {
-            ToWorker::ConnectSerial { .. } | ToWorker::ConnectVirtual(_) => {
-                self.end();
-                false
-            }
-            ToWorker::Disconnect
-            | ToWorker::Pong { .. }
-            | ToWorker::Command {
-                command: Command::StopAll(_) | Command::Stop(_),
-                ..
-            } => false,
-            ToWorker::Command { .. } | ToWorker::Select(_) | ToWorker::VirtualWire(_) => true,
-        }
-    }
-
-    /// The packet log is that of the recording; what the page writes is left out of it.
-    fn keeps_from_recorder(self, message: &ToRecorder) -> bool {
-        let of_replay = match message {
-            ToRecorder::Show(rows) => ToReplay::ShowRows(*rows),
-            ToRecorder::Filter(filter) => ToReplay::Filter(filter.clone()),
-            ToRecorder::Toggle(row) => ToReplay::Toggle(*row),
-            ToRecorder::SetLanguage { language, texts } => ToReplay::SetLanguage {
-                language: language.clone(),
-                texts: texts.clone(),
-            },
-            ToRecorder::AddMessage { .. }
-            | ToRecorder::Clear
-            | ToRecorder::EndClear { undo: true }
-            | ToRecorder::Export(_)
-            | ToRecorder::Record(_) => return true,
-            ToRecorder::Restore | ToRecorder::Erase => {
-                self.end();
-                return false;
-            }
-            ToRecorder::Epoch { .. }
-            | ToRecorder::EndClear { undo: false }
-            | ToRecorder::CancelExport
-            | ToRecorder::Forget => return false,
-        };
-        self.post(of_replay);
-        true
-    }
-
     fn set_clock(self, place: Instant, speed: f64) {
         let wall_ms = self.clocks().wall_ms;
         self.exchange_clock(Clock::of_recording(wall_ms, place, page_now_ms(), speed));
@@ -338,125 +258,5 @@ impl Player {
             Some(_) => self.wanted.set(None),
             None => {}
         }
-    }
-
-    pub(super) fn play_or_pause(self) {
-        if self.place.with_untracked(|place| place.plays) {
-            self.pause();
-        } else {
-            self.play();
-        }
-    }
-
-    /// Plays, from the start if it is at the end.
-    fn play(self) {
-        let place = self.place.get_untracked();
-        self.unreadable.set(false);
-        if place.after_us >= self.duration_us() {
-            // The end has nothing to play, so the order to play waits for the start.
-            self.plays_again.store(true, Relaxed);
-            self.seek(0);
-        } else {
-            self.post(ToReplay::Play(self.speed.get_untracked()));
-        }
-    }
-
-    fn pause(self) {
-        self.plays_again.store(false, Relaxed);
-        self.post(ToReplay::Pause);
-    }
-
-    pub(super) fn set_speed(self, speed: PlaySpeed) {
-        self.speed.set(speed);
-        if self.place.with_untracked(|place| place.plays) {
-            self.post(ToReplay::Play(speed));
-        }
-    }
-
-    pub(super) fn step(self, forward: bool) {
-        self.post(ToReplay::Step { forward });
-    }
-
-    pub(super) fn duration_us(self) -> u64 {
-        self.info
-            .with_untracked(|info| info.as_ref().map_or(0, |info| info.duration_us))
-    }
-
-    /// The place that is shown, or is about to be.
-    pub(super) fn shown_us(self) -> u64 {
-        let place_us = self.place.with(|place| place.after_us);
-        self.wanted.get().unwrap_or(place_us)
-    }
-
-    /// Goes to a place. While the worker goes to another one, only the last of them is remembered: a slider that is
-    /// dragged asks for sixty a second.
-    pub(super) fn seek(self, after_us: u64) {
-        let after_us = after_us.min(self.duration_us());
-        self.wanted.set(Some(after_us));
-        if !self.going.load(Relaxed) {
-            self.go(after_us);
-        }
-    }
-
-    fn go(self, after_us: u64) {
-        self.going.store(true, Relaxed);
-        self.asked.store(after_us, Relaxed);
-        self.post(ToReplay::Seek { after_us });
-    }
-
-    /// Goes that much further, or back.
-    pub(super) fn seek_by(self, by_us: i64) {
-        self.seek(untrack(|| self.shown_us()).saturating_add_signed(by_us));
-    }
-
-    /// Goes to the next event, or to the one before.
-    pub(super) fn seek_event(self, forward: bool) {
-        let here_us = untrack(|| self.shown_us());
-        let plays = self.place.with_untracked(|place| place.plays);
-        let found = self.info.with_untracked(|info| {
-            let marks = info.as_ref()?.marks.iter().map(|mark| mark.after_us);
-            next_event(marks, here_us, forward, plays)
-        });
-        if let Some(after_us) = found {
-            self.seek(after_us);
-        }
-    }
-}
-
-/// While it plays, an event that has only just passed is not the one before: a second press goes further back.
-const JUST_PASSED_US: u64 = 500_000;
-
-fn next_event(
-    marks: impl Iterator<Item = u64>,
-    here_us: u64,
-    forward: bool,
-    plays: bool,
-) -> Option<u64> {
-    if forward {
-        return marks.filter(|at_us| *at_us > here_us).min();
-    }
-    let before_us = if plays {
-        here_us.saturating_sub(JUST_PASSED_US)
-    } else {
-        here_us
-    };
-    marks.filter(|at_us| *at_us < before_us).max()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_event_is_found_on_both_sides() {
-        let marks = [2_000_000, 5_000_000, 9_000_000];
-        let from = |here_us, forward, plays| next_event(marks.into_iter(), here_us, forward, plays);
-        assert_eq!(from(0, true, false), Some(2_000_000));
-        assert_eq!(from(2_000_000, true, false), Some(5_000_000));
-        assert_eq!(from(9_000_000, true, false), None);
-        assert_eq!(from(5_000_000, false, false), Some(2_000_000));
-        assert_eq!(from(5_100_000, false, true), Some(2_000_000));
-        assert_eq!(from(5_100_000, false, false), Some(5_000_000));
-        assert_eq!(from(0, false, false), None);
     }
 }

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use crate::fixture::{Scenario, assert_quiet_console, spin};
-use anyhow::{Result, ensure};
+use crate::fixture::{Scenario, assert_quiet_console, number, spin};
+use anyhow::{Context, Result, ensure};
 use end_to_end::{Line, WAIT_MAX, now_us, wait_until};
 use motorlink_messages::bus::LineEventKind;
 use motorlink_session::{Record, for_each_record, open};
@@ -41,6 +41,31 @@ fn sent(records: &[Record]) -> Vec<String> {
         _ => None,
     });
     frames.collect()
+}
+
+/// Replays the open file, in which a wheel gets to 100 rpm.
+fn replay(scenario: &Scenario) -> Result<()> {
+    let page = &scenario.page;
+    page.click("button", "Disconnect")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    page.click("button", "Replay")?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Recording"))?;
+    let from_us = now_us();
+    page.click("button", "Play")?;
+    page.wait_for_text("output", "Speed", |text| {
+        number(text).is_some_and(|rpm| (97.0..=103.0).contains(&rpm))
+    })?;
+    assert!(
+        page.find("button", "Stop")?.disabled,
+        "nothing can be driven"
+    );
+    page.press(" ")?;
+    page.find("button", "Play")?;
+    ensure!(scenario.since(from_us)?.from_host().frames.is_empty());
+    let mut ends = page.find_all("button", "End replay")?;
+    ends.pop().context("End replay")?.click()?;
+    page.wait_for_text("status", "Connection", |text| text.contains("Disconnected"))?;
+    Ok(())
 }
 
 #[test]
@@ -95,6 +120,8 @@ fn a_session_is_saved_while_it_drives_and_opens_again() -> Result<()> {
     for text in ["Duration", "0x01", "Connected to"] {
         assert!(content.contains(text), "no {text:?} in {content}");
     }
+    replay(&scenario)?;
+
     let cut = saved.path.with_file_name("cut.mcap");
     fs::write(&cut, &file[..file.len() / 2])?;
     page.upload("Open session", &cut)?;
