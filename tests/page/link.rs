@@ -213,3 +213,20 @@ async fn a_page_whose_drawing_delays_the_wire_draws_less_and_says_why() {
         assert!(is_turned, "{text}: by {turned:?}");
     }
 }
+
+#[wasm_bindgen_test]
+async fn a_high_loss_stands_out_in_the_header_with_the_panel_closed() {
+    let bench = Bench::with_motor("link-loss", Mode::Velocity).await;
+    let stands_out = || {
+        let figure = document().query_selector(".link-loss.high");
+        figure.unwrap().map(|figure| figure.text_content())
+    };
+    for (lost, shown) in [(20, None), (100, Some("10.0")), (0, None)] {
+        report(&bench, |update| {
+            update.motors[0].link.loss_per_mille = Some(lost)
+        });
+        bench
+            .until("the loss", || stands_out().flatten().as_deref() == shown)
+            .await;
+    }
+}

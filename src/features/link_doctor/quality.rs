@@ -11,6 +11,9 @@ use crate::{
     },
 };
 
+/// From this share of lost requests on, in per mille, the figure stands out: three of the last hundred are no chance.
+const HIGH_LOSS_PER_MILLE: u16 = 30;
+
 /// Output `Link`.
 #[component]
 pub(crate) fn LinkQuality() -> impl IntoView {
@@ -19,12 +22,18 @@ pub(crate) fn LinkQuality() -> impl IntoView {
         let link = session.motor(id).map(|motor| motor.link);
         let rate = link.map(|link| link.command_hz.to_string());
         let round_trip = link.and_then(|link| link.round_trip_us).map(milliseconds);
-        let loss = link.and_then(|link| link.loss_per_mille).map(percent);
+        let lost = link.and_then(|link| link.loss_per_mille);
+        let is_high = lost.is_some_and(|lost| lost >= HIGH_LOSS_PER_MILLE);
+        let loss = lost.map(percent);
         let of_hundred = format!("% {}", tr!("lost" as "behind a number of percent"));
         [
             ("rate", rate, "Hz "),
             ("time", round_trip, "ms "),
-            ("loss", loss, &of_hundred),
+            (
+                if is_high { "loss high" } else { "loss" },
+                loss,
+                &of_hundred,
+            ),
         ]
         .map(part)
         .concat()
