@@ -67,11 +67,12 @@ impl Features {
         self.page
             .latest
             .update_value(|session| session.apply(update));
-        self.page
-            .notices
-            .maybe_update(|board| board.review(|until| review(until, update)));
         let is_recording = self.page.latest.with_value(Session::is_recording);
         if !is_recording {
+            // A recording settles nothing that is said of live motors.
+            self.page
+                .notices
+                .maybe_update(|board| board.review(|until| review(until, update)));
             self.page.governor.update_value(|governor| {
                 set_frame_rate(governor.look(
                     update.now,
@@ -114,6 +115,9 @@ impl Features {
         self.page
             .change_line(before.virtual_line(), after.virtual_line());
         match after {
+            Connection::Connected(Adapter::Recording) => {
+                self.page.loops.tab_to_follow.set_value(true);
+            }
             Connection::Connected(adapter) => {
                 self.page.notices.update(|board| {
                     board.withdraw_all(|topic| {

@@ -212,6 +212,14 @@ impl NoticeBoard {
         self.take_down(|posted| topics(posted.words.topic));
     }
 
+    /// Withdraws the notice of a command that was refused for this reason.
+    pub(crate) fn withdraw_refusal(&mut self, reason: &str) {
+        self.take_down(|posted| {
+            posted.words.topic == Topic::Command
+                && posted.words.advice.iter().any(|line| line == reason)
+        });
+    }
+
     /// Withdraws the notices about a closed line.
     pub(crate) fn close_line(&mut self) {
         self.withdraw_all(|topic| {

@@ -1,9 +1,9 @@
 //! A recording in place of the live line: what the page shows, and that nothing is sent.
 
 use motorlink_messages::{
-    Adapter, Connection, ToPage, ToWorker, Update,
-    bus::{Activity, Command, MotorStatus, Sample},
-    protocol::{Instant, Mode, Reply, Rpm, Setpoint, SpeedTarget},
+    Adapter, Connection, Notice, ToPage, ToWorker, Update,
+    bus::{Activity, Command, MotorStatus, Sample, StopOutcome, StopReason, StopReport},
+    protocol::{Instant, Mode, MotorId, Reply, Rpm, Setpoint, SpeedTarget},
     recorder::{Kind, LogPage, Row, ToRecorder},
     sessions::{FromReplay, FromSessions, Place, PlaySpeed, ToReplay, ToSessions},
 };
@@ -316,6 +316,57 @@ async fn connecting_ends_the_replay_first() {
     post(&sessions, update(9_000, 77, true));
     pause(300).await;
     assert!(!bench.text("status", "Speed").contains("77"));
+}
+
+/// Replay was pressed twice before the worker answered.
+#[wasm_bindgen_test]
+async fn a_replay_that_begins_twice_sets_the_live_line_aside_once() {
+    let (sessions, bench) = replaying("replay-twice").await;
+    post(&sessions, BEGUN);
+    post(&sessions, update(2_500, 110, false));
+    let is_shown = || bench.text("status", "Speed").contains("+110");
+    bench.until("the recording", is_shown).await;
+    bench.find_all("button", "End replay").remove(0).click();
+    until_live(&bench).await;
+}
+
+#[wasm_bindgen_test]
+async fn a_recording_settles_nothing_that_is_said_of_live_motors() {
+    let (sessions, bench) = opened("replay-notices").await;
+    bench.post(&ToPage::Update(Update {
+        now: now(),
+        connection: Connection::Disconnected,
+        halted: false,
+        motors: vec![],
+        job: None,
+        raw: None,
+        line: None,
+        samples: vec![],
+        notices: vec![Notice::StopEnded(StopReport {
+            reason: StopReason::Operator,
+            motors: vec![StopOutcome {
+                id: MotorId::FIRST,
+                confirmed: false,
+                speed: None,
+            }],
+        })],
+    }));
+    let is_told = || {
+        let text = document().body().unwrap().inner_text();
+        text.contains("Standstill not confirmed: motor 0x01")
+    };
+    bench.until("the notice", is_told).await;
+    begin(&sessions, &bench).await;
+    for place in [3_000, 3_100, 3_200, 3_300] {
+        post(&sessions, update(place, 0, false));
+    }
+    let stands = || bench.text("status", "Speed").starts_with('0');
+    bench
+        .until("the standing wheel of the recording", stands)
+        .await;
+    bench.find_all("button", "End replay").remove(0).click();
+    until_live(&bench).await;
+    assert!(is_told(), "it is of a live motor");
 }
 
 #[wasm_bindgen_test]

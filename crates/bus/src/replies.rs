@@ -178,7 +178,8 @@ impl Bus {
                     exchange.sent,
                 );
                 motor.loss.count(true);
-                if !rest.is_silence() {
+                // A good reply of another motor says nothing of this one.
+                if rest.junk_bytes > 0 {
                     motor.garbled_in_a_row = motor.garbled_in_a_row.saturating_add(1);
                 }
                 if let Control::Stopping(stop) = &mut motor.control {

@@ -35,7 +35,8 @@ impl LineCard {
                 ..Self::default()
             };
         }
-        let Some(motor) = session.motor(id) else {
+        let live = Some(session).filter(|session| !session.is_recording());
+        let Some(motor) = live.and_then(|session| session.motor(id)) else {
             return;
         };
         match motor.activity {

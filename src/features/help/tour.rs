@@ -1,6 +1,6 @@
 //! The tour of the first minutes: computes the next step from the session. It drives nothing.
 
-use motorlink_messages::{Connection, bus::Activity, protocol::MotorId};
+use motorlink_messages::{Adapter, Connection, bus::Activity, protocol::MotorId};
 
 use crate::model::snapshot::{Reading, Session};
 
@@ -77,7 +77,8 @@ impl Tour {
     /// Updates the progress. After a change of the motor, the confirmation and the progress are reset. A finished tour
     /// stays finished.
     pub(crate) fn update(&mut self, session: &Session, id: MotorId) {
-        if self.stopped {
+        // A recorded spin is none of the user's.
+        if self.stopped || session.is_recording() {
             return;
         }
         let connected = matches!(session.connection, Connection::Connected(_));
@@ -107,7 +108,9 @@ impl Tour {
             return Step::Done;
         }
         match session.connection {
-            Connection::Disconnected => return Step::PlugIn,
+            Connection::Disconnected | Connection::Connected(Adapter::Recording) => {
+                return Step::PlugIn;
+            }
             Connection::Connecting | Connection::Failed(_) | Connection::Reconnecting(_) => {
                 return Step::PickPort;
             }

@@ -46,7 +46,15 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             chooser.click();
         }
     };
+    // The dialog of the system can cover STOP.
+    let share_blocked_by = move || {
+        let drives = files.page.shown.with(Session::is_anything_driven);
+        drives.then(|| tr!("Stop the motors first.").to_owned())
+    };
     let share = move || {
+        if files.page.is_anything_driven() {
+            return;
+        }
         let say = move |error, text| files.say(error, text);
         files.shareable.share(files.saved_as.get_value(), say);
     };
@@ -114,6 +122,7 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                     label=tr!("Share")
                     class="button small"
                     hint=tr!("Opens the share dialog of the system for the saved session.")
+                    disabled_reason=Signal::derive(share_blocked_by)
                     on_press=share
                 />
             </div>

@@ -162,7 +162,8 @@ impl Player {
     }
 
     pub(super) fn begin(self) {
-        if untrack(|| self.blocked_by()).is_none() {
+        let replays = self.info.with_untracked(Option::is_some);
+        if !replays && untrack(|| self.blocked_by()).is_none() {
             self.post(ToReplay::Begin);
         }
     }
@@ -174,6 +175,10 @@ impl Player {
             ..
         } = message
         {
+            // Replay was pressed twice. The clock and the live line must not be set aside a second time.
+            if self.info.with_untracked(Option::is_some) {
+                return;
+            }
             // A port may have been opened meanwhile.
             if untrack(|| self.blocked_by()).is_some() {
                 self.post(ToReplay::End);

@@ -8,7 +8,6 @@ use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::session::{player::Player, texts, timeline::strip},
-    model::notice_texts,
     ui::{
         button::PressButton,
         format::in_language,
@@ -88,17 +87,6 @@ fn css_string(text: &str) -> String {
 fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let duration_us = info.duration_us;
     let at = move || texts::elapsed(player.shown_us());
-    let stopped = move || {
-        let page = player.page;
-        page.shown.with(|session| {
-            session
-                .halted
-                .then(|| session.stop.as_ref().map(|stop| stop.reason))
-                .map(|reason| {
-                    reason.map_or(tr!("All motors are stopped."), notice_texts::of_stop_reason)
-                })
-        })
-    };
     let pressed_key = move |event: KeyboardEvent| {
         let by_us = match event.key().as_str() {
             "ArrowRight" | "ArrowUp" => ARROW_US,
@@ -121,7 +109,6 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <strong>{tr!("Recording")}</strong>
                 " "
                 <span class="replay-name">{info.name.clone()}</span>
-                <span class="replay-stopped">{dynamic(stopped)}</span>
             </p>
             <div class="replay-line">
                 {strip(info)}

@@ -51,6 +51,12 @@ impl SetupLink {
     fn take(self) {
         let fragment = part("hash");
         if let Some(text) = fragment.strip_prefix(IN_ADDRESS) {
+            // Another setup must not take the place of the one that is being read.
+            if self.linked.with_untracked(|linked| !linked.is_empty()) {
+                remove_fragment();
+                let words = tr!("Another link was not read: answer the question first.");
+                return self.said.set(words.to_owned());
+            }
             // A reload must not ask again, and no copy of the address may have a setup that is not the present one.
             remove_fragment();
             let said = self.offer(text);
@@ -80,10 +86,16 @@ impl SetupLink {
 
     /// Applies the setup, as an import does.
     fn apply(self) {
+        // A setup that is refused now can be applied later.
+        let pad_is_held = self.page.motors.steered.get_untracked();
+        let refused =
+            (self.page.shown).with_untracked(|session| import_blocked_by(session, pad_is_held));
         let setup = self
             .linked
             .with_untracked(|file| Setup::from_json(file.as_bytes()));
-        self.linked.set(String::new());
+        if refused.is_none() {
+            self.linked.set(String::new());
+        }
         self.said.set(self.page.import_setup(setup));
     }
 

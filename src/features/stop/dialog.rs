@@ -2,15 +2,17 @@
 
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
-use motorlink_messages::bus::Command;
-use motorlink_messages::{bus::Activity, protocol::MotorId};
+use motorlink_messages::{
+    bus::{Activity, Command, Refusal},
+    protocol::MotorId,
+};
 
 use crate::{
     model::{
-        notice_board::Topic,
         notice_texts,
         page::use_page,
         snapshot::{Reading, Session},
+        terms,
     },
     ui::{
         button::PressButton,
@@ -60,8 +62,8 @@ pub(crate) fn StoppedDialog() -> impl IntoView {
                     class="button primary"
                     on_press=move || {
                         page.command(Command::Release);
-                        // What was refused because of the stop is so no longer.
-                        page.notices.update(|board| board.withdraw(Topic::Command));
+                        let reason = terms::refusal(Refusal::Halted);
+                        page.notices.update(|board| board.withdraw_refusal(&reason));
                     }
                 />
             </div>
