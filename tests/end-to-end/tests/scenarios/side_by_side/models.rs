@@ -119,7 +119,8 @@ const COVERS_ITS_SCALE: &str = "(() => {
     const figure = document.querySelector('.read-out.current .figure');
     const scale = document.querySelector('.read-out.current .spark-scale');
     const [was, label] = [figure.textContent, scale.dataset.scale];
-    [figure.textContent, scale.dataset.scale] = [figure.nextElementSibling.textContent.includes('raw') ? '+20000' : '+2.00', '±32768'];
+    const isRaw = figure.nextElementSibling.textContent.includes('raw');
+    [figure.textContent, scale.dataset.scale] = isRaw ? ['+20000', '±32768'] : ['+2.00', '±2.00'];
     const [one, two] = [figure, scale].map((part) => part.getBoundingClientRect());
     [figure.textContent, scale.dataset.scale] = [was, label];
     return one.left < two.right && two.left < one.right && one.top < two.bottom && two.top < one.bottom;
