@@ -15,12 +15,13 @@ const MESSAGE_END: &str = "\0";
 
 /// The folders and files whose texts load with their part: with the tools, or when it is asked for. A text that other files
 /// have too is not among them.
-const LATER: [&str; 10] = [
+const LATER: [&str; 11] = [
     "src/features/groups/panel.rs",
     "src/features/ids/view.rs",
     "src/features/link_doctor/figures.rs",
     "src/features/link_doctor/markup.rs",
     "src/features/link_doctor/texts.rs",
+    "src/features/raw/texts.rs",
     "src/features/raw/view.rs",
     "src/features/session/",
     "src/features/settings/panel.rs",
