@@ -223,7 +223,7 @@ async fn a_high_loss_stands_out_in_the_header_with_the_panel_closed() {
     };
     for (lost, shown) in [(20, None), (100, Some("10.0")), (0, None)] {
         report(&bench, |update| {
-            update.motors[0].link.loss_per_mille = Some(lost)
+            update.motors[0].link.loss_per_mille = Some(lost);
         });
         bench
             .until("the loss", || stands_out().flatten().as_deref() == shown)

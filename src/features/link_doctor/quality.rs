@@ -22,9 +22,9 @@ pub(crate) fn LinkQuality() -> impl IntoView {
         let link = session.motor(id).map(|motor| motor.link);
         let rate = link.map(|link| link.command_hz.to_string());
         let round_trip = link.and_then(|link| link.round_trip_us).map(milliseconds);
-        let lost = link.and_then(|link| link.loss_per_mille);
-        let is_high = lost.is_some_and(|lost| lost >= HIGH_LOSS_PER_MILLE);
-        let loss = lost.map(percent);
+        let per_mille = link.and_then(|link| link.loss_per_mille);
+        let is_high = per_mille.is_some_and(|lost| lost >= HIGH_LOSS_PER_MILLE);
+        let loss = per_mille.map(percent);
         let of_hundred = format!("% {}", tr!("lost" as "behind a number of percent"));
         [
             ("rate", rate, "Hz "),

@@ -46,18 +46,6 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
             chooser.click();
         }
     };
-    // The dialog of the system can cover STOP.
-    let share_blocked_by = move || {
-        let drives = files.page.shown.with(Session::is_anything_driven);
-        drives.then(|| tr!("Stop the motors first.").to_owned())
-    };
-    let share = move || {
-        if files.page.is_anything_driven() {
-            return;
-        }
-        let say = move |error, text| files.say(error, text);
-        files.shareable.share(files.saved_as.get_value(), say);
-    };
     let chosen = move |event: web_sys::Event| {
         let input = event
             .target()
@@ -117,16 +105,33 @@ pub(crate) fn SessionPanel(files: SessionFiles, incoming: Incoming) -> impl Into
                 {said(files.saved)}
                 {said(files.said)}
             </div>
-            <div class="session-share" hidden=dynamic(move || !files.shareable.is_ready())>
-                <PressButton
-                    label=tr!("Share")
-                    class="button small"
-                    hint=tr!("Opens the share dialog of the system for the saved session.")
-                    disabled_reason=Signal::derive(share_blocked_by)
-                    on_press=share
-                />
-            </div>
+            {share_button(files)}
             {move || files.open.get().map(|info| content(files, &info))}
+        </div>
+    }
+}
+
+/// Button `Share`. The dialog of the system can cover STOP, so nothing may be driven.
+fn share_button(files: SessionFiles) -> impl IntoView {
+    let blocked_by = move || {
+        let drives = files.page.shown.with(Session::is_anything_driven);
+        drives.then(|| tr!("Stop the motors first.").to_owned())
+    };
+    let share = move || {
+        if !files.page.is_anything_driven() {
+            let say = move |error, text| files.say(error, text);
+            files.shareable.share(files.saved_as.get_value(), say);
+        }
+    };
+    view! {
+        <div class="session-share" hidden=dynamic(move || !files.shareable.is_ready())>
+            <PressButton
+                label=tr!("Share")
+                class="button small"
+                hint=tr!("Opens the share dialog of the system for the saved session.")
+                disabled_reason=Signal::derive(blocked_by)
+                on_press=share
+            />
         </div>
     }
 }
