@@ -11,6 +11,12 @@ fn begin(command: &str) -> String {
     format!("<!-- measured: made by `cargo xtask {command}`, not by hand -->")
 }
 
+/// The end of a row whose figure is not reached, as programs print it.
+const NOT_REACHED: &str = "| NO |";
+
+/// The same in a document, before the reason. A person writes it.
+const REASON: &str = "| NO: ";
+
 const HEAD: &str = "| figure | must | measured | reached |\n|---|---|---|---|\n";
 
 /// Rows of measured figures.
@@ -60,14 +66,23 @@ impl Rows {
         })
     }
 
-    /// Replaces the row of the same figure, or adds the row at the end.
-    fn put(&mut self, row: Row) {
+    /// Replaces the row of the same figure, or adds the row at the end. A figure that is still not reached keeps the reason
+    /// that stands beside it.
+    fn put(&mut self, mut row: Row) {
         match self
             .rows
             .iter_mut()
             .find(|other| other.figure == row.figure)
         {
-            Some(other) => *other = row,
+            Some(other) => {
+                if let (Some(bare), Some((_, reason))) = (
+                    row.line.strip_suffix(NOT_REACHED),
+                    other.line.split_once(REASON),
+                ) {
+                    row.line = format!("{bare}{REASON}{reason}");
+                }
+                *other = row;
+            }
             None => self.rows.push(row),
         }
     }
@@ -155,6 +170,32 @@ mod tests {
             Rows::default().insert_into(&written, "bench").unwrap(),
             expected
         );
+    }
+
+    #[test]
+    fn a_figure_that_is_not_reached_keeps_its_reason_until_it_is_reached() {
+        let text = format!(
+            "{}\n\n{HEAD}| a | 1 | 2 | NO: it is slow. |\n\n{END}",
+            begin("bench")
+        );
+        let again = rows_of(&["| a | 1 | 3 | NO |"]).insert_into(&text, "bench");
+        assert!(again.unwrap().contains("| a | 1 | 3 | NO: it is slow. |"));
+        let reached = rows_of(&["| a | 1 | 1 | yes |"]).insert_into(&text, "bench");
+        assert!(reached.unwrap().contains("| a | 1 | 1 | yes |"));
+    }
+
+    #[test]
+    fn every_figure_in_the_documents_that_is_not_reached_has_its_reason_beside_it() {
+        let docs = crate::workspace::Workspace::find()
+            .unwrap()
+            .root()
+            .join("docs");
+        for document in ["performance.md", "reliability.md"] {
+            let text = fs::read_to_string(docs.join(document)).unwrap();
+            assert!(text.contains(HEAD), "{document}");
+            let bare = text.lines().find(|line| line.ends_with(NOT_REACHED));
+            assert_eq!(bare, None, "{document}");
+        }
     }
 
     #[test]
