@@ -8,8 +8,8 @@ use motorlink_protocol::Instant;
 /// The state is shown 30 times a second.
 const PERIOD: Duration = Duration::from_micros(33_400);
 
-/// A step that comes later than this counts as long. So slow reading slows the playing down: what is to be read never
-/// grows.
+/// The longest time that one step plays. If reading takes longer, the replay falls behind the clock, so that no step has
+/// more than this to read.
 const STEP_MAX: Duration = Duration::from_millis(50);
 
 /// A replay that plays.
