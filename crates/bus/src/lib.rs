@@ -68,6 +68,7 @@ mod temperature_filter;
 mod timing;
 mod torque;
 mod watchdog;
+mod window_end;
 
 pub use bus::{Bus, Output};
 pub use command::{COMMAND_AGE_MAX, Command, Consent, Refusal};

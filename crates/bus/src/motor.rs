@@ -3,33 +3,31 @@
 use std::time::Duration;
 
 use motorlink_protocol::{
-    Celsius, Detail, Faults, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
-    family::{Model, Reading, Request},
+    Celsius, Detail, Instant, Layout, Mode, MotorId, Position, Reply, Rpm, Setpoint,
+    family::{Model, Reading},
 };
 
 use crate::{
     angle_estimate::{AngleEstimate, Hold},
     angle_filter::AngleFilter,
-    counters::{Counters, LinkQuality, LossMeter},
+    counters::{Counters, LossMeter},
     late_replies::LateReplies,
     limits::{ExceededLimit, Limits, Overcurrent},
     mode_switch::Switch,
     model::separate::Separate,
-    motor_status::{Activity, MotorStatus},
     ramp::Ramped,
     rate::RateMeter,
     round_trip::RoundTrip,
-    safety::Known,
     sample::Sample,
     stop::Stopping,
     temperature_filter::TemperatureFilter,
     timing::{
-        DRIVEN_SILENCE_MAX, DRIVEN_UNANSWERED_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_AFTER,
-        SILENT_QUERY_PERIOD, TEMPERATURE_JUMP,
+        DRIVEN_SILENCE_MAX, FRESH_FOR, PROBE_DOUBLINGS_MAX, SILENT_QUERY_PERIOD, TEMPERATURE_JUMP,
     },
     torque::Torque,
 };
 
+mod known;
 mod loops;
 
 /// What the bus does with a motor.
@@ -289,75 +287,6 @@ impl Motor {
         self.late.unanswered(Layout::Query, sent, 1);
     }
 
-    fn fresh(&self, now: Instant) -> Option<Reply> {
-        self.last
-            .filter(|sample| now.since(sample.at) <= FRESH_FOR)
-            .map(|sample| sample.reply)
-    }
-
-    /// The last reply, to fill up one that has less.
-    pub(crate) fn last_reply(&self) -> Option<Reply> {
-        self.last.map(|sample| sample.reply)
-    }
-
-    /// The last fine position.
-    pub(crate) fn last_position(&self) -> Option<Position> {
-        self.position.map(|(_, position)| position)
-    }
-
-    /// Whether it is known to obey drive frames.
-    pub(crate) fn obeys(&self) -> bool {
-        self.separate.loop_known.obeys(self.model)
-    }
-
-    /// Whether it answers and must be enabled, and the bus may try that now without a command.
-    pub(crate) fn needs_enable(&self, now: Instant) -> bool {
-        !self.obeys() && self.separate.enabling.may_try(now) && self.fresh(now).is_some()
-    }
-
-    /// Whether it answers and turns, and ignores brake frames because it is not enabled. A stop enables no motor that
-    /// stands.
-    pub(crate) fn must_be_enabled_to_brake(&self, now: Instant) -> bool {
-        let turns = self
-            .fresh_speed(now)
-            .is_some_and(|speed| speed.magnitude() >= 1);
-        turns && !self.obeys() && !self.is_without_answer()
-    }
-
-    /// The next request for telemetry.
-    pub(crate) const fn next_query(&self) -> Request {
-        let id = self.id;
-        let switches = matches!(self.control, Control::Switching(_));
-        if self.model.has_separate_frames() && (self.separate.asks_loop || switches) {
-            Request::ModeQuery { id }
-        } else {
-            Request::Query { id }
-        }
-    }
-
-    pub(crate) fn fresh_speed(&self, now: Instant) -> Option<Rpm> {
-        self.fresh(now).map(|reply| reply.speed)
-    }
-
-    pub(crate) fn fresh_faults(&self, now: Instant) -> Option<Faults> {
-        self.fresh(now).map(|reply| reply.faults)
-    }
-
-    fn fresh_temperature(&self, now: Instant) -> Option<Celsius> {
-        let (_, temperature) = self
-            .temperature
-            .filter(|(at, _)| now.since(*at) <= FRESH_FOR)?;
-        Some(temperature)
-    }
-
-    pub(crate) fn known(&self, now: Instant) -> Known {
-        Known {
-            reported: self.fresh_mode(now).or(self.driven_loop()),
-            faults: self.fresh_faults(now),
-            temperature: self.fresh_temperature(now),
-        }
-    }
-
     /// Starts the stop of this motor and clears the exceeded limit.
     pub(crate) fn stops(&mut self, stop: Stopping) {
         self.control = Control::Stopping(stop);
@@ -379,31 +308,6 @@ impl Motor {
         limits.exceeded(self.last?, temperature, self.overcurrent, driven_since)
     }
 
-    pub(crate) const fn has_answered(&self) -> bool {
-        self.last.is_some()
-    }
-
-    /// Whether its last requests in a row had no answer.
-    pub(crate) const fn is_without_answer(&self) -> bool {
-        self.unanswered_in_a_row >= DRIVEN_UNANSWERED_MAX
-    }
-
-    /// Since when the motor is silent.
-    pub(crate) fn silent_since(&self) -> Instant {
-        self.last.map_or(self.watched_since, |sample| {
-            sample.at.max(self.watched_since)
-        })
-    }
-
-    pub(crate) fn silent_at(&self) -> Instant {
-        self.silent_since() + SILENT_AFTER
-    }
-
-    /// How long a driven motor has been silent, from the command at the earliest.
-    pub(crate) fn silence_while_driven(&self, now: Instant, driven: &Driven) -> Duration {
-        now.since(self.silent_since().max(driven.since))
-    }
-
     /// Records a query. `period` is the time between two queries of an answering motor;
     /// `others_driven` is whether other motors are driven.
     pub(crate) fn query_sent(&mut self, now: Instant, period: Duration, others_driven: bool) {
@@ -422,31 +326,5 @@ impl Motor {
         };
         // On schedule, but a missed schedule is not caught up by a burst.
         self.next_query = (self.next_query + period).max(now + period / 2);
-    }
-
-    pub(crate) fn status(&self, now: Instant) -> MotorStatus {
-        MotorStatus {
-            id: self.id,
-            activity: match self.control {
-                Control::Idle => Activity::Idle,
-                Control::Switching(switch) => Activity::Switching { to: switch.to },
-                Control::Driven(driven) => Activity::Driven {
-                    setpoint: driven.goal,
-                },
-                Control::Stopping(stop) => Activity::Stopping {
-                    confirmed: stop.confirmed(),
-                },
-            },
-            last: self.last,
-            position: self.position,
-            temperature: self.temperature,
-            silent: self.silent,
-            link: LinkQuality {
-                command_hz: self.drive_frames.hertz(now),
-                round_trip_us: self.round_trip.median_us(),
-                loss_per_mille: self.loss.per_mille(),
-            },
-            counters: self.counters,
-        }
     }
 }

@@ -1,9 +1,15 @@
 //! Finds replies in the received bytes: behind echoes, behind junk, in pieces.
 
+mod frames;
+
 use motorlink_protocol::{
-    FRAME_LEN, Frame, Mode, MotorId,
-    family::{FrameSet, Layout, Model, Reading},
+    FRAME_LEN, Frame, MotorId,
+    family::{Layout, Model, Reading},
 };
+
+pub(crate) use frames::reply_byte;
+
+use frames::{begins_reply, frame_at, next_window, replier_at, reply_at};
 
 use crate::{
     line_event::JunkBytes,
@@ -13,10 +19,6 @@ use crate::{
 /// Size of the receive buffer. Twelve replies and an echo fit into it. Of more junk than that the
 /// oldest bytes are dropped.
 const CAPACITY: usize = 128;
-
-/// The fault byte of a reply, and its bits that no motor is known to set (`motor.md`).
-const FAULT_BYTE: usize = 8;
-const RESERVED: u8 = 0b1110_0000;
 
 /// So many replies in a row without an echo, and a frame that is identical to its request is its reply.
 const ECHO_RULED_OUT: u8 = 3;
@@ -261,102 +263,6 @@ impl Receiver {
         }
         other_bytes
     }
-}
-
-/// A window of ten bytes that is a good frame.
-#[derive(Clone, Copy, Debug)]
-struct Window {
-    offset: usize,
-    /// Whether more bytes may show that another window is the true one.
-    is_open: bool,
-}
-
-/// The next good frame at or after `from`.
-///
-/// Two overlapping windows cannot both be true: about one in 256 windows that begin like a reply
-/// has a good CRC by chance, behind a truncated echo or across two frames. The first is the true
-/// one, unless it is not part of a row of frames and there is a reason for the other: a frame
-/// follows it directly, an echo of `sent` stands directly before it, or it ends where the bytes
-/// end.
-fn next_window(model: Model, bytes: &[u8], from: usize, sent: &Frame) -> Option<Window> {
-    let is_good = |offset: usize| replier_at(model, bytes, offset).is_some();
-    let first = (from..bytes.len()).find(|offset| is_good(*offset))?;
-    let ends_at = |offset: usize| offset + FRAME_LEN == bytes.len();
-    let follows_echo = |offset: usize| {
-        (1..=FRAME_LEN).any(|length| {
-            let begins = offset.checked_sub(length).filter(|begins| *begins <= first);
-            begins.is_some_and(|begins| bytes.get(begins..offset) == sent.bytes().get(..length))
-        })
-    };
-    let mut offset = first;
-    let mut is_open = false;
-    if !is_good(first + FRAME_LEN) {
-        let rivals = || (first + 1..first + FRAME_LEN).filter(|rival| is_good(*rival));
-        let has_reason =
-            |rival: &usize| is_good(rival + FRAME_LEN) || follows_echo(*rival) || ends_at(*rival);
-        // A stray byte after a reply and a truncated echo of one byte before it look alike. Most replies report
-        // no fault, and a byte in that place by chance is rarely 0.
-        let doubt = |offset: usize| match bytes.get(offset + FAULT_BYTE) {
-            Some(0) | None => 0,
-            Some(faults) if faults & RESERVED == 0 => 1,
-            Some(_) => 2,
-        };
-        let is_likely = |rival: &usize| has_reason(rival) && doubt(*rival) <= doubt(first);
-        // After a truncated echo the true reply is the last one.
-        offset = rivals().rfind(is_likely).unwrap_or(first);
-        let may_be_followed = first + 2 * FRAME_LEN > bytes.len();
-        let is_settled = offset != first && follows_echo(offset) && ends_at(offset);
-        is_open = rivals().next().is_some() && may_be_followed && !is_settled;
-    }
-    Some(Window { offset, is_open })
-}
-
-/// Byte 1 of a reply in this layout, if it has a fixed one.
-pub(crate) const fn reply_byte(model: Model, layout: Layout) -> Option<u8> {
-    let FrameSet::Separate { reply_offset } = model.spec().frames else {
-        return None;
-    };
-    let of_a_ddsm210 = match layout {
-        Layout::Drive => 0x64,
-        Layout::Query => 0x74,
-        Layout::Mode => 0x75,
-        Layout::Switch => 0xA0,
-    };
-    Some(of_a_ddsm210 + reply_offset)
-}
-
-/// Whether a reply of this model has this byte 1.
-fn begins_reply(model: Model, byte: u8) -> bool {
-    match model.spec().frames {
-        FrameSet::Combined => Mode::from_byte(byte).is_ok(),
-        FrameSet::Separate { reply_offset } => {
-            matches!(byte.wrapping_sub(reply_offset), 0x64 | 0x74 | 0x75 | 0xA0)
-        }
-    }
-}
-
-/// The motor whose reply begins at `offset`: byte 1, CRC and ID are those of a reply. The search tries
-/// every offset, so it checks these bytes and decodes none.
-fn replier_at(model: Model, bytes: &[u8], offset: usize) -> Option<MotorId> {
-    // Byte 1 before the CRC: it rules out most offsets.
-    if !begins_reply(model, *bytes.get(offset + 1)?) {
-        return None;
-    }
-    let frame = frame_at(bytes, offset).filter(Frame::crc_holds)?;
-    let &[id, ..] = frame.bytes();
-    MotorId::new(id).ok()
-}
-
-/// The reply that begins at `offset`, decoded.
-fn reply_at(model: Model, bytes: &[u8], offset: usize) -> Option<ReceivedReply> {
-    let frame = frame_at(bytes, offset)?;
-    let reading = Reading::decode(model, &frame, None).ok()?;
-    Some(ReceivedReply { frame, reading })
-}
-
-fn frame_at(bytes: &[u8], offset: usize) -> Option<Frame> {
-    let window = bytes.get(offset..offset + FRAME_LEN)?;
-    window.try_into().ok().map(Frame::new)
 }
 
 #[cfg(test)]

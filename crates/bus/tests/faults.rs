@@ -3,11 +3,9 @@
 
 mod fixture;
 
-use fixture::{Fixture, ID, amps, degrees, id, ms, rpm};
-use motorlink_bus::{
-    Activity, BusSettings, Command, Event, Limits, LineEventKind, Refusal, WithdrawReason,
-};
-use motorlink_protocol::{Detail, Fault, Frame, Instant, Mode, Request};
+use fixture::{Fixture, ID, amps, id, ms, rpm};
+use motorlink_bus::{Activity, BusSettings, Command, Event, Limits, Refusal, WithdrawReason};
+use motorlink_protocol::{Fault, Frame, Instant, Mode, Request};
 use motorlink_simulator::{Echo, Split, WireFaults, WorldConfig};
 
 fn on_a_wire_with(faults: WireFaults, seed: u64) -> Fixture {
@@ -17,24 +15,6 @@ fn on_a_wire_with(faults: WireFaults, seed: u64) -> Fixture {
         ..WorldConfig::default()
     };
     Fixture::watching(config, &[ID])
-}
-
-/// Every reply that was read says what was true of the motor: no layout is ever read as the other.
-fn assert_telemetry_is_true(fixture: &Fixture, seed: u64) {
-    for (at, event) in &fixture.events {
-        let Event::Telemetry(sample) = event else {
-            continue;
-        };
-        assert_eq!(sample.reply.id, ID, "seed {seed} at {at:?}");
-        if let Detail::Query { temperature, .. } = sample.reply.detail {
-            let true_c = fixture.world.motor(ID).unwrap().temperature_c();
-            let read = f32::from(temperature.degrees());
-            assert!(
-                (read - true_c).abs() <= 3.0,
-                "seed {seed} at {at:?}: {read} for {true_c}"
-            );
-        }
-    }
 }
 
 #[test]
@@ -56,7 +36,7 @@ fn whole_and_cut_echoes_are_distinguished_from_replies() {
         assert_eq!(echo != Echo::Whole, cut > 100, "{echo:?}: {cut} cut");
         assert_eq!(status.counters.junk_bytes, 0, "{echo:?}");
         assert!((fixture.true_rpm() - 100.0).abs() < 3.0);
-        assert_telemetry_is_true(&fixture, 1);
+        fixture.assert_telemetry_is_true(1);
     }
 }
 
@@ -72,7 +52,7 @@ fn replies_in_pieces_are_put_together() {
     fixture.drive(rpm(100)).unwrap();
     fixture.run(ms(3_000));
     assert_eq!(fixture.status(ID).link.loss_per_mille, Some(0));
-    assert_telemetry_is_true(&fixture, 3);
+    fixture.assert_telemetry_is_true(3);
 }
 
 #[test]
@@ -92,7 +72,7 @@ fn an_adapter_that_holds_bytes_for_16_ms_is_waited_for() {
             .temperature
             .is_some_and(|(at, _)| fixture.now.since(at) < ms(500))
     );
-    assert_telemetry_is_true(&fixture, 4);
+    fixture.assert_telemetry_is_true(4);
 }
 
 #[test]
@@ -115,7 +95,7 @@ fn with_losses_and_flipped_bits_nothing_false_is_read_and_driving_goes_on() {
         let counters = fixture.status(ID).counters;
         assert!(counters.silences > 0, "seed {seed}: {counters:?}");
         assert!(counters.bad_crcs > 0, "seed {seed}: {counters:?}");
-        assert_telemetry_is_true(&fixture, seed);
+        fixture.assert_telemetry_is_true(seed);
     }
 }
 
@@ -288,86 +268,6 @@ fn a_protection_takes_the_setpoint_and_its_end_does_not_bring_it_back() {
     assert_eq!(fixture.drive(rpm(100)), Ok(()));
 }
 
-/// A drive reply that comes when a query is in flight would be read as 60 degrees of heat.
-#[test]
-fn a_late_reply_is_not_read_in_the_layout_of_the_next_request() {
-    let mut fixture = Fixture::one_motor();
-    fixture.run(ms(500));
-    // Fast round trips have made the window short; now one reply takes 20 ms.
-    for trial in 0..60 {
-        fixture.drive(rpm(60)).unwrap();
-        fixture.run(ms(80 + trial));
-        fixture.world.set_faults(WireFaults {
-            hold: ms(20),
-            ..WireFaults::default()
-        });
-        fixture.run(ms(25));
-        fixture.world.set_faults(WireFaults::default());
-        fixture.run(ms(40));
-        assert_telemetry_is_true(&fixture, trial);
-    }
-    assert!(
-        fixture.status(ID).counters.late > 0,
-        "{:?} {:?}",
-        fixture.status(ID).counters,
-        fixture.bus.line_status(fixture.now).unaddressed
-    );
-}
-
-/// Of a query and a drive frame that were both lost, either may still be answered.
-#[test]
-fn after_two_losses_in_a_row_no_layout_is_read_as_the_other() {
-    for trial in 0..120_u64 {
-        for stall in [28, 36, 45, 70, 110, 160] {
-            let mut fixture = Fixture::one_motor();
-            fixture.switch(Mode::Position);
-            fixture.drive(degrees(40.0)).unwrap();
-            fixture.run(ms(1_200) + std::time::Duration::from_micros(trial * 931));
-            fixture.forget_the_past();
-            fixture.world.set_faults(WireFaults {
-                hold: ms(stall),
-                ..WireFaults::default()
-            });
-            fixture.run(ms(stall));
-            fixture.world.set_faults(WireFaults::default());
-            fixture.run(ms(60));
-            assert_telemetry_is_true(&fixture, trial);
-            for (_, event) in &fixture.events {
-                let Event::Telemetry(sample) = event else {
-                    continue;
-                };
-                if let Detail::Drive { position } = sample.reply.detail {
-                    assert!(
-                        (position.degrees() - 40.0).abs() < 3.0,
-                        "{trial} {stall} {position}"
-                    );
-                }
-            }
-        }
-    }
-}
-
-/// A reply that a stalled adapter or machine delivers long after its window is not read as the answer
-/// to a later request: a position would be read as a temperature.
-#[test]
-fn the_answer_to_an_id_query_is_not_read_in_the_layout_of_a_later_query() {
-    for stall in [55, 65, 75, 100, 150, 300] {
-        let mut fixture = Fixture::new(WorldConfig::default());
-        fixture.world.set_faults(WireFaults {
-            hold: ms(stall),
-            ..WireFaults::default()
-        });
-        fixture.command(Command::IdQuery).unwrap();
-        fixture.run(ms(5));
-        fixture.command(Command::Watch(ID)).unwrap();
-        fixture.run(ms(stall));
-        fixture.world.set_faults(WireFaults::default());
-        fixture.run(ms(500));
-        assert_telemetry_is_true(&fixture, stall);
-        assert!(fixture.status(ID).temperature.is_some());
-    }
-}
-
 #[test]
 fn windows_are_never_waited_twice_and_frames_never_overlap() {
     let mut fixture = Fixture::watching(WorldConfig::default(), &[ID, id(9)]);
@@ -388,65 +288,4 @@ fn windows_are_never_waited_twice_and_frames_never_overlap() {
         .count();
     assert!((15..=25).contains(&asked), "{asked}");
     assert!(fixture.now > Instant::ZERO);
-}
-
-/// Seed 57716: an adapter begins to hold bytes for 120 ms, and a motor loses its power for a moment. Its
-/// replies from the velocity loop are too late to be readings, and the angle would be read as a speed.
-#[test]
-fn a_reply_of_unknown_age_that_reports_another_loop_takes_the_setpoint() {
-    for wait in 0..20 {
-        let mut fixture = fixture::two();
-        fixture.switch(Mode::Position);
-        fixture.drive(degrees(40.0)).unwrap();
-        fixture.run(ms(1_000 + wait));
-        fixture.world.set_faults(WireFaults {
-            hold: ms(120),
-            ..WireFaults::default()
-        });
-        fixture.run(ms(20));
-        fixture.forget_the_past();
-        fixture.world.motor_mut(ID).unwrap().power(false);
-        fixture.world.motor_mut(ID).unwrap().power(true);
-        fixture.run(ms(400));
-        let other_loop = |event: &Event| {
-            let Event::Line(line) = event else {
-                return false;
-            };
-            let LineEventKind::Received { frame, .. } = line.kind else {
-                return false;
-            };
-            frame
-                .bytes()
-                .starts_with(&[ID.get(), Mode::Velocity.byte()])
-        };
-        let heard = fixture.events.iter().find(|(_, event)| other_loop(event));
-        let (heard, _) = heard.expect("a reply from the velocity loop");
-        let angle = |sent: &&fixture::Sent| {
-            sent.at >= *heard && sent.drive_of(ID).is_some_and(|drive| drive.signed() != 0)
-        };
-        let sent = fixture.sent.iter().find(angle);
-        assert!(sent.is_none(), "{wait} ms: {sent:?} behind {heard:?}");
-    }
-}
-
-/// A drive frame with a byte that no drive frame has is answered like one, by a motor that does not mind.
-#[test]
-fn the_answer_to_an_unknown_raw_frame_is_not_read_in_the_layout_of_a_later_query() {
-    let [id, command, high, low, ..] = *fixture::drive_frame(ID, rpm(60)).bytes();
-    let odd = Frame::with_crc([id, command, high, low, 0, 0, 0, 0, 1]);
-    for stall in [30, 45, 65, 90] {
-        for trial in 0..20 {
-            let mut fixture = Fixture::one_motor();
-            fixture.run(ms(5 * trial));
-            fixture.world.set_faults(WireFaults {
-                hold: ms(stall),
-                ..WireFaults::default()
-            });
-            fixture
-                .command(fixture::raw(odd, fixture::every(24, 40)))
-                .unwrap();
-            fixture.run(ms(2_000));
-            assert_telemetry_is_true(&fixture, stall);
-        }
-    }
 }
