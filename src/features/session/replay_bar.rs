@@ -152,26 +152,23 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     }
 }
 
+/// A button that shows a sign.
+fn sign(
+    label: &'static str,
+    name: &'static str,
+    act: impl Fn() + Send + Sync + 'static,
+) -> impl IntoView {
+    view! { <PressButton label=label name=name hint=name class="button small replay-sign" on_press=act /> }
+}
+
 /// The buttons that play and step, and the speed.
 fn steps(player: Player) -> impl IntoView {
     let plays = move || player.place.with(|place| place.plays);
     let speeds: String = SPEEDS.map(option).concat();
     view! {
         <div class="replay-steps">
-            <PressButton
-                label="|◂"
-                name=tr!("Previous event")
-                hint=tr!("Previous event")
-                class="button small replay-sign"
-                on_press=move || player.seek_event(false)
-            />
-            <PressButton
-                label="◂"
-                name=tr!("Previous frame")
-                hint=tr!("Previous frame")
-                class="button small replay-sign"
-                on_press=move || player.step(false)
-            />
+            {sign("|◂", tr!("Previous event"), move || player.seek_event(false))}
+            {sign("◂", tr!("Previous frame"), move || player.step(false))}
             <PressButton
                 label=Signal::derive(move || {
                     let word = if plays() { tr!("Pause replay") } else { tr!("Play") };
@@ -180,20 +177,8 @@ fn steps(player: Player) -> impl IntoView {
                 class="button small replay-play"
                 on_press=move || player.play_or_pause()
             />
-            <PressButton
-                label="▸"
-                name=tr!("Next frame")
-                hint=tr!("Next frame")
-                class="button small replay-sign"
-                on_press=move || player.step(true)
-            />
-            <PressButton
-                label="▸|"
-                name=tr!("Next event")
-                hint=tr!("Next event")
-                class="button small replay-sign"
-                on_press=move || player.seek_event(true)
-            />
+            {sign("▸", tr!("Next frame"), move || player.step(true))}
+            {sign("▸|", tr!("Next event"), move || player.seek_event(true))}
             <select
                 class="select small"
                 aria-label=tr!("Speed of the replay")

@@ -1,17 +1,16 @@
 //! The graph of a recording, and the one of the live line after it.
 
 use motorlink_messages::{
-    Connection, ToPage, Update,
     bus::Sample,
     protocol::Instant,
     sessions::{FromReplay, FromSessions},
 };
 use wasm_bindgen_test::wasm_bindgen_test;
 
-use super::{bench, canvas, colour_of, now_ms, report, rows_of, sample, steady};
+use super::{bench, canvas, colour_of, report, rows_of, sample, steady};
 use crate::{
     fake_sessions::{FakeSessions, drop_file, info},
-    replay::{BEGUN, FIRST, end_button, post, update},
+    replay::{BEGUN, FIRST, closed_port, end_button, post, update},
 };
 
 #[wasm_bindgen_test]
@@ -26,17 +25,7 @@ async fn a_recording_has_its_own_graph_and_the_live_one_is_back_after_it() {
     let middle = (canvas.height() as usize - 30) / 2;
     let is_above = || line().iter().all(|row| *row < middle) && !line().is_empty();
     bench.until("it to be above zero", is_above).await;
-    bench.post(&ToPage::Update(Update {
-        now: Instant::from_millis(now_ms()),
-        connection: Connection::Disconnected,
-        halted: false,
-        motors: vec![],
-        job: None,
-        raw: None,
-        line: None,
-        samples: vec![],
-        notices: vec![],
-    }));
+    bench.post(&closed_port(vec![]));
 
     drop_file("run.mcap");
     sessions.next().await;
