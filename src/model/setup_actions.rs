@@ -29,13 +29,16 @@ impl Page {
         }
     }
 
+    /// Why no setup can be applied now.
+    pub(crate) fn import_refusal(self) -> Option<String> {
+        let pad_is_held = self.motors.steered.get_untracked();
+        import_blocked_by(&self.present(), pad_is_held).or_else(|| self.side_changes_blocked_by())
+    }
+
     /// Applies a setup completely or not at all. Returns the result in words, which is in the log too.
     pub(crate) fn import_setup(self, read: Result<Setup, SetupError>) -> String {
         // Driving may have begun while the file was chosen and read, or the question was open.
-        let pad_is_held = self.motors.steered.get_untracked();
-        let reason = import_blocked_by(&self.present(), pad_is_held);
-        let reason = reason.or_else(|| self.side_changes_blocked_by());
-        self.log_setup(match (reason, read) {
+        self.log_setup(match (self.import_refusal(), read) {
             (Some(reason), _) => setup_texts::of_refusal(&reason),
             (None, Ok(setup)) => {
                 let words = setup_texts::of_taken(&setup);

@@ -48,6 +48,8 @@ pub(crate) struct SessionFiles {
     pub(super) saving: RwSignal<Option<u64>>,
     /// The progress of opening or exporting, in per mille.
     pub(super) reading: RwSignal<Option<u64>>,
+    /// Whether the worker was told to save. Before that, cancelling does not concern it.
+    is_posted: RwSignal<bool>,
     /// The content of the open file.
     pub(super) open: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     /// What the panel says about saving.
@@ -80,6 +82,7 @@ impl SessionFiles {
                     link,
                     player,
                     saving: RwSignal::new(None),
+                    is_posted: RwSignal::new(false),
                     reading: RwSignal::new(None),
                     open: RwSignal::new_local(None),
                     saved: RwSignal::default(),
@@ -170,17 +173,25 @@ impl SessionFiles {
     /// Saves what the recorder keeps, or cancels that.
     pub(super) fn save_or_cancel(self) {
         if self.saving.get_untracked().is_some() {
-            return self.post(&ToSessions::CancelSave, &[], &[]);
+            if self.is_posted.get_untracked() {
+                return self.post(&ToSessions::CancelSave, &[], &[]);
+            }
+            return self.not_saved(NotSaved::Cancelled);
         }
         if !self.start_worker() {
             return;
         }
         self.saving.set(Some(0));
+        self.is_posted.set(false);
         self.shareable.forget();
         self.say_of_saving(false, "");
         let name = file_name();
         spawn_local(async move {
-            if let Some(why) = not_kept(self.page.recorder()).await {
+            let why_not = not_kept(self.page.recorder()).await;
+            if self.saving.get_untracked().is_none() {
+                return;
+            }
+            if let Some(why) = why_not {
                 return self.not_saved(why);
             }
             // The dialog takes the keys, and on some systems covers the page: nobody could press STOP.
@@ -197,6 +208,10 @@ impl SessionFiles {
             let name = handle.as_ref().and_then(name_of).unwrap_or(name);
             self.saved_as.set_value(name);
             self.chosen.set(handle.clone());
+            if self.saving.get_untracked().is_none() {
+                return self.discard_chosen();
+            }
+            self.is_posted.set(true);
             // It can fail while the dialog is open. Then it answers no request.
             let is_alive = self.page.recorder().alive.get_untracked();
             if !is_alive || !self.save_to(handle.as_slice()) {

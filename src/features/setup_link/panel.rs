@@ -54,7 +54,9 @@ impl SetupLink {
             // Another setup must not take the place of the one that is being read.
             if self.linked.with_untracked(|linked| !linked.is_empty()) {
                 remove_fragment();
-                let words = tr!("Another link was not read: answer the question first.");
+                let words = tr!(
+                    "New link ignored. Apply or discard the current one first, then open it again."
+                );
                 return self.said.set(words.to_owned());
             }
             // A reload must not ask again, and no copy of the address may have a setup that is not the present one.
@@ -87,9 +89,7 @@ impl SetupLink {
     /// Applies the setup, as an import does.
     fn apply(self) {
         // A setup that is refused now can be applied later.
-        let pad_is_held = self.page.motors.steered.get_untracked();
-        let refused =
-            (self.page.shown).with_untracked(|session| import_blocked_by(session, pad_is_held));
+        let refused = self.page.import_refusal();
         let setup = self
             .linked
             .with_untracked(|file| Setup::from_json(file.as_bytes()));

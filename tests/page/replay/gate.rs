@@ -25,7 +25,9 @@ async fn no_replay_begins_while_a_port_is_open() {
 #[wasm_bindgen_test]
 async fn nothing_is_sent_to_the_port_worker_during_a_replay() {
     let (sessions, bench) = replaying("replay-locked").await;
-    for button in bench.find_all("button", "Start") {
+    let start = bench.find_all("button", "Start");
+    assert!(!start.is_empty());
+    for button in start {
         assert!(button.has_attribute("disabled"));
         let reason = button.get_attribute("title").unwrap_or_default();
         assert!(reason.contains("This is a recording"), "{reason}");
@@ -36,7 +38,11 @@ async fn nothing_is_sent_to_the_port_worker_during_a_replay() {
     }
     // A slider adjusts what is driven: it is, in the recording.
     bench.enter("Target speed", "200");
-    for name in ["Send", "Full scan", "Start all", "Query ID", "Release"] {
+    // Each is in its own tab.
+    for (tab, name) in [("Raw Hex", "Send"), ("ID Manager", "Full scan")] {
+        bench.find("tab", tab).click();
+        let is_shown = || !bench.find_all("button", name).is_empty();
+        bench.until(name, is_shown).await;
         for button in bench.find_all("button", name) {
             assert!(button.has_attribute("disabled"), "{name}");
             button.remove_attribute("disabled").unwrap();
@@ -82,7 +88,8 @@ async fn connecting_ends_the_replay_first() {
             }
         )
     };
-    assert!(place > sent.iter().position(settings), "{sent:?}");
+    let settings = sent.iter().position(settings).expect("the settings");
+    assert!(place.is_some_and(|place| place > settings), "{sent:?}");
     assert!(sent.iter().any(|it| matches!(it, ToWorker::Select(_))));
 
     bench.report(motor(Mode::Velocity, Activity::Idle), false);
@@ -94,6 +101,7 @@ async fn connecting_ends_the_replay_first() {
     assert!(!bench.text("status", "Speed").contains("77"));
 }
 
+/// Replay was pressed twice before the worker answered.
 #[wasm_bindgen_test]
 async fn a_replay_that_begins_twice_sets_the_live_line_aside_once() {
     let (sessions, bench) = replaying("replay-twice").await;

@@ -243,7 +243,6 @@ pub fn end_button(bench: &Bench) -> web_sys::HtmlElement {
     buttons.iter().find(in_bar).unwrap().clone()
 }
 
-/// Replay was pressed twice before the worker answered.
 #[wasm_bindgen_test]
 async fn the_bar_plays_steps_and_goes_to_places() {
     let (sessions, bench) = replaying("replay-bar").await;

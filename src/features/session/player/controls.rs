@@ -42,6 +42,7 @@ impl Player {
     }
 
     pub(in crate::features::session) fn step(self, forward: bool) {
+        self.unreadable.set(false);
         self.post(ToReplay::Step { forward });
     }
 
@@ -67,6 +68,7 @@ impl Player {
     }
 
     pub(super) fn go(self, after_us: u64) {
+        self.unreadable.set(false);
         self.going.store(true, Relaxed);
         self.asked.store(after_us, Relaxed);
         self.post(ToReplay::Seek { after_us });

@@ -1,5 +1,6 @@
 //! Which messages cross between the recording and the live line.
 
+use leptos::prelude::Set as _;
 use motorlink_messages::{
     ToWorker,
     bus::Command,
@@ -45,6 +46,7 @@ impl Player {
                 true
             }
             Crossing::Row(number) => {
+                self.unreadable.set(false);
                 self.post(ToReplay::SeekRow(number));
                 true
             }
