@@ -105,7 +105,7 @@ fn drives_and_stops_truly(scenario: &Scenario, pulls: usize) -> Result<()> {
     );
     nothing_but_stops_and_questions(&wire)?;
     assert_ends_braked(&scenario.since(pressed)?);
-    page.click("button", "Release")?;
+    scenario.release()?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     wait_until("a speed that is known", WAIT_MAX, || {
         let known = what_is_shown_is_true(page, TRUE_SPEEDS)?;

@@ -99,7 +99,7 @@ fn the_target_is_set_by_slider_and_field_and_kept_in_range() -> Result<()> {
     page.press("Escape")?;
     wait_for_speed(page, 0..=0)?;
     // A drag that outlasts the stop does not start the wheel again.
-    page.click("button", "Release")?;
+    scenario.release()?;
     page.slide("Target speed", 80.0)?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     assert_quiet_console(page);

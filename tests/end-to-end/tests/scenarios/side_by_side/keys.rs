@@ -35,7 +35,7 @@ fn space_on_the_button_that_reverses_stops_the_wheel() -> Result<()> {
             .any(|frame| frame.drive_setpoint().is_some_and(reverses)),
         "{drives}"
     );
-    page.click("button", "Release")?;
+    scenario.release()?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     // At a standstill the button has it.
     wait_until_enabled(page, "button", "-100", true)?;

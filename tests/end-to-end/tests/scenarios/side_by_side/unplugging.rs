@@ -100,7 +100,7 @@ fn an_adapter_pulled_out_during_a_stop_comes_back_stopped() -> Result<()> {
     survives_a_pull(&mut scenario)?;
     let page = &scenario.page;
     page.wait_for_text("alertdialog", "Stopped", |text| !text.is_empty())?;
-    page.click("button", "Release")?;
+    scenario.release()?;
     scenario.stays_undriven(Duration::from_secs(1))?;
     goes_on(&scenario)
 }
