@@ -6,9 +6,7 @@ use js_sys::{Array, Function, Uint8Array};
 use motorlink_messages::{
     decode, encode,
     protocol::{Faults, MotorId},
-    sessions::{
-        FromSessions, MarkKind, Problem, SessionInfo, SessionMark, SessionMotor, ToSessions,
-    },
+    sessions::{FromSessions, Problem, SessionInfo, SessionMark, SessionMotor, ToSessions},
 };
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use web_sys::{Blob, BroadcastChannel, MessageEvent};
@@ -117,7 +115,6 @@ fn motor(id: u8, replies: u64, buckets: Vec<Option<[i16; 4]>>) -> SessionMotor {
 fn mark(after_us: u64) -> SessionMark {
     SessionMark {
         after_us,
-        kind: MarkKind::Stop,
         error: true,
         text: "Standstill not confirmed".to_owned(),
     }

@@ -140,7 +140,7 @@ async fn a_dropped_file_is_opened_and_shown_with_what_is_missing() {
         "1:05.250",
         "−100 to +200",
         "Standstill not confirmed",
-        "3 more events",
+        "More events in the file: 3",
     ] {
         assert!(shown.contains(text), "no {text:?} in {shown}");
     }

@@ -39,7 +39,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
     let left_out = info.marks.len().saturating_sub(EVENTS_MAX) as u64 + info.marks_left_out;
     let more = (left_out > 0).then(|| {
         tr!(
-            "{count} more events are in the file.",
+            "More events in the file: {count}",
             count = grouped(left_out)
         )
     });

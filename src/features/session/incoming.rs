@@ -101,7 +101,7 @@ fn first_file(event: &JsValue) -> Option<JsValue> {
 }
 
 /// A member of an object, or nothing. Typed bindings to these interfaces would add to the first program.
-fn member(object: &JsValue, name: &str) -> JsValue {
+pub(super) fn member(object: &JsValue, name: &str) -> JsValue {
     Reflect::get(object, &name.into()).unwrap_or_default()
 }
 

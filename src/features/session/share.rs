@@ -8,6 +8,8 @@ use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 use web_sys::DomException;
 
+use super::incoming::member;
+
 /// The file that was saved last, where the browser can share it.
 #[derive(Clone, Copy)]
 pub(super) struct Shareable {
@@ -132,9 +134,4 @@ fn named(content: &JsValue, name: &str, kind: &str) -> Result<JsValue, JsValue> 
 
 fn navigator() -> JsValue {
     window().navigator().into()
-}
-
-/// A member of an object, or nothing.
-fn member(object: &JsValue, name: &str) -> JsValue {
-    Reflect::get(object, &name.into()).unwrap_or_default()
 }

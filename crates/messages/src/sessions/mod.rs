@@ -184,29 +184,10 @@ pub struct SessionMotor {
 pub struct SessionMark {
     /// Microseconds since the first record.
     pub after_us: u64,
-    /// Its kind.
-    pub kind: MarkKind,
     /// Whether it is an error.
     pub error: bool,
     /// Its text, in English.
     pub text: String,
-}
-
-/// Kinds of events that look different on a timeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum MarkKind {
-    /// A port was opened, closed or lost.
-    Connection,
-    /// A stop began or ended.
-    Stop,
-    /// A limit stopped a motor.
-    Limit,
-    /// The faults of a motor changed.
-    Fault,
-    /// A note of the user.
-    Bookmark,
-    /// Anything else.
-    Notice,
 }
 
 /// The answer of the recorder to a request for the next part of what it keeps.

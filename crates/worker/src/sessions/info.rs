@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use motorlink_messages::sessions::{MarkKind, SessionInfo, SessionMark, SessionMotor};
+use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
 use motorlink_protocol::MotorId;
-use motorlink_session::{EventKind, Extent, Mark, MotorOverview};
+use motorlink_session::{Extent, Mark, MotorOverview};
 
 use super::open_session::OpenSession;
 
@@ -58,14 +58,6 @@ fn motor((id, motor): (MotorId, &MotorOverview)) -> SessionMotor {
 fn mark(mark: &Mark) -> SessionMark {
     SessionMark {
         after_us: micros(mark.after),
-        kind: match mark.kind {
-            EventKind::Connected | EventKind::Disconnected => MarkKind::Connection,
-            EventKind::StopBegan | EventKind::StopEnded => MarkKind::Stop,
-            EventKind::Limit => MarkKind::Limit,
-            EventKind::Fault => MarkKind::Fault,
-            EventKind::Bookmark => MarkKind::Bookmark,
-            EventKind::Run | EventKind::Notice => MarkKind::Notice,
-        },
         error: mark.error,
         text: mark.text.clone(),
     }
