@@ -47,6 +47,10 @@ pub(crate) fn instruments(features: Features, rover: Rover) -> Instruments {
                 let history = features.page.history;
                 history.update_value(|history| history.recall(0, samples));
             }
+            Show::PastActivities(changes) => {
+                let history = features.page.history;
+                history.update_value(|history| history.recall_goals(changes));
+            }
             Show::Rows(rows) => features.log.take(rows.clone()),
             Show::Close => features.update(&state(features.page.now(), Connection::Disconnected)),
             Show::End => {

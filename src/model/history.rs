@@ -7,6 +7,7 @@ use motorlink_messages::{
     Connection, Update,
     bus::{Activity, Sample},
     protocol::{Instant, MotorId, Reply, Setpoint},
+    sessions::ActivityChange,
 };
 
 pub(crate) use crate::model::point::Point;
@@ -129,6 +130,21 @@ impl Track {
         }
     }
 
+    /// Adds restored changes of the goal, newest first, before the known ones.
+    fn recall_goal(&mut self, change: GoalChange) {
+        let is_full = self.goals.len() == GOALS_MAX;
+        if let Some(oldest) = self.goals.front_mut() {
+            if is_full || oldest.at <= change.at {
+                return;
+            }
+            if oldest.goal == change.goal {
+                oldest.at = change.at;
+                return;
+            }
+        }
+        self.goals.push_front(change);
+    }
+
     fn set_goal(&mut self, at: Instant, goal: Option<Setpoint>) {
         if self.goals.back().and_then(|change| change.goal) == goal {
             return;
@@ -212,6 +228,18 @@ impl History {
             let at_us = self.at(*at).as_micros().saturating_add_signed(zero_us);
             let point = point(Instant::from_micros(at_us), reply);
             self.on_track(reply.id, |track| track.recall(point));
+        }
+        self.recalled = self.recalled.wrapping_add(1);
+        self.wake();
+    }
+
+    /// Adds what motors did before a jump in a recording, oldest first.
+    pub(crate) fn recall_goals(&mut self, changes: &[ActivityChange]) {
+        for change in changes.iter().rev() {
+            let (at, goal) = (self.at(change.at), goal(change.activity));
+            self.on_track(change.id, |track| {
+                track.recall_goal(GoalChange { at, goal })
+            });
         }
         self.recalled = self.recalled.wrapping_add(1);
         self.wake();

@@ -1,6 +1,6 @@
 //! The present state of the bus and its motors, for the caller.
 
-use motorlink_protocol::{Instant, family::Model};
+use motorlink_protocol::{Instant, MotorId, family::Model};
 
 use crate::{
     bus::Bus,
@@ -56,10 +56,21 @@ impl Bus {
     pub fn motors(&self, now: Instant) -> impl Iterator<Item = MotorStatus> {
         self.motors.iter().map(move |motor| {
             let mut status = motor.status(now);
-            if self.is_driven_raw(motor.id) && status.activity == Activity::Idle {
-                status.activity = Activity::DrivenRaw;
-            }
+            status.activity = self.activity(motor);
             status
         })
+    }
+
+    /// What every motor does.
+    pub(crate) fn activities(&self) -> impl Iterator<Item = (MotorId, Activity)> {
+        let motors = self.motors.iter();
+        motors.map(|motor| (motor.id, self.activity(motor)))
+    }
+
+    fn activity(&self, motor: &Motor) -> Activity {
+        match motor.activity() {
+            Activity::Idle if self.is_driven_raw(motor.id) => Activity::DrivenRaw,
+            activity => activity,
+        }
     }
 }

@@ -19,7 +19,7 @@ use motorlink_messages::{
     bus::Sample,
     protocol::Instant,
     recorder::LogPage,
-    sessions::{FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
+    sessions::{ActivityChange, FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
 };
 
 use crate::{
@@ -46,6 +46,8 @@ pub(crate) enum Show<'a> {
     Recorded(&'a Update),
     /// Add older replies to the graph.
     Past(&'a [Sample]),
+    /// Add what motors did before to the graph.
+    PastActivities(&'a [ActivityChange]),
     /// Show these rows of the packet log.
     Rows(&'a LogPage),
     /// The recording closes.
@@ -194,6 +196,7 @@ impl Player {
             FromReplay::Begun { .. } => {}
             FromReplay::Jumped => self.show(Show::Nothing),
             FromReplay::Update { place, update } => self.arrived(place, &update),
+            FromReplay::PastActivities(changes) => self.show(Show::PastActivities(&changes)),
             FromReplay::Past(samples) => self.show(Show::Past(&samples)),
             FromReplay::Log(rows) => self.show(Show::Rows(&rows)),
             FromReplay::Unreadable => self.unreadable.set(true),

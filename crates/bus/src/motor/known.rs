@@ -107,19 +107,23 @@ impl Motor {
         now.since(self.silent_since().max(driven.since))
     }
 
+    pub(crate) fn activity(&self) -> Activity {
+        match self.control {
+            Control::Idle => Activity::Idle,
+            Control::Switching(switch) => Activity::Switching { to: switch.to },
+            Control::Driven(driven) => Activity::Driven {
+                setpoint: driven.goal,
+            },
+            Control::Stopping(stop) => Activity::Stopping {
+                confirmed: stop.confirmed(),
+            },
+        }
+    }
+
     pub(crate) fn status(&self, now: Instant) -> MotorStatus {
         MotorStatus {
             id: self.id,
-            activity: match self.control {
-                Control::Idle => Activity::Idle,
-                Control::Switching(switch) => Activity::Switching { to: switch.to },
-                Control::Driven(driven) => Activity::Driven {
-                    setpoint: driven.goal,
-                },
-                Control::Stopping(stop) => Activity::Stopping {
-                    confirmed: stop.confirmed(),
-                },
-            },
+            activity: self.activity(),
             last: self.last,
             position: self.position,
             temperature: self.temperature,

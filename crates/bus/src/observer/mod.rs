@@ -17,7 +17,7 @@ use crate::{
     event::Event,
     line_event::{LineEvent, LineEventKind},
     line_use::LineStatus,
-    motor_status::MotorStatus,
+    motor_status::{Activity, MotorStatus},
     sample::Sample,
 };
 
@@ -119,6 +119,11 @@ impl Observer {
     pub fn motors(&mut self, now: Instant) -> impl Iterator<Item = MotorStatus> {
         self.pass_to(now);
         self.bus.motors(now)
+    }
+
+    /// What every motor does, after the last event.
+    pub fn activities(&self) -> impl Iterator<Item = (MotorId, Activity)> {
+        self.bus.activities()
     }
 
     /// How the line is used. [`LineStatus::carries_hz`] is unknown, and `late_hz` has the late replies only.

@@ -3,8 +3,8 @@
 //! The page shows a replayed session by the messages of a live one: [`FromReplay::Update`] has the state and the replies
 //! as the port worker would send them, [`FromReplay::Log`] the rows of the packet log.
 
-use motorlink_bus::Sample;
-use motorlink_protocol::Instant;
+use motorlink_bus::{Activity, Sample};
+use motorlink_protocol::{Instant, MotorId};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -97,10 +97,23 @@ pub enum FromReplay {
     /// Replies from before a jump, for the graph. The newest part comes first; each part has at most
     /// [`PAST_SAMPLES_MAX`](crate::recorder::PAST_SAMPLES_MAX) samples, oldest first.
     Past(Vec<Sample>),
+    /// What the motors did before a jump, oldest first: for the targets in the graph.
+    PastActivities(Vec<ActivityChange>),
     /// Rows of the packet log of the replay, as in [`FromRecorder::Log`](crate::recorder::FromRecorder::Log).
     Log(Box<LogPage>),
     /// Bytes of the file could not be read; the replay is paused. What is damaged is skipped without this message.
     Unreadable,
+}
+
+/// What a motor does from a time on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ActivityChange {
+    /// From when.
+    pub at: Instant,
+    /// Which motor.
+    pub id: MotorId,
+    /// What it does.
+    pub activity: Activity,
 }
 
 /// The present place of a replay.

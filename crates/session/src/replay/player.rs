@@ -281,7 +281,11 @@ impl Player {
             }
             Found::Near(track, past) => {
                 self.put(track);
-                self.past = past;
+                self.past = past.samples;
+                if !past.activities.is_empty() {
+                    let message = FromReplay::PastActivities(past.activities);
+                    self.outgoing.push_back(message);
+                }
                 self.update();
             }
         }

@@ -3,6 +3,7 @@
 use std::{collections::VecDeque, time::Duration};
 
 use motorlink_bus::Sample;
+use motorlink_messages::sessions::ActivityChange;
 use motorlink_protocol::Instant;
 use motorlink_recorder::WallClock;
 
@@ -20,6 +21,15 @@ const SAMPLES_MAX: usize = 40_000;
 const FRAME_WITHIN: Duration = Duration::from_secs(3);
 const FURTHER: u32 = 8;
 
+/// What the page does not have of the time before a jump.
+#[derive(Debug, Default)]
+pub(super) struct Past {
+    /// The replies.
+    pub(super) samples: VecDeque<Sample>,
+    /// The changes of what the motors did.
+    pub(super) activities: Vec<ActivityChange>,
+}
+
 /// A search.
 #[derive(Debug)]
 pub(super) struct Search {
@@ -33,7 +43,7 @@ enum Stage {
     Picture { target: Instant },
     /// Reads all that is near the place. The page does not have the samples between these times.
     Near {
-        past: VecDeque<Sample>,
+        past: Past,
         from: Instant,
         until: Instant,
     },
@@ -48,8 +58,8 @@ pub(super) enum Found {
     Progress(Progress),
     /// The state at this place, by the last seconds before it.
     Picture(Instant, Track),
-    /// The state at the place by all that is near it, and the samples before the picture.
-    Near(Track, VecDeque<Sample>),
+    /// The state at the place by all that is near it, and what was before the picture.
+    Near(Track, Past),
     /// The time of the frame.
     Frame(Instant),
 }
@@ -90,8 +100,9 @@ impl Search {
             .session
             .look_back(context.times.utc_ns(place), past, bytes);
         let from = place - past;
-        let track = Track::at(context.session, context.times, from_ns, context.clock);
-        let past = VecDeque::new();
+        let mut track = Track::at(context.session, context.times, from_ns, context.clock);
+        track.state.keep_activities();
+        let past = Past::default();
         let stage = Stage::Near { past, from, until };
         Self { stage, track }
     }
@@ -131,16 +142,20 @@ impl Search {
         let progress = self.track.advance(context.session, until);
         if let Stage::Near { past, from, until } = &mut self.stage {
             let told = self.track.state.samples.drain(..);
-            past.extend(told.filter(|sample| (*from..*until).contains(&sample.at)));
-            let too_many = past.len().saturating_sub(SAMPLES_MAX);
-            past.drain(..too_many);
+            let samples = &mut past.samples;
+            samples.extend(told.filter(|sample| (*from..*until).contains(&sample.at)));
+            let too_many = samples.len().saturating_sub(SAMPLES_MAX);
+            samples.drain(..too_many);
         }
         if progress != Progress::Reached {
             return (Found::Progress(progress), Some(self));
         }
         match self.stage {
             Stage::Picture { target } => (Found::Picture(target, self.track), None),
-            Stage::Near { past, .. } => (Found::Near(self.track, past), None),
+            Stage::Near { mut past, .. } => {
+                past.activities = self.track.state.take_activities();
+                (Found::Near(self.track, past), None)
+            }
             Stage::FrameBefore { before, within } => {
                 let is_whole = before - within <= context.times.first;
                 if let Some(frame) = self.track.frame_before(before) {

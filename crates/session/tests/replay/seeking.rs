@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{BusSettings, Command, CommandRate, Counters, RoundTripStatus, Sample};
+use motorlink_bus::{
+    Activity, BusSettings, Command, CommandRate, Counters, RoundTripStatus, Sample, StopReason,
+};
 use motorlink_messages::{
     Update,
     recorder::PAST_SAMPLES_MAX,
-    sessions::{FromReplay, ToReplay},
+    sessions::{ActivityChange, FromReplay, ToReplay},
 };
 use motorlink_protocol::{Instant, family::Model};
 use motorlink_session::LookBack;
@@ -131,6 +133,7 @@ fn the_graph_gets_the_last_minute_before_a_jump_newest_part_first() {
                 shown.splice(0..0, part.iter().copied());
             }
             FromReplay::Update { update, .. } => assert_eq!(update.samples, []),
+            FromReplay::PastActivities(_) => {}
             other => panic!("{other:?}"),
         }
     }
@@ -199,4 +202,47 @@ fn the_place_limits_are_the_first_and_the_last_record() {
     assert_eq!(replay.last().0.after_us, duration_us);
     replay.ask(ToReplay::Seek { after_us: 0 });
     assert_eq!((replay.last().0.after_us, replay.last().1.now), (0, first));
+}
+
+/// The graph draws targets, and aligns runs by them.
+#[test]
+fn a_jump_tells_what_the_motors_did_before_it() {
+    let mut live = Live::of(Model::Ddsm115);
+    live.run(ms(500));
+    live.drive(1, rpm(50));
+    live.run(ms(6_000));
+    live.drive(1, rpm(-20));
+    live.run(ms(2_000));
+    live.command(Command::StopAll(StopReason::Operator))
+        .unwrap();
+    live.run(ms(4_000));
+    let (file, _) = live.end_with_samples();
+    let mut replay = Replay::of(&file);
+    let (first, _) = replay.begun();
+    let messages = replay.ask(ToReplay::Seek { after_us: u64::MAX });
+    let changes: Vec<ActivityChange> = messages
+        .iter()
+        .find_map(|message| match message {
+            FromReplay::PastActivities(changes) => Some(changes.clone()),
+            _ => None,
+        })
+        .unwrap();
+    let of_first = || changes.iter().filter(|change| change.id == id(1));
+    let when = |what: fn(Activity) -> bool| {
+        let change = of_first().find(|change| what(change.activity)).unwrap();
+        change.at.since(first)
+    };
+    let driven_at = |speed| Activity::Driven {
+        setpoint: rpm(speed),
+    };
+    assert!(of_first().any(|change| change.activity == driven_at(50)));
+    let turned = of_first().find(|change| change.activity == driven_at(-20));
+    let turned = turned.unwrap().at.since(first);
+    let stopping = when(|activity| matches!(activity, Activity::Stopping { .. }));
+    // The frame that shows a change comes up to 100 ms after the command.
+    assert!(
+        (stopping - turned).abs_diff(ms(2_000)) < ms(200),
+        "{changes:?}"
+    );
+    assert_eq!(of_first().last().unwrap().activity, Activity::Idle);
 }
