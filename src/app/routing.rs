@@ -22,6 +22,7 @@ use crate::{
         notice_texts,
         page::Change,
         replay::{self, Crossing},
+        runs,
         scan_texts::belongs_to_id_manager,
         snapshot::{Reading, Session},
         tab::Tab,
@@ -51,6 +52,7 @@ impl Features {
                     self.update(&update);
                 }
             }
+            ToPage::Run(message) => runs::receive(&message),
         }
     }
 

@@ -31,6 +31,7 @@ pub(crate) mod preferences;
 pub(crate) mod recorder;
 pub(crate) mod recorder_texts;
 pub(crate) mod replay;
+pub(crate) mod runs;
 pub(crate) mod scan_texts;
 pub mod setup;
 pub(crate) mod setup_actions;

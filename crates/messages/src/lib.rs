@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 mod adapter;
 mod awake_clock;
 pub mod recorder;
+pub mod runs;
 pub mod sessions;
 mod virtual_line;
 mod virtual_wire;
@@ -22,6 +23,7 @@ mod virtual_wire;
 pub use adapter::{Adapter, UsbId};
 pub use awake_clock::AwakeClock;
 pub use motorlink_bus as bus;
+pub use motorlink_experiments as experiments;
 pub use motorlink_protocol as protocol;
 pub use virtual_line::{VirtualLine, VirtualMotors};
 pub use virtual_wire::VirtualWire;
@@ -64,6 +66,13 @@ pub enum ToWorker {
     },
     /// Make the virtual line ill in one way, or well. Starts no motion; nothing on a real line.
     VirtualWire(VirtualWire),
+    /// A message to the run of an experiment.
+    Run {
+        /// A [`ToRun`](runs::ToRun).
+        message: Vec<u8>,
+        /// When the person did it: see [`ToWorker::Command`]. An old act starts no run.
+        given_ms: f64,
+    },
 }
 
 /// Which model the motors of a line are.
@@ -114,6 +123,8 @@ pub enum ToPage {
     Ping,
     /// Everything that the page shows. Sent when something has changed, at most once a frame.
     Update(Update),
+    /// A [`FromRun`](runs::FromRun).
+    Run(Vec<u8>),
 }
 
 /// What the worker knows, and what has happened since the last update.

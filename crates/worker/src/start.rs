@@ -59,6 +59,7 @@ fn handle(shared: &Shared, message: ToWorker) {
         }
         ToWorker::VirtualWire(wire) => shared.borrow_mut().set_virtual_wire(wire),
         ToWorker::Pong { page_ms } => shared.borrow_mut().page_answered(page_ms),
+        ToWorker::Run { .. } => {}
     }
     pump(shared);
 }

@@ -16,6 +16,7 @@ pub const MOTORS_MAX: usize = 16;
 
 /// The available motors and groups.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fleet {
     /// All motors that can be driven.
     pub motors: Vec<MotorId>,

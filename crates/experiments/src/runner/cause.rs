@@ -6,6 +6,7 @@ use motorlink_protocol::{Faults, Instant, Mode, MotorId};
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum End {
     /// Its last step has ended.
     Finished {
@@ -23,6 +24,7 @@ pub enum End {
 
 /// Why a run is aborted. The bus reports some of the causes, the worker others.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Cause {
     /// The user pressed stop.
     Stopped,
@@ -61,6 +63,7 @@ pub enum Cause {
 
 /// An exceeded limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ExceededLimit {
     /// Speed in rpm.
     Rpm {
@@ -89,6 +92,7 @@ pub enum ExceededLimit {
 
 /// Why a run does not start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StartRefusal {
     /// It is running or has ended.
     NotArmed,

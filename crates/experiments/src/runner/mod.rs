@@ -17,7 +17,7 @@ use std::time::Duration;
 use motorlink_protocol::{Instant, MotorId, Setpoint};
 
 pub use cause::{Cause, End, ExceededLimit, StartRefusal};
-pub use record::{Mark, Record, Sample, SentSetpoint};
+pub use record::{Mark, Record, RecordPart, Sample, SentSetpoint};
 pub use watch::Telemetry;
 
 use crate::plan::{Plan, PlanMotor};
@@ -37,6 +37,7 @@ pub const PERIOD_MIN: Duration = Duration::from_millis(2);
 
 /// The user's settings of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Options {
     /// Time between two setpoints of a motor.
     pub period: Duration,
@@ -56,6 +57,7 @@ impl Default for Options {
 
 /// The state of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Phase {
     /// A person has read what will move, and may start it until then.
     Armed {
@@ -150,6 +152,11 @@ impl Runner {
     #[must_use]
     pub const fn record(&self) -> &Record {
         &self.record
+    }
+
+    /// Takes the new entries out of the record.
+    pub fn take_part(&mut self) -> RecordPart {
+        self.record.take_part()
     }
 
     /// Starts an armed run. Only the user may start it.

@@ -14,6 +14,7 @@ const MARKS_MAX: usize = 100_000;
 
 /// One reply of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// Which motor.
     pub id: MotorId,
@@ -31,6 +32,7 @@ pub struct Sample {
 
 /// A setpoint that differs from the one before.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SentSetpoint {
     /// Which motor.
     pub id: MotorId,
@@ -42,11 +44,24 @@ pub struct SentSetpoint {
 
 /// The start of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mark {
     /// When it started in the plan.
     pub at: Instant,
     /// The instruction of the plan: see [`Plan::place`](crate::plan::Plan::place).
     pub step: usize,
+}
+
+/// New entries of a record.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct RecordPart {
+    /// Replies, in order of time.
+    pub samples: Vec<Sample>,
+    /// Changes of setpoints, in order of time.
+    pub sent: Vec<SentSetpoint>,
+    /// Starts of steps, in order of time.
+    pub marks: Vec<Mark>,
 }
 
 /// The sent setpoints and the telemetry of a run, with bounds.
@@ -102,11 +117,35 @@ impl Record {
         self.halved > 0 || self.left_out
     }
 
-    pub(super) const fn began(&mut self, now: Instant) {
+    /// Takes the entries since the last call out of the record.
+    pub fn take_part(&mut self) -> RecordPart {
+        RecordPart {
+            samples: std::mem::take(&mut self.samples),
+            sent: std::mem::take(&mut self.sent),
+            marks: std::mem::take(&mut self.marks),
+        }
+    }
+
+    /// Adds entries that [`Record::take_part`] took out of another record.
+    pub fn add_part(&mut self, part: RecordPart) {
+        for sample in part.samples {
+            self.add_sample(sample);
+        }
+        for sent in part.sent {
+            self.sent(sent.at, sent.id, sent.setpoint);
+        }
+        for mark in part.marks {
+            self.mark(mark);
+        }
+    }
+
+    /// The run starts at this time.
+    pub const fn began(&mut self, now: Instant) {
         self.began = Some(now);
     }
 
-    pub(super) const fn ended(&mut self, end: End) {
+    /// The run has ended so.
+    pub const fn ended(&mut self, end: End) {
         self.end = Some(end);
     }
 
@@ -133,6 +172,17 @@ impl Record {
     }
 
     pub(super) fn sample(&mut self, reply: Telemetry) {
+        self.add_sample(Sample {
+            id: reply.id,
+            at: reply.at,
+            rpm: reply.rpm,
+            current: reply.current,
+            degrees: reply.degrees,
+            celsius: reply.celsius,
+        });
+    }
+
+    fn add_sample(&mut self, sample: Sample) {
         let number = self.received;
         self.received += 1;
         if !number.is_multiple_of(1 << self.halved) {
@@ -146,13 +196,6 @@ impl Record {
             });
             self.halved = (self.halved + 1).min(32);
         }
-        self.samples.push(Sample {
-            id: reply.id,
-            at: reply.at,
-            rpm: reply.rpm,
-            current: reply.current,
-            degrees: reply.degrees,
-            celsius: reply.celsius,
-        });
+        self.samples.push(sample);
     }
 }

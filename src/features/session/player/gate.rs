@@ -66,7 +66,10 @@ impl Player {
                 command: Command::StopAll(_) | Command::Stop(_),
                 ..
             } => false,
-            ToWorker::Command { .. } | ToWorker::Select(_) | ToWorker::VirtualWire(_) => true,
+            ToWorker::Command { .. }
+            | ToWorker::Select(_)
+            | ToWorker::VirtualWire(_)
+            | ToWorker::Run { .. } => true,
         }
     }
 
