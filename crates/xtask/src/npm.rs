@@ -1,4 +1,4 @@
-//! Two npm packages of fixed versions, each fetched once.
+//! npm packages of fixed versions, each fetched once.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,6 +14,8 @@ use crate::tools::cache_dir;
 pub struct Package {
     name: &'static str,
     version: &'static str,
+    /// Packages that are used with it, with their versions.
+    with: &'static [&'static str],
     /// The file in it that is used.
     file: &'static str,
 }
@@ -22,6 +24,7 @@ pub struct Package {
 pub const AXE: Package = Package {
     name: "axe-core",
     version: "4.14.1",
+    with: &[],
     file: "axe.min.js",
 };
 
@@ -29,22 +32,43 @@ pub const AXE: Package = Package {
 pub const LIGHTHOUSE: Package = Package {
     name: "lighthouse",
     version: "12.8.2",
+    with: &[],
     file: "cli/index.js",
+};
+
+/// Reads MCAP files for Foxglove, with what decompresses them there.
+pub const MCAP_READER: Package = Package {
+    name: "@mcap/core",
+    version: "2.2.2",
+    with: &["@mcap/support@1.1.0"],
+    file: "package.json",
 };
 
 impl Package {
     /// The path of the file; fetches the package if it is missing.
     pub fn ensure(&self) -> Result<PathBuf> {
+        let Self { name, file, .. } = self;
+        Ok(self
+            .ensure_dir()?
+            .join("node_modules")
+            .join(name)
+            .join(file))
+    }
+
+    /// The directory that has `node_modules`; fetches the package if it is missing.
+    pub fn ensure_dir(&self) -> Result<PathBuf> {
         let Self {
             name,
             version,
+            with,
             file,
         } = self;
         let tools = cache_dir()?.join("tools");
-        let dir = tools.join(format!("{name}-{version}"));
+        let stem = format!("{name}-{version}").replace('/', "-");
+        let dir = tools.join(&stem);
         let found = dir.join("node_modules").join(name).join(file);
         if found.is_file() {
-            return Ok(found);
+            return Ok(dir);
         }
         if process::output_of("npm", &["--version"]).is_none() {
             bail!(
@@ -53,20 +77,21 @@ impl Package {
         }
         println!("fetching {name} {version} into {} (once)", dir.display());
         // Installed elsewhere and then moved: an incomplete package is never used.
-        let half = tools.join(format!("{name}-{version}.part"));
+        let half = tools.join(format!("{stem}.part"));
         let _ = fs::remove_dir_all(&half);
         fs::create_dir_all(&half).with_context(|| format!("making {}", half.display()))?;
         let mut npm = Command::new("npm");
         npm.args(["install", "--no-audit", "--no-fund", "--no-save"])
-            // Neither package needs its install scripts.
+            // None of them needs its install scripts.
             .args(["--ignore-scripts", "--loglevel", "error", "--prefix"])
             .arg(&half)
-            .arg(format!("{name}@{version}"));
+            .arg(format!("{name}@{version}"))
+            .args(*with);
         process::run(&mut npm)?;
         fs::rename(&half, &dir).with_context(|| format!("making {}", dir.display()))?;
         if !found.is_file() {
             bail!("{name} {version} has no {file}");
         }
-        Ok(found)
+        Ok(dir)
     }
 }

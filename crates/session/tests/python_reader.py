@@ -1,7 +1,7 @@
 """Reads a session file with the official Python reader, and validates every message against its schema.
 
 Run by `cargo xtask test --only session-readers`, with the counts that the writer has:
-official_reader.py FILE MESSAGES ENTRIES
+python_reader.py FILE MESSAGES ENTRIES
 """
 
 import json
