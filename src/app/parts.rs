@@ -39,7 +39,7 @@ use crate::{
         settings::panel::{InstallButton, SettingsPanel},
         setup_link::{
             self,
-            panel::{SetupLink, SetupLinkPanel},
+            panel::{LinkedGraph, SetupLink, SetupLinkPanel},
         },
         wheel_setup::{
             actions::{IdManagerActions, WheelSetup},
@@ -192,7 +192,12 @@ in_part!(seldom: fn mount_seldom(hosts, features, which) [{
         let files = SessionFiles::of_page(&hosts.owner, features.page, instruments);
         hosts.mount(move || view! { <SessionPanel files incoming /> })
     } else if which == Drawer::SetupLink {
-        let of = SetupLink::of_page(&hosts.owner, features.page);
+        let chart = features.chart;
+        let graph = move || LinkedGraph {
+            shown: Box::new(move || chart.graph_view()),
+            show: Box::new(move |view| chart.show_graph_view(view)),
+        };
+        let of = SetupLink::of_page(&hosts.owner, features.page, graph);
         hosts.mount(move || view! { <SetupLinkPanel of /> })
     } else {
         let ids = features.ids;

@@ -238,7 +238,7 @@ impl History {
         for change in changes.iter().rev() {
             let (at, goal) = (self.at(change.at), goal(change.activity));
             self.on_track(change.id, |track| {
-                track.recall_goal(GoalChange { at, goal })
+                track.recall_goal(GoalChange { at, goal });
             });
         }
         self.recalled = self.recalled.wrapping_add(1);

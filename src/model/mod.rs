@@ -7,6 +7,7 @@ pub(crate) mod connect_texts;
 pub(crate) mod drive_settings;
 pub(crate) mod governor;
 pub(crate) mod graph_height;
+pub(crate) mod graph_view;
 pub(crate) mod guards;
 pub(crate) mod heat;
 pub(crate) mod help_topic;

@@ -211,3 +211,32 @@ async fn the_link_of_a_page_is_copied_and_opens_as_its_setup() {
     );
     forget();
 }
+
+/// What the page shows, as the end of a link.
+fn view_in_link(bench: &Bench) -> String {
+    let link = bench.find("textbox", "Link");
+    let link: HtmlInputElement = link.dyn_into().unwrap();
+    let link = link.value();
+    let (_, view) = link.split_once('&').unwrap();
+    view.to_owned()
+}
+
+#[wasm_bindgen_test]
+async fn a_link_shows_the_view_at_once_and_changes_no_setting() {
+    remember_limit();
+    let bench = Bench::with_motor("link-view", Mode::Velocity).await;
+    set_fragment(&format!(
+        "{LINK}&motor=1&tab=raw-hex&traces=speed.temperature&compared=current&span_ms=10000&new=1"
+    ));
+    until_asked(&bench).await;
+    assert_eq!(
+        view_in_link(&bench),
+        "motor=1&tab=raw-hex&traces=speed.temperature&compared=current&span_ms=10000"
+    );
+    let tab = bench.find("tab", "Raw Hex");
+    assert_eq!(tab.get_attribute("aria-selected").as_deref(), Some("true"));
+    assert_eq!(speed_limit(), 100);
+    assert_nothing_is_commanded(&bench).await;
+    bench.click("Discard");
+    forget();
+}

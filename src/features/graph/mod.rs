@@ -14,6 +14,7 @@
 //! | `description` | the values in words |
 //! | `watchers` | size, visibility and theme |
 //! | `picture` | the PNG image and the SVG drawing |
+//! | `linked` | what it shows, for a link |
 //!
 //! The parts that need no browser are in [`crate::features::graph::plot`].
 
@@ -22,6 +23,7 @@ pub(crate) mod compared;
 pub(crate) mod controls;
 pub(crate) mod description;
 pub(crate) mod legend;
+pub(crate) mod linked;
 pub(crate) mod overlay;
 pub(crate) mod picture;
 pub mod plot;

@@ -1,6 +1,7 @@
-//! The setup as a link: copied here, and offered with a question to the page that opens it.
+//! The setup and the view as a link: copied here. The page that opens it shows the view, and asks before it applies the
+//! setup.
 //!
-//! A link changes nothing by itself: nobody can raise a limit unseen by sending one.
+//! A link changes no setting by itself: nobody can raise a limit unseen by sending one.
 //!
 //! | file | idea |
 //! |---|---|
@@ -8,8 +9,10 @@
 //! | `panel` | the panel `Setup link` |
 //! | `changes` | what a setup would change |
 //! | `encoding` | a setup as text for an address |
+//! | `view` | what the page shows, as text for an address |
 
 pub(crate) mod address;
 mod changes;
 mod encoding;
 pub(crate) mod panel;
+mod view;

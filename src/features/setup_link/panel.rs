@@ -11,15 +11,27 @@ use crate::{
         address::{IN_ADDRESS, part},
         changes::changes,
         encoding::{LinkError, from_link, to_link},
+        view::View,
     },
-    model::{guards::import_blocked_by, page::Page, setup::Setup, setup_texts},
+    model::{
+        graph_view::GraphView, guards::import_blocked_by, page::Page, setup::Setup, setup_texts,
+    },
     ui::{button::PressButton, listener::on_window, reactive::dynamic},
 };
+
+/// The graph, as far as a link has it.
+pub(crate) struct LinkedGraph {
+    /// What it shows.
+    pub(crate) shown: Box<dyn Fn() -> GraphView>,
+    /// Shows something else.
+    pub(crate) show: Box<dyn Fn(&GraphView)>,
+}
 
 /// The state of the panel. It stays through a change of language.
 #[derive(Clone, Copy)]
 pub(crate) struct SetupLink {
     page: Page,
+    graph: StoredValue<LinkedGraph, LocalStorage>,
     /// The setup of the link that was opened, as a file, until the user has answered; else nothing. It is text: a signal
     /// of another type is code of its own.
     linked: RwSignal<String>,
@@ -28,11 +40,12 @@ pub(crate) struct SetupLink {
 
 impl SetupLink {
     /// Of this page: made at the first call, for the owner of the page.
-    pub(crate) fn of_page(owner: &Owner, page: Page) -> Self {
+    pub(crate) fn of_page(owner: &Owner, page: Page, graph: impl FnOnce() -> LinkedGraph) -> Self {
         owner.with(|| {
             use_context().unwrap_or_else(|| {
                 let new = Self {
                     page,
+                    graph: StoredValue::new_local(graph()),
                     linked: RwSignal::new(String::new()),
                     said: RwSignal::new(String::new()),
                 };
@@ -61,9 +74,37 @@ impl SetupLink {
             }
             // A reload must not ask again, and no copy of the address may have a setup that is not the present one.
             remove_fragment();
-            let said = self.offer(text);
+            let (setup, view) = text.split_once('&').unwrap_or((text, ""));
+            self.show(&View::from_link(view));
+            let said = self.offer(setup);
             let said = said.unwrap_or_else(|error| setup_texts::of_refusal(&error.to_string()));
             self.said.set(said);
+        }
+    }
+
+    /// Shows what the sender saw. It changes no setting. While anything is driven, motor and tab stay: the person at the
+    /// wheel needs their controls where they are.
+    fn show(self, view: &View) {
+        if !self.page.is_anything_driven() {
+            if let Some(id) = view.motor {
+                self.page.select(id);
+            }
+            let model = self.page.model.get_untracked();
+            if let Some(tab) = view.tab.filter(|tab| tab.is_of(model)) {
+                self.page.open_tab(tab);
+            }
+        }
+        if let Some(graph) = &view.graph {
+            self.graph.with_value(|linked| (linked.show)(graph));
+        }
+    }
+
+    /// What the page shows now.
+    fn view(self) -> View {
+        View {
+            motor: Some(self.page.selected.get()),
+            tab: Some(self.page.loops.tab.get()),
+            graph: Some(self.graph.with_value(|linked| (linked.shown)())),
         }
     }
 
@@ -104,10 +145,11 @@ impl SetupLink {
         self.said.set(tr!("Nothing was changed.").to_owned());
     }
 
-    /// A link to this page with the present setup.
+    /// A link to this page with the present setup and view.
     fn link(self) -> String {
         self.track_setup();
-        part("origin") + &part("pathname") + IN_ADDRESS + &to_link(&self.page.setup())
+        let setup = to_link(&self.page.setup());
+        part("origin") + &part("pathname") + IN_ADDRESS + &setup + &self.view().to_link()
     }
 
     /// The setup itself is read without signals.
@@ -179,7 +221,7 @@ pub(crate) fn SetupLinkPanel(of: SetupLink) -> impl IntoView {
             <h3>{tr!("Link with this setup")}</h3>
             <p>
                 {tr!(
-                    "It has names, sides, groups, model, ramp, rate and limits, in a part of the address that is sent to no server."
+                    "It has names, sides, groups, model, ramp, rate and limits, and what the page shows now: motor, tab and graph. They are in a part of the address that is sent to no server."
                 )}
             </p>
             <input

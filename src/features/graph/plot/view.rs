@@ -16,6 +16,11 @@ const SPAN_MIN_US: u64 = 200_000;
 /// The longest span: the whole history.
 const SPAN_MAX_US: u64 = 600_000_000;
 
+/// The closest span that the graph can show.
+pub(crate) fn limited_span(span_us: u64) -> u64 {
+    span_us.clamp(SPAN_MIN_US, SPAN_MAX_US)
+}
+
 /// The position of the right edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Watch {
@@ -94,7 +99,7 @@ impl View {
     /// A period of `percent` of the length. The moment at `place` keeps its position: 0 is the left edge, 1 the
     /// right.
     pub(crate) fn zoomed(self, percent: u64, place: f64, reach: Reach) -> Self {
-        let span_us = (self.span_us.saturating_mul(percent) / 100).clamp(SPAN_MIN_US, SPAN_MAX_US);
+        let span_us = limited_span(self.span_us.saturating_mul(percent) / 100);
         let right_of_place = 1.0 - limited(place, 0.0, 1.0);
         // The distance from `place` to the right edge changes by this.
         let moved_us = scaled(self.span_us, right_of_place) - scaled(span_us, right_of_place);
