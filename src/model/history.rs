@@ -41,7 +41,7 @@ pub(crate) struct GoalChange {
 }
 
 /// The history of one motor, oldest first.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Track {
     points: VecDeque<Point>,
     goals: VecDeque<GoalChange>,
@@ -89,6 +89,11 @@ impl Track {
     pub(crate) fn goal_at(&self, at: Instant) -> Option<Setpoint> {
         let place = self.goals.partition_point(|change| change.at <= at);
         self.goals.get(place.checked_sub(1)?)?.goal
+    }
+
+    /// Every change of the goal.
+    pub(crate) fn goals(&self) -> impl Iterator<Item = &GoalChange> {
+        self.goals.iter()
     }
 
     /// The changes of the goal within a period, and the one before it.
@@ -200,6 +205,17 @@ impl History {
         let before = std::mem::replace(self, next);
         self.wake();
         before
+    }
+
+    /// The history of one motor alone, if it has reported.
+    pub(crate) fn copy_of(&self, id: MotorId) -> Option<Self> {
+        let track = self.track(id).filter(|track| track.newest().is_some())?;
+        Some(Self {
+            zero_us: self.zero_us,
+            tracks: vec![(id, track.clone())],
+            cuts: self.cuts.clone(),
+            ..Self::default()
+        })
     }
 
     fn wake(&self) {

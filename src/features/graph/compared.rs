@@ -4,6 +4,7 @@ use plotters::coord::CoordTranslate;
 
 use crate::{
     features::graph::{
+        kept::drawing,
         plot::{
             columns::{Dot, Grid, extent},
             comparison::Comparison,
@@ -46,10 +47,13 @@ impl Tracing<'_> {
                 });
             }
         }
-        let extent = lines.iter().map(|line| extent(&line.parts));
+        let kept = self.kept_lines(comparison.trace, grid);
+        let extents = lines.iter().map(|line| extent(&line.parts));
+        let extents = extents.chain([extent(&kept)]);
         let ends = self
             .scales
-            .fit(comparison.trace, extent.fold(0.0, f64::max));
+            .fit(comparison.trace, extents.fold(0.0, f64::max));
+        self.draw_lines(&kept, ends, &drawing::pen(palette.text, palette.surface));
         for line in &lines {
             let pen = Pen {
                 colour: line.colour,

@@ -7,6 +7,7 @@ use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
     features::graph::{
+        kept::controls::KeepButton,
         legend, picture,
         plot::{trace::Trace, view::WINDOWS},
         stage::StageCell,
@@ -96,6 +97,7 @@ pub(crate) fn Controls(chart: Chart, stage: StageCell) -> impl IntoView {
                     hint=tr!("The graph takes the place of the other panels.")
                     on_press=move || chart.expanded.update(|expanded| *expanded = !*expanded)
                 />
+                <KeepButton chart />
                 <PressButton
                     class="button small"
                     label="PNG"

@@ -7,6 +7,7 @@ use web_sys::Element;
 
 use crate::{
     features::graph::{
+        kept::state::Aligned,
         plot::{
             comparison::{Subject, marked},
             crosshair, texts, ticks,
@@ -21,6 +22,15 @@ use crate::{
 
 /// Minimal time between updates: more frequent ones would interrupt the screen reader.
 const UPDATE_PERIOD_MS: f64 = 3_000.0;
+
+/// What the graph shows.
+#[derive(Clone, Copy)]
+pub(crate) struct Content<'a> {
+    pub(crate) history: &'a History,
+    pub(crate) subject: &'a Subject,
+    /// The kept run.
+    pub(crate) kept: Option<&'a Aligned>,
+}
 
 /// The text that describes the graph.
 pub(crate) struct Description {
@@ -41,8 +51,11 @@ impl Description {
         &mut self,
         chart: Chart,
         view: View,
-        history: &History,
-        subject: &Subject,
+        Content {
+            history,
+            subject,
+            kept,
+        }: Content<'_>,
         now_us: u64,
         frame_ms: f64,
     ) -> Next {
@@ -65,7 +78,13 @@ impl Description {
                 let values = |track| crosshair::values(track, *mirror, model, at);
                 let values = history.track(*id).map(values);
                 let when = marked(when, *mirror);
-                texts::sentence(&when, values.as_ref(), *traces)
+                let mut sentence = texts::sentence(&when, values.as_ref(), *traces);
+                if let Some(kept) = kept {
+                    let values = kept.values(model, at);
+                    sentence.push(' ');
+                    sentence += &texts::sentence(&kept.name(), values.as_ref(), *traces);
+                }
+                sentence
             }
             Subject::Compared(comparison) => {
                 let motors = crosshair::compared(history, comparison, model, at);

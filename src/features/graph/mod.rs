@@ -8,6 +8,7 @@
 //! | `stage` | the canvases and their animation loop |
 //! | `traces`, `compared`, `axes` | the lines of one motor, the lines of several motors, and the axes |
 //! | `legend` | the compared trace, and the colours of the motors |
+//! | `kept` | a run that is kept, to compare another one with it |
 //! | `resize` | the height, dragged at the edge |
 //! | `reading` | what the crosshair reads |
 //! | `overlay` | the crosshair and its values |
@@ -22,6 +23,7 @@ pub(crate) mod axes;
 pub(crate) mod compared;
 pub(crate) mod controls;
 pub(crate) mod description;
+pub(crate) mod kept;
 pub(crate) mod legend;
 pub(crate) mod linked;
 pub(crate) mod overlay;
@@ -41,7 +43,7 @@ use std::rc::Rc;
 use leptos::{html::Div, prelude::*};
 use motorlink_i18n::tr;
 
-use self::{controls::Controls, resize::Edge, state::Chart};
+use self::{controls::Controls, kept::controls::KeptRun, resize::Edge, state::Chart};
 use crate::{
     features::graph::{plot::texts, stage::StageCell},
     ui::reactive::{dynamic, handler, memo},
@@ -78,6 +80,7 @@ pub(crate) fn Graph(chart: Chart) -> impl IntoView {
         >
             <Edge />
             <Controls chart stage />
+            <KeptRun chart />
             <div class="graph-box" node_ref=place>
                 <div
                     class="graph-plot"

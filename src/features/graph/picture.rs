@@ -10,6 +10,10 @@ use web_sys::{Blob, CanvasRenderingContext2d, HtmlCanvasElement};
 use crate::{
     features::graph::{
         axes::{Axes, Canvas, Picture, TEXT},
+        kept::{
+            drawing,
+            state::{Aligned, aligned},
+        },
         plot::{
             columns::Grid,
             comparison::Subject,
@@ -24,6 +28,7 @@ use crate::{
         state::Chart,
         traces::Tracing,
     },
+    model::history::History,
     ui::download::save_blob,
 };
 
@@ -92,6 +97,7 @@ fn vector(chart: Chart, stage: &Stage, now: LocalTime) -> String {
             scales: &mut scales,
             layout,
             palette,
+            kept: kept_run(chart, history, grid),
         };
         tracing.draw(history, &chart.subject(history), grid, now_us);
     });
@@ -128,8 +134,21 @@ struct Head {
 impl Head {
     fn of(chart: Chart, axes: &Axes, palette: Palette, layout: Layout, now: LocalTime) -> Self {
         let history = chart.page.history;
-        let subject = history.with_value(|history| chart.subject(history));
-        let (title, entries) = legend(chart, &subject, palette);
+        let view = chart.view.get_untracked();
+        let (subject, kept) = history.with_value(|history| {
+            let grid = Grid::new(
+                view.span_us,
+                view.right_us(chart.now_us()),
+                layout.columns(),
+            );
+            (chart.subject(history), kept_run(chart, history, grid))
+        });
+        let (title, mut entries) = legend(chart, &subject, palette);
+        entries.extend(kept.map(|kept| Entry {
+            colour: drawing::pale(palette.text, palette.surface),
+            dashed: false,
+            name: kept.name(),
+        }));
         let title = format!("{title}, {}", texts::date_and_time(now));
         let pixel = layout.ratio;
         let length = |text: &str| axes.width_of(text, pixel);
@@ -171,6 +190,14 @@ impl Head {
         let end = (right, LEGEND * pixel / 2.0);
         surface.write(&self.title, end, Align::Right, text);
     }
+}
+
+fn kept_run(chart: Chart, history: &History, grid: Grid) -> Option<Aligned> {
+    aligned(
+        history,
+        chart.page.selected.get_untracked(),
+        grid.right_us(),
+    )
 }
 
 /// The title of the picture, and the entries of its legend.

@@ -1,22 +1,21 @@
 //! The values at the crosshair.
 
 use leptos::prelude::GetUntracked;
+use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Instant, family::Model};
 
-use crate::{
-    features::graph::{
-        overlay::CrosshairValue,
-        plot::{
-            columns::Grid,
-            comparison::{Subject, marked},
-            crosshair, texts, ticks,
-            trace::Trace,
-            view::View,
-        },
-        stage::Stage,
-        state::{Chart, Crosshair},
+use crate::features::graph::{
+    description::Content,
+    overlay::CrosshairValue,
+    plot::{
+        columns::Grid,
+        comparison::{Subject, marked},
+        crosshair, texts, ticks,
+        trace::Trace,
+        view::View,
     },
-    model::history::History,
+    stage::Stage,
+    state::{Chart, Crosshair},
 };
 
 impl Stage {
@@ -25,10 +24,12 @@ impl Stage {
         chart: Chart,
         view: View,
         grid: Grid,
-        history: &History,
-        subject: &Subject,
+        shown: Content<'_>,
         now_us: u64,
     ) {
+        let Content {
+            history, subject, ..
+        } = shown;
         let width = f64::from(self.layout.columns());
         let column = match chart.crosshair.get() {
             Crosshair::None => None,
@@ -54,7 +55,7 @@ impl Stage {
             Subject::Compared(_) => when,
         };
         let model = chart.page.model.get_untracked();
-        let values = values_at(history, subject, model, Instant::from_micros(at_us));
+        let values = values_at(shown, model, Instant::from_micros(at_us));
         let by_keys = matches!(chart.crosshair.get(), Crosshair::Moment(_));
         let x = self.layout.x(column);
         self.overlay.show(x, when, values, by_keys);
@@ -63,8 +64,11 @@ impl Stage {
 
 /// The values at a time.
 fn values_at(
-    history: &History,
-    subject: &Subject,
+    Content {
+        history,
+        subject,
+        kept,
+    }: Content<'_>,
     model: Model,
     at: Instant,
 ) -> Vec<CrosshairValue> {
@@ -73,8 +77,16 @@ fn values_at(
             let values = |track| crosshair::values(track, *mirror, model, at);
             let values = history.track(*id).map(values);
             let values = values.unwrap_or_default();
+            let kept = kept.and_then(|kept| kept.values(model, at));
+            let text = |trace| {
+                let value = values.text(trace);
+                match &kept {
+                    Some(kept) => tr!("{value} (kept {kept})", value, kept = kept.text(trace)),
+                    None => value,
+                }
+            };
             let on = Trace::ALL.into_iter().filter(|trace| traces.has(*trace));
-            on.map(|trace| CrosshairValue::Trace(trace, values.text(trace)))
+            on.map(|trace| CrosshairValue::Trace(trace, text(trace)))
                 .collect()
         }
         Subject::Compared(comparison) => crosshair::compared(history, comparison, model, at)

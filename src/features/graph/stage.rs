@@ -10,7 +10,8 @@ use web_sys::{Element, HtmlCanvasElement, HtmlElement};
 use crate::{
     features::graph::{
         axes::{Axes, Picture},
-        description::Description,
+        description::{Content, Description},
+        kept::state::{Aligned, aligned},
         legend::Legend,
         overlay::Overlay,
         plot::{
@@ -54,6 +55,8 @@ struct Scene {
     settled: bool,
     /// Number of recalled older replies.
     recalled: u32,
+    /// The kept run and its place.
+    kept: Option<(u32, i64)>,
 }
 
 /// The mounted graph.
@@ -181,25 +184,33 @@ impl Stage {
         chart.page.history.with_value(|history| {
             let subject = chart.subject(history);
             self.name(chart, &subject, looks_stale);
+            let selected = chart.page.selected.get_untracked();
+            let kept = aligned(history, selected, grid.right_us());
             let scene = Scene {
                 grid: Some(grid).filter(|_| shows_anything(history, &subject, grid)),
                 subject,
                 view,
                 settled: now_us >= grid.right_us() + SETTLED_AFTER_US,
                 recalled: history.recalled(),
+                kept: kept.as_ref().map(Aligned::drawn_as),
             };
             if self.scene != Some(scene) {
                 self.scene = Some(scene);
                 self.drawn_ms = frame_ms;
                 self.stopwatch.start();
-                self.draw_lines(history, &subject, grid, now_us);
+                self.draw_lines(history, &subject, kept.clone(), grid, now_us);
                 self.draw_axes(chart, view, grid);
                 self.stopwatch.stop();
             }
-            self.show_crosshair(chart, view, grid, history, &subject, now_us);
+            let shown = Content {
+                history,
+                subject: &subject,
+                kept: kept.as_ref(),
+            };
+            self.show_crosshair(chart, view, grid, shown, now_us);
             let next = self
                 .description
-                .update(chart, view, history, &subject, now_us, frame_ms);
+                .update(chart, view, shown, now_us, frame_ms);
             chart.asleep.set(view.is_live() && scene.grid.is_none());
             match scene.grid {
                 Some(grid) if view.is_live() => next_column(grid, now_us),
@@ -279,13 +290,21 @@ impl Stage {
         self.legend.show(comparison, &names);
     }
 
-    fn draw_lines(&mut self, history: &History, subject: &Subject, grid: Grid, now_us: u64) {
+    fn draw_lines(
+        &mut self,
+        history: &History,
+        subject: &Subject,
+        kept: Option<Aligned>,
+        grid: Grid,
+        now_us: u64,
+    ) {
         self.lines.clear(self.axes.font(self.layout.ratio));
         let mut tracing = Tracing {
             surface: &mut self.lines,
             scales: &mut self.scales,
             layout: self.layout,
             palette: self.palette,
+            kept,
         };
         tracing.draw(history, subject, grid, now_us);
     }

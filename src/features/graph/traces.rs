@@ -12,16 +12,19 @@ use wasm_bindgen::JsCast;
 use web_sys::{CanvasRenderingContext2d, HtmlCanvasElement};
 
 use crate::{
-    features::graph::plot::{
-        columns::{Dot, Grid, extent},
-        comparison::Subject,
-        layout::{Layout, Rectangle},
-        lines::{goal_lines, trace_lines},
-        palette::{Colour, Palette, css},
-        scale::{Ends, Scales},
-        strokes::{Pixel, Strokes, strokes},
-        surface::{DASH, FINE, LineSurface, Pen},
-        trace::{Trace, Traces},
+    features::graph::{
+        kept::{drawing, state::Aligned},
+        plot::{
+            columns::{Dot, Grid, extent},
+            comparison::Subject,
+            layout::{Layout, Rectangle},
+            lines::{goal_lines, trace_lines},
+            palette::{Colour, Palette, css},
+            scale::{Ends, Scales},
+            strokes::{Pixel, Strokes, strokes},
+            surface::{DASH, FINE, LineSurface, Pen},
+            trace::{Trace, Traces},
+        },
     },
     model::{
         history::{History, Track},
@@ -54,6 +57,8 @@ pub(crate) struct Tracing<'a> {
     pub(crate) scales: &'a mut Scales,
     pub(crate) layout: Layout,
     pub(crate) palette: Palette,
+    /// The kept run, under everything else.
+    pub(crate) kept: Option<Aligned>,
 }
 
 /// Converts columns and values to subpixels.
@@ -97,7 +102,8 @@ impl Tracing<'_> {
             } else {
                 Vec::new()
             };
-            let extent = extent(&lines).max(extent(&goals));
+            let kept = self.kept_lines(trace, grid);
+            let extent = extent(&lines).max(extent(&goals)).max(extent(&kept));
             let ends = self.scales.fit(trace, extent);
             let colour = match trace {
                 Trace::Current => self.palette.current,
@@ -110,10 +116,18 @@ impl Tracing<'_> {
                 width,
                 dashed,
             };
+            let pale = drawing::pen(colour, self.palette.surface);
+            self.draw_lines(&kept, ends, &pale);
             self.draw_lines(&goals, ends, &pen(THIN, true));
             let width = if trace == Trace::Speed { BOLD } else { THIN };
             self.draw_lines(&lines, ends, &pen(width, false));
         }
+    }
+
+    /// The lines of the kept run.
+    pub(crate) fn kept_lines(&self, trace: Trace, grid: Grid) -> Vec<Vec<Dot>> {
+        let kept = self.kept.as_ref();
+        kept.map(|kept| kept.lines(trace, grid)).unwrap_or_default()
     }
 
     /// The positions of dots in the plot, in subpixels.

@@ -3,6 +3,7 @@
 mod acting;
 mod comparing;
 mod drawing;
+mod kept;
 mod replayed;
 mod restored;
 mod saving;

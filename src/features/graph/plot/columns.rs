@@ -51,6 +51,16 @@ impl Grid {
         u64::try_from(self.first + i64::from(self.count)).unwrap_or(0) * self.column_us
     }
 
+    /// As many columns over times that are this much earlier, to the nearest column.
+    pub(crate) fn earlier(self, by_us: i64) -> Self {
+        let column_us = whole(self.column_us).max(1);
+        let columns = (by_us + column_us / 2).div_euclid(column_us);
+        Self {
+            first: self.first.saturating_sub(columns),
+            ..self
+        }
+    }
+
     /// Length of all columns.
     pub(crate) fn span_us(self) -> u64 {
         u64::from(self.count) * self.column_us
