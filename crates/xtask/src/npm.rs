@@ -1,4 +1,4 @@
-//! Two npm packages of fixed versions, each fetched once.
+//! npm packages of fixed versions, each fetched once.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,6 +14,8 @@ use crate::tools::cache_dir;
 pub struct Package {
     name: &'static str,
     version: &'static str,
+    /// Packages that are installed beside it, with their versions.
+    with: &'static [&'static str],
     /// The file in it that is used.
     file: &'static str,
 }
@@ -22,6 +24,7 @@ pub struct Package {
 pub const AXE: Package = Package {
     name: "axe-core",
     version: "4.14.1",
+    with: &[],
     file: "axe.min.js",
 };
 
@@ -29,19 +32,41 @@ pub const AXE: Package = Package {
 pub const LIGHTHOUSE: Package = Package {
     name: "lighthouse",
     version: "12.8.2",
+    with: &[],
     file: "cli/index.js",
 };
 
+/// Reads MCAP files for Foxglove, with its decompression, and a validator of JSON schemas.
+pub const MCAP_OF_FOXGLOVE: Package = Package {
+    name: "@mcap/core",
+    version: "2.2.2",
+    with: &["@mcap/support@1.1.0", "ajv@8.20.0"],
+    file: "package.json",
+};
+
 impl Package {
+    /// The folder in which the package and those beside it are found; fetches them if they are missing.
+    pub fn folder(&self) -> Result<PathBuf> {
+        self.ensure()?;
+        self.dir()
+    }
+
+    fn dir(&self) -> Result<PathBuf> {
+        // A scope would be a folder of its own.
+        let name = self.name.replace('/', "-");
+        let version = self.version;
+        Ok(cache_dir()?.join("tools").join(format!("{name}-{version}")))
+    }
+
     /// The path of the file; fetches the package if it is missing.
     pub fn ensure(&self) -> Result<PathBuf> {
         let Self {
             name,
             version,
+            with,
             file,
         } = self;
-        let tools = cache_dir()?.join("tools");
-        let dir = tools.join(format!("{name}-{version}"));
+        let dir = self.dir()?;
         let found = dir.join("node_modules").join(name).join(file);
         if found.is_file() {
             return Ok(found);
@@ -53,15 +78,16 @@ impl Package {
         }
         println!("fetching {name} {version} into {} (once)", dir.display());
         // Installed elsewhere and then moved: an incomplete package is never used.
-        let half = tools.join(format!("{name}-{version}.part"));
+        let half = dir.with_extension("part");
         let _ = fs::remove_dir_all(&half);
         fs::create_dir_all(&half).with_context(|| format!("making {}", half.display()))?;
         let mut npm = Command::new("npm");
         npm.args(["install", "--no-audit", "--no-fund", "--no-save"])
-            // Neither package needs its install scripts.
+            // No package needs its install scripts.
             .args(["--ignore-scripts", "--loglevel", "error", "--prefix"])
             .arg(&half)
-            .arg(format!("{name}@{version}"));
+            .arg(format!("{name}@{version}"))
+            .args(*with);
         process::run(&mut npm)?;
         fs::rename(&half, &dir).with_context(|| format!("making {}", dir.display()))?;
         if !found.is_file() {

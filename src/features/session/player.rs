@@ -12,7 +12,7 @@ use std::{
     },
 };
 
-use leptos::prelude::*;
+use leptos::prelude::{Update as _, *};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Update,
@@ -23,6 +23,7 @@ use motorlink_messages::{
 };
 
 use crate::{
+    features::session::bookmarks::Bookmarks,
     link::{clock::Clock, sessions_link::SessionsLink, worker_link::WorkerState},
     model::{
         guards::{is_in_use, port_blocked_by},
@@ -82,6 +83,8 @@ pub(crate) struct Parts {
     pub(super) info: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     pub(super) place: RwSignal<Place>,
     pub(super) speed: RwSignal<PlaySpeed>,
+    /// The bookmarks of the open session.
+    pub(super) bookmarks: RwSignal<Bookmarks, LocalStorage>,
     /// The place that the user has asked for, until it is shown.
     wanted: RwSignal<Option<u64>>,
     /// Whether the replay has paused because the file could not be read.
@@ -112,6 +115,7 @@ impl Player {
             info: RwSignal::new_local(None),
             place: RwSignal::new(Place::default()),
             speed: RwSignal::new(PlaySpeed::REAL_TIME),
+            bookmarks: RwSignal::new_local(Bookmarks::default()),
             wanted: RwSignal::new(None),
             unreadable: RwSignal::new(false),
             going: AtomicBool::new(false),
@@ -231,6 +235,7 @@ impl Player {
             return;
         }
         self.post(ToReplay::End);
+        self.bookmarks.update(|bookmarks| bookmarks.draft = None);
         self.info.set(None);
         // What this reports is kept out of the log.
         self.show(Show::Close);

@@ -7,7 +7,7 @@ use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
-    features::session::{player::Player, texts, timeline::strip},
+    features::session::{bookmark_form::bookmark_form, player::Player, texts, timeline::strip},
     ui::{
         button::PressButton,
         format::in_language,
@@ -111,7 +111,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <span class="replay-name">{info.name.clone()}</span>
             </p>
             <div class="replay-line">
-                {strip(info)}
+                {strip(player, info)}
                 <input
                     type="range"
                     class="replay-place"
@@ -134,6 +134,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <span>{dynamic(at)}</span>
                 <span class="quiet">" / " {texts::elapsed(duration_us)}</span>
             </output>
+            {bookmark_form(player)}
             <PressButton
                 label=tr!("End replay")
                 class="button small replay-end"
@@ -191,6 +192,11 @@ fn steps(player: Player) -> impl IntoView {
                 })
                 inner_html=speeds
             ></select>
+            <PressButton
+                label=tr!("Add bookmark")
+                class="button small replay-add"
+                on_press=move || player.add_bookmark()
+            />
         </div>
     }
 }

@@ -74,6 +74,12 @@ impl Player {
         self.post(ToReplay::Seek { after_us });
     }
 
+    /// Begins a bookmark at the place that is shown.
+    pub(in crate::features::session) fn add_bookmark(self) {
+        let here_us = untrack(|| self.shown_us());
+        self.bookmarks.update(|bookmarks| bookmarks.begin(here_us));
+    }
+
     /// Goes that much further, or back.
     pub(in crate::features::session) fn seek_by(self, by_us: i64) {
         self.seek(untrack(|| self.shown_us()).saturating_add_signed(by_us));
@@ -84,8 +90,15 @@ impl Player {
         let here_us = untrack(|| self.shown_us());
         let plays = self.place.with_untracked(|place| place.plays);
         let found = self.info.with_untracked(|info| {
-            let marks = info.as_ref()?.marks.iter().map(|mark| mark.after_us);
-            next_event(marks, here_us, forward, plays)
+            let marks = info.as_ref()?.marks.iter();
+            let marks = marks
+                .filter(|mark| !mark.is_bookmark)
+                .map(|mark| mark.after_us);
+            self.bookmarks.with_untracked(|bookmarks| {
+                let entries = bookmarks.entries().iter();
+                let bookmarks = entries.map(|entry| entry.bookmark.after_us);
+                next_event(marks.chain(bookmarks), here_us, forward, plays)
+            })
         });
         if let Some(after_us) = found {
             self.seek(after_us);
