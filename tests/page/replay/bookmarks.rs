@@ -30,7 +30,7 @@ async fn add(bench: &Bench, note: &str) {
     bench.click("Add bookmark");
     let asks = || !bench.find_all("textbox", "Note").is_empty();
     bench.until("the note", asks).await;
-    bench.enter("Note", note);
+    bench.enter_into("textbox", "Note", note);
     bench.click("Keep bookmark");
     until_listed(bench, note).await;
 }
@@ -103,13 +103,13 @@ async fn a_note_is_changed_by_keys_and_a_bookmark_is_deleted() {
     bench.click("Edit bookmark at 0:02.000");
     let asks = || !bench.find_all("textbox", "Note").is_empty();
     bench.until("the note", asks).await;
-    bench.enter("Note", "given up");
+    bench.enter_into("textbox", "Note", "given up");
     key_in_note(&bench, "Escape");
     bench.until("the form", || !asks()).await;
     assert!(bench.text("list", "Events").contains("first"));
     bench.click("Edit bookmark at 0:02.000");
     bench.until("the note", asks).await;
-    bench.enter("Note", "second");
+    bench.enter_into("textbox", "Note", "second");
     key_in_note(&bench, "Enter");
     until_listed(&bench, "second").await;
     sessions.received().await;

@@ -3,7 +3,10 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use leptos::prelude::*;
-use motorlink_messages::sessions::{PlaySpeed, ToReplay};
+use motorlink_messages::{
+    protocol::Instant,
+    sessions::{PlaySpeed, ToReplay},
+};
 
 use crate::features::session::player::Player;
 
@@ -72,6 +75,12 @@ impl Player {
         self.going.store(true, Relaxed);
         self.asked.store(after_us, Relaxed);
         self.post(ToReplay::Seek { after_us });
+    }
+
+    /// Goes to a time on the clock of the replay.
+    pub(super) fn seek_moment(self, at: Instant) {
+        let first_us = self.clocks().first.as_micros();
+        self.seek(at.as_micros().saturating_sub(first_us));
     }
 
     /// Begins a bookmark at the place that is shown.
