@@ -39,10 +39,11 @@ fn form(player: Player, Draft { key, bookmark }: Draft) -> impl IntoView {
         }
     };
     let cancel = move || player.bookmarks.update(|bookmarks| bookmarks.draft = None);
-    let pressed_key = move |event: KeyboardEvent| match event.key().as_str() {
-        "Enter" if !event.is_composing() => keep(),
-        "Escape" => cancel(),
-        _ => {}
+    // Escape pauses the replay, or closes a panel, as everywhere.
+    let pressed_key = move |event: KeyboardEvent| {
+        if event.key() == "Enter" && !event.is_composing() {
+            keep();
+        }
     };
     let delete = key.map(|key| {
         view! {
