@@ -6,7 +6,7 @@ use std::{env, path::PathBuf, process::ExitCode, thread, time::Duration};
 use anyhow::{Context, Result};
 use end_to_end::{
     Bench, Memory, Page,
-    figures::{Table, percentile, ratio, row, row_without_bound},
+    figures::{Table, percentile, ratio, row},
 };
 use serde::Deserialize;
 
@@ -53,7 +53,6 @@ fn measure() -> Result<()> {
     page.click("button", "Session file")?;
     page.find("button", "Open session")?;
     page.evaluate(&format!("{SCRIPT}; true"))?;
-    let before = page.memory()?;
 
     page.evaluate("recordings.watchOpening()")?;
     page.upload("Open session", &PathBuf::from(file))?;
@@ -77,7 +76,7 @@ fn measure() -> Result<()> {
     thread::sleep(Duration::from_secs(2));
     jumps(&page)?;
     scrub(&page)?;
-    memory(&page, before).and_then(|()| table.end())
+    memory(&page).and_then(|()| table.end())
 }
 
 fn told(what: &str, must: &str, ms: f64, ms_max: f64) {
@@ -98,9 +97,13 @@ fn jumps(page: &Page) -> Result<()> {
             (step * STEP_US + 3_500_000, rpm)
         })
         .collect();
-    let places = serde_json::to_string(&places)?;
-    let times = page.evaluate(&format!("recordings.jumps({places})"))?;
-    let mut times: Vec<f64> = serde_json::from_value(times)?;
+    let mut times: Vec<f64> = Vec::new();
+    // The browser has to answer each call in 20 s.
+    for places in places.chunks(10) {
+        let places = serde_json::to_string(places)?;
+        let some = page.evaluate(&format!("recordings.jumps({places})"))?;
+        times.extend(serde_json::from_value::<Vec<f64>>(some)?);
+    }
     times.sort_by(f64::total_cmp);
     let at = |percent| percentile(&times, percent).context("no jump");
     let (median, most, worst) = (at(50)?, at(95)?, at(100)?);
@@ -132,25 +135,21 @@ fn scrub(page: &Page) -> Result<()> {
     Ok(())
 }
 
-fn memory(page: &Page, before: Memory) -> Result<()> {
-    let worker = page.memory_of_worker("sessions")?;
-    let after = page.memory()?;
+/// The whole page with its session worker: more than what the open file adds.
+fn memory(page: &Page) -> Result<()> {
     let bytes = |memory: Memory| memory.script + memory.wasm;
-    let grown = bytes(after).saturating_sub(bytes(before));
-    let whole = ratio(bytes(worker) + grown, 1_000_000);
+    let worker = bytes(page.memory_of_worker("sessions")?);
+    let page = bytes(page.memory()?);
+    let whole = ratio(worker + page, 1_000_000);
     row(
-        &format!("{HOUR}: memory while it is open, after the jumps"),
+        &format!("{HOUR}: memory of page and session worker while it is open, after the jumps"),
         "under 150 MB",
         format!(
-            "{whole:.1} MB: session worker {:.1}, growth of the page {:.1}",
-            ratio(bytes(worker), 1_000_000),
-            ratio(grown, 1_000_000)
+            "{whole:.1} MB: session worker {:.1}, page {:.1}",
+            ratio(worker, 1_000_000),
+            ratio(page, 1_000_000)
         ),
         whole < 150.0,
-    );
-    row_without_bound(
-        &format!("{HOUR}: memory of the page itself then"),
-        format!("{:.1} MB", ratio(bytes(after), 1_000_000)),
     );
     Ok(())
 }
