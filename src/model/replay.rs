@@ -8,6 +8,7 @@ use std::{cell::RefCell, hint::black_box, rc::Rc};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     ToWorker, Update,
+    protocol::Instant,
     recorder::{FromRecorder, ToRecorder},
 };
 
@@ -24,6 +25,8 @@ pub(crate) enum Crossing<'a> {
     Stop,
     /// A press on this row of the packet log.
     Row(u64),
+    /// A press on this time in the graph.
+    Moment(Instant),
 }
 
 /// Returns whether it has dealt with the message.

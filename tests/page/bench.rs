@@ -354,7 +354,7 @@ fn role_of(element: &HtmlElement) -> String {
         ("SELECT", _) => "combobox",
         ("TEXTAREA", _) | ("INPUT", "text") => "textbox",
         ("SECTION", _) => "region",
-        ("UL", _) => "list",
+        ("UL" | "OL", _) => "list",
         ("INPUT", "range") => "slider",
         ("INPUT", "checkbox") => "checkbox",
         ("INPUT", "radio") => "radio",

@@ -117,6 +117,7 @@ fn mark(after_us: u64) -> SessionMark {
         after_us,
         error: true,
         text: "Standstill not confirmed".to_owned(),
+        is_bookmark: false,
     }
 }
 

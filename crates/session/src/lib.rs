@@ -10,6 +10,7 @@
 //! | `writer` | records in, bytes of a file out |
 //! | `reader` | bytes of a file in, records out |
 //! | `replay` | plays records: what the page shows at a place of the session |
+//! | `copy` | copies a file with other bookmarks |
 //! | `export` | CSV tables and a report |
 //! | `import` | CSV files as sessions |
 //! | `overview` | a summary of the whole session over time |
@@ -41,6 +42,7 @@
 
 mod channels;
 mod clock;
+mod copy;
 mod export;
 mod format;
 mod import;
@@ -53,6 +55,7 @@ mod replay;
 mod writer;
 
 pub use channels::telemetry::PER_SECOND as TELEMETRY_PER_SECOND;
+pub use copy::{BOOKMARK_TEXT_MAX, BOOKMARKS_MAX, CopyStep, Copying, copy};
 pub use export::{About, Table, report};
 pub use import::Import;
 pub use overview::{BUCKETS_MAX, Extent, MARKS_MAX, Mark, MotorOverview, Overview};

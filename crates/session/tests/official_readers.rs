@@ -1,67 +1,64 @@
-//! The official Python reader and the reader of Foxglove read every message. Each message is valid by its schema.
+//! The official readers, of Python and of Foxglove, read every message, and each is valid by its schema.
 #![cfg(test)]
 
 mod sample;
 
-use std::{
-    env,
-    ffi::OsString,
-    fs,
-    path::{Path, PathBuf},
-    process::Command,
-};
+use std::{env, ffi::OsStr, fs, process::Command};
 
+use motorlink_messages::sessions::Bookmark;
+use motorlink_session::{copy, open, overview};
 use sample::{file_of, lines, records};
 
-/// A session file, removed at the end.
-struct File(PathBuf);
+/// A session, and its copy with a bookmark.
+fn files() -> [Vec<u8>; 2] {
+    let file = file_of(&records());
+    let mut source = &file[..];
+    let session = open(&mut source).unwrap().unwrap();
+    let overview = overview(&mut source, &session).unwrap();
+    let bookmark = Bookmark {
+        after_us: 5_000_000,
+        text: "gravel starts here".to_owned(),
+    };
+    let mut with_bookmark = Vec::new();
+    copy(&mut source, &session, &overview, &[bookmark], |bytes| {
+        with_bookmark.extend(bytes);
+    })
+    .unwrap();
+    [file, with_bookmark]
+}
 
-impl File {
-    /// The file, and how many messages and entries it has.
-    fn written(name: &str) -> (Self, [String; 2]) {
-        let file = file_of(&records());
-        let summary = mcap::Summary::read(&file).unwrap().unwrap();
+/// Runs a program with the path of each file and the number of its messages.
+fn read_by(program: &OsStr, args: &[&OsStr], more: &[String]) {
+    for (number, file) in files().iter().enumerate() {
+        let summary = mcap::Summary::read(file).unwrap().unwrap();
         let messages = summary.stats.unwrap().message_count;
-        let entries = lines(&records()).len();
-        let path = env::temp_dir().join(format!("motorlink-{name}-{}.mcap", std::process::id()));
-        fs::write(&path, &file).unwrap();
-        (Self(path), [messages.to_string(), entries.to_string()])
+        let name = program.to_string_lossy().replace(['/', '\\'], "-");
+        let name = format!("motorlink-{}-{number}{name}.mcap", std::process::id());
+        let path = env::temp_dir().join(name);
+        fs::write(&path, file).unwrap();
+        let mut command = Command::new(program);
+        command.args(args).arg(&path).arg(messages.to_string());
+        let status = command.args(more).status();
+        fs::remove_file(&path).unwrap();
+        assert!(status.unwrap().success());
     }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        fs::remove_file(&self.0).unwrap();
-    }
-}
-
-/// What `cargo xtask test --only session-readers` sets.
-fn set_by_xtask(name: &str) -> OsString {
-    env::var_os(name).unwrap_or_else(|| panic!("{name} is not set"))
-}
-
-fn script(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests")
-        .join(name)
 }
 
 #[test]
 #[ignore = "needs Python packages: cargo xtask test --only session-readers"]
 fn the_official_python_reader_reads_every_message() {
-    let (file, counts) = File::written("python");
-    let mut python = Command::new(set_by_xtask("MOTORLINK_PYTHON"));
-    python.arg(script("python_reader.py")).arg(&file.0);
-    assert!(python.args(counts).status().unwrap().success());
+    let python =
+        env::var_os("MOTORLINK_PYTHON").expect("MOTORLINK_PYTHON names a Python with the packages");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python_reader.py");
+    let frames = lines(&records()).len().to_string();
+    read_by(&python, &[script.as_ref()], &[frames]);
 }
 
 #[test]
-#[ignore = "needs Node.js packages: cargo xtask test --only session-readers"]
+#[ignore = "needs npm packages: cargo xtask test --only session-readers"]
 fn the_reader_of_foxglove_reads_every_message() {
-    let (file, counts) = File::written("foxglove");
-    let mut node = Command::new("node");
-    node.arg(script("foxglove_reader.mjs"));
-    node.arg(set_by_xtask("MOTORLINK_NODE_PACKAGES"))
-        .arg(&file.0);
-    assert!(node.args(counts).status().unwrap().success());
+    let packages = env::var_os("MOTORLINK_FOXGLOVE")
+        .expect("MOTORLINK_FOXGLOVE names the folder of the npm packages");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/foxglove_reader.mjs");
+    read_by("node".as_ref(), &[script.as_ref(), &packages], &[]);
 }

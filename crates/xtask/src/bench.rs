@@ -71,7 +71,7 @@ fn udev_shim(built: &Path) -> PathBuf {
 }
 
 /// The parts that can be measured alone: programs of `end-to-end`, and benchmarks without a browser.
-const PARTS: [&str; 7] = [
+const PARTS: [&str; 8] = [
     "start",
     "figures",
     "instruments",
@@ -79,6 +79,7 @@ const PARTS: [&str; 7] = [
     "scans",
     "pure",
     "session",
+    "recordings",
 ];
 
 /// The document with the measured figures.
@@ -111,6 +112,9 @@ pub fn figures(workspace: &Workspace, args: &[String]) -> Result<()> {
             "session" => session(workspace),
             program => program_of_bench(workspace, &browser, program, args),
         };
+        if part == "recordings" {
+            failed = failed.and(set_hour(workspace, &mut command));
+        }
         // A part that fails does not prevent the others.
         failed = failed.and(process::run_with_lines(&mut command, |line| {
             rows.add_line(line);
@@ -155,6 +159,15 @@ fn session(workspace: &Workspace) -> Command {
     cargo.args(["run", "--quiet", "--profile", PROFILE]);
     cargo.args(["--package", "motorlink-session", "--example", "one_hour"]);
     cargo
+}
+
+/// Writes the session file of one hour, and names it to a program of the bench.
+fn set_hour(workspace: &Workspace, program: &mut Command) -> Result<()> {
+    let hour = workspace.target().join("one-hour.mcap");
+    let mut write = session(workspace);
+    write.args(["--", "--write"]).arg(&hour);
+    program.env("MOTORLINK_HOUR", hour);
+    process::run(&mut write)
 }
 
 /// Runs full scans on faulty buses in virtual time, and prints how many found every motor.

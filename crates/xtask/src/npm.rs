@@ -14,7 +14,7 @@ use crate::tools::cache_dir;
 pub struct Package {
     name: &'static str,
     version: &'static str,
-    /// Packages that are used with it, with their versions.
+    /// Packages that are installed beside it, with their versions.
     with: &'static [&'static str],
     /// The file in it that is used.
     file: &'static str,
@@ -36,39 +36,40 @@ pub const LIGHTHOUSE: Package = Package {
     file: "cli/index.js",
 };
 
-/// Reads MCAP files for Foxglove, with what decompresses them there.
-pub const MCAP_READER: Package = Package {
+/// Reads MCAP files for Foxglove, with its decompression, and a validator of JSON schemas.
+pub const MCAP_OF_FOXGLOVE: Package = Package {
     name: "@mcap/core",
     version: "2.2.2",
-    with: &["@mcap/support@1.1.0"],
+    with: &["@mcap/support@1.1.0", "ajv@8.20.0"],
     file: "package.json",
 };
 
 impl Package {
-    /// The path of the file; fetches the package if it is missing.
-    pub fn ensure(&self) -> Result<PathBuf> {
-        let Self { name, file, .. } = self;
-        Ok(self
-            .ensure_dir()?
-            .join("node_modules")
-            .join(name)
-            .join(file))
+    /// The folder in which the package and those beside it are found; fetches them if they are missing.
+    pub fn folder(&self) -> Result<PathBuf> {
+        self.ensure()?;
+        self.dir()
     }
 
-    /// The directory that has `node_modules`; fetches the package if it is missing.
-    pub fn ensure_dir(&self) -> Result<PathBuf> {
+    fn dir(&self) -> Result<PathBuf> {
+        // A scope would be a folder of its own.
+        let name = self.name.replace('/', "-");
+        let version = self.version;
+        Ok(cache_dir()?.join("tools").join(format!("{name}-{version}")))
+    }
+
+    /// The path of the file; fetches the package if it is missing.
+    pub fn ensure(&self) -> Result<PathBuf> {
         let Self {
             name,
             version,
             with,
             file,
         } = self;
-        let tools = cache_dir()?.join("tools");
-        let stem = format!("{name}-{version}").replace('/', "-");
-        let dir = tools.join(&stem);
+        let dir = self.dir()?;
         let found = dir.join("node_modules").join(name).join(file);
         if found.is_file() {
-            return Ok(dir);
+            return Ok(found);
         }
         if process::output_of("npm", &["--version"]).is_none() {
             bail!(
@@ -77,12 +78,12 @@ impl Package {
         }
         println!("fetching {name} {version} into {} (once)", dir.display());
         // Installed elsewhere and then moved: an incomplete package is never used.
-        let half = tools.join(format!("{stem}.part"));
+        let half = dir.with_extension("part");
         let _ = fs::remove_dir_all(&half);
         fs::create_dir_all(&half).with_context(|| format!("making {}", half.display()))?;
         let mut npm = Command::new("npm");
         npm.args(["install", "--no-audit", "--no-fund", "--no-save"])
-            // None of them needs its install scripts.
+            // No package needs its install scripts.
             .args(["--ignore-scripts", "--loglevel", "error", "--prefix"])
             .arg(&half)
             .arg(format!("{name}@{version}"))
@@ -92,6 +93,6 @@ impl Package {
         if !found.is_file() {
             bail!("{name} {version} has no {file}");
         }
-        Ok(dir)
+        Ok(found)
     }
 }

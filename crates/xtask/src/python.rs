@@ -36,12 +36,12 @@ const CSV_READERS: Environment = Environment {
 
 const CSV_TESTS: [&str; 3] = ["motorlink-recorder", "--test", "other_readers"];
 
-/// Lets the official Python reader and the reader of Foxglove read a session file, and validate it.
+/// Lets the official readers, of Python and of Foxglove, read a session file, and validate it.
 pub fn read_session(workspace: &Workspace) -> Result<()> {
     let test = ["motorlink-session", "--test", "official_readers"];
-    let packages = npm::MCAP_READER.ensure_dir()?;
+    let foxglove = npm::MCAP_OF_FOXGLOVE.folder()?;
     let mut test = ignored_test(workspace, &test, &SESSION_READERS)?;
-    process::run(test.env("MOTORLINK_NODE_PACKAGES", packages))
+    process::run(test.env("MOTORLINK_FOXGLOVE", foxglove))
 }
 
 /// Lets Python's csv module and pandas read the CSV files that the page exports.

@@ -38,7 +38,7 @@ pub static SUITE: Suite = Suite(&[
     },
     Step {
         name: "session-readers",
-        about: "the official Python reader and that of Foxglove read a session file; each message fits its schema",
+        about: "the readers of Python and of Foxglove read a session file, and each message fits its schema",
         needs: &[],
         on_request: false,
         run: python::read_session,

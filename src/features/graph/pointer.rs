@@ -1,6 +1,7 @@
 //! Pointer, wheel and keys on the graph.
 
 use leptos::prelude::*;
+use motorlink_messages::protocol::Instant;
 use wasm_bindgen::JsCast;
 use web_sys::{Element, KeyboardEvent, PointerEvent, WheelEvent};
 
@@ -8,6 +9,10 @@ use crate::{
     features::graph::{
         plot::{keys, view::Watch},
         state::{Chart, Crosshair, Drag},
+    },
+    model::{
+        history::ZERO_US,
+        replay::{self, Crossing},
     },
     ui::mathematics::limited,
 };
@@ -80,8 +85,17 @@ pub(crate) fn moved(chart: Chart, event: &PointerEvent) {
     chart.wake();
 }
 
+/// The end of a drag. A click during a replay goes to that time.
 pub(crate) fn up(chart: Chart) {
+    let drag = chart.drag.get();
     chart.drag.set(None);
+    if let Some(drag) = drag.filter(|drag| !drag.begun) {
+        let column = chart.layout.get().column(drag.from_x);
+        let at_us = chart.grid.get().moment_us(column);
+        if let Some(at_us) = at_us.checked_sub(ZERO_US) {
+            replay::keeps(Crossing::Moment(Instant::from_micros(at_us)));
+        }
+    }
 }
 
 /// The pointer has left the graph, or the browser uses it for its own gesture.

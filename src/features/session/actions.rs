@@ -13,6 +13,7 @@ use web_sys::{Blob, MessageChannel};
 
 use crate::{
     features::session::{
+        bookmarks::Bookmarks,
         incoming::Incoming,
         player::{Instruments, Link, Player},
         readiness::not_kept,
@@ -162,6 +163,7 @@ impl SessionFiles {
                 self.saved.set(Said::default());
                 self.reading.set(None);
                 self.open.set(None);
+                self.player.bookmarks.set(Bookmarks::default());
                 self.say(
                     true,
                     tr!("Reading and writing of session files has stopped. Try again."),
@@ -256,8 +258,38 @@ impl SessionFiles {
         }
     }
 
+    /// Whether the open file may close. Warns if its bookmarks would be lost.
+    fn may_close(self) -> bool {
+        let may_close = self.player.bookmarks.try_update(Bookmarks::may_close);
+        let may_close = may_close.unwrap_or(true);
+        if !may_close {
+            self.say(
+                true,
+                tr!(
+                    "The bookmarks are not saved. Press Save copy, or repeat this to discard them."
+                ),
+            );
+        }
+        may_close
+    }
+
+    /// Writes a copy of the open file with the bookmarks.
+    pub(super) fn save_copy(self) {
+        let bookmarks = self.player.bookmarks.try_update(Bookmarks::post);
+        self.reading.set(Some(0));
+        self.say(false, "");
+        self.post(
+            &ToSessions::SaveCopy(bookmarks.unwrap_or_default()),
+            &[],
+            &[],
+        );
+    }
+
     /// Opens a file.
     pub(super) fn open_file(self, file: &JsValue) {
+        if !self.may_close() {
+            return;
+        }
         if !self.start_worker() {
             return;
         }
@@ -265,6 +297,7 @@ impl SessionFiles {
         let name = Reflect::get(file, &"name".into()).ok();
         let name = name.and_then(|name| name.as_string()).unwrap_or_default();
         self.open.set(None);
+        self.player.bookmarks.set(Bookmarks::default());
         self.reading.set(Some(0));
         self.say(false, tr!("Opening {name}", name = name.clone()));
         let message = ToSessions::Open { name };
@@ -273,7 +306,11 @@ impl SessionFiles {
 
     /// Closes the open file. Its worker ends, which frees its memory, unless a session is being saved.
     pub(super) fn close(self) {
+        if !self.may_close() {
+            return;
+        }
         self.player.end();
+        self.player.bookmarks.set(Bookmarks::default());
         self.open.set(None);
         self.say(false, "");
         if self.saving.get_untracked().is_some() {
@@ -321,6 +358,7 @@ impl SessionFiles {
             FromSessions::Opened(info) => {
                 self.reading.set(None);
                 self.say(false, tr!("Opened {name}", name = info.name.clone()));
+                self.player.bookmarks.set(Bookmarks::of(&info));
                 self.open.set(Some(Rc::new(*info)));
             }
             FromSessions::NotOpened(why) => {
@@ -341,6 +379,9 @@ impl SessionFiles {
                     return;
                 };
                 save_blob(file, &name);
+                if what == SessionExport::Copy {
+                    self.player.bookmarks.update(Bookmarks::copied);
+                }
                 let lines = problems
                     .iter()
                     .map(|(one, times)| texts::of_problem(*one, *times));

@@ -4,22 +4,18 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::{
     protocol::{Current, Rpm},
-    sessions::{SessionExport, SessionInfo, SessionMark, SessionMotor},
+    sessions::{SessionExport, SessionInfo, SessionMotor},
 };
 
 use crate::{
-    features::session::{actions::SessionFiles, player::Player, texts, timeline::timeline},
+    features::session::{actions::SessionFiles, events::events, texts, timeline::timeline},
     model::terms,
     ui::{
         button::PressButton,
         clock::{local_date, local_time},
         format::{self, grouped},
-        reactive::{dynamic, handler},
     },
 };
-
-/// Events in the list, so that it stays short. The report has more.
-const EVENTS_MAX: usize = 200;
 
 /// The content of an open file.
 pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView + use<> {
@@ -34,22 +30,11 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
         .map(|(name, value)| view! { <dt>{name}</dt> <dd>{value}</dd> })
         .collect();
     let motors: Vec<_> = info.motors.iter().map(motor_row).collect();
-    let marks = info.marks.iter().take(EVENTS_MAX);
-    let events: Vec<_> = marks.map(|mark| event_row(files.player, mark)).collect();
-    let left_out = info.marks.len().saturating_sub(EVENTS_MAX) as u64 + info.marks_left_out;
-    let more = (left_out > 0).then(|| {
-        tr!(
-            "More events in the file: {count}",
-            count = grouped(left_out)
-        )
-    });
+    let reads = move || {
+        let reads = files.reading.get();
+        reads.map(|_| tr!("Another file is being read.").to_owned())
+    };
     let export = move |what, label, hint| {
-        let reads = move || {
-            files
-                .reading
-                .get()
-                .map(|_| tr!("Another file is being read.").to_owned())
-        };
         view! {
             <PressButton
                 label=label
@@ -67,7 +52,7 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                 {problems}
             </ul>
             <dl>{facts}</dl>
-            <div class="session-pictures">{timeline(info)}</div>
+            <div class="session-pictures">{timeline(files.player, info)}</div>
             <table class="session-motors">
                 <thead>
                     <tr>
@@ -80,12 +65,15 @@ pub(super) fn content(files: SessionFiles, info: &SessionInfo) -> impl IntoView 
                 </thead>
                 <tbody>{motors}</tbody>
             </table>
-            <h4>{tr!("Events")}</h4>
-            <ol class="session-events" tabindex="0" aria-label=tr!("Events")>
-                {events}
-            </ol>
-            <p class="quiet">{more}</p>
+            {events(files.player, info)}
             <div class="button-row">
+                <PressButton
+                    label=tr!("Save copy")
+                    class="button small"
+                    hint=tr!("A copy of the file with the bookmarks. The file itself stays as it is.")
+                    disabled_reason=Signal::derive(reads)
+                    on_press=move || files.save_copy()
+                />
                 {export(
                     SessionExport::Report,
                     tr!("Report"),
@@ -197,24 +185,4 @@ fn range(least: &str, most: &str) -> String {
         return least.to_owned();
     }
     tr!("{least} to {most}", least, most)
-}
-
-/// An event. During a replay its button goes there.
-fn event_row(player: Player, mark: &SessionMark) -> impl IntoView + use<> {
-    let class = if mark.error { "bad" } else { "" };
-    let after_us = mark.after_us;
-    view! {
-        <li>
-            <button
-                type="button"
-                class="session-event"
-                disabled=dynamic(move || player.info.with(Option::is_none))
-                on:click=handler(move |_| player.seek(after_us))
-            >
-                <span class="session-time">{texts::elapsed(after_us)}</span>
-                " "
-                <span class=class>{mark.text.clone()}</span>
-            </button>
-        </li>
-    }
 }

@@ -11,12 +11,18 @@
 //! | `player/gate` | which messages cross between the recording and the live line |
 //! | `player/controls` | what the controls of the replay do |
 //! | `replay_bar` | the controls of the replay |
+//! | `bookmarks` | the bookmarks of the open file |
+//! | `bookmark_form` | the note of a bookmark, in the controls of the replay |
 //! | `panel` | the panel `Session file` |
 //! | `content` | what is in an open file |
+//! | `events` | the list of events and bookmarks |
 //! | `timeline` | the whole session in one picture |
 
 pub(crate) mod actions;
+mod bookmark_form;
+mod bookmarks;
 mod content;
+mod events;
 pub(crate) mod incoming;
 pub(crate) mod panel;
 pub(crate) mod player;

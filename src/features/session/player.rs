@@ -12,17 +12,18 @@ use std::{
     },
 };
 
-use leptos::prelude::*;
+use leptos::prelude::{Update as _, *};
 use motorlink_i18n::tr;
 use motorlink_messages::{
     Update,
     bus::Sample,
     protocol::Instant,
-    recorder::LogPage,
+    recorder::{Kind, LogPage, Row},
     sessions::{ActivityChange, FromReplay, Place, PlaySpeed, SessionInfo, ToReplay, ToSessions},
 };
 
 use crate::{
+    features::session::bookmarks::Bookmarks,
     link::{clock::Clock, sessions_link::SessionsLink, worker_link::WorkerState},
     model::{
         guards::{is_in_use, port_blocked_by},
@@ -82,6 +83,10 @@ pub(crate) struct Parts {
     pub(super) info: RwSignal<Option<Rc<SessionInfo>>, LocalStorage>,
     pub(super) place: RwSignal<Place>,
     pub(super) speed: RwSignal<PlaySpeed>,
+    /// The last frame before the place that is shown, if the packet log shows it.
+    pub(super) frame: RwSignal<Option<Row>, LocalStorage>,
+    /// The bookmarks of the open session.
+    pub(super) bookmarks: RwSignal<Bookmarks, LocalStorage>,
     /// The place that the user has asked for, until it is shown.
     wanted: RwSignal<Option<u64>>,
     /// Whether the replay has paused because the file could not be read.
@@ -101,6 +106,8 @@ struct Clocks {
     live: Clock,
     /// The wall clock at zero of the times of the replay, after the origin of the page, in milliseconds.
     wall_ms: f64,
+    /// The time of the first record.
+    first: Instant,
 }
 
 impl Player {
@@ -112,6 +119,8 @@ impl Player {
             info: RwSignal::new_local(None),
             place: RwSignal::new(Place::default()),
             speed: RwSignal::new(PlaySpeed::REAL_TIME),
+            frame: RwSignal::new_local(None),
+            bookmarks: RwSignal::new_local(Bookmarks::default()),
             wanted: RwSignal::new(None),
             unreadable: RwSignal::new(false),
             going: AtomicBool::new(false),
@@ -198,7 +207,10 @@ impl Player {
             FromReplay::Update { place, update } => self.arrived(place, &update),
             FromReplay::PastActivities(changes) => self.show(Show::PastActivities(&changes)),
             FromReplay::Past(samples) => self.show(Show::Past(&samples)),
-            FromReplay::Log(rows) => self.show(Show::Rows(&rows)),
+            FromReplay::Log(rows) => {
+                self.frame.set(frame_at_end(&rows));
+                self.show(Show::Rows(&rows));
+            }
             FromReplay::Unreadable => self.unreadable.set(true),
         }
     }
@@ -215,12 +227,17 @@ impl Player {
         self.going.store(false, Relaxed);
         self.plays_again.store(false, Relaxed);
         self.unreadable.set(false);
+        self.frame.set(None);
         self.info.set(Some(Rc::clone(info)));
         replay::set_gate(Rc::new(move |message| self.keeps(message)));
         let clock = Clock::of_recording(wall_ms, first, page_now_ms(), 0.0);
         let live = self.exchange_clock(clock);
         if let Ok(mut clocks) = self.clocks.lock() {
-            *clocks = Clocks { live, wall_ms };
+            *clocks = Clocks {
+                live,
+                wall_ms,
+                first,
+            };
         }
         self.show(Show::Begin);
     }
@@ -231,6 +248,7 @@ impl Player {
             return;
         }
         self.post(ToReplay::End);
+        self.bookmarks.update(|bookmarks| bookmarks.draft = None);
         self.info.set(None);
         // What this reports is kept out of the log.
         self.show(Show::Close);
@@ -266,5 +284,43 @@ impl Player {
             Some(_) => self.wanted.set(None),
             None => {}
         }
+    }
+}
+
+/// The last frame of the log, unless other rows are shown: the rows of a replay end at its place.
+fn frame_at_end(page: &LogPage) -> Option<Row> {
+    let last = page.rows.last()?;
+    let is_newest = last.number + 1 >= page.end;
+    let mut frames = page.rows.iter().rev();
+    let frame = frames.find(|row| matches!(row.kind, Kind::Tx | Kind::Rx));
+    frame.filter(|_| is_newest).cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_frame_at_the_place_is_the_last_one_of_the_newest_rows() {
+        let row = |number, kind| Row {
+            number,
+            kind,
+            time: String::new(),
+            id: String::new(),
+            hex: String::new(),
+            meaning: String::new(),
+            collapsed_before: 0,
+            opened: 0,
+        };
+        let page = |end, rows| LogPage {
+            end,
+            rows,
+            ..LogPage::default()
+        };
+        let rows = vec![row(4, Kind::Tx), row(5, Kind::Rx), row(6, Kind::System)];
+        let frame = frame_at_end(&page(7, rows.clone()));
+        assert_eq!(frame.map(|row| row.number), Some(5));
+        assert_eq!(frame_at_end(&page(8, rows)), None, "older rows are shown");
+        assert_eq!(frame_at_end(&page(0, vec![])), None);
     }
 }

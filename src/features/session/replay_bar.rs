@@ -2,12 +2,15 @@
 
 use leptos::{mount::mount_to, prelude::*};
 use motorlink_i18n::tr;
-use motorlink_messages::sessions::{PlaySpeed, SessionInfo};
+use motorlink_messages::{
+    recorder::{Kind, Row},
+    sessions::{PlaySpeed, SessionInfo},
+};
 use wasm_bindgen::JsCast;
 use web_sys::{HtmlElement, KeyboardEvent};
 
 use crate::{
-    features::session::{player::Player, texts, timeline::strip},
+    features::session::{bookmark_form::bookmark_form, player::Player, texts, timeline::strip},
     ui::{
         button::PressButton,
         format::in_language,
@@ -111,7 +114,7 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <span class="replay-name">{info.name.clone()}</span>
             </p>
             <div class="replay-line">
-                {strip(info)}
+                {strip(player, info)}
                 <input
                     type="range"
                     class="replay-place"
@@ -134,6 +137,8 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 <span>{dynamic(at)}</span>
                 <span class="quiet">" / " {texts::elapsed(duration_us)}</span>
             </output>
+            {frame(player)}
+            {bookmark_form(player)}
             <PressButton
                 label=tr!("End replay")
                 class="button small replay-end"
@@ -149,6 +154,23 @@ fn bar(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
                 })}
             </p>
         </section>
+    }
+}
+
+/// The last frame before the place that is shown.
+fn frame(player: Player) -> impl IntoView {
+    let part = move |pick: fn(&Row) -> String| {
+        let text = move || player.frame.with(|frame| frame.as_ref().map(pick));
+        dynamic(move || text().unwrap_or_default())
+    };
+    let direction = |row: &Row| if row.kind == Kind::Tx { "TX " } else { "RX " }.to_owned();
+    view! {
+        <output class="replay-frame" aria-label=tr!("Frame at the cursor") aria-live="off">
+            <strong>{part(direction)}</strong>
+            <span class="replay-hex">{part(|row| row.hex.clone())}</span>
+            " "
+            <span class="quiet">{part(|row| row.meaning.clone())}</span>
+        </output>
     }
 }
 
@@ -191,6 +213,11 @@ fn steps(player: Player) -> impl IntoView {
                 })
                 inner_html=speeds
             ></select>
+            <PressButton
+                label=tr!("Add bookmark")
+                class="button small replay-add"
+                on_press=move || player.add_bookmark()
+            />
         </div>
     }
 }

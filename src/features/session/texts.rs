@@ -103,6 +103,7 @@ pub(super) fn export_name(what: SessionExport, session: &str) -> String {
         SessionExport::Telemetry => "-telemetry.csv",
         SessionExport::Plot => "-plot.csv",
         SessionExport::Report => "-report.html",
+        SessionExport::Copy => "-bookmarks.mcap",
     };
     [stem, ending].concat()
 }

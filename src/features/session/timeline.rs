@@ -6,6 +6,8 @@ use leptos::prelude::*;
 use motorlink_i18n::tr;
 use motorlink_messages::sessions::{SessionInfo, SessionMotor};
 
+use crate::{features::session::player::Player, ui::reactive::dynamic};
+
 /// Width and height of the picture of a motor, in its own units.
 const SIZE: (u64, u64) = (1_000, 60);
 
@@ -22,7 +24,7 @@ const CURRENT: Places = (2, 3);
 const GAP_US: u64 = 1_000_000;
 
 /// The pictures of all motors that have replied, one below the other.
-pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
+pub(super) fn timeline(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let (marks, errors) = (lines(info, false), lines(info, true));
     let motors: Vec<_> = info
         .motors
@@ -47,6 +49,7 @@ pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
                         <path class="session-speed" d=speed />
                         <path class="session-mark" d=marks.clone() />
                         <path class="session-mark bad" d=errors.clone() />
+                        {bookmarks(player, info.duration_us)}
                     </svg>
                 </figure>
             }
@@ -56,7 +59,7 @@ pub(super) fn timeline(info: &SessionInfo) -> impl IntoView + use<> {
 }
 
 /// The speeds of all motors over each other and the events, behind the slider of a replay.
-pub(super) fn strip(info: &SessionInfo) -> impl IntoView + use<> {
+pub(super) fn strip(player: Player, info: &SessionInfo) -> impl IntoView + use<> {
     let speeds: Vec<_> = info
         .motors
         .iter()
@@ -76,17 +79,35 @@ pub(super) fn strip(info: &SessionInfo) -> impl IntoView + use<> {
             {speeds}
             <path class="session-mark" d=others />
             <path class="session-mark bad" d=errors />
+            {bookmarks(player, info.duration_us)}
         </svg>
     }
+}
+
+/// The bookmarks as vertical lines.
+fn bookmarks(player: Player, duration_us: u64) -> impl IntoView {
+    let lines = move || {
+        player.bookmarks.with(|bookmarks| {
+            let entries = bookmarks.entries().iter();
+            path(entries.map(|entry| entry.bookmark.after_us), duration_us)
+        })
+    };
+    view! { <path class="session-mark session-bookmark-line" d=dynamic(lines) /> }
 }
 
 /// The events that are errors, or all others, as vertical lines in one path.
 fn lines(info: &SessionInfo, errors: bool) -> String {
     let marks = info.marks.iter().take(MARKS_MAX);
+    let marks = marks.filter(|mark| mark.error == errors && !mark.is_bookmark);
+    path(marks.map(|mark| mark.after_us), info.duration_us)
+}
+
+/// Vertical lines at these times, as a path.
+fn path(times: impl Iterator<Item = u64>, duration_us: u64) -> String {
     let mut path = String::new();
-    for mark in marks.filter(|mark| mark.error == errors) {
+    for after_us in times {
         // Writing to a string cannot fail.
-        let _ = write!(path, "M{} 0V{}", x(mark.after_us, info.duration_us), SIZE.1);
+        let _ = write!(path, "M{} 0V{}", x(after_us, duration_us), SIZE.1);
     }
     path
 }

@@ -11,6 +11,7 @@ use wasm_bindgen::JsCast;
 use wasm_bindgen_test::wasm_bindgen_test;
 use web_sys::{Event, EventInit, HtmlInputElement};
 
+mod bookmarks;
 mod gate;
 
 use crate::{

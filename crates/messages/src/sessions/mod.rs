@@ -33,6 +33,9 @@ pub enum ToSessions {
     },
     /// Write the open session as another file.
     Export(SessionExport),
+    /// Write a copy of the open session with these bookmarks instead of its own. Answered as an export, with
+    /// [`SessionExport::Copy`].
+    SaveCopy(Vec<Bookmark>),
     /// Cancel opening and exporting.
     CancelReading,
     /// Replay the open session.
@@ -50,6 +53,8 @@ pub enum SessionExport {
     Plot,
     /// A report, as HTML.
     Report,
+    /// A copy with other bookmarks: see [`ToSessions::SaveCopy`].
+    Copy,
 }
 
 /// From the session worker to the page.
@@ -186,7 +191,18 @@ pub struct SessionMark {
     pub after_us: u64,
     /// Whether it is an error.
     pub error: bool,
-    /// Its text, in English.
+    /// Its text, in English, or the note of the user.
+    pub text: String,
+    /// Whether it is a bookmark of the user.
+    pub is_bookmark: bool,
+}
+
+/// A bookmark of a session.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bookmark {
+    /// Microseconds since the first record.
+    pub after_us: u64,
+    /// The note of the user.
     pub text: String,
 }
 

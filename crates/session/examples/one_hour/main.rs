@@ -31,6 +31,7 @@ fn main() -> io::Result<()> {
         }
         // A process of its own, so that its memory is that of reading alone.
         [read, file, sum] if read == "--read" => read_hour(Path::new(file), sum),
+        [write, file] if write == "--write" => write_file(Path::new(file)).map(|_| ()),
         [file] => write_hour(&PathBuf::from(file)),
         _ => {
             let file = env::temp_dir().join(format!("one-hour-{}.mcap", std::process::id()));
@@ -57,7 +58,8 @@ impl Sum {
     }
 }
 
-fn write_hour(path: &Path) -> io::Result<()> {
+/// Writes the file. Returns the sum of its frames, and the time that the writer took.
+fn write_file(path: &Path) -> io::Result<(Sum, Duration)> {
     let mut sum = Sum::default();
     let mut file = File::create(path)?;
     let mut writer = Writer::new(ZERO_US, &[("page", "bench")]);
@@ -86,8 +88,13 @@ fn write_hour(path: &Path) -> io::Result<()> {
     let last = writer.finish();
     took += began.elapsed();
     file.write_all(&last)?;
-    let size = file.metadata()?.len();
     file.sync_all()?;
+    Ok((sum, took))
+}
+
+fn write_hour(path: &Path) -> io::Result<()> {
+    let (sum, took) = write_file(path)?;
+    let size = fs::metadata(path)?.len();
     let megabytes = f64::from(u32::try_from(size).unwrap_or(u32::MAX)) / 1e6;
     let frames = sum.1;
     row(

@@ -1,15 +1,14 @@
 //! The writer of the container: takes messages, and returns bytes when they are complete.
 
-use std::collections::BTreeMap;
-
 use crc::Digest;
 
 use super::{
     CRC, MAGIC,
-    compression::{self, LZ4},
+    file_index::FileIndex,
     op,
     put::{self, record},
-    summary::{AttachmentIndex, ChunkIndex, MetadataIndex},
+    summary::{AttachmentIndex, MetadataIndex},
+    whole_chunk::{MessageIndexes, WholeChunk},
 };
 
 /// Bytes per chunk before compression: six seconds of 500 exchanges a second. A seek decompresses one chunk, in 1 ms.
@@ -38,9 +37,7 @@ pub(crate) struct Container {
     chunk: Chunk,
     schemas: Vec<(&'static str, &'static str)>,
     channels: Vec<Channel>,
-    chunks: Vec<ChunkIndex>,
-    attachments: Vec<AttachmentIndex>,
-    metadata: Vec<MetadataIndex>,
+    index: FileIndex,
 }
 
 /// A CRC of bytes that were taken already.
@@ -58,7 +55,7 @@ struct Chunk {
     raw: Vec<u8>,
     times: Option<(u64, u64)>,
     /// By channel: time and offset of each message.
-    indexes: BTreeMap<u16, Vec<(u64, u64)>>,
+    indexes: MessageIndexes,
 }
 
 impl Container {
@@ -75,9 +72,7 @@ impl Container {
             chunk: Chunk::default(),
             schemas: Vec::new(),
             channels: Vec::new(),
-            chunks: Vec::new(),
-            attachments: Vec::new(),
-            metadata: Vec::new(),
+            index: FileIndex::default(),
         }
     }
 
@@ -138,43 +133,13 @@ impl Container {
             self.chunk = chunk;
             return;
         };
-        let offset = self.offset();
-        let compressed = compression::compress(&chunk.raw);
-        let raw_size = chunk.raw.len() as u64;
-        record(&mut self.out, op::CHUNK, |out| {
-            put::u64(out, from_ns);
-            put::u64(out, to_ns);
-            put::u64(out, raw_size);
-            put::u32(out, CRC.checksum(&chunk.raw));
-            put::text(out, LZ4);
-            put::u64(out, compressed.len() as u64);
-            out.extend(&compressed);
-        });
-        let index_offset = self.offset();
-        let mut message_indexes = Vec::new();
-        for (channel, messages) in &chunk.indexes {
-            message_indexes.push((*channel, self.offset()));
-            record(&mut self.out, op::MESSAGE_INDEX, |out| {
-                put::u16(out, *channel);
-                put::sized(out, |out| {
-                    for (time, offset) in messages {
-                        put::u64(out, *time);
-                        put::u64(out, *offset);
-                    }
-                });
-            });
-        }
-        self.chunks.push(ChunkIndex {
-            from_ns,
-            to_ns,
-            offset,
-            length: index_offset - offset,
-            message_indexes,
-            index_length: self.offset() - index_offset,
-            compression: LZ4.to_owned(),
-            compressed_size: compressed.len() as u64,
-            size: raw_size,
-        });
+        let chunk = WholeChunk {
+            raw: &chunk.raw,
+            times: (from_ns, to_ns),
+            indexes: &chunk.indexes,
+        };
+        let index = chunk.put(&mut self.out, self.taken);
+        self.index.chunks.push(index);
         for (channel, id) in self.channels.iter().zip(1..) {
             put_channel(&mut self.chunk.raw, id, channel.schema, &channel.topic);
         }
@@ -195,7 +160,7 @@ impl Container {
             let crc = CRC.checksum(out.get(start..).unwrap_or_default());
             put::u32(out, crc);
         });
-        self.attachments.push(AttachmentIndex {
+        self.index.attachments.push(AttachmentIndex {
             offset,
             length: self.offset() - offset,
             log_ns,
@@ -212,7 +177,7 @@ impl Container {
             put::text(out, name);
             put::texts(out, pairs);
         });
-        self.metadata.push(MetadataIndex {
+        self.index.metadata.push(MetadataIndex {
             offset,
             length: self.offset() - offset,
             name: name.to_owned(),
@@ -235,79 +200,17 @@ impl Container {
     pub(crate) fn finish(mut self) -> Vec<u8> {
         self.end_chunk();
         let mut last = self.take();
-        let data_crc = self.crc.0.clone().finalize();
-        record(&mut last, op::DATA_END, |out| put::u32(out, data_crc));
-        let summary_start = self.taken + RECORD_DATA_END_LEN;
-        let mut summary = Vec::new();
-        let mut groups = Vec::new();
-        let mut group = |summary: &mut Vec<u8>, opcode, write: &dyn Fn(&mut Vec<u8>)| {
-            let start = summary.len();
-            write(summary);
-            if summary.len() > start {
-                let length = (summary.len() - start) as u64;
-                groups.push((opcode, summary_start + start as u64, length));
-            }
-        };
-        group(&mut summary, op::SCHEMA, &|out| {
-            for (schema, id) in self.schemas.iter().zip(1..) {
-                put_schema(out, id, *schema);
-            }
-        });
-        group(&mut summary, op::CHANNEL, &|out| {
-            for (channel, id) in self.channels.iter().zip(1..) {
-                put_channel(out, id, channel.schema, &channel.topic);
-            }
-        });
-        group(&mut summary, op::STATISTICS, &|out| self.statistics(out));
-        group(&mut summary, op::CHUNK_INDEX, &|out| {
-            self.chunks.iter().for_each(|index| index.put(out));
-        });
-        group(&mut summary, op::ATTACHMENT_INDEX, &|out| {
-            self.attachments.iter().for_each(|index| index.put(out));
-        });
-        group(&mut summary, op::METADATA_INDEX, &|out| {
-            self.metadata.iter().for_each(|index| index.put(out));
-        });
-        let offsets_start = summary_start + summary.len() as u64;
-        for (opcode, start, length) in groups {
-            record(&mut summary, op::SUMMARY_OFFSET, |out| {
-                out.push(opcode);
-                put::u64(out, start);
-                put::u64(out, length);
-            });
+        for (schema, id) in self.schemas.iter().zip(1..) {
+            self.index.schemas.insert(id, schema_content(id, *schema));
         }
-        // The CRC covers the summary and this record up to the CRC, with the record's final length.
-        summary.push(op::FOOTER);
-        put::u64(&mut summary, FOOTER_LEN);
-        put::u64(&mut summary, summary_start);
-        put::u64(&mut summary, offsets_start);
-        let crc = CRC.checksum(&summary);
-        put::u32(&mut summary, crc);
-        last.extend(summary);
-        last.extend(MAGIC);
+        for (channel, id) in self.channels.iter().zip(1..) {
+            let content = channel_content(id, channel.schema, &channel.topic);
+            self.index.channels.insert(id, content);
+            self.index.messages.insert(id, channel.messages);
+        }
+        let data_crc = self.crc.0.clone().finalize();
+        last.extend(self.index.end(self.taken, data_crc));
         last
-    }
-
-    fn statistics(&self, out: &mut Vec<u8>) {
-        let from_ns = self.chunks.iter().map(|chunk| chunk.from_ns).min();
-        let to_ns = self.chunks.iter().map(|chunk| chunk.to_ns).max();
-        let count = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
-        record(out, op::STATISTICS, |out| {
-            put::u64(out, self.channels.iter().map(|one| one.messages).sum());
-            put::u16(out, u16::try_from(self.schemas.len()).unwrap_or(u16::MAX));
-            put::u32(out, count(self.channels.len()));
-            put::u32(out, count(self.attachments.len()));
-            put::u32(out, count(self.metadata.len()));
-            put::u32(out, count(self.chunks.len()));
-            put::u64(out, from_ns.unwrap_or_default());
-            put::u64(out, to_ns.unwrap_or_default());
-            put::sized(out, |out| {
-                for (channel, id) in self.channels.iter().zip(1..) {
-                    put::u16(out, id);
-                    put::u64(out, channel.messages);
-                }
-            });
-        });
     }
 
     const fn offset(&self) -> u64 {
@@ -315,27 +218,35 @@ impl Container {
     }
 }
 
-/// Content of the footer: two offsets and a CRC.
-const FOOTER_LEN: u64 = 20;
-
-/// Length of the record between data and summary: head and CRC.
-const RECORD_DATA_END_LEN: u64 = super::RECORD_HEAD_LEN + 4;
-
-fn put_schema(out: &mut Vec<u8>, id: u16, (name, json): (&str, &str)) {
+fn put_schema(out: &mut Vec<u8>, id: u16, schema: (&str, &str)) {
     record(out, op::SCHEMA, |out| {
-        put::u16(out, id);
-        put::text(out, name);
-        put::text(out, "jsonschema");
-        put::text(out, json);
+        out.extend(schema_content(id, schema));
     });
 }
 
 fn put_channel(out: &mut Vec<u8>, id: u16, schema: u16, topic: &str) {
     record(out, op::CHANNEL, |out| {
-        put::u16(out, id);
-        put::u16(out, schema);
-        put::text(out, topic);
-        put::text(out, "json");
-        put::texts(out, &[]);
+        out.extend(channel_content(id, schema, topic));
     });
+}
+
+/// The content of the record of a JSON schema.
+pub(crate) fn schema_content(id: u16, (name, json): (&str, &str)) -> Vec<u8> {
+    let mut out = Vec::new();
+    put::u16(&mut out, id);
+    put::text(&mut out, name);
+    put::text(&mut out, "jsonschema");
+    put::text(&mut out, json);
+    out
+}
+
+/// The content of the record of a channel with JSON messages.
+pub(crate) fn channel_content(id: u16, schema: u16, topic: &str) -> Vec<u8> {
+    let mut out = Vec::new();
+    put::u16(&mut out, id);
+    put::u16(&mut out, schema);
+    put::text(&mut out, topic);
+    put::text(&mut out, "json");
+    put::texts(&mut out, &[]);
+    out
 }

@@ -184,6 +184,12 @@ impl Overview {
         self.motors.iter().map(|(id, motor)| (*id, motor))
     }
 
+    /// Replaces the events, and adds to the number of those that are left out.
+    pub(crate) fn set_marks(&mut self, marks: Vec<Mark>, left_out: u64) {
+        self.marks = marks;
+        self.marks_left_out += left_out;
+    }
+
     /// Events, in their order.
     #[must_use]
     pub fn marks(&self) -> &[Mark] {

@@ -240,7 +240,8 @@ fn read(topic: Option<Topic>, log_ns: u64, data: &[u8], from_ns: Option<u64>) ->
     Some(content)
 }
 
-fn decompressed(record: &[u8]) -> Result<Vec<u8>, Problem> {
+/// The records in the record of a chunk.
+pub(crate) fn decompressed(record: &[u8]) -> Result<Vec<u8>, Problem> {
     let Some((op::CHUNK, content)) = Fields(record).record() else {
         return Err(Problem::ChunkDamaged);
     };

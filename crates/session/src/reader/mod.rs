@@ -19,6 +19,7 @@ mod summary;
 use std::{collections::BTreeMap, ops::Range, time::Duration};
 
 pub use blocking::{Source, for_each_record, open, overview};
+pub(crate) use cursor::decompressed;
 pub use cursor::{Cursor, Next};
 pub use motorlink_messages::sessions::{NotASession, Problem};
 pub use opening::{Opening, Step};
@@ -108,6 +109,16 @@ impl Session {
     #[must_use]
     pub const fn chunks(&self) -> usize {
         self.chunks.len()
+    }
+
+    /// Where the chunks begin.
+    pub(crate) fn chunk_offsets(&self) -> impl Iterator<Item = u64> {
+        self.chunks.iter().map(|chunk| chunk.offset)
+    }
+
+    /// The channels that the reader uses.
+    pub(crate) const fn topics(&self) -> &BTreeMap<u16, Topic> {
+        &self.topics
     }
 
     /// All attachments.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use motorlink_messages::sessions::{SessionInfo, SessionMark, SessionMotor};
 use motorlink_protocol::MotorId;
-use motorlink_session::{Extent, Mark, MotorOverview};
+use motorlink_session::{EventKind, Extent, Mark, MotorOverview};
 
 use super::open_session::OpenSession;
 
@@ -60,6 +60,7 @@ fn mark(mark: &Mark) -> SessionMark {
         after_us: micros(mark.after),
         error: mark.error,
         text: mark.text.clone(),
+        is_bookmark: mark.kind == EventKind::Bookmark,
     }
 }
 

@@ -7,11 +7,13 @@
 //! | `opening` | opens a file |
 //! | `open_session` | a file that is open |
 //! | `reading` | reads its records, and writes other files from them |
+//! | `copying` | copies it with other bookmarks |
 //! | `replay`, `replaying` | the replay of an open file |
 //! | `source` | the bytes of an open file |
 //! | `state` | the state of the worker, and its messages to the page |
 //! | `info` | what the page shows of an open file |
 
+mod copying;
 mod info;
 mod open_session;
 mod opening;
@@ -112,6 +114,13 @@ fn handle(shared: &Shared, message: ToSessions, parts: &Array) {
             };
             let (shared, task) = (Rc::clone(shared), begin_reading(shared));
             spawn_local(async move { reading::export(&shared, task, &open, what).await });
+        }
+        ToSessions::SaveCopy(bookmarks) => {
+            let Some(open) = shared.borrow().open.clone() else {
+                return post(&FromSessions::Cancelled);
+            };
+            let (shared, task) = (Rc::clone(shared), begin_reading(shared));
+            spawn_local(async move { copying::copy(&shared, task, &open, &bookmarks).await });
         }
         ToSessions::CancelReading => {
             begin_reading(shared);

@@ -7,7 +7,7 @@ use motorlink_session::{About, Cursor, Next, Problems, Record, Session, Table, W
 use super::{
     open_session::{NotOpened, OpenSession},
     source::Source,
-    state::{Reporter, Shared, is_ended, post_file, post_not_opened},
+    state::{Reporter, Shared, is_ended, post, post_file, post_not_opened},
 };
 use crate::blob_parts::{CSV, Parts};
 
@@ -56,6 +56,8 @@ pub(super) async fn export(shared: &Shared, task: u32, open: &OpenSession, what:
                 "text/html;charset=utf-8",
             )
         }
+        // It comes with its bookmarks, in a message of its own.
+        SessionExport::Copy => return post(&FromSessions::Cancelled),
         SessionExport::Log => (log(shared, task, open, &mut parts).await, CSV),
         SessionExport::Telemetry => {
             let table = Table::of_telemetry();

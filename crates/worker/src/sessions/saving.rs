@@ -23,7 +23,7 @@ use super::{
 const PIECE: usize = 256 << 10;
 
 /// The media type of MCAP files, which is not registered.
-const MCAP: &str = "application/octet-stream";
+pub(super) const MCAP: &str = "application/octet-stream";
 
 /// Saves what the recorder keeps, and posts the outcome.
 pub(super) async fn save(

@@ -3,7 +3,10 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use leptos::prelude::*;
-use motorlink_messages::sessions::{PlaySpeed, ToReplay};
+use motorlink_messages::{
+    protocol::Instant,
+    sessions::{PlaySpeed, ToReplay},
+};
 
 use crate::features::session::player::Player;
 
@@ -74,6 +77,18 @@ impl Player {
         self.post(ToReplay::Seek { after_us });
     }
 
+    /// Goes to a time on the clock of the replay.
+    pub(super) fn seek_moment(self, at: Instant) {
+        let first_us = self.clocks().first.as_micros();
+        self.seek(at.as_micros().saturating_sub(first_us));
+    }
+
+    /// Begins a bookmark at the place that is shown.
+    pub(in crate::features::session) fn add_bookmark(self) {
+        let here_us = untrack(|| self.shown_us());
+        self.bookmarks.update(|bookmarks| bookmarks.begin(here_us));
+    }
+
     /// Goes that much further, or back.
     pub(in crate::features::session) fn seek_by(self, by_us: i64) {
         self.seek(untrack(|| self.shown_us()).saturating_add_signed(by_us));
@@ -84,8 +99,15 @@ impl Player {
         let here_us = untrack(|| self.shown_us());
         let plays = self.place.with_untracked(|place| place.plays);
         let found = self.info.with_untracked(|info| {
-            let marks = info.as_ref()?.marks.iter().map(|mark| mark.after_us);
-            next_event(marks, here_us, forward, plays)
+            let marks = info.as_ref()?.marks.iter();
+            let marks = marks
+                .filter(|mark| !mark.is_bookmark)
+                .map(|mark| mark.after_us);
+            self.bookmarks.with_untracked(|bookmarks| {
+                let entries = bookmarks.entries().iter();
+                let bookmarks = entries.map(|entry| entry.bookmark.after_us);
+                next_event(marks.chain(bookmarks), here_us, forward, plays)
+            })
         });
         if let Some(after_us) = found {
             self.seek(after_us);

@@ -50,6 +50,10 @@ impl Player {
                 self.post(ToReplay::SeekRow(number));
                 true
             }
+            Crossing::Moment(at) => {
+                self.seek_moment(at);
+                true
+            }
         }
     }
 
