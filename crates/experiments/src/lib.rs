@@ -9,6 +9,7 @@
 //! | [`plan`] | a checked sequence, ready to run or to draw |
 //! | [`runner`] | a run: what to send at each tick, and what ends it |
 //! | [`analysis`] | figures from samples: step response, frequency response, friction, inertia, heating |
+//! | [`study`] | what is asked of a motor: its sequence, and the figures of a run of it |
 //! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example
@@ -31,3 +32,4 @@ mod number;
 pub mod plan;
 pub mod runner;
 pub mod sequence;
+pub mod study;
