@@ -150,6 +150,16 @@ impl Runner {
         }
     }
 
+    /// The time of the plan, without pauses; `None` before the start and after the end.
+    #[must_use]
+    pub fn passed(&self, now: Instant) -> Option<Duration> {
+        match &self.state {
+            State::Running(run) => Some(now.since(run.base)),
+            State::Paused { run, since } => Some(since.since(run.base)),
+            State::Armed { .. } | State::Ended { .. } => None,
+        }
+    }
+
     /// The sent setpoints and the telemetry, kept after every end of the run.
     #[must_use]
     pub const fn record(&self) -> &Record {
