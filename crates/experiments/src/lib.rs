@@ -10,6 +10,8 @@
 //! | [`runner`] | a run: what to send at each tick, and what ends it |
 //! | [`analysis`] | figures from samples: step response, frequency response, friction, inertia, heating |
 //! | [`study`] | what is asked of a motor: its sequence, and the figures of a run of it |
+//! | [`chart`] | charts of findings, as data and as SVG |
+//! | [`kept`] | a run that is kept, and its exports |
 //! | [`generate`] | a sequence as a program: Python, Arduino, Rust, and a setup for ROS 2 |
 //!
 //! # Example
@@ -27,7 +29,9 @@
 //! ```
 
 pub mod analysis;
+pub mod chart;
 pub mod generate;
+pub mod kept;
 mod number;
 pub mod plan;
 pub mod runner;

@@ -7,7 +7,9 @@ use super::{
     spans::{Span, follow, spans},
 };
 use crate::{
-    analysis::{CoastDown, Inertia, Point, Push, TORQUE_NM_PER_A, Trace, coast_down, inertia},
+    analysis::{
+        CoastDown, Estimate, Inertia, Point, Push, TORQUE_NM_PER_A, Trace, coast_down, inertia,
+    },
     runner::Record,
     sequence::{Condition, End, Quantity, RunLimits, Sequence, Shape},
 };
@@ -24,6 +26,8 @@ const BEYOND_RPM: f64 = 60.0;
 const PUSH_SETTLE_S: f64 = 0.01;
 /// The time until the current of a push has ended.
 const COAST_SETTLE_S: f64 = 0.02;
+/// Minimal number of coasts whose spread gives the confidence.
+const COASTS_MIN: usize = 4;
 /// Each pass has a push, a coast, and both in the other direction.
 const STEPS_A_PASS: usize = 4;
 
@@ -104,7 +108,7 @@ impl CoastDownStudy {
             .filter(|span| !is_push(span))
             .map(|span| Trace::between(&trace.rpm, span.from_s + COAST_SETTLE_S, span.to_s))
             .collect();
-        let coast = coast_down(&coasts);
+        let coast = coast_down(&coasts).map(|coast| by_spread(coast, &coasts));
         let pushes: Vec<Push<'_>> = spans
             .iter()
             .filter(is_push)
@@ -115,6 +119,27 @@ impl CoastDownStudy {
             inertia: coast.and_then(|coast| inertia(&pushes, &coast)),
             coasts: coasts.into_iter().map(since_its_start).collect(),
         }
+    }
+}
+
+/// The confidence by the spread of the coasts, for as many of them as pushes: each is left out once (jackknife).
+/// Within a coast the angle adds up the errors of all times before, so the errors of the fit are too small.
+fn by_spread(coast: CoastDown, coasts: &[&[Point]]) -> CoastDown {
+    let without = |left_out: usize| {
+        let others = coasts.iter().enumerate();
+        let others = others.filter(|(number, _)| *number != left_out);
+        coast_down(&others.map(|(_, coast)| *coast).collect::<Vec<_>>())
+    };
+    if coasts.len() < COASTS_MIN {
+        return coast;
+    }
+    let fits: Vec<CoastDown> = (0..coasts.len()).filter_map(without).collect();
+    let spread = |estimate: Estimate, of: fn(&CoastDown) -> f64| {
+        Estimate::by_jackknife(estimate.value, &fits.iter().map(of).collect::<Vec<_>>())
+    };
+    CoastDown {
+        dry_rad_s2: spread(coast.dry_rad_s2, |fit| fit.dry_rad_s2.value),
+        viscous_per_s: spread(coast.viscous_per_s, |fit| fit.viscous_per_s.value),
     }
 }
 
