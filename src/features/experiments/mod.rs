@@ -12,11 +12,17 @@
 //! | `run_bar` | arm, run, pause, abort |
 //! | `chart` | the curves of a plan and of its run |
 //! | `texts` | errors, refusals and ends in words |
+//! | `kept` | the runs that the browser keeps |
+//! | `results` | charts and figures of runs, and the tab `Runs` |
+//! | `code` | the tab `Code`: a sequence as a program |
 
 mod actions;
 mod chart;
+pub(crate) mod code;
 mod fields;
+pub(crate) mod kept;
 pub(crate) mod panel;
+pub(crate) mod results;
 mod run_bar;
 pub(crate) mod state;
 mod steps;

@@ -1,0 +1,1 @@
+//! Charts and figures of runs, and the tab `Runs`.
