@@ -19,6 +19,7 @@
 //! | `traffic` | line events on their way to the recorder |
 //! | `alarm` | a precise timer |
 //! | `scope` | the worker's global object: clock, messages |
+//! | `runs` | the runs of experiments: a program of its own, which the port worker loads and calls |
 //! | `recorder` | the second worker: `motorlink-recorder` in the browser |
 //! | `sessions` | the third worker: `motorlink-session` in the browser |
 //! | `turn_scheduler` | the turns of a worker with much to do |
@@ -35,6 +36,7 @@ mod local_time;
 mod outbox;
 mod port_owner;
 mod recorder;
+mod runs;
 mod scope;
 mod serial;
 mod session;
@@ -63,6 +65,12 @@ pub fn start_recorder() {
 pub fn start_sessions() {
     on_panic(sessions::died);
     sessions::start();
+}
+
+/// Handles an input of the port worker in the program of the runs: see `runs`.
+#[must_use]
+pub fn run_program(input: &[u8], now_us: f64) -> Vec<u8> {
+    runs::program::handle(input, now_us)
 }
 
 fn on_panic(report: impl Fn() + Send + Sync + 'static) {

@@ -24,7 +24,7 @@ const CRATES: [&[&str]; 10] = [
     &["motorlink-worker"],
     &["motorlink-fault-simulation", "virtual-motor", "session"],
     &["motorlink-session"],
-    &["motorlink-recorder"],
+    &["motorlink-recorder", "motorlink-runs"],
     &["motorlink-messages"],
     &[
         "motorlink-bus",

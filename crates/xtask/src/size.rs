@@ -46,7 +46,7 @@ struct Part {
 }
 
 /// Every file belongs to the first part that names it.
-const PARTS: [Part; 16] = [
+const PARTS: [Part; 17] = [
     part(
         "page",
         When::First,
@@ -85,6 +85,8 @@ const PARTS: [Part; 16] = [
     // It writes and reads session files, converts them, and explains each frame of them in the exported log. A replay
     // takes 39,700: the state of the bus behind its replies, the rows of the packet log, and the player.
     part("session worker", When::Asked, &["sessions-"], 178_500),
+    // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
+    part("runs", When::Asked, &["runs-"], 60_000),
     part(
         "installing",
         When::Offline,

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, rc::Rc};
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_experiments::{
+use motorlink_messages::experiments::{
     kept::{Outcome, RunHeader},
     runner::{End, Record, RecordPart},
     study::{Findings, Study},
