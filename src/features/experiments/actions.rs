@@ -12,23 +12,23 @@ use motorlink_messages::{
     bus::Command,
     decode, encode,
     experiments::{
-        plan::Plan,
-        runner::{Cause, End, Options, Phase, Record, RecordPart},
-        study::Study,
+        runner::{Cause, End, Options, Phase, RecordPart},
+        study::{Study, StudyKind},
     },
-    protocol::{Mode, MotorId},
+    protocol::{Instant, Mode, MotorId},
     runs::{FromRun, RunState, ToRun},
 };
 
 use crate::{
     features::experiments::{
         chart::Live,
-        state::{Armed, Experiments, Finished, Shown},
+        kept::NewRun,
+        state::{Armed, Experiments, Shown},
         table, texts,
     },
     model::{guards::drive_blocked_by, runs, snapshot::Session},
     ui::{
-        clock::{act_ms, page_now_ms},
+        clock::{act_ms, page_now_ms, page_origin_ms},
         listener::on_window,
         reactive::effect,
     },
@@ -125,8 +125,7 @@ impl Experiments {
 
     /// The row of the table with this place; none in another tab.
     pub(super) fn row_of(self, place: &str) -> Option<usize> {
-        let is_table =
-            self.kind() == Some(motorlink_messages::experiments::study::StudyKind::Sequence);
+        let is_table = self.kind() == Some(StudyKind::Sequence);
         is_table
             .then(|| self.draft.with(|draft| table::find(&draft.rows, place)))
             .flatten()
@@ -141,7 +140,10 @@ impl Experiments {
         let Some(Ok((study, plan))) = self.checked.get_untracked() else {
             return;
         };
-        let run = self.run.get_value().wrapping_add(1);
+        let run = self
+            .kept
+            .next_number()
+            .max(self.run.get_value().wrapping_add(1));
         self.run.set_value(run);
         let options = untrack(|| self.options());
         let message = ToRun::Arm {
@@ -232,15 +234,9 @@ impl Experiments {
         let has_ended = matches!(before, Some(Phase::Ended(_)));
         if let Some(began) = state.began
             && !has_ended
+            && self.live.with_value(|live| live.began_at() != Some(began))
         {
-            let is_new = self
-                .record
-                .with_value(|record| record.began_at() != Some(began));
-            if is_new {
-                self.begin(&armed.plan);
-                self.record.update_value(|record| record.began(began));
-                self.live.update_value(|live| live.began(began));
-            }
+            self.begin(&armed, began);
         }
         self.shown.set(Shown::Reported(state));
         if let Phase::Ended(end) = state.phase
@@ -250,9 +246,37 @@ impl Experiments {
         }
     }
 
-    fn begin(self, plan: &Plan) {
-        self.record.set_value(Record::default());
-        self.live.set_value(Live::of(plan));
+    fn begin(self, armed: &Armed, began: Instant) {
+        let mut live = Live::of(&armed.plan);
+        live.began(began);
+        self.live.set_value(live);
+        let study = armed.study.clone();
+        let name = match &study {
+            Study::Sequence(sequence) if !sequence.name.is_empty() => sequence.name.clone(),
+            other => texts::study(other.kind()).to_owned(),
+        };
+        let ids = armed.plan.motors().iter().map(|motor| motor.id);
+        let motors = self.page.motors.names.with_untracked(|names| {
+            let name = |id| names.member(id).map(|member| member.name().to_owned());
+            ids.map(|id| (id, name(id).unwrap_or_default())).collect()
+        });
+        let passed = self.page.now().since(began).as_secs_f64() * 1_000.0;
+        let kind = study.kind();
+        self.last.update(|last| {
+            last.retain(|(other, _)| *other != kind);
+            last.push((kind, armed.run));
+        });
+        self.kept.begin(NewRun {
+            number: armed.run,
+            study,
+            name,
+            motors,
+            model: self.page.model.get_untracked().spec().name.to_owned(),
+            setup: self.page.setup().to_json(),
+            request_hz: 1.0 / armed.options.period.as_secs_f64().max(0.001),
+            began_unix_ms: page_origin_ms() + page_now_ms() - passed,
+            began,
+        });
     }
 
     fn take_part(self, part: RecordPart) {
@@ -261,13 +285,12 @@ impl Experiments {
                 live.add(sample);
             }
         });
-        self.record.update_value(|record| record.add_part(part));
+        self.kept.add_part(self.run.get_value(), part);
         self.live_drawn
             .update(|drawn| *drawn = drawn.wrapping_add(1));
     }
 
     fn finish(self, armed: &Armed, end: End, has_begun: bool) {
-        self.record.update_value(|record| record.ended(end));
         let row = match end {
             End::Aborted {
                 cause: Cause::WaitTimedOut { step },
@@ -277,12 +300,7 @@ impl Experiments {
         };
         self.said.set(texts::end(end, row));
         if has_begun {
-            let record = self.record.try_update_value(std::mem::take);
-            self.finished.set(Some(Rc::new(Finished {
-                study: armed.study.clone(),
-                record: record.unwrap_or_default(),
-                options: armed.options,
-            })));
+            self.kept.end(armed.run, end);
         }
     }
 

@@ -17,12 +17,15 @@ const HEIGHT: f64 = 400.0;
 /// Motors that have a colour of their own; the next ones begin again.
 const COLOURS: usize = 4;
 
+/// Least and greatest value of each column.
+type Columns = Vec<Option<(f64, f64)>>;
+
 /// The measured values of a run, as least and greatest value per column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Live {
     began: Option<Instant>,
     longest_s: f64,
-    motors: Vec<(MotorId, Quantity, Vec<Option<(f64, f64)>>)>,
+    motors: Vec<(MotorId, Quantity, Columns)>,
 }
 
 impl Live {
@@ -35,6 +38,10 @@ impl Live {
             longest_s: plan.longest_s(),
             motors: plan.motors().iter().map(motor).collect(),
         }
+    }
+
+    pub(super) const fn began_at(&self) -> Option<Instant> {
+        self.began
     }
 
     pub(super) const fn began(&mut self, at: Instant) {

@@ -11,10 +11,10 @@
 //! | `fields` | the parameters of a study |
 //! | `run_bar` | arm, run, pause, abort |
 //! | `chart` | the curves of a plan and of its run |
-//! | `texts` | errors, refusals and ends in words |
 //! | `kept` | the runs that the browser keeps |
-//! | `results` | charts and figures of runs, and the tab `Runs` |
-//! | `code` | the tab `Code`: a sequence as a program |
+//! | `results` | charts and figures of runs, and the tab Runs |
+//! | `code` | the tab Code: a sequence as a program |
+//! | `texts` | errors, refusals and ends in words |
 
 mod actions;
 mod chart;

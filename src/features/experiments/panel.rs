@@ -9,7 +9,12 @@ use web_sys::{HtmlElement, KeyboardEvent};
 use crate::{
     features::experiments::{
         chart,
+        code::CodeTab,
         fields::StudyFields,
+        results::{
+            runs_tab::RunsTab,
+            view::{RunChart, RunFigures},
+        },
         run_bar::{RunBar, RunSettings},
         state::{ExperimentTab, Experiments},
         steps::{SequenceFields, StepsTable},
@@ -35,12 +40,13 @@ fn name(tab: ExperimentTab) -> &'static str {
     }
 }
 
-/// The panel without its frame. `results` shows the figures of the last run; `runs` and `code` are the tabs of these
-/// names.
+/// The panel without its frame.
 #[component]
 pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
     let is_sequence = move || of.tab.get() == ExperimentTab::Sequence;
     let has_study = move || of.kind().is_some();
+    let shown = Signal::derive(move || of.last_shown());
+    let has_run = move || shown.with(|shown| !shown.is_empty());
     let chosen_tab = move || tab_id(of.tab.get().key());
     view! {
         <div class="experiments">
@@ -71,7 +77,29 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
                         <StepsTable of />
                     </div>
                     <Curves of />
+                    <div hidden=dynamic(move || !has_run())>
+                        <RunChart kept=of.kept shown />
+                    </div>
                 </div>
+                <div class="experiment-results" hidden=dynamic(move || !has_run())>
+                    <RunFigures kept=of.kept shown />
+                </div>
+            </div>
+            <div
+                class="experiment-tab"
+                role="tabpanel"
+                aria-labelledby=tab_id(ExperimentTab::Runs.key())
+                hidden=dynamic(move || of.tab.get() != ExperimentTab::Runs)
+            >
+                <RunsTab kept=of.kept />
+            </div>
+            <div
+                class="experiment-tab"
+                role="tabpanel"
+                aria-labelledby=tab_id(ExperimentTab::Code.key())
+                hidden=dynamic(move || of.tab.get() != ExperimentTab::Code)
+            >
+                <CodeTab of />
             </div>
         </div>
     }

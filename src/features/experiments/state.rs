@@ -6,7 +6,7 @@ use leptos::prelude::*;
 use motorlink_messages::{
     experiments::{
         plan::{Fleet, Plan},
-        runner::{Options, Phase, Record},
+        runner::{Options, Phase},
         sequence::{RunLimits, Sequence, SequenceError, Template},
         study::{Study, StudyKind},
     },
@@ -16,6 +16,7 @@ use motorlink_messages::{
 use crate::{
     features::experiments::{
         chart::Live,
+        kept::KeptRuns,
         table::{self, Row},
     },
     model::{names_and_sides::NamesAndSides, page::Page, snapshot::Session},
@@ -120,13 +121,6 @@ pub(super) struct Armed {
     pub(super) options: Options,
 }
 
-/// A run that has ended, with all that was recorded.
-pub(crate) struct Finished {
-    pub(crate) study: Study,
-    pub(crate) record: Record,
-    pub(crate) options: Options,
-}
-
 /// The state of the panel. It stays through a change of language and while the panel is closed.
 #[derive(Clone, Copy)]
 pub(crate) struct Experiments {
@@ -148,13 +142,14 @@ pub(crate) struct Experiments {
     /// The number of the last run.
     pub(super) run: StoredValue<u32>,
     pub(super) armed: RwSignal<Option<Rc<Armed>>, LocalStorage>,
-    pub(super) record: StoredValue<Record, LocalStorage>,
+    /// The runs that the browser keeps.
+    pub(super) kept: KeptRuns,
+    /// The last run of each kind of study.
+    pub(super) last: RwSignal<Vec<(StudyKind, u32)>>,
     /// The curves of the present run.
     pub(super) live: StoredValue<Live, LocalStorage>,
     /// Rises when the curves have changed.
     pub(super) live_drawn: RwSignal<u32>,
-    /// The last run that has ended.
-    pub(super) finished: RwSignal<Option<Rc<Finished>>, LocalStorage>,
     pub(super) fleet: Memo<Fleet>,
     /// Computed only when the question or the motors change: a long table takes a while.
     pub(super) checked: RwSignal<Checked>,
@@ -183,10 +178,10 @@ impl Experiments {
                     said: RwSignal::default(),
                     run: StoredValue::new(0),
                     armed: RwSignal::new_local(None),
-                    record: StoredValue::new_local(Record::default()),
+                    kept: KeptRuns::of_page(owner),
+                    last: RwSignal::new(Vec::new()),
                     live: StoredValue::new_local(Live::default()),
                     live_drawn: RwSignal::new(0),
-                    finished: RwSignal::new_local(None),
                     fleet: memo(move || fleet(page)),
                     checked: RwSignal::new(None),
                 };
@@ -219,6 +214,15 @@ impl Experiments {
         self.studies.with(|studies| {
             let found = studies.iter().find(|study| study.kind() == kind);
             found.cloned().map(Ok)
+        })
+    }
+
+    /// The last run of the study that the tab shows.
+    pub(super) fn last_shown(self) -> Vec<u32> {
+        let kind = self.kind();
+        self.last.with(|last| {
+            let of_kind = last.iter().filter(|(own, _)| Some(*own) == kind);
+            of_kind.map(|(_, number)| *number).collect()
         })
     }
 

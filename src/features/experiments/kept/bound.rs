@@ -1,6 +1,6 @@
 //! How many runs are kept.
 
-use motorlink_experiments::kept::RunHeader;
+use motorlink_messages::experiments::kept::RunHeader;
 
 /// Maximal number of runs: more names are not found again in a list.
 pub(super) const RUNS_MAX: usize = 200;
@@ -20,7 +20,7 @@ pub(super) fn too_many(list: &[RunHeader]) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use motorlink_experiments::kept::Outcome;
+    use motorlink_messages::experiments::kept::Outcome;
 
     use super::*;
 

@@ -4,7 +4,7 @@
 //! written and this one cannot read is skipped.
 
 use js_sys::{Array, Promise, Reflect, Uint8Array};
-use motorlink_experiments::{kept::RunHeader, runner::RecordPart};
+use motorlink_messages::experiments::{kept::RunHeader, runner::RecordPart};
 use motorlink_messages::{decode, encode};
 use wasm_bindgen::{JsCast, JsValue, prelude::Closure};
 use wasm_bindgen_futures::JsFuture;

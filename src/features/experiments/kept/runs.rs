@@ -3,12 +3,12 @@
 use std::{collections::BTreeMap, rc::Rc};
 
 use leptos::{prelude::*, task::spawn_local};
-use motorlink_experiments::{
+use motorlink_i18n::tr;
+use motorlink_messages::experiments::{
     kept::{Outcome, RunHeader},
     runner::{End, Record, RecordPart},
     study::{Findings, Study},
 };
-use motorlink_i18n::tr;
 use motorlink_messages::protocol::{Instant, MotorId};
 
 use super::{
