@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use motorlink_bus::{CommandRate, GroupSetpoints, SLEEP_MIN};
+use motorlink_bus::{CommandRate, GroupSetpoints, SLEEP_MIN, Sample};
 use motorlink_experiments::{
     plan::{Fleet, Plan},
     runner::{Cause, Options, Phase, Runner, StartRefusal, Telemetry, Tick},
@@ -12,7 +12,7 @@ use motorlink_messages::{
     decode,
     runs::{FromRun, NotArmed, ToRun},
 };
-use motorlink_protocol::{Frame, Instant, Mode, MotorId, Request, Setpoint};
+use motorlink_protocol::{Detail, Frame, Instant, Mode, MotorId, Request, Setpoint};
 
 use crate::{
     cause::cause,
@@ -65,10 +65,7 @@ impl Program {
             };
         };
         match input {
-            Input::Telemetry(sample) => {
-                run.runner
-                    .telemetry(Telemetry::of(sample.at, &sample.reply));
-            }
+            Input::Telemetry(sample) => run.runner.telemetry(run.telemetry(sample)),
             Input::Sent { at, frame, mode } => run.sent(*at, frame, *mode),
             _ => {
                 if let Some(cause) = cause(input, run.first()) {
@@ -208,6 +205,18 @@ impl Run {
         }
         let rate = self.rate;
         Act::Start { setpoints, rate }
+    }
+
+    fn telemetry(&self, sample: &Sample) -> Telemetry {
+        let mut telemetry = Telemetry::of(sample.at, &sample.reply);
+        // An idle motor reports its angle in steps of 1.4 degrees only. That is enough for the angle at which a run
+        // begins; the record has the fine ones.
+        if let (Phase::Armed { .. }, Detail::Query { position, .. }) =
+            (self.runner.phase(), sample.reply.detail)
+        {
+            telemetry.degrees = Some(position.degrees());
+        }
+        telemetry
     }
 
     fn sent(&mut self, at: Instant, frame: &Frame, mode: Option<Mode>) {

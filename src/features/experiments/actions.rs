@@ -16,13 +16,14 @@ use motorlink_messages::{
         runner::{Cause, End, Options, Phase, Record, RecordPart},
         study::Study,
     },
-    protocol::{Mode, MotorId},
+    protocol::{Instant, Mode, MotorId},
     runs::{FromRun, RunState, ToRun},
 };
 
 use crate::{
     features::experiments::{
         chart::Live,
+        kept::NewRun,
         state::{Armed, Experiments, Finished, Shown},
         table, texts,
     },
@@ -141,7 +142,8 @@ impl Experiments {
         let Some(Ok((study, plan))) = self.checked.get_untracked() else {
             return;
         };
-        let run = self.run.get_value().wrapping_add(1);
+        let next = self.run.get_value().wrapping_add(1);
+        let run = self.kept.next_number().max(next);
         self.run.set_value(run);
         let options = untrack(|| self.options());
         let message = ToRun::Arm {
@@ -238,6 +240,7 @@ impl Experiments {
                 .with_value(|record| record.began_at() != Some(began));
             if is_new {
                 self.begin(&armed.plan);
+                self.keep(&armed, began);
                 self.record.update_value(|record| record.began(began));
                 self.live.update_value(|live| live.began(began));
             }
@@ -255,12 +258,39 @@ impl Experiments {
         self.live.set_value(Live::of(plan));
     }
 
+    /// Keeps the run that has begun.
+    fn keep(self, armed: &Armed, began: Instant) {
+        let motors = armed.plan.motors().iter().map(|motor| {
+            let name = self.page.motors.names.with_untracked(|names| {
+                let member = names.member(motor.id);
+                member.map(|member| member.name().to_owned())
+            });
+            (motor.id, name.unwrap_or_default())
+        });
+        let name = match &armed.study {
+            Study::Sequence(sequence) if !sequence.name.is_empty() => sequence.name.clone(),
+            study => texts::study(study.kind()).to_owned(),
+        };
+        self.kept.begin(NewRun {
+            number: armed.run,
+            study: armed.study.clone(),
+            name,
+            motors: motors.collect(),
+            model: self.page.model.get_untracked().to_string(),
+            setup: untrack(|| self.page.setup().to_json()),
+            request_hz: 1.0 / armed.options.period.as_secs_f64(),
+            began_unix_ms: js_sys::Date::now(),
+            began,
+        });
+    }
+
     fn take_part(self, part: RecordPart) {
         self.live.update_value(|live| {
             for sample in &part.samples {
                 live.add(sample);
             }
         });
+        self.kept.add_part(self.run.get_value(), part.clone());
         self.record.update_value(|record| record.add_part(part));
         self.live_drawn
             .update(|drawn| *drawn = drawn.wrapping_add(1));
@@ -277,6 +307,7 @@ impl Experiments {
         };
         self.said.set(texts::end(end, row));
         if has_begun {
+            self.kept.end(armed.run, end);
             let record = self.record.try_update_value(std::mem::take);
             self.finished.set(Some(Rc::new(Finished {
                 study: armed.study.clone(),

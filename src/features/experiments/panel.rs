@@ -9,7 +9,12 @@ use web_sys::{HtmlElement, KeyboardEvent};
 use crate::{
     features::experiments::{
         chart,
+        code::CodeTab,
         fields::StudyFields,
+        results::{
+            runs_tab::RunsTab,
+            view::{RunChart, RunFigures},
+        },
         run_bar::{RunBar, RunSettings},
         state::{ExperimentTab, Experiments},
         steps::{SequenceFields, StepsTable},
@@ -35,13 +40,15 @@ fn name(tab: ExperimentTab) -> &'static str {
     }
 }
 
-/// The panel without its frame. `results` shows the figures of the last run; `runs` and `code` are the tabs of these
-/// names.
+/// The panel without its frame.
 #[component]
 pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
     let is_sequence = move || of.tab.get() == ExperimentTab::Sequence;
     let has_study = move || of.kind().is_some();
     let chosen_tab = move || tab_id(of.tab.get().key());
+    let is_other = move |tab| move || of.tab.get() != tab;
+    let shown = Signal::derive(move || of.newest_run());
+    let kept = of.kept;
     view! {
         <div class="experiments">
             <div class="tabs" role="tablist" aria-label=tr!("Experiments")>
@@ -71,9 +78,40 @@ pub(crate) fn ExperimentsPanel(of: Experiments) -> impl IntoView {
                         <StepsTable of />
                     </div>
                     <Curves of />
+                    <RunChart kept shown />
+                </div>
+                <div class="experiment-results">
+                    <RunFigures kept shown />
                 </div>
             </div>
+            <div
+                class="experiment"
+                role="tabpanel"
+                id=panel_of(ExperimentTab::Runs)
+                aria-labelledby=tab_id(ExperimentTab::Runs.key())
+                hidden=dynamic(is_other(ExperimentTab::Runs))
+            >
+                <RunsTab kept />
+            </div>
+            <div
+                class="experiment"
+                role="tabpanel"
+                id=panel_of(ExperimentTab::Code)
+                aria-labelledby=tab_id(ExperimentTab::Code.key())
+                hidden=dynamic(is_other(ExperimentTab::Code))
+            >
+                <CodeTab of />
+            </div>
         </div>
+    }
+}
+
+/// The id of the panel that a tab opens. The studies share one.
+fn panel_of(tab: ExperimentTab) -> &'static str {
+    match tab {
+        ExperimentTab::Runs => "panel-experiment-runs",
+        ExperimentTab::Code => "panel-experiment-code",
+        _ => PANEL,
     }
 }
 
@@ -87,7 +125,7 @@ fn tab_button(of: Experiments, tab: ExperimentTab) -> impl IntoView {
             class="tab"
             class:working=dynamic(works)
             id=tab_id(tab.key())
-            aria-controls=PANEL
+            aria-controls=panel_of(tab)
             aria-selected=dynamic(move || if selected() { "true" } else { "false" })
             tabindex=dynamic(move || if selected() { "0" } else { "-1" })
             on:click=handler(move |_| of.tab.set(tab))

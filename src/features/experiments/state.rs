@@ -5,6 +5,7 @@ use std::rc::Rc;
 use leptos::prelude::*;
 use motorlink_messages::{
     experiments::{
+        kept::RunHeader,
         plan::{Fleet, Plan},
         runner::{Options, Phase, Record},
         sequence::{RunLimits, Sequence, SequenceError, Template},
@@ -16,6 +17,7 @@ use motorlink_messages::{
 use crate::{
     features::experiments::{
         chart::Live,
+        kept::KeptRuns,
         table::{self, Row},
     },
     model::{names_and_sides::NamesAndSides, page::Page, snapshot::Session},
@@ -154,6 +156,8 @@ pub(crate) struct Experiments {
     /// Rises when the curves have changed.
     pub(super) live_drawn: RwSignal<u32>,
     /// The last run that has ended.
+    /// The runs that the browser keeps.
+    pub(super) kept: KeptRuns,
     pub(super) finished: RwSignal<Option<Rc<Finished>>, LocalStorage>,
     pub(super) fleet: Memo<Fleet>,
     /// Computed only when the question or the motors change: a long table takes a while.
@@ -186,6 +190,7 @@ impl Experiments {
                     record: StoredValue::new_local(Record::default()),
                     live: StoredValue::new_local(Live::default()),
                     live_drawn: RwSignal::new(0),
+                    kept: KeptRuns::of_page(owner),
                     finished: RwSignal::new_local(None),
                     fleet: memo(move || fleet(page)),
                     checked: RwSignal::new(None),
@@ -207,6 +212,18 @@ impl Experiments {
             ExperimentTab::Characterise => Some(self.characterise.get()),
             ExperimentTab::Runs | ExperimentTab::Code => None,
         }
+    }
+
+    /// The newest run of the study that the open tab shows: its number, or nothing.
+    pub(super) fn newest_run(self) -> Vec<u32> {
+        let Some(kind) = self.kind() else {
+            return Vec::new();
+        };
+        self.kept.list.with(|list| {
+            let is_same = |run: &&RunHeader| run.study().is_some_and(|it| it.kind() == kind);
+            let newest = list.iter().find(is_same);
+            newest.map(|run| run.number).into_iter().collect()
+        })
     }
 
     /// What is asked with the fields of the open tab.

@@ -239,6 +239,7 @@ pub(super) fn not_started(why: StartRefusal) -> String {
             "Motor {id} has not reported its angle. Wait for telemetry.",
             id
         ),
+        StartRefusal::TooLate => tr!("The page was not responding. Press Run again.").to_owned(),
     }
 }
 
