@@ -13,7 +13,7 @@ use motorlink_messages::{
     decode, encode,
     experiments::{
         plan::Plan,
-        runner::{Cause, End, Options, Phase, Record, RecordPart},
+        runner::{Cause, End, Options, Phase, RecordPart},
         study::Study,
     },
     protocol::{Instant, Mode, MotorId},
@@ -24,7 +24,7 @@ use crate::{
     features::experiments::{
         chart::Live,
         kept::NewRun,
-        state::{Armed, Experiments, Finished, Shown},
+        state::{Armed, Experiments, Shown},
         table, texts,
     },
     model::{guards::drive_blocked_by, runs, snapshot::Session},
@@ -235,13 +235,11 @@ impl Experiments {
         if let Some(began) = state.began
             && !has_ended
         {
-            let is_new = self
-                .record
-                .with_value(|record| record.began_at() != Some(began));
+            let is_new = self.began.get_value() != Some(began);
             if is_new {
                 self.begin(&armed.plan);
                 self.keep(&armed, began);
-                self.record.update_value(|record| record.began(began));
+                self.began.set_value(Some(began));
                 self.live.update_value(|live| live.began(began));
             }
         }
@@ -254,7 +252,6 @@ impl Experiments {
     }
 
     fn begin(self, plan: &Plan) {
-        self.record.set_value(Record::default());
         self.live.set_value(Live::of(plan));
     }
 
@@ -290,14 +287,12 @@ impl Experiments {
                 live.add(sample);
             }
         });
-        self.kept.add_part(self.run.get_value(), part.clone());
-        self.record.update_value(|record| record.add_part(part));
+        self.kept.add_part(self.run.get_value(), part);
         self.live_drawn
             .update(|drawn| *drawn = drawn.wrapping_add(1));
     }
 
     fn finish(self, armed: &Armed, end: End, has_begun: bool) {
-        self.record.update_value(|record| record.ended(end));
         let row = match end {
             End::Aborted {
                 cause: Cause::WaitTimedOut { step },
@@ -308,12 +303,6 @@ impl Experiments {
         self.said.set(texts::end(end, row));
         if has_begun {
             self.kept.end(armed.run, end);
-            let record = self.record.try_update_value(std::mem::take);
-            self.finished.set(Some(Rc::new(Finished {
-                study: armed.study.clone(),
-                record: record.unwrap_or_default(),
-                options: armed.options,
-            })));
         }
     }
 

@@ -7,10 +7,11 @@ use motorlink_messages::{
     experiments::{
         kept::RunHeader,
         plan::{Fleet, Plan},
-        runner::{Options, Phase, Record},
+        runner::{Options, Phase},
         sequence::{RunLimits, Sequence, SequenceError, Template},
         study::{Study, StudyKind},
     },
+    protocol::Instant,
     runs::RunState,
 };
 
@@ -122,13 +123,6 @@ pub(super) struct Armed {
     pub(super) options: Options,
 }
 
-/// A run that has ended, with all that was recorded.
-pub(crate) struct Finished {
-    pub(crate) study: Study,
-    pub(crate) record: Record,
-    pub(crate) options: Options,
-}
-
 /// The state of the panel. It stays through a change of language and while the panel is closed.
 #[derive(Clone, Copy)]
 pub(crate) struct Experiments {
@@ -150,7 +144,8 @@ pub(crate) struct Experiments {
     /// The number of the last run.
     pub(super) run: StoredValue<u32>,
     pub(super) armed: RwSignal<Option<Rc<Armed>>, LocalStorage>,
-    pub(super) record: StoredValue<Record, LocalStorage>,
+    /// When the last run began.
+    pub(super) began: StoredValue<Option<Instant>>,
     /// The curves of the present run.
     pub(super) live: StoredValue<Live, LocalStorage>,
     /// Rises when the curves have changed.
@@ -158,7 +153,6 @@ pub(crate) struct Experiments {
     /// The last run that has ended.
     /// The runs that the browser keeps.
     pub(super) kept: KeptRuns,
-    pub(super) finished: RwSignal<Option<Rc<Finished>>, LocalStorage>,
     pub(super) fleet: Memo<Fleet>,
     /// Computed only when the question or the motors change: a long table takes a while.
     pub(super) checked: RwSignal<Checked>,
@@ -187,11 +181,10 @@ impl Experiments {
                     said: RwSignal::default(),
                     run: StoredValue::new(0),
                     armed: RwSignal::new_local(None),
-                    record: StoredValue::new_local(Record::default()),
+                    began: StoredValue::new(None),
                     live: StoredValue::new_local(Live::default()),
                     live_drawn: RwSignal::new(0),
                     kept: KeptRuns::of_page(owner),
-                    finished: RwSignal::new_local(None),
                     fleet: memo(move || fleet(page)),
                     checked: RwSignal::new(None),
                 };
