@@ -242,6 +242,7 @@ async fn the_tabs_follow_the_arrow_keys_and_each_study_can_be_armed() {
         .await;
     bench.enter("To", "80");
     bench.enter("Repeats", "2");
+    pause(100).await;
     let (_, sequence) = arm(&bench).await;
     assert!(sequence.to_json().contains("80"), "{}", sequence.to_json());
     bench.find("tab", "Step response").focus().unwrap();
