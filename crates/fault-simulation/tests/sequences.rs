@@ -30,13 +30,14 @@ fn the_rules_hold_while_sequences_run() {
         by_motor,
         by_machine,
         by_plan,
+        by_trap,
     } = runs;
     println!(
-        "| random sequences in worlds that fail, {seeds} seeds, {started} runs | no broken rule; {finished} finished, {by_person} ended by a person, {by_motor} by a motor, {by_machine} by page, port or machine, {by_plan} by the plan |"
+        "| random sequences in worlds that fail, {seeds} seeds, {started} runs | no broken rule; {finished} finished, {by_person} ended by a person, {by_motor} by a motor, {by_machine} by page, port or machine, {by_plan} by the plan, {by_trap} by a trap of their program |"
     );
-    let ended = finished + by_person + by_motor + by_machine + by_plan;
+    let ended = finished + by_person + by_motor + by_machine + by_plan + by_trap;
     assert!(ended <= started, "{runs:?}");
-    for times in [finished, by_person, by_motor, by_machine, by_plan] {
+    for times in [finished, by_person, by_motor, by_machine, by_plan, by_trap] {
         assert!(times >= EACH, "{runs:?}");
     }
 }
