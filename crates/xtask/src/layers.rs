@@ -34,7 +34,7 @@ const CRATES: [&[&str]; 10] = [
     ],
     &["motorlink-protocol"],
     // What needs nothing of ours.
-    &["motorlink-web-server", "udev-shim"],
+    &["motorlink-markup", "motorlink-web-server", "udev-shim"],
 ];
 
 /// The modules of a crate, and which of them each one uses.
