@@ -21,6 +21,8 @@ use motorlink_runs::{Host, Input, Line, Program};
 
 /// How often the person acts: motors may still be switching their loop, or the line is busy.
 const ACTS_EVERY: Duration = Duration::from_millis(50);
+/// How long the person waits until the motors have switched their loop.
+const SWITCHED_AFTER: Duration = Duration::from_millis(500);
 /// A person who could not start for so long gives up.
 const GIVES_UP_AFTER: Duration = Duration::from_secs(5);
 
@@ -253,6 +255,7 @@ impl SequenceRun {
             Person::Arms => self.arm.clone(),
             Person::Switches => {
                 self.person = Person::Starts;
+                self.person_acts = Some(now + SWITCHED_AFTER);
                 let mode = self.mode;
                 let switch = |id: &MotorId| Command::SwitchMode { id: *id, mode };
                 let Some(bus) = bus else {
