@@ -14,6 +14,42 @@ use crate::exchange::{Act, Input, LineState, Output};
 /// before the tick, and the new one would wait until the line is free.
 const EARLY: Duration = Duration::from_micros(100);
 
+/// What a run does on the line. The bus implements it; the fault simulation looks on.
+pub trait Line {
+    /// See [`Bus::command`].
+    ///
+    /// # Errors
+    /// As there.
+    fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal>;
+
+    /// See [`Bus::follow_plan`].
+    ///
+    /// # Errors
+    /// As there.
+    fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal>;
+
+    /// Whether the motor is driven.
+    fn drives(&self, now: Instant, id: MotorId) -> bool;
+}
+
+impl Line for Bus {
+    fn command(&mut self, now: Instant, command: Command) -> Result<(), Refusal> {
+        self.command(now, command)
+    }
+
+    fn follow_plan(&mut self, now: Instant, setpoints: &GroupSetpoints) -> Result<(), Refusal> {
+        self.follow_plan(now, setpoints)
+    }
+
+    fn drives(&self, now: Instant, id: MotorId) -> bool {
+        let mut motors = self.motors(now);
+        motors.any(|motor| {
+            let stands = matches!(motor.activity, Activity::Idle | Activity::Stopping { .. });
+            motor.id == id && !stands
+        })
+    }
+}
+
 /// The program has failed. Its motors have been stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Failed;
@@ -85,7 +121,7 @@ impl Host {
         &mut self,
         now: Instant,
         mut input: Input,
-        mut bus: Option<&mut Bus>,
+        mut bus: Option<&mut impl Line>,
         of_person: BusSettings,
         mut call: impl FnMut(Instant, &Input) -> Option<Output>,
     ) -> Result<(), Failed> {
@@ -101,7 +137,7 @@ impl Host {
             self.wake = output.wake;
             let driven = match (output.act, &mut bus) {
                 (Act::Start { setpoints, rate }, Some(bus)) => {
-                    self.start(now, bus, of_person, setpoints, rate)
+                    self.start(now, &mut **bus, of_person, setpoints, rate)
                 }
                 (Act::Follow(setpoints), Some(bus)) if self.driving.is_some() => {
                     bus.follow_plan(now, &setpoints)
@@ -127,7 +163,7 @@ impl Host {
     fn start(
         &mut self,
         now: Instant,
-        bus: &mut Bus,
+        bus: &mut impl Line,
         of_person: BusSettings,
         setpoints: GroupSetpoints,
         rate: CommandRate,
@@ -140,18 +176,12 @@ impl Host {
     }
 
     /// Stops the motors of the run that are still driven, and restores the person's settings. Does not ask the program.
-    pub fn stop(&mut self, now: Instant, bus: Option<&mut Bus>, of_person: BusSettings) {
+    pub fn stop(&mut self, now: Instant, bus: Option<&mut impl Line>, of_person: BusSettings) {
         let (Some(driving), Some(bus)) = (self.driving.take(), bus) else {
             return;
         };
         for (id, _) in driving.motors.entries() {
-            let mut motors = bus.motors(now);
-            let is_driven = motors.any(|motor| {
-                let stands = matches!(motor.activity, Activity::Idle | Activity::Stopping { .. });
-                motor.id == id && !stands
-            });
-            drop(motors);
-            if is_driven {
+            if bus.drives(now, id) {
                 // A stop is never refused.
                 let _: Result<(), Refusal> = bus.command(now, Command::Stop(id));
             }
@@ -210,12 +240,5 @@ impl Host {
             },
             _ => None,
         }
-    }
-
-    /// Whether the run drives this motor.
-    #[must_use]
-    pub fn drives(&self, id: MotorId) -> bool {
-        let driving = self.driving.as_ref();
-        driving.is_some_and(|driving| driving.motors.has(id))
     }
 }

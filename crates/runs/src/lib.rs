@@ -20,5 +20,5 @@ mod program;
 mod report;
 
 pub use exchange::{Act, Input, LineState, Output};
-pub use host::{Failed, Host};
+pub use host::{Failed, Host, Line};
 pub use program::Program;

@@ -3,7 +3,8 @@
 //! The first one controls the motors, not the page: browsers slow down the timers of a hidden page, and
 //! a busy page is late, but a worker's loop is not affected. The recorder keeps the packet log and the
 //! recording in a second worker, so that slow work there delays neither frames nor the screen. A third one
-//! writes, reads and replays session files; it is started when it is used. They are separate programs (`src/bin/`), so
+//! writes, reads and replays session files; it is started when it is used. The runs of experiments are a program that the
+//! first one loads into its own thread. They are separate programs (`src/bin/`), so
 //! that the page loads first. The messages between the page and the workers are in `motorlink-messages`.
 //!
 //! | file | what it holds |

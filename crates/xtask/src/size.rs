@@ -88,7 +88,7 @@ const PARTS: [Part; 18] = [
     // takes 39,700: the state of the bus behind its replies, the rows of the packet log, and the player.
     part("session worker", When::Asked, &["sessions-"], 178_500),
     // The sequence, the plan, the run and its record. The port worker loads it when the first run is armed.
-    part("runs", When::Asked, &["runs-"], 60_000),
+    part("runs", When::Asked, &["runs-"], 80_500),
     part(
         "installing",
         When::Offline,
